@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# How a module, a test and the sanitizers are declared.
+
+set(TREPHINE_SANITIZE "" CACHE STRING "Sanitizers to build with, as -fsanitize= takes them")
+if(TREPHINE_SANITIZE)
+  add_compile_options(-fsanitize=${TREPHINE_SANITIZE} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${TREPHINE_SANITIZE})
+endif()
+
+find_program(CCACHE ccache)
+if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  # The sloppiness is what ccache asks for to cache files that use a precompiled header.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
+      CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${CCACHE})
+  add_compile_options(-fpch-preprocess)
+endif()
+
+# trephine_module(NAME [DEPENDS modules] [PUBLIC targets] [PRIVATE targets] [PCH headers])
+# Every .cpp of the folder is compiled into the static library trephine_NAME. DEPENDS names modules above it in design.md;
+# third-party libraries go to PRIVATE, so that their headers reach nobody else.
+function(trephine_module name)
+  cmake_parse_arguments(M "" "" "DEPENDS;PUBLIC;PRIVATE;PCH" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  add_library(trephine_${name} STATIC ${sources})
+  target_include_directories(trephine_${name} PUBLIC ${PROJECT_SOURCE_DIR}/lib)
+  foreach(d ${M_DEPENDS})
+    target_link_libraries(trephine_${name} PUBLIC trephine_${d})
+  endforeach()
+  target_link_libraries(trephine_${name} PUBLIC ${M_PUBLIC} PRIVATE ${M_PRIVATE})
+  if(M_PCH)
+    target_precompile_headers(trephine_${name} PRIVATE ${M_PCH})
+  endif()
+endfunction()
+
+# trephine_test(NAME modules...): tests/NAME_test.cpp (and tests/NAME_*_test.cpp) against the modules, run by CTest.
+function(trephine_test name)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}_test.cpp
+       ${CMAKE_CURRENT_SOURCE_DIR}/${name}_*_test.cpp)
+  add_executable(${name}_test ${sources})
+  target_link_libraries(${name}_test PRIVATE trephine_test_main)
+  foreach(m ${ARGN})
+    target_link_libraries(${name}_test PRIVATE trephine_${m})
+  endforeach()
+  gtest_discover_tests(${name}_test TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+                       PROPERTIES TIMEOUT 600)
+endfunction()

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "base/progress.h"
+
+namespace trephine {
+
+/// The bounded child process: danger (decoders with live asserts, foreign importers, booleans that crash or hang) runs in
+/// a spawned copy of this program with limits on memory, CPU and wall clock, core size 0 and no signal handlers of ours;
+/// the request and the result travel in shared memory. The parent always survives, kills what is left, and reports.
+///
+/// A worker is a function registered under a name at static initialization:
+///   static const ChildWorker decode_worker("dicom-decode", [](ChildRequest& r) { ... });
+/// main() of every program and test calls run_child_if_asked(argc, argv) before anything else.
+/// (A static library's registrations are dropped by the linker unless something else in that file is used: keep the
+/// registration in the .cpp of the parent's own function that calls run_child.)
+
+struct ChildLimits {
+  std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< address space (RLIMIT_AS)
+  double cpu_s = 300;                                   ///< RLIMIT_CPU
+  double wall_s = 600;                                  ///< SIGKILL after it
+};
+
+/// What a worker sees: the request's bytes, a sink for the result, and a way to say how far it is.
+class ChildRequest {
+ public:
+  virtual ~ChildRequest() = default;
+  virtual std::string_view request() const = 0;
+  virtual void write(const void* data, std::size_t size) = 0;  ///< appends to the result
+  virtual void report(double fraction) = 0;                    ///< also shows that the worker is alive
+};
+
+struct ChildWorker {
+  ChildWorker(const char* name, std::function<void(ChildRequest&)> function);
+};
+
+/// The result: a read-only mapping of what the worker wrote, released with the object.
+class ChildResult {
+ public:
+  ChildResult() = default;
+  ChildResult(const char* data, std::size_t size) : data_(data), size_(size) {}
+  ChildResult(ChildResult&&) noexcept;
+  ChildResult& operator=(ChildResult&&) noexcept;
+  ~ChildResult();
+  std::string_view bytes() const { return {data_, size_}; }
+
+ private:
+  const char* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// Runs the worker and waits. An Error that the worker throws arrives as the same Error (code, file, field, what).
+/// Throws Error 70 where the child dies, or exceeds a limit (the what says which: "killed by signal 6", "memory limit
+/// 512 MiB", "wall clock limit 60 s"); Cancelled where `progress` says so. No child outlives the call, nor a killed parent
+/// (PR_SET_PDEATHSIG).
+ChildResult run_child(const std::string& worker, std::string_view request, const ChildLimits& limits,
+                      const Progress& progress = {});
+
+/// In the child: runs the worker and ends the process. In the parent: returns.
+void run_child_if_asked(int argc, char** argv);
+
+}  // namespace trephine

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "base/exit_code.h"
+
+namespace trephine {
+
+/// The one error type: who must act (the exit code), where (file; tag, field or stage), and what (value, limit or what to
+/// do). It is printed as one line, `trephine <tool>: <case token>: <file>: <field>: <what>`, empty parts left out.
+///
+/// Whoever throws fills in what it knows; callers add the rest on the way up with `in_file`, `in_field`, `in_case`, which
+/// keep what is already there. No part may ever hold a patient's name, ID or UID.
+class Error : public std::runtime_error {
+ public:
+  Error(ExitCode code, std::string file, std::string field, const std::string& what);
+
+  ExitCode code() const { return code_; }
+  const std::string& case_token() const { return case_token_; }
+  const std::string& file() const { return file_; }
+  const std::string& field() const { return field_; }
+
+  Error& in_case(const std::string& token);   ///< sets the case token if none is known
+  Error& in_file(const std::string& file);    ///< sets the file if none is known
+  Error& in_field(const std::string& field);  ///< sets the field, or prefixes "field: " where an inner one is known
+
+  /// The line without a newline; control characters are replaced, so that a hostile file cannot forge a second line.
+  std::string line(const std::string& program_and_tool) const;
+
+ private:
+  ExitCode code_;
+  std::string case_token_, file_, field_;
+};
+
+/// Runs f(); an Error that passes through gets the field added. The usual way to say which stage it was.
+template <class F>
+auto with_field(const std::string& field, F&& f) {
+  try {
+    return std::forward<F>(f)();
+  } catch (Error& e) {
+    e.in_field(field);
+    throw;
+  }
+}
+
+/// Thrown by Progress when the user cancelled; not an Error, so that nothing mistakes it for one and goes on.
+struct Cancelled {};
+
+}  // namespace trephine

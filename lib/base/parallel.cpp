@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/parallel.h"
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <memory>
+#include <thread>
+
+namespace trephine {
+namespace {
+
+std::unique_ptr<tbb::global_control> g_limit;
+int g_count = 0;
+
+int cores() { return std::max(1u, std::thread::hardware_concurrency()); }
+
+}  // namespace
+
+void set_thread_count(int count) {
+  g_count = count > 0 ? count : cores();
+  g_limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, g_count);
+}
+
+int thread_count() { return g_count > 0 ? g_count : cores(); }
+
+void parallel_for(std::int64_t begin, std::int64_t end, std::int64_t grain,
+                  const std::function<void(std::int64_t, std::int64_t)>& body) {
+  if (end <= begin) return;
+  grain = std::max<std::int64_t>(1, grain);
+  const std::int64_t pieces = (end - begin + grain - 1) / grain;
+  tbb::parallel_for(std::int64_t{0}, pieces, [&](std::int64_t i) {
+    const std::int64_t from = begin + i * grain;
+    body(from, std::min(end, from + grain));
+  });
+}
+
+}  // namespace trephine

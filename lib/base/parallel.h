@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <functional>
+
+namespace trephine {
+
+/// Bounds the threads that our own loops (and all else that runs on TBB, VTK's SMP filters among it) may use, for the
+/// rest of the process; 0 means one per core. Modules that own a library with a pool of its own read thread_count().
+void set_thread_count(int count);
+int thread_count();
+
+/// Calls body(from, to) for pieces of [begin, end) of at most `grain` items, on up to thread_count() threads. The pieces
+/// are the same whatever the thread count: a body that writes only its own items, or a result per piece, is deterministic.
+/// An exception of one piece is rethrown after all running pieces ended.
+void parallel_for(std::int64_t begin, std::int64_t end, std::int64_t grain,
+                  const std::function<void(std::int64_t from, std::int64_t to)>& body);
+
+}  // namespace trephine

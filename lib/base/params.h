@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace trephine {
+
+/// Parameters are declared once. An options struct lists its members in a static `describe` (a visitor over members; the
+/// default is the member's initializer and stands nowhere else):
+///
+///   struct DecimateParams {
+///     double max_deviation_mm = 0.2;
+///     template <class V> static void describe(V& v) {
+///       using P = DecimateParams;
+///       v.number(&P::max_deviation_mm, "max_deviation_mm", Range{0, 5}, "Largest two-sided distance to the input.");
+///     }
+///   };
+///
+/// parameters_of<P>() turns that into a list of type-erased descriptors; the CLI flag (--max-deviation-mm), the YAML key,
+/// validation, help, reference page, JSON schema, completion and the manifest of effective values all come from it.
+
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+};
+
+enum class ParameterKind { number, integer, flag, choice, text, numbers };
+
+/// choice holds its name, numbers a fixed count of doubles.
+using ParameterValue = std::variant<double, std::int64_t, bool, std::string, std::vector<double>>;
+
+struct Parameter {
+  std::string name;                   ///< snake_case, ends in its unit
+  std::string help;                   ///< one line
+  ParameterKind kind = ParameterKind::number;
+  Range range;                        ///< number, integer, numbers
+  std::vector<std::string> choices;   ///< choice
+  std::size_t count = 0;              ///< numbers: how many
+  std::function<ParameterValue(const void* params)> get;
+  std::function<void(void* params, const ParameterValue&)> set;  ///< the value must have passed parse_parameter
+};
+
+/// The value's text, as in a manifest or a help page: 0.2, true, "threshold", [1, 2, 3].
+std::string to_text(const ParameterValue& value);
+
+/// Reads one value; lists are given as their items. Returns the fault ("must be a number between 0 and 5") or "".
+std::string parse_parameter(const Parameter& parameter, const std::vector<std::string>& items, ParameterValue& value);
+
+/// "number, 0 to 5, default 0.2": what help and reference pages say of it.
+std::string describe_parameter(const Parameter& parameter, const ParameterValue& default_value);
+
+/// A struct's descriptors with its name erased.
+struct ParameterSet {
+  std::vector<Parameter> parameters;
+  const Parameter* find(const std::string& name) const;
+  std::vector<std::string> names() const;
+};
+
+namespace detail {
+
+template <class P>
+class Collector {
+ public:
+  explicit Collector(ParameterSet& out) : out_(out) {}
+
+  void number(double P::*m, const char* name, Range range, const char* help) {
+    add(name, help, ParameterKind::number, range,
+        [m](const P& p) { return ParameterValue(p.*m); }, [m](P& p, const ParameterValue& v) { p.*m = std::get<double>(v); });
+  }
+  template <class I>
+  void integer(I P::*m, const char* name, Range range, const char* help) {
+    add(name, help, ParameterKind::integer, range,
+        [m](const P& p) { return ParameterValue(static_cast<std::int64_t>(p.*m)); },
+        [m](P& p, const ParameterValue& v) { p.*m = static_cast<I>(std::get<std::int64_t>(v)); });
+  }
+  void flag(bool P::*m, const char* name, const char* help) {
+    add(name, help, ParameterKind::flag, {},
+        [m](const P& p) { return ParameterValue(p.*m); }, [m](P& p, const ParameterValue& v) { p.*m = std::get<bool>(v); });
+  }
+  void text(std::string P::*m, const char* name, const char* help) {
+    add(name, help, ParameterKind::text, {}, [m](const P& p) { return ParameterValue(p.*m); },
+        [m](P& p, const ParameterValue& v) { p.*m = std::get<std::string>(v); });
+  }
+  template <class E>
+  void choice(E P::*m, const char* name, std::vector<std::pair<std::string, E>> choices, const char* help) {
+    auto& p = add(name, help, ParameterKind::choice, {},
+        [m, choices](const P& p) {
+          for (const auto& c : choices)
+            if (c.second == p.*m) return ParameterValue(c.first);
+          return ParameterValue(std::string());
+        },
+        [m, choices](P& p, const ParameterValue& v) {
+          for (const auto& c : choices)
+            if (c.first == std::get<std::string>(v)) p.*m = c.second;
+        });
+    for (const auto& c : choices) p.choices.push_back(c.first);
+  }
+  template <std::size_t N>
+  void numbers(std::array<double, N> P::*m, const char* name, Range range, const char* help) {
+    auto& p = add(name, help, ParameterKind::numbers, range,
+        [m](const P& p) { return ParameterValue(std::vector<double>((p.*m).begin(), (p.*m).end())); },
+        [m](P& p, const ParameterValue& v) {
+          const auto& items = std::get<std::vector<double>>(v);
+          for (std::size_t i = 0; i < N; ++i) (p.*m)[i] = items[i];
+        });
+    p.count = N;
+  }
+
+ private:
+  template <class Get, class Set>
+  Parameter& add(const char* name, const char* help, ParameterKind kind, Range range, Get get, Set set) {
+    Parameter p;
+    p.name = name;
+    p.help = help;
+    p.kind = kind;
+    p.range = range;
+    p.get = [get](const void* q) { return get(*static_cast<const P*>(q)); };
+    p.set = [set](void* q, const ParameterValue& v) { set(*static_cast<P*>(q), v); };
+    out_.parameters.push_back(std::move(p));
+    return out_.parameters.back();
+  }
+  ParameterSet& out_;
+};
+
+}  // namespace detail
+
+template <class P>
+const ParameterSet& parameters_of() {
+  static const ParameterSet set = [] {
+    ParameterSet s;
+    detail::Collector<P> c(s);
+    P::describe(c);
+    return s;
+  }();
+  return set;
+}
+
+/// A params object with its type erased, as the stage registry, YAML and the CLI carry it.
+struct AnyParams {
+  const ParameterSet* set = nullptr;
+  std::shared_ptr<void> object;
+
+  template <class P>
+  static AnyParams make(P defaults = {}) {
+    return {&parameters_of<P>(), std::make_shared<P>(std::move(defaults))};
+  }
+  template <class P>
+  const P& as() const { return *static_cast<const P*>(object.get()); }
+  ParameterValue get(const Parameter& p) const { return p.get(object.get()); }
+};
+
+}  // namespace trephine

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <atomic>
+#include <functional>
+#include <string>
+
+namespace trephine {
+
+/// How a long function says how far it is and hears that it should stop. Cheap to call from inner loops (every row or
+/// slice, not every voxel); safe from several threads. A default-made one reports nowhere and is never cancelled.
+class Progress {
+ public:
+  using Sink = std::function<void(double fraction)>;
+  Progress() = default;
+  /// `cancel` may be null; it must outlive this object.
+  Progress(Sink sink, const std::atomic<bool>* cancel) : sink_(std::move(sink)), cancel_(cancel) {}
+
+  /// Says that `fraction` (0 to 1) of the work is done. Throws Cancelled once the user asked to stop.
+  void report(double fraction) const;
+  /// Throws Cancelled once the user asked to stop.
+  void check() const;
+  bool cancelled() const { return cancel_ && cancel_->load(std::memory_order_relaxed); }
+  /// The part [from, to] of this progress, for a step of a longer function.
+  Progress part(double from, double to) const;
+
+ private:
+  Sink sink_;
+  const std::atomic<bool>* cancel_ = nullptr;
+};
+
+/// Set by SIGINT and SIGTERM after install_signal_handlers(); a second signal ends the process at once.
+const std::atomic<bool>& cancel_requested();
+void install_signal_handlers();
+
+}  // namespace trephine

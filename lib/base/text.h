@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace trephine {
+
+/// Numbers as text whatever the locale (std::to_chars, from_chars), the shortest form that reads back to the same value.
+std::string to_text(double v);
+/// The whole text must be one finite decimal number ("1e-3" allowed; "010", "0x8", ".nan", "1,5", " 1" are not).
+std::optional<double> parse_number(std::string_view text);
+std::optional<long long> parse_integer(std::string_view text);
+
+/// The name nearest to `name` by edit distance, or empty where none is near enough to be a slip of the finger.
+std::string nearest_name(std::string_view name, const std::vector<std::string>& known);
+
+}  // namespace trephine

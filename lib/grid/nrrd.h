@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <map>
+#include <string>
+#include <variant>
+
+#include "grid/grid.h"
+
+namespace trephine {
+
+/// NRRD 4 (teem.sourceforge.net/nrrd/format.html), 3 axes, one attached file, space left-posterior-superior, encoding raw
+/// or gzip, little endian. Only the fields that the format needs and the `keys` given are written: size, spacing, origin,
+/// direction and nothing of a patient.
+using NrrdKeys = std::map<std::string, std::string>;
+enum class NrrdEncoding { raw, gzip };
+
+/// Through the checked writer (base/write_file.h); throws 73 and 74. Gzip output holds no time or name.
+void write_nrrd(const std::filesystem::path& file, const HuVolume& volume, const NrrdKeys& keys = {},
+                NrrdEncoding encoding = NrrdEncoding::raw);
+void write_nrrd(const std::filesystem::path& file, const Mask& mask, const NrrdKeys& keys = {},
+                NrrdEncoding encoding = NrrdEncoding::gzip);
+
+using AnyGrid = std::variant<Grid<std::int16_t>, Grid<float>, Grid<std::uint8_t>>;
+struct Nrrd {
+  AnyGrid grid;
+  NrrdKeys keys;
+};
+/// Reads what write_nrrd wrote and what 3D Slicer and ITK write of the same types (spaces LPS and RAS; int16, uint8,
+/// float, and uint16, int32, double converted where exact or to float). Throws 66; 65 naming the field: wrong dimension,
+/// sizes that disagree with the bytes there (checked before anything is allocated), spacing not positive and finite,
+/// directions not orthogonal, voxels not finite.
+Nrrd read_nrrd(const std::filesystem::path& file);
+
+/// read_nrrd for a caller that needs HU, or a field; a mask is converted.
+HuVolume read_hu_nrrd(const std::filesystem::path& file);
+/// A mask (uint8) becomes a field of -0.5 and 0.5.
+Field read_field_nrrd(const std::filesystem::path& file);
+Mask read_mask_nrrd(const std::filesystem::path& file);
+
+}  // namespace trephine
