@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "surface/trimesh.h"
+
+namespace trephine {
+
+/// For each point the triangles that use it, in ascending order, as one flat list. Indices must be in range. A triangle
+/// with a repeated index is listed once a corner.
+struct Incidence {
+  std::vector<std::uint32_t> begin;  ///< points + 1 offsets into `triangle`
+  std::vector<std::uint32_t> triangle;
+
+  explicit Incidence(const TriMesh& mesh);
+};
+
+/// One use of an undirected edge by a triangle, seen from its lower point.
+struct EdgeUse {
+  std::uint32_t other;  ///< the higher point
+  std::uint32_t triangle;
+  bool forward;  ///< the triangle runs from the lower point to the higher
+};
+
+/// Calls visit(lower point, first use, past the last use) for each undirected edge, in ascending order of its points.
+/// Triangles with a repeated index have no edges.
+template <class Visit>
+void for_each_edge(const TriMesh& mesh, const Incidence& incidence, Visit&& visit) {
+  std::vector<EdgeUse> uses;
+  for (std::uint32_t p = 0; p < mesh.points_mm.size(); ++p) {
+    uses.clear();
+    for (std::uint32_t n = incidence.begin[p]; n < incidence.begin[p + 1]; ++n) {
+      const std::uint32_t t = incidence.triangle[n];
+      const auto& v = mesh.triangles[t];
+      if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
+      const int corner = v[0] == p ? 0 : v[1] == p ? 1 : 2;
+      const std::uint32_t next = v[(corner + 1) % 3], previous = v[(corner + 2) % 3];
+      if (next > p) uses.push_back({next, t, true});
+      if (previous > p) uses.push_back({previous, t, false});
+    }
+    std::stable_sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) { return a.other < b.other; });
+    for (auto from = uses.begin(); from != uses.end();) {
+      auto to = from;
+      while (to != uses.end() && to->other == from->other) ++to;
+      visit(p, from, to);
+      from = to;
+    }
+  }
+}
+
+/// Disjoint sets over 0..n-1 with path halving; the representative is the lowest member.
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t n) : parent_(n) {
+    for (std::size_t i = 0; i < n; ++i) parent_[i] = static_cast<std::uint32_t>(i);
+  }
+  std::uint32_t find(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void unite(std::uint32_t a, std::uint32_t b) {
+    a = find(a);
+    b = find(b);
+    if (a < b) parent_[b] = a;
+    if (b < a) parent_[a] = b;
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+}  // namespace trephine

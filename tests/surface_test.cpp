@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The plain mesh: what topology_of says of meshes whose faults are known, and the component helpers.
+#include "surface/trimesh.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "base/error.h"
+
+namespace trephine {
+namespace {
+
+TriMesh tetrahedron(Vec3 at = {}, double size = 1) {
+  TriMesh m;
+  m.points_mm = {at, at + Vec3{size, 0, 0}, at + Vec3{0, size, 0}, at + Vec3{0, 0, size}};
+  m.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  return m;
+}
+
+void append(TriMesh& to, const TriMesh& from) {
+  const auto base = static_cast<std::uint32_t>(to.points_mm.size());
+  to.points_mm.insert(to.points_mm.end(), from.points_mm.begin(), from.points_mm.end());
+  for (const auto& t : from.triangles) to.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+}
+
+/// A torus of n x n quads.
+TriMesh torus(std::uint32_t n) {
+  TriMesh m;
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t j = 0; j < n; ++j) {
+      const double a = 2 * M_PI * i / n, b = 2 * M_PI * j / n;
+      m.points_mm.push_back(
+          {(10 + 3 * std::cos(b)) * std::cos(a), (10 + 3 * std::cos(b)) * std::sin(a), 3 * std::sin(b)});
+    }
+  const auto at = [n](std::uint32_t i, std::uint32_t j) { return (i % n) * n + j % n; };
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t j = 0; j < n; ++j) {
+      m.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      m.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  return m;
+}
+
+TEST(Surface, TetrahedronIsClosedAndManifold) {
+  const TriMesh m = tetrahedron();
+  const Topology t = topology_of(m);
+  EXPECT_EQ(t.points, 4u);
+  EXPECT_EQ(t.edges, 6u);
+  EXPECT_TRUE(t.closed());
+  EXPECT_TRUE(t.manifold());
+  EXPECT_EQ(t.components, 1);
+  EXPECT_EQ(t.euler_characteristic, 2);
+  EXPECT_EQ(t.genus, 0);
+  EXPECT_EQ(t.degenerate_triangles, 0u);
+  EXPECT_NEAR(volume_mm3(m), 1.0 / 6, 1e-15);
+  EXPECT_NEAR(area_mm2(m), 1.5 + std::sqrt(3) / 2, 1e-14);
+}
+
+TEST(Surface, GenusAndComponents) {
+  TriMesh m = torus(20);
+  EXPECT_EQ(topology_of(m).genus, 1);
+  EXPECT_NEAR(volume_mm3(m), 2 * M_PI * M_PI * 10 * 9, 0.05 * 2 * M_PI * M_PI * 90);
+  append(m, torus(12));
+  append(m, tetrahedron());
+  const Topology t = topology_of(m);
+  EXPECT_EQ(t.components, 3);
+  EXPECT_EQ(t.genus, 2);
+}
+
+TEST(Surface, FaultsAreCounted) {
+  TriMesh open = tetrahedron();
+  open.triangles.pop_back();
+  EXPECT_EQ(topology_of(open).boundary_edges, 3u);
+  EXPECT_EQ(topology_of(open).genus, -1);
+
+  TriMesh flipped = tetrahedron();
+  std::swap(flipped.triangles[0][0], flipped.triangles[0][1]);
+  EXPECT_EQ(topology_of(flipped).misoriented_edges, 3u);
+
+  TriMesh doubled = tetrahedron();
+  doubled.triangles.push_back({2, 1, 0});
+  EXPECT_EQ(topology_of(doubled).duplicate_triangles, 1u);
+  EXPECT_EQ(topology_of(doubled).nonmanifold_edges, 3u);
+
+  TriMesh bow = tetrahedron();  // two tetrahedra that share one point
+  append(bow, tetrahedron());
+  for (std::size_t t = 4; t < 8; ++t)
+    for (auto& v : bow.triangles[t])
+      if (v == 4) v = 0;
+  const Topology b = topology_of(bow);
+  EXPECT_EQ(b.nonmanifold_points, 1u);
+  EXPECT_EQ(b.unused_points, 1u);
+  EXPECT_EQ(b.components, 2);
+  EXPECT_FALSE(b.manifold());
+  EXPECT_TRUE(b.closed());
+
+  TriMesh flat = tetrahedron();
+  flat.points_mm[3] = {0.5, 0.5, 0};
+  EXPECT_EQ(topology_of(flat).degenerate_triangles, 1u);
+  TriMesh repeated = tetrahedron();
+  repeated.triangles.push_back({1, 1, 2});
+  EXPECT_EQ(topology_of(repeated).degenerate_triangles, 1u);
+  EXPECT_TRUE(topology_of(repeated).closed());
+}
+
+TEST(Surface, ChecksWhatComesFromOutside) {
+  const auto fault = [](const TriMesh& m) -> std::string {
+    try {
+      check_mesh(m);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_input);
+      return e.field();
+    }
+    return "";
+  };
+  EXPECT_EQ(fault(tetrahedron()), "");
+  TriMesh m = tetrahedron();
+  m.points_mm[2].y = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(fault(m), "point 2");
+  m = tetrahedron();
+  m.triangles[1][2] = 4;
+  EXPECT_EQ(fault(m), "triangle 1");
+  m = tetrahedron();
+  m.normals.resize(3);
+  EXPECT_EQ(fault(m), "normals");
+  m.normals.resize(4);
+  m.normals[0].x = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(fault(m), "normal 0");
+  m = tetrahedron();
+  m.origin_mm.x = -std::numeric_limits<double>::infinity();
+  EXPECT_EQ(fault(m), "origin");
+}
+
+TEST(Surface, ComponentsAreLabelledInOrderAndSmallOnesDropped) {
+  TriMesh m = tetrahedron({0, 0, 0}, 1);
+  append(m, tetrahedron({5, 0, 0}, 3));
+  append(m, tetrahedron({10, 0, 0}, 2));
+  std::vector<int> label;
+  EXPECT_EQ(label_components(m, label), 3);
+  EXPECT_EQ(label, (std::vector<int>{0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2}));
+  TriMesh two = m;
+  EXPECT_EQ(keep_large_components(two, 1.0), 1);
+  EXPECT_EQ(two.points_mm.size(), 8u);
+  EXPECT_NEAR(volume_mm3(two), 27.0 / 6 + 8.0 / 6, 1e-12);
+  TriMesh one = m;
+  EXPECT_EQ(keep_large_components(one, 1e9), 2);  // the largest always stays
+  EXPECT_NEAR(volume_mm3(one), 27.0 / 6, 1e-12);
+  EXPECT_EQ(one.points_mm[0], (Vec3{5, 0, 0}));
+}
+
+TEST(Surface, BoundsAreOfTheWorld) {
+  TriMesh m = tetrahedron();
+  m.origin_mm = {100, 200, 300};
+  EXPECT_EQ(bounds_of(m).min_mm, (Vec3{100, 200, 300}));
+  EXPECT_EQ(bounds_of(m).max_mm, (Vec3{101, 201, 301}));
+}
+
+}  // namespace
+}  // namespace trephine
