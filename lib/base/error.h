@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/exit_code.h"
 
@@ -32,6 +33,17 @@ class Error : public std::runtime_error {
  private:
   ExitCode code_;
   std::string case_token_, file_, field_;
+};
+
+/// Several faults found at once, as a configuration has them; printed a line each. It stands for the first of them.
+class ErrorList : public Error {
+ public:
+  /// At least one.
+  explicit ErrorList(std::vector<Error> all) : Error(all.at(0)), all_(std::move(all)) {}
+  const std::vector<Error>& all() const { return all_; }
+
+ private:
+  std::vector<Error> all_;
 };
 
 /// Runs f(); an Error that passes through gets the field added. The usual way to say which stage it was.

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/yaml_document.h"
+
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/parser.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "base/text.h"
+#include "base/write_file.h"
+
+namespace trephine {
+namespace {
+
+constexpr std::uint64_t max_file_bytes = 1 << 20;
+constexpr std::size_t max_depth = 32;
+
+std::string position(const std::filesystem::path& file, int line, int column) {
+  return file.string() + ":" + std::to_string(line) + ":" + std::to_string(column);
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& file, int line, int column, const std::string& what) {
+  throw ErrorList({Error(ExitCode::bad_config, position(file, line, column), "", what)});
+}
+
+// Builds the tree from the parser's events; on the way it sees what yaml-cpp's own nodes hide (repeated keys, marks).
+class TreeBuilder : public YAML::EventHandler {
+ public:
+  TreeBuilder(const std::filesystem::path& file, YamlNode& root, ConfigFaults& faults)
+      : file_(file), root_(root), faults_(faults) {}
+
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { add(make(mark, YamlNode::Kind::null, "", anchor)); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
+    refuse(file_, mark.line + 1, mark.column + 1, "aliases (*name) are not allowed");
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, const std::string& value) override {
+    if (!tag.empty() && tag != "?" && tag != "!")
+      refuse(file_, mark.line + 1, mark.column + 1, "tags (!name) are not allowed");
+    YamlNode node = make(mark, YamlNode::Kind::scalar, value, anchor);
+    // A plain null or ~ is no value; a quoted one (tag "!") is the text.
+    if (tag != "!" && (value == "null" || value == "~")) node = make(mark, YamlNode::Kind::null, "", anchor);
+    add(std::move(node));
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    push(make(mark, YamlNode::Kind::list, "", anchor));
+  }
+  void OnSequenceEnd() override { pop(); }
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
+    push(make(mark, YamlNode::Kind::map, "", anchor));
+  }
+  void OnMapEnd() override { pop(); }
+
+ private:
+  struct Open {
+    YamlNode node, key;
+    bool has_key = false;
+  };
+
+  YamlNode make(const YAML::Mark& mark, YamlNode::Kind kind, const std::string& text, YAML::anchor_t anchor) {
+    if (anchor) refuse(file_, mark.line + 1, mark.column + 1, "anchors (&name) are not allowed");
+    YamlNode node;
+    node.kind = kind;
+    node.text = text;
+    node.line = mark.line + 1;
+    node.column = mark.column + 1;
+    return node;
+  }
+  void push(YamlNode node) {
+    if (open_.size() >= max_depth)
+      refuse(file_, node.line, node.column, "nested deeper than " + std::to_string(max_depth) + " levels");
+    open_.push_back({std::move(node), {}, false});
+  }
+  void pop() {
+    YamlNode node = std::move(open_.back().node);
+    open_.pop_back();
+    add(std::move(node));
+  }
+  void add(YamlNode node) {
+    if (open_.empty()) {
+      root_ = std::move(node);
+      return;
+    }
+    Open& parent = open_.back();
+    if (parent.node.kind == YamlNode::Kind::list) {
+      parent.node.items.push_back(std::move(node));
+    } else if (!parent.has_key) {
+      if (node.kind != YamlNode::Kind::scalar) refuse(file_, node.line, node.column, "a key must be a plain word");
+      parent.key = std::move(node);
+      parent.has_key = true;
+    } else {
+      if (parent.node.find(parent.key.text)) faults_.add(file_, parent.key, parent.key.text, "the key is repeated");
+      parent.node.entries.emplace_back(std::move(parent.key), std::move(node));
+      parent.has_key = false;
+    }
+  }
+
+  const std::filesystem::path& file_;
+  YamlNode& root_;
+  ConfigFaults& faults_;
+  std::vector<Open> open_;
+};
+
+}  // namespace
+
+const YamlNode* YamlNode::find(const std::string& key) const {
+  for (const auto& e : entries)
+    if (e.first.text == key) return &e.second;
+  return nullptr;
+}
+
+void ConfigFaults::add(const std::filesystem::path& file, const YamlNode& at, const std::string& key,
+                       const std::string& what) {
+  faults_.emplace_back(ExitCode::bad_config, position(file, at.line, at.column), key, what);
+}
+
+void ConfigFaults::raise() const {
+  if (!faults_.empty()) throw ErrorList(faults_);
+}
+
+YamlNode read_yaml(const std::filesystem::path& file) {
+  std::vector<char> bytes;
+  try {
+    bytes = read_file(file, max_file_bytes);
+  } catch (Error& e) {
+    if (e.code() == ExitCode::bad_input) refuse(file, 1, 1, "is larger than 1 MiB, no configuration is");
+    throw;
+  }
+  const std::string text(bytes.begin(), bytes.end());
+  const auto bad = std::find_if(text.begin(), text.end(), [](char c) {
+    const auto u = static_cast<unsigned char>(c);
+    return u == 0x7f || (u < 0x20 && c != '\n' && c != '\r' && c != '\t');
+  });
+  if (bad != text.end())
+    refuse(file, 1 + static_cast<int>(std::count(text.begin(), bad, '\n')), 1, "holds a control character: not a text file");
+
+  YamlNode root;
+  ConfigFaults faults;
+  try {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    TreeBuilder builder(file, root, faults);
+    parser.HandleNextDocument(builder);
+    YamlNode second;
+    TreeBuilder rest(file, second, faults);
+    if (parser.HandleNextDocument(rest)) refuse(file, second.line, second.column, "holds a second document");
+  } catch (const YAML::Exception& e) {
+    refuse(file, std::max(0, e.mark.line) + 1, std::max(0, e.mark.column) + 1, "is not YAML: " + e.msg);
+  }
+  faults.raise();
+  if (root.kind != YamlNode::Kind::map) refuse(file, root.line, root.column, "must hold keys and values");
+  return root;
+}
+
+MapReader::MapReader(const std::filesystem::path& file, const YamlNode& node, std::string where, ConfigFaults& faults)
+    : file_(file), node_(node), where_(std::move(where)), faults_(faults) {}
+
+void MapReader::fault(const YamlNode& at, const std::string& key, const std::string& what) {
+  faults_.add(file_, at, path_of(key), what);
+}
+
+void MapReader::finish() {
+  for (const auto& [key, value] : node_.entries) {
+    if (std::find(known_.begin(), known_.end(), key.text) != known_.end()) continue;
+    const std::string near = nearest_name(key.text, known_);
+    std::string all;
+    for (const std::string& k : known_) all += (all.empty() ? "" : ", ") + k;
+    fault(key, key.text, "unknown key, " + (near.empty() ? "known are " + all : "did you mean " + near + "?"));
+  }
+}
+
+const YamlNode* MapReader::any(const std::string& key) {
+  known_.push_back(key);
+  return node_.find(key);
+}
+
+const YamlNode* MapReader::map(const std::string& key) {
+  const YamlNode* node = any(key);
+  if (!node || node->kind == YamlNode::Kind::map) return node;
+  fault(*node, key, "must hold keys and values");
+  return nullptr;
+}
+
+const YamlNode* MapReader::list(const std::string& key) {
+  const YamlNode* node = any(key);
+  if (!node || node->kind == YamlNode::Kind::list) return node;
+  fault(*node, key, "must be a list");
+  return nullptr;
+}
+
+std::optional<std::string> MapReader::text(const std::string& key) {
+  const YamlNode* node = any(key);
+  if (!node) return {};
+  if (node->kind == YamlNode::Kind::scalar && !node->text.empty()) return node->text;
+  fault(*node, key, "must be a text");
+  return {};
+}
+
+std::optional<double> MapReader::number(const std::string& key, Range range) {
+  const YamlNode* node = any(key);
+  if (!node) return {};
+  const auto value = node->kind == YamlNode::Kind::scalar ? parse_number(node->text) : std::nullopt;
+  if (value && *value >= range.min && *value <= range.max) return value;
+  fault(*node, key,
+        (node->text.empty() ? "" : node->text + ", ") + "must be a number from " + to_text(range.min) + " to " +
+            to_text(range.max));
+  return {};
+}
+
+std::optional<std::vector<double>> MapReader::numbers(const std::string& key, std::size_t count, Range range) {
+  const YamlNode* node = any(key);
+  if (!node) return {};
+  std::vector<double> values;
+  for (const YamlNode& item : node->items) {
+    const auto value = item.kind == YamlNode::Kind::scalar ? parse_number(item.text) : std::nullopt;
+    if (value && *value >= range.min && *value <= range.max) values.push_back(*value);
+  }
+  if (node->kind == YamlNode::Kind::list && values.size() == count && node->items.size() == count) return values;
+  fault(*node, key,
+        "must be a list of " + std::to_string(count) + " numbers from " + to_text(range.min) + " to " + to_text(range.max));
+  return {};
+}
+
+void set_parameter(AnyParams& params, const Parameter& parameter, const std::filesystem::path& file, const YamlNode& value,
+                   const std::string& where, ConfigFaults& faults) {
+  std::vector<std::string> items;
+  std::string shown;
+  const bool is_list = value.kind == YamlNode::Kind::list;
+  if (value.kind == YamlNode::Kind::scalar) items.push_back(shown = value.text);
+  for (const YamlNode& item : value.items) items.push_back(item.text);
+  ParameterValue parsed;
+  std::string fault;
+  if (is_list != (parameter.kind == ParameterKind::numbers) || (!is_list && value.kind != YamlNode::Kind::scalar))
+    fault = describe_parameter(parameter, parameter.get(params.object.get())) + " is expected";
+  else
+    fault = parse_parameter(parameter, items, parsed);
+  if (fault.empty())
+    parameter.set(params.object.get(), parsed);
+  else
+    faults.add(file, value, where, (shown.empty() ? "" : shown + ", ") + fault);
+}
+
+}  // namespace trephine

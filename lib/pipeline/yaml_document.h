@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "base/params.h"
+
+namespace trephine {
+
+/// A YAML file as a plain tree in which every node knows where it stood. Scalars stay text: `010`, `.nan` and `0,5` are
+/// judged by the parameter that they are for, not by YAML's guess. Anchors, aliases, tags and several documents in a file
+/// are refused: a configuration has no use for them.
+struct YamlNode {
+  enum class Kind { null, scalar, list, map } kind = Kind::null;
+  std::string text;                                    ///< scalar
+  std::vector<YamlNode> items;                         ///< list
+  std::vector<std::pair<YamlNode, YamlNode>> entries;  ///< map, in the file's order; keys are scalars
+  int line = 1, column = 1;
+
+  const YamlNode* find(const std::string& key) const;
+};
+
+/// All faults of a configuration at once, each an Error 78 of its own (file:line:column, key, what).
+class ConfigFaults {
+ public:
+  /// `position` is "file:line:column"; what names the value and what is allowed.
+  void add(const std::filesystem::path& file, const YamlNode& at, const std::string& key, const std::string& what);
+  void add(Error fault) { faults_.push_back(std::move(fault)); }
+  bool empty() const { return faults_.empty(); }
+  /// Throws ErrorList where there are faults.
+  void raise() const;
+
+ private:
+  std::vector<Error> faults_;
+};
+
+/// Reads and parses. Throws 66 where the file is missing; ErrorList (78) with line and column for a syntax error, a
+/// repeated key, nesting above 32, a file above 1 MiB or bytes that are not UTF-8 text.
+YamlNode read_yaml(const std::filesystem::path& file);
+
+/// Reads a map whose keys are known in advance: unknown keys are faults that name the nearest known one, and every node is
+/// checked to be of the kind that its reader wants.
+class MapReader {
+ public:
+  /// `where` is the key path to this map, for messages ("anatomies.skull").
+  MapReader(const std::filesystem::path& file, const YamlNode& node, std::string where, ConfigFaults& faults);
+  /// Faults for the keys that nobody asked for.
+  void finish();
+
+  const YamlNode* any(const std::string& key);
+  const YamlNode* map(const std::string& key);
+  const YamlNode* list(const std::string& key);
+  std::optional<std::string> text(const std::string& key);
+  std::optional<double> number(const std::string& key, Range range);
+  std::optional<std::vector<double>> numbers(const std::string& key, std::size_t count, Range range);
+  /// A fault where the key is absent.
+  template <class T>
+  T required(std::optional<T> value, const std::string& key) {
+    if (value) return *value;
+    if (!node_.find(key)) fault(node_, key, "is missing");
+    return T{};
+  }
+  void fault(const YamlNode& at, const std::string& key, const std::string& what);
+  std::string path_of(const std::string& key) const { return where_.empty() ? key : where_ + "." + key; }
+
+ private:
+  const std::filesystem::path& file_;
+  const YamlNode& node_;
+  std::string where_;
+  ConfigFaults& faults_;
+  std::vector<std::string> known_;
+};
+
+/// Sets one parameter from a YAML value (a scalar, or a list of scalars). A fault is added where it does not fit.
+void set_parameter(AnyParams& params, const Parameter& parameter, const std::filesystem::path& file, const YamlNode& value,
+                   const std::string& where, ConfigFaults& faults);
+
+}  // namespace trephine

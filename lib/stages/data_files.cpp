@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages/data_files.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "grid/nrrd.h"
+#include "meshio/vtp.h"
+
+namespace trephine {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const ParameterValue& value) {
+  return std::visit([](const auto& v) { return Json(v); }, value);
+}
+
+ParameterValue value_of(const Json& j) {
+  if (j.is_boolean()) return j.get<bool>();
+  if (j.is_number_integer()) return j.get<std::int64_t>();
+  if (j.is_number()) return j.get<double>();
+  if (j.is_string()) return j.get<std::string>();
+  return j.get<std::vector<double>>();
+}
+
+}  // namespace
+
+const char* file_extension(DataKind kind) {
+  return kind == DataKind::mesh ? ".vtp" : kind == DataKind::nothing ? ".json" : ".nrrd";
+}
+
+void save_data(const std::filesystem::path& file, const StageData& data) {
+  const bool is_mesh = std::holds_alternative<std::shared_ptr<const TriMesh>>(data);
+  const char* extension = file_extension(is_mesh ? DataKind::mesh : DataKind::field);
+  if (file.extension() != extension)
+    throw Error(ExitCode::usage, file.string(), "output", std::string("must end in ") + extension);
+  if (const auto* volume = std::get_if<std::shared_ptr<const HuVolume>>(&data))
+    write_nrrd(file, **volume, {{"content", "HU"}});
+  else if (const auto* field = std::get_if<std::shared_ptr<const Field>>(&data))
+    write_nrrd(file, HuVolume(**field), {{"content", "field"}});
+  else if (const auto* mesh = std::get_if<std::shared_ptr<const TriMesh>>(&data))
+    write_vtp(file, **mesh);
+}
+
+StageData load_data(const std::filesystem::path& file, DataKind kind) {
+  switch (kind) {
+    case DataKind::volume: return std::make_shared<const HuVolume>(read_hu_nrrd(file));
+    case DataKind::field: return std::make_shared<const Field>(read_field_nrrd(file));
+    case DataKind::mesh: return std::make_shared<const TriMesh>(read_vtp(file));
+    case DataKind::nothing: break;
+  }
+  return {};
+}
+
+std::string report_json(const Report& report) {
+  Json j = Json::object();
+  for (const auto& [name, value] : report.figures) j[name] = json_of(value);
+  j["warnings"] = report.warnings;
+  return j.dump(2) + "\n";
+}
+
+std::string report_text(const Report& report) {
+  std::size_t width = 0;
+  for (const auto& f : report.figures) width = std::max(width, f.first.size());
+  std::string text;
+  for (const auto& [name, value] : report.figures)
+    text += name + std::string(width - name.size() + 2, ' ') + to_text(value) + "\n";
+  for (const std::string& w : report.warnings) text += "warning: " + w + "\n";
+  return text;
+}
+
+Report parse_report_json(const std::string& json) {
+  Report report;
+  try {
+    const Json parsed = Json::parse(json);
+    for (const auto& item : parsed.items())
+      if (item.key() == "warnings")
+        report.warnings = item.value().get<std::vector<std::string>>();
+      else
+        report.figures.emplace_back(item.key(), value_of(item.value()));
+  } catch (const nlohmann::json::exception&) {
+    throw Error(ExitCode::bad_input, "", "report", "is no report of ours");
+  }
+  return report;
+}
+
+}  // namespace trephine

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages/stage.h"
+
+namespace trephine {
+
+const char* to_text(DataKind kind) {
+  switch (kind) {
+    case DataKind::volume: return "volume";
+    case DataKind::field: return "field";
+    case DataKind::mesh: return "surface";
+    case DataKind::nothing: return "report";
+  }
+  return "";
+}
+
+const Port* StageType::find_port(const std::string& port) const {
+  for (const Port& p : ports)
+    if (p.name == port) return &p;
+  return nullptr;
+}
+
+const std::vector<StageType>& stage_types() {
+  static const std::vector<StageType> types = {segment_stage(), contour_stage(), decimate_stage(),
+                                               smooth_stage(),  normals_stage(), measure_stage()};
+  return types;
+}
+
+const StageType* find_stage(const std::string& name) {
+  for (const StageType& t : stage_types())
+    if (t.name == name) return &t;
+  return nullptr;
+}
+
+}  // namespace trephine

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+#include "surface/trimesh.h"
+
+namespace trephine {
+
+/// A stage is a library function with its parameters declared and its inputs named, so that `run` (data in memory) and the
+/// single tools (data in files) call one and the same thing. One stage a file in this folder.
+
+enum class DataKind { volume, field, mesh, nothing };
+const char* to_text(DataKind kind);
+
+/// What stages hand each other; shared, never modified once made.
+using StageData = std::variant<std::monostate, std::shared_ptr<const HuVolume>, std::shared_ptr<const Field>,
+                               std::shared_ptr<const TriMesh>>;
+
+/// An input of a stage. The first port of a stage takes the output of the stage before it in a recipe.
+struct Port {
+  std::string name;
+  DataKind kind = DataKind::volume;
+  bool required = true;
+  std::string help;
+};
+
+struct StageInputs {
+  std::map<std::string, StageData> by_port;
+
+  /// Null where the port was left open. The kind is the port's (checked before the stage runs).
+  template <class T>
+  const T* get(const std::string& port) const {
+    const auto found = by_port.find(port);
+    if (found == by_port.end()) return nullptr;
+    const auto* data = std::get_if<std::shared_ptr<const T>>(&found->second);
+    return data ? data->get() : nullptr;
+  }
+};
+
+struct StageType {
+  std::string name;
+  int version = 1;  ///< raised whenever the same inputs and parameters give other bytes: part of the cache's key
+  std::string summary, description;
+  std::vector<Port> ports;
+  DataKind output = DataKind::mesh;
+  std::function<AnyParams()> make_params;
+  /// Fills the report, also with what it could not do. Throws Error (field: what went wrong in the stage) and Cancelled.
+  std::function<StageData(const AnyParams&, const StageInputs&, Report&, const Progress&)> run;
+
+  const Port* find_port(const std::string& port) const;
+};
+
+/// All stages that work on data, in the order of a recipe.
+const std::vector<StageType>& stage_types();
+const StageType* find_stage(const std::string& name);
+
+StageType segment_stage();
+StageType contour_stage();
+StageType decimate_stage();
+StageType smooth_stage();
+StageType normals_stage();
+StageType measure_stage();
+
+}  // namespace trephine
