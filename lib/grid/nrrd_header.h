@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "grid/grid.h"
+#include "grid/nrrd.h"
+
+namespace trephine::detail {
+
+enum class NrrdType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+std::size_t bytes_of(NrrdType type);
+
+struct NrrdHeader {
+  Lattice lattice;  ///< LPS, checked: sizes positive, spacing positive and finite, direction orthonormal
+  NrrdType type = NrrdType::int16;
+  bool big_endian = false, gzip = false;
+  NrrdKeys keys;
+};
+
+/// The header with its closing empty line. `type` is int16, uint8 or float32.
+std::string nrrd_header_text(const Lattice& lattice, NrrdType type, NrrdEncoding encoding, const NrrdKeys& keys);
+
+/// Parses the text before the empty line. Throws Error 65 naming the field, without a file.
+NrrdHeader parse_nrrd_header(std::string_view text);
+
+/// One gzip member without time and name. The same bytes whatever the thread count.
+std::string gzip_compress(std::string_view bytes);
+/// Inflates one member of exactly `size` bytes into `out` (null: only checks that it is so).
+/// Throws Error 65 where it is damaged, or longer or shorter.
+void gzip_expand(std::string_view compressed, char* out, std::uint64_t size);
+
+}  // namespace trephine::detail
