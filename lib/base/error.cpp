@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
 
+#include "base/text.h"
+
 namespace trephine {
 
 Error::Error(ExitCode code, std::string file, std::string field, const std::string& what)
@@ -26,9 +28,7 @@ std::string Error::line(const std::string& program_and_tool) const {
   for (const std::string* part : {&case_token_, &file_, &field_})
     if (!part->empty()) text += ": " + *part;
   text += std::string(": ") + what();
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  return text;
+  return printable(text);
 }
 
 }  // namespace trephine

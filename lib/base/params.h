@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -50,7 +51,7 @@ struct Parameter {
 /// The value's text, as in a manifest or a help page: 0.2, true, "threshold", [1, 2, 3].
 std::string to_text(const ParameterValue& value);
 
-/// Reads one value; lists are given as their items. Returns the fault ("must be a number between 0 and 5") or "".
+/// Reads one value; lists are given as their items. Returns the fault ("must be a number from 0 to 5") or "".
 std::string parse_parameter(const Parameter& parameter, const std::vector<std::string>& items, ParameterValue& value);
 
 /// "number, 0 to 5, default 0.2": what help and reference pages say of it.
@@ -76,6 +77,8 @@ class Collector {
   }
   template <class I>
   void integer(I P::*m, const char* name, Range range, const char* help) {
+    range.min = std::max(range.min, static_cast<double>(std::numeric_limits<I>::lowest()));
+    range.max = std::min(range.max, static_cast<double>(std::numeric_limits<I>::max()));
     add(name, help, ParameterKind::integer, range,
         [m](const P& p) { return ParameterValue(static_cast<std::int64_t>(p.*m)); },
         [m](P& p, const ParameterValue& v) { p.*m = static_cast<I>(std::get<std::int64_t>(v)); });

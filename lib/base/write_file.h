@@ -13,7 +13,10 @@ namespace trephine {
 ///
 /// Throws Error 73 where the temporary file cannot be created (missing or read-only folder), 74 where writing, syncing or
 /// renaming fails (disk full); the temporary file is removed and the old target is left as it was. Mode 0644 less umask.
-/// Without a commit() the destructor removes the temporary file.
+/// (Only where the last fsync, of the folder, fails is the new file already in place: 74 then means "perhaps not durable".)
+/// Without a commit() the destructor removes the temporary file. A target that is a symbolic link is written through; a
+/// device or pipe (/dev/stdout) is written straight; SIGXFSZ is ignored from the first FileWriter on, so that a limit on
+/// file sizes is a 74 like a full disk.
 class FileWriter {
  public:
   explicit FileWriter(std::filesystem::path target);
@@ -28,8 +31,8 @@ class FileWriter {
 
  private:
   [[noreturn]] void fail(const char* step);
-  std::filesystem::path target_, temporary_;
-  int fd_ = -1;
+  std::filesystem::path target_, temporary_;  ///< temporary_ is empty for a device and once it is renamed
+  int fd_ = -1, folder_fd_ = -1;
   std::uint64_t bytes_ = 0;
 };
 
@@ -46,7 +49,18 @@ void make_output_folder(const std::filesystem::path& folder);
 /// The temporary names that FileWriter uses in a folder begin with this; what a killed process left behind is found by it.
 constexpr const char* temporary_prefix = ".trephine-tmp-";
 
-/// Removes temporary files in the folder whose process no longer runs on this host. Returns how many.
+/// Removes temporary files in the folder whose process no longer runs on this host and that nobody, on another host or in
+/// another container, holds locked (a FileWriter locks its file). Returns how many.
 int remove_stale_temporaries(const std::filesystem::path& folder);
+
+/// The system calls of FileWriter, so that a test can make any of them fail. The same signatures and errno as in libc.
+struct FileCalls {
+  int (*open)(const char* path, int flags, unsigned mode);
+  long (*write)(int fd, const void* data, std::size_t size);
+  int (*fsync)(int fd);
+  int (*close)(int fd);
+  int (*rename)(const char* from, const char* to);
+};
+FileCalls& file_calls();
 
 }  // namespace trephine

@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The parent's side. The child's is in child_worker.cpp, what they share in child_protocol.h.
+#include "base/child.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/child_protocol.h"
+#include "base/error.h"
+#include "base/file_descriptor.h"
+#include "base/parallel.h"
+#include "base/text.h"
+
+extern char** environ;
+
+namespace trephine {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+[[noreturn]] void fail(const std::string& worker, const std::string& what) {
+  throw Error(ExitCode::internal, "", worker, what);
+}
+
+void check(const std::string& worker, bool good, const char* step) {
+  if (!good) fail(worker, std::string("cannot start a child process: ") + step + ": " + std::strerror(errno));
+}
+
+// Moved above the numbers that the child gets, so that one dup2 there cannot overwrite the source of another.
+FileDescriptor moved_up(const std::string& worker, int fd, const char* step) {
+  const FileDescriptor low(fd);
+  check(worker, low.valid(), step);
+  FileDescriptor high(::fcntl(low.get(), F_DUPFD_CLOEXEC, 16));
+  check(worker, high.valid(), "dup");
+  return high;
+}
+
+FileDescriptor memory_file(const std::string& worker, const char* name) {
+  return moved_up(worker, ::memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING), "memfd");
+}
+
+void write_all(const std::string& worker, int fd, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd, bytes.data(), std::min<std::size_t>(bytes.size(), std::size_t{1} << 26));
+    if (n < 0 && errno == EINTR) continue;
+    check(worker, n > 0, "passing the request");
+    bytes.remove_prefix(static_cast<std::size_t>(n));
+  }
+}
+
+// A running child; whatever leaves the scope, nothing of it stays.
+class Process {
+ public:
+  explicit Process(pid_t pid) : pid_(pid) {}
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+  ~Process() { end(); }
+
+  // True once it ended; status as waitpid gives it.
+  bool ended(int& status) {
+    if (pid_ > 0) {
+      pid_t r;
+      do r = ::waitpid(pid_, &status_, WNOHANG);
+      while (r < 0 && errno == EINTR);
+      if (r == 0) return false;
+      ::kill(-pid_, SIGKILL);  // whatever it started itself
+      pid_ = 0;
+      if (r < 0) status_ = W_EXITCODE(0, SIGKILL);
+    }
+    status = status_;
+    return true;
+  }
+  void end() {
+    if (pid_ <= 0) return;
+    ::kill(pid_, SIGKILL);
+    ::kill(-pid_, SIGKILL);
+    while (::waitpid(pid_, &status_, 0) < 0 && errno == EINTR) {
+    }
+    pid_ = 0;
+  }
+
+ private:
+  pid_t pid_;
+  int status_ = 0;
+};
+
+struct SpawnSettings {
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+  SpawnSettings() {
+    posix_spawn_file_actions_init(&actions);
+    posix_spawnattr_init(&attributes);
+  }
+  ~SpawnSettings() {
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+  }
+};
+
+pid_t spawn(const std::string& worker, const ChildLimits& limits, int request, int result, int pipe) {
+  SpawnSettings s;
+  int error = 0;
+  const auto also = [&error](int e) { error = error ? error : e; };
+  also(posix_spawn_file_actions_addopen(&s.actions, 0, "/dev/null", O_RDONLY, 0));
+  also(posix_spawn_file_actions_addopen(&s.actions, 1, "/dev/null", O_WRONLY, 0));
+  // What libraries say may hold a patient's data; only a sanitizer's report has to be seen.
+  if (!built_with_sanitizer) also(posix_spawn_file_actions_addopen(&s.actions, 2, "/dev/null", O_WRONLY, 0));
+  also(posix_spawn_file_actions_adddup2(&s.actions, request, child_request_fd));
+  also(posix_spawn_file_actions_adddup2(&s.actions, result, child_result_fd));
+  also(posix_spawn_file_actions_adddup2(&s.actions, pipe, child_pipe_fd));
+  also(posix_spawn_file_actions_addclosefrom_np(&s.actions, child_pipe_fd + 1));
+
+  sigset_t all, none;
+  sigfillset(&all);
+  sigemptyset(&none);
+  also(posix_spawnattr_setsigdefault(&s.attributes, &all));
+  also(posix_spawnattr_setsigmask(&s.attributes, &none));
+  // A group of its own: Ctrl-C reaches the parent alone, which then kills the child.
+  also(posix_spawnattr_setpgroup(&s.attributes, 0));
+  also(posix_spawnattr_setflags(&s.attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP));
+
+  std::vector<std::string> words = {"trephine",
+                                    child_argument,
+                                    worker,
+                                    std::to_string(limits.memory_bytes),
+                                    std::to_string(static_cast<long long>(std::ceil(std::max(1.0, limits.cpu_s)))),
+                                    std::to_string(::getpid()),
+                                    std::to_string(thread_count())};
+  std::vector<char*> arguments;
+  for (auto& w : words) arguments.push_back(w.data());
+  arguments.push_back(nullptr);
+  pid_t pid = -1;
+  also(error ? error : posix_spawn(&pid, "/proc/self/exe", &s.actions, &s.attributes, arguments.data(), environ));
+  errno = error;
+  check(worker, error == 0, "spawn");
+  return pid;
+}
+
+// Takes what the pipe holds apart. The child may have lost its mind: nothing of it is trusted.
+class Messages {
+ public:
+  void add(const char* data, std::size_t size) { buffer_.append(data, size); }
+
+  // Calls progress with the newest fraction and keeps an error or the word that all is done.
+  void take(const Progress& progress, const std::string& worker) {
+    double fraction = -1;
+    std::size_t at = 0;
+    while (buffer_.size() - at >= sizeof(ChildMessage)) {
+      ChildMessage m;
+      std::memcpy(&m, buffer_.data() + at, sizeof m);
+      if (m.size > child_message_limit) fail(worker, "the child sent nonsense");
+      if (buffer_.size() - at - sizeof m < m.size) break;
+      const std::string_view body(buffer_.data() + at + sizeof m, m.size);
+      at += sizeof m + m.size;
+      if (m.kind == ChildMessage::progress && body.size() == sizeof fraction) {
+        std::memcpy(&fraction, body.data(), sizeof fraction);
+      } else if (m.kind == ChildMessage::done) {
+        done = true;
+      } else if (m.kind == ChildMessage::error) {
+        parts = unpack_child_error(body);
+      }
+    }
+    buffer_.erase(0, at);
+    if (fraction >= 0 && fraction <= 1) progress.report(fraction);
+  }
+
+  bool done = false;
+  std::vector<std::string> parts;  // code, case, file, field, what
+
+ private:
+  std::string buffer_;
+};
+
+[[noreturn]] void throw_child_error(const std::string& worker, const std::vector<std::string>& parts) {
+  const auto code = parse_integer(parts[0]);
+  constexpr ExitCode known[] = {ExitCode::usage,         ExitCode::bad_input, ExitCode::no_input, ExitCode::internal,
+                                ExitCode::cannot_create, ExitCode::io,        ExitCode::busy,     ExitCode::bad_config,
+                                ExitCode::quality,       ExitCode::privacy};
+  for (const ExitCode k : known)
+    if (code && static_cast<int>(k) == *code) {
+      Error e(k, parts[2], parts[3], parts[4]);
+      if (!parts[1].empty()) e.in_case(parts[1]);
+      throw e;
+    }
+  fail(worker, "the child sent an error of an unknown kind");
+}
+
+std::string how_it_died(int status, const ChildLimits& limits) {
+  if (WIFSIGNALED(status)) {
+    const int number = WTERMSIG(status);
+    if (number == SIGXCPU) return "CPU time limit " + to_text(std::ceil(std::max(1.0, limits.cpu_s))) + " s reached";
+    if (number == SIGXFSZ) return "its result is larger than the " + child_memory_limit_text(limits.memory_bytes);
+    return "the child was killed by signal " + std::to_string(number) + (number == SIGKILL ? " (out of memory?)" : "");
+  }
+  return "the child ended with status " + std::to_string(WEXITSTATUS(status)) + " and no result";
+}
+
+ChildResult map_result(const std::string& worker, int fd) {
+  // From here on nobody can shrink it under the mapping, whatever still holds it.
+  check(worker, ::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE) == 0, "sealing the result");
+  struct stat s {};
+  check(worker, ::fstat(fd, &s) == 0, "the result's size");
+  if (s.st_size == 0) return {};
+  const auto size = static_cast<std::size_t>(s.st_size);
+  void* data = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, fd, 0);
+  check(worker, data != MAP_FAILED, "mapping the result");
+  return {static_cast<const char*>(data), size};
+}
+
+}  // namespace
+
+ChildResult::ChildResult(ChildResult&& other) noexcept
+    : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+
+ChildResult& ChildResult::operator=(ChildResult&& other) noexcept {
+  std::swap(data_, other.data_);
+  std::swap(size_, other.size_);
+  return *this;
+}
+
+ChildResult::~ChildResult() {
+  if (data_) ::munmap(const_cast<char*>(data_), size_);
+}
+
+ChildResult run_child(const std::string& worker, std::string_view request, const ChildLimits& limits,
+                      const Progress& progress) {
+  progress.check();
+  const FileDescriptor request_file = memory_file(worker, "trephine-request");
+  write_all(worker, request_file.get(), request);
+  check(worker, ::fcntl(request_file.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE) == 0, "seal");
+  const FileDescriptor result_file = memory_file(worker, "trephine-result");
+  int ends[2];
+  check(worker, ::pipe2(ends, O_CLOEXEC) == 0, "pipe");
+  const FileDescriptor read_end(ends[0]);
+  FileDescriptor write_end = moved_up(worker, ends[1], "pipe");
+  check(worker, ::fcntl(read_end.get(), F_SETFL, O_NONBLOCK) == 0, "pipe");
+
+  const auto deadline = Clock::now() + std::chrono::duration<double>(limits.wall_s);
+  Process process(spawn(worker, limits, request_file.get(), result_file.get(), write_end.get()));
+  write_end.reset();
+
+  Messages messages;
+  bool open = true, ended = false;
+  int status = 0;
+  // After its end what the pipe still holds is read once more.
+  while (!ended) {
+    if (open) {
+      pollfd p{read_end.get(), POLLIN, 0};
+      ::poll(&p, 1, 20);
+    } else {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ended = process.ended(status);
+    char buffer[1 << 16];
+    ssize_t n = 0;
+    while (open && (n = ::read(read_end.get(), buffer, sizeof buffer)) != 0) {
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) break;
+      messages.add(buffer, static_cast<std::size_t>(n));
+      messages.take(progress, worker);
+      progress.check();
+      if (Clock::now() > deadline) break;
+    }
+    if (n == 0) open = false;
+    progress.check();
+    if (!ended && Clock::now() > deadline) fail(worker, "wall clock limit " + to_text(limits.wall_s) + " s reached");
+  }
+  if (messages.parts.size() == 5) throw_child_error(worker, messages.parts);
+  if (!messages.done || !WIFEXITED(status) || WEXITSTATUS(status) != 0) fail(worker, how_it_died(status, limits));
+  return map_result(worker, result_file.get());
+}
+
+}  // namespace trephine

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <unistd.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <utility>
+
+namespace trephine {
+
+/// Owns a file descriptor; -1 is none. For base's own sources.
+class FileDescriptor {
+ public:
+  FileDescriptor() = default;
+  explicit FileDescriptor(int fd) : fd_(fd) {}
+  FileDescriptor(FileDescriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  ~FileDescriptor() { reset(); }
+  int get() const { return fd_; }
+  bool valid() const { return fd_ >= 0; }
+  void reset() {
+    if (fd_ >= 0) ::close(fd_);
+    fd_ = -1;
+  }
+
+ private:
+  int fd_ = -1;
+};
+
+/// A regular file opened for reading, with its size. Throws as read_file does.
+struct InputFile {
+  FileDescriptor fd;
+  std::uint64_t size = 0;
+};
+InputFile open_input(const std::filesystem::path& file, std::uint64_t max_bytes);
+
+/// Reads at most `size` bytes, 0 at the end of the file; 74 where that fails.
+std::size_t read_some(int fd, void* data, std::size_t size, const std::filesystem::path& file);
+
+}  // namespace trephine

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+namespace trephine {
+namespace {
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// Length of the digits at the start of `text`.
+std::size_t digits(std::string_view text) {
+  std::size_t n = 0;
+  while (n < text.size() && is_digit(text[n])) ++n;
+  return n;
+}
+
+// JSON's grammar: -?(0|[1-9][0-9]*)(.[0-9]+)?([eE][+-]?[0-9]+)?
+bool is_number(std::string_view text, bool integer_only) {
+  if (!text.empty() && text[0] == '-') text.remove_prefix(1);
+  const std::size_t whole = digits(text);
+  if (whole == 0 || (whole > 1 && text[0] == '0')) return false;
+  text.remove_prefix(whole);
+  if (integer_only) return text.empty();
+  if (!text.empty() && text[0] == '.') {
+    text.remove_prefix(1);
+    const std::size_t fraction = digits(text);
+    if (fraction == 0) return false;
+    text.remove_prefix(fraction);
+  }
+  if (!text.empty() && (text[0] == 'e' || text[0] == 'E')) {
+    text.remove_prefix(1);
+    if (!text.empty() && (text[0] == '+' || text[0] == '-')) text.remove_prefix(1);
+    const std::size_t exponent = digits(text);
+    if (exponent == 0) return false;
+    text.remove_prefix(exponent);
+  }
+  return text.empty();
+}
+
+template <class T>
+std::optional<T> convert(std::string_view text) {
+  T value{};
+  const auto r = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (r.ec != std::errc() || r.ptr != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+// Edits (insert, delete, replace, swap neighbours) from a to b: the optimal string alignment distance.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
+  for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i)
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  return d[a.size()][b.size()];
+}
+
+}  // namespace
+
+std::string to_text(double v) {
+  if (v == 0) return "0";
+  // Whole numbers stay plain ("80000", not "8e+04") as long as every digit is exact.
+  const bool plain = std::fabs(v) < 1e15 && v == std::trunc(v);
+  char buffer[32];
+  const auto r = plain ? std::to_chars(buffer, buffer + sizeof buffer, v, std::chars_format::fixed)
+                       : std::to_chars(buffer, buffer + sizeof buffer, v);
+  return std::string(buffer, r.ptr);
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  if (!is_number(text, false)) return std::nullopt;
+  return convert<double>(text);
+}
+
+std::optional<long long> parse_integer(std::string_view text) {
+  if (!is_number(text, true)) return std::nullopt;
+  return convert<long long>(text);
+}
+
+std::string printable(std::string_view text) {
+  std::string out(text);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const auto c = static_cast<unsigned char>(out[i]);
+    if (c < 0x20 || c == 0x7f) out[i] = '?';
+    // U+0080 to U+009F in UTF-8
+    if (c == 0xc2 && i + 1 < out.size() && (static_cast<unsigned char>(out[i + 1]) & 0xe0) == 0x80)
+      out.replace(i, 2, "?");
+  }
+  return out;
+}
+
+std::string nearest_name(std::string_view name, const std::vector<std::string>& known) {
+  const std::string* best = nullptr;
+  std::size_t best_distance = std::max<std::size_t>(1, name.size() / 3) + 1;
+  if (name.size() > 100) return "";
+  for (const std::string& k : known) {
+    // A forgotten unit or second word is a slip too.
+    const bool beginning = name.size() > 2 && k.size() > name.size() && k.compare(0, name.size(), name) == 0 &&
+                           (k[name.size()] == '_' || k[name.size()] == '-');
+    const std::size_t d = beginning ? 1 : edit_distance(name, k);
+    if (d < best_distance && d < std::max(name.size(), k.size())) {
+      best = &k;
+      best_distance = d;
+    }
+  }
+  return best ? *best : std::string();
+}
+
+}  // namespace trephine
