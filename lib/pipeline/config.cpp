@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/config.h"
+
+#include <algorithm>
+
+#include "base/text.h"
+#include "cases/case.h"
+#include "pipeline/yaml_document.h"
+
+namespace trephine {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* root_marker = "trephine.root";
+
+fs::path absolute_path(const fs::path& p) { return fs::weakly_canonical(fs::absolute(p)); }
+
+// The nearest folder above the config that holds the marker, else the config's own.
+fs::path root_of(const fs::path& config) {
+  const fs::path own = absolute_path(config).parent_path();
+  for (fs::path folder = own;; folder = folder.parent_path()) {
+    std::error_code ignored;
+    if (fs::exists(folder / root_marker, ignored)) return folder;
+    if (folder == folder.parent_path()) return own;
+  }
+}
+
+bool lies_in(const fs::path& path, const fs::path& root) {
+  const auto [r, p] = std::mismatch(root.begin(), root.end(), path.begin(), path.end());
+  return r == root.end() || (r->empty() && std::next(r) == root.end());
+}
+
+// Reads the three files of a case; every method adds its faults and goes on.
+class Reader {
+ public:
+  Reader(const fs::path& config, const ConfigOverrides& overrides) : config_(config), overrides_(overrides) {
+    roots_.push_back(root_of(config));
+    for (const fs::path& r : overrides.roots) roots_.push_back(absolute_path(r));
+  }
+
+  CaseConfig read() {
+    const YamlNode tree = read_yaml(config_);
+    MapReader map(config_, tree, "", faults_);
+    check_version(map, tree);
+    out_.case_token = map.text("case").value_or("");
+    if (!overrides_.case_token.empty()) out_.case_token = overrides_.case_token;
+    if (!out_.case_token.empty()) try {
+        validate_case_token(out_.case_token);
+      } catch (const Error& e) {
+        const YamlNode* at = tree.find("case");
+        faults_.add(config_, at ? *at : tree, "case", e.what());
+      }
+    out_.series = path_value(map, config_, "series", tree);
+    if (!overrides_.series.empty()) out_.series = overrides_.series;
+    const fs::path pipeline = required_file(map, "pipeline", tree), scene = required_file(map, "scene", tree);
+    AnyParams import = AnyParams::make<ImportParams>();
+    if (const YamlNode* node = map.map("import")) read_params(config_, *node, "import", import, {}, nullptr);
+    out_.import = import.as<ImportParams>();
+    read_landmarks(map);
+    const YamlNode* set = map.map("set");
+    map.finish();
+    if (!pipeline.empty()) read_recipe(pipeline);
+    if (!scene.empty() && !pipeline.empty()) read_scene(scene);
+    if (set && !pipeline.empty())
+      for (const auto& [key, value] : set->entries) set_by_path(config_, key, value);
+    for (const std::string& text : overrides_.set) set_from_text(text);
+    faults_.raise();
+    return std::move(out_);
+  }
+
+ private:
+  void check_version(MapReader& map, const YamlNode& tree) {
+    const YamlNode* node = map.any("trephine");
+    if (!node || node->text != "1")
+      map.fault(node ? *node : tree, "trephine", "must be 1, the version of the configuration's format");
+  }
+
+  fs::path path_value(MapReader& map, const fs::path& file, const std::string& key, const YamlNode& tree) {
+    const auto text = map.text(key);
+    if (!text) return {};
+    const fs::path path = absolute_path(fs::absolute(file).parent_path() / *text);
+    const bool allowed =
+        std::any_of(roots_.begin(), roots_.end(), [&](const fs::path& root) { return lies_in(path, root); });
+    if (allowed) return path;
+    map.fault(*tree.find(key), key, *text + ", leads out of the root " + roots_[0].string() + "; --root adds one");
+    return {};
+  }
+
+  fs::path required_file(MapReader& map, const std::string& key, const YamlNode& tree) {
+    const fs::path path = path_value(map, config_, key, tree);
+    if (!tree.find(key)) map.fault(tree, key, "is missing");
+    return path;
+  }
+
+  void read_landmarks(MapReader& map) {
+    const YamlNode* node = map.map("landmarks");
+    if (!node) return;
+    MapReader landmarks(config_, *node, "landmarks", faults_);
+    for (const auto& entry : node->entries)
+      if (const auto p = landmarks.numbers(entry.first.text, 3, {-1e5, 1e5}))
+        out_.landmarks.push_back({entry.first.text, {(*p)[0], (*p)[1], (*p)[2]}});
+  }
+
+  // Parameters of one stage, and its ports where it has any.
+  void read_params(const fs::path& file, const YamlNode& node, const std::string& where, AnyParams& params,
+                   const std::vector<Port>& ports, std::map<std::string, std::string>* sources) {
+    MapReader map(file, node, where, faults_);
+    for (const Parameter& p : params.set->parameters)
+      if (const YamlNode* value = map.any(p.name)) set_parameter(params, p, file, *value, where + "." + p.name, faults_);
+    for (const Port& port : ports)
+      if (const auto source = map.text(port.name)) (*sources)[port.name] = *source;
+    map.finish();
+  }
+
+  void read_recipe(const fs::path& file) {
+    const YamlNode tree = read_yaml(file);
+    MapReader map(file, tree, "", faults_);
+    check_version(map, tree);
+    const YamlNode* anatomies = map.map("anatomies");
+    if (!tree.find("anatomies")) map.fault(tree, "anatomies", "is missing");
+    map.finish();
+    if (!anatomies) return;
+    for (const auto& [key, node] : anatomies->entries) {
+      const std::string where = "anatomies." + key.text;
+      RecipeAnatomy anatomy;
+      anatomy.name = key.text;
+      if (!is_name(key.text)) faults_.add(file, key, where, "a name has letters a-z, digits and _ only");
+      if (node.kind != YamlNode::Kind::map) {
+        faults_.add(file, node, where, "must hold keys and values");
+        continue;
+      }
+      MapReader body(file, node, where, faults_);
+      if (const auto rgb = body.numbers("colour_rgb", 3, {0, 1})) anatomy.colour_rgb = {(*rgb)[0], (*rgb)[1], (*rgb)[2]};
+      anatomy.opacity_ratio = body.number("opacity_ratio", {0.05, 1}).value_or(anatomy.opacity_ratio);
+      if (const auto text = body.text("shows_face")) {
+        if (*text != "true" && *text != "false") body.fault(node, "shows_face", *text + ", must be true or false");
+        anatomy.shows_face = *text == "true";
+      }
+      if (const YamlNode* steps = body.list("stages")) read_steps(file, *steps, where, anatomy);
+      if (!node.find("stages")) body.fault(node, "stages", "is missing");
+      body.finish();
+      out_.anatomies.push_back(std::move(anatomy));
+    }
+    check_ports(file, *anatomies);
+  }
+
+  static bool is_name(const std::string& s) {
+    return !s.empty() && s.size() <= 32 && std::all_of(s.begin(), s.end(), [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+    });
+  }
+
+  // A step is `- name` or `- name: {parameters and ports}`.
+  void read_steps(const fs::path& file, const YamlNode& list, const std::string& where, RecipeAnatomy& anatomy) {
+    for (const YamlNode& item : list.items) {
+      const bool bare = item.kind == YamlNode::Kind::scalar;
+      if (!bare && !(item.kind == YamlNode::Kind::map && item.entries.size() == 1)) {
+        faults_.add(file, item, where + ".stages", "each item is a stage: `- name` or `- name: {...}`");
+        continue;
+      }
+      const YamlNode& name = bare ? item : item.entries[0].first;
+      RecipeStep step;
+      step.type = find_stage(name.text);
+      if (!step.type || step.type->output == DataKind::nothing) {
+        std::vector<std::string> known;
+        for (const StageType& t : stage_types())
+          if (t.output != DataKind::nothing) known.push_back(t.name);
+        const std::string near = nearest_name(name.text, known);
+        faults_.add(file, name, where + ".stages", name.text + ", no such stage" + (near.empty() ? "" : ", did you mean " + near + "?"));
+        continue;
+      }
+      if (anatomy.find_step(name.text)) faults_.add(file, name, where + ".stages", name.text + ", the stage is repeated");
+      step.params = step.type->make_params();
+      const std::string step_where = where + "." + name.text;
+      std::vector<Port> ports(step.type->ports.begin() + 1, step.type->ports.end());
+      if (!bare && item.entries[0].second.kind == YamlNode::Kind::map)
+        read_params(file, item.entries[0].second, step_where, step.params, ports, &step.ports);
+      else if (!bare && item.entries[0].second.kind != YamlNode::Kind::null)
+        faults_.add(file, item.entries[0].second, step_where, "must hold keys and values");
+      const DataKind fed = anatomy.steps.empty() ? DataKind::volume : anatomy.steps.back().type->output;
+      if (step.type->ports[0].kind != fed && !(step.type->ports[0].kind == DataKind::field && fed == DataKind::volume))
+        faults_.add(file, name, step_where, std::string("works on a ") + to_text(step.type->ports[0].kind) + " but gets a " + to_text(fed));
+      anatomy.steps.push_back(std::move(step));
+    }
+    if (!anatomy.steps.empty() && anatomy.steps.back().type->output != DataKind::mesh)
+      faults_.add(file, list, where + ".stages", "must end in a surface");
+  }
+
+  // A port may only be fed from an anatomy that stands before it: so there are no cycles.
+  void check_ports(const fs::path& file, const YamlNode& anatomies) {
+    for (std::size_t i = 0; i < out_.anatomies.size(); ++i)
+      for (const RecipeStep& step : out_.anatomies[i].steps)
+        for (const Port& port : step.type->ports) {
+          const auto source = step.ports.find(port.name);
+          const YamlNode* at = anatomies.find(out_.anatomies[i].name);
+          const std::string where = "anatomies." + out_.anatomies[i].name + "." + step.type->name + "." + port.name;
+          if (source == step.ports.end()) {
+            if (port.required && &port != &step.type->ports[0]) faults_.add(file, *at, where, "is missing: " + port.help);
+            continue;
+          }
+          bool found = false;
+          for (std::size_t j = 0; j < i; ++j)
+            for (const RecipeStep& other : out_.anatomies[j].steps)
+              if (out_.anatomies[j].name + "." + other.type->name == source->second && other.type->output == port.kind)
+                found = true;
+          if (!found)
+            faults_.add(file, *at, where, source->second + ", must be the " + to_text(port.kind) +
+                                              " of an anatomy before this one, as anatomy.stage");
+        }
+  }
+
+  void read_scene(const fs::path& file) {
+    const YamlNode tree = read_yaml(file);
+    MapReader map(file, tree, "", faults_);
+    check_version(map, tree);
+    if (const YamlNode* face = map.map("face")) {
+      MapReader body(file, *face, "face", faults_);
+      out_.face = body.required(body.text("policy"), "policy");
+      out_.face_reason = body.required(body.text("reason"), "reason");
+      if (!out_.face.empty() && out_.face != "keep")
+        body.fault(*face, "policy", out_.face + ", must be keep (crop and deface are not built yet)");
+      body.finish();
+    }
+    std::vector<std::string> known;
+    for (const RecipeAnatomy& a : out_.anatomies) known.push_back(a.name);
+    const YamlNode* anatomies = map.map("anatomies");
+    if (!tree.find("anatomies")) map.fault(tree, "anatomies", "is missing");
+    std::map<std::string, SceneAnatomy> wanted;
+    if (anatomies)
+      for (const auto& [key, node] : anatomies->entries) {
+        SceneAnatomy a;
+        a.name = key.text;
+        if (std::find(known.begin(), known.end(), key.text) == known.end()) {
+          const std::string near = nearest_name(key.text, known);
+          map.fault(key, "anatomies." + key.text, "the pipeline has no such anatomy" + (near.empty() ? "" : ", did you mean " + near + "?"));
+          continue;
+        }
+        if (node.kind == YamlNode::Kind::map) {
+          MapReader body(file, node, "anatomies." + key.text, faults_);
+          a.max_deviation_mm = body.number("max_deviation_mm", {0.01, 100}).value_or(0);
+          a.max_triangles = static_cast<std::int64_t>(body.number("max_triangles", {4, 1e8}).value_or(0));
+          body.finish();
+        } else if (node.kind != YamlNode::Kind::null) {
+          map.fault(node, "anatomies." + key.text, "must hold keys and values");
+        }
+        wanted[a.name] = a;
+      }
+    map.finish();
+    // In the recipe's order, so that the scene's order changes no byte of the case.
+    for (RecipeAnatomy& anatomy : out_.anatomies) {
+      const auto found = wanted.find(anatomy.name);
+      if (found == wanted.end()) continue;
+      out_.scene.push_back(found->second);
+      if (found->second.max_triangles > 0)
+        set_if_there(anatomy, "decimate", "target_triangles", ParameterValue(found->second.max_triangles));
+    }
+    if (out_.scene.empty() && faults_.empty()) map.fault(tree, "anatomies", "the scene wants nothing");
+  }
+
+  static void set_if_there(RecipeAnatomy& anatomy, const std::string& stage, const std::string& name,
+                           const ParameterValue& value) {
+    for (RecipeStep& step : anatomy.steps)
+      if (step.type->name == stage)
+        if (const Parameter* p = step.params.set->find(name)) p->set(step.params.object.get(), value);
+  }
+
+  // "anatomy.stage.parameter".
+  void set_by_path(const fs::path& file, const YamlNode& key, const YamlNode& value) {
+    std::vector<std::string> known;
+    for (RecipeAnatomy& anatomy : out_.anatomies)
+      for (RecipeStep& step : anatomy.steps)
+        for (const Parameter& p : step.params.set->parameters) {
+          known.push_back(anatomy.name + "." + step.type->name + "." + p.name);
+          if (known.back() == key.text) return set_parameter(step.params, p, file, value, "set." + key.text, faults_);
+        }
+    const std::string near = nearest_name(key.text, known);
+    faults_.add(file, key, "set." + key.text, "no such parameter" + (near.empty() ? ", a path is anatomy.stage.parameter" : ", did you mean " + near + "?"));
+  }
+
+  void set_from_text(const std::string& text) {
+    const std::size_t equals = text.find('=');
+    YamlNode key, value;
+    key.text = text.substr(0, equals);
+    value.kind = YamlNode::Kind::scalar;
+    if (equals != std::string::npos) value.text = text.substr(equals + 1);
+    if (value.text.size() > 1 && value.text.front() == '[' && value.text.back() == ']') {
+      value.kind = YamlNode::Kind::list;
+      std::string items = value.text.substr(1, value.text.size() - 2);
+      for (std::size_t at = 0; at != std::string::npos;) {
+        const std::size_t comma = items.find(',', at);
+        YamlNode item;
+        item.kind = YamlNode::Kind::scalar;
+        item.text = items.substr(at, comma == std::string::npos ? comma : comma - at);
+        item.text.erase(0, item.text.find_first_not_of(' '));
+        value.items.push_back(item);
+        at = comma == std::string::npos ? comma : comma + 1;
+      }
+    }
+    set_by_path("--set", key, value);
+  }
+
+  const fs::path config_;
+  const ConfigOverrides& overrides_;
+  std::vector<fs::path> roots_;
+  ConfigFaults faults_;
+  CaseConfig out_;
+};
+
+}  // namespace
+
+const RecipeStep* RecipeAnatomy::find_step(const std::string& stage) const {
+  for (const RecipeStep& s : steps)
+    if (s.type->name == stage) return &s;
+  return nullptr;
+}
+
+const RecipeAnatomy* CaseConfig::find_anatomy(const std::string& name) const {
+  for (const RecipeAnatomy& a : anatomies)
+    if (a.name == name) return &a;
+  return nullptr;
+}
+
+CaseConfig read_case_config(const fs::path& file, const ConfigOverrides& overrides) { return Reader(file, overrides).read(); }
+
+}  // namespace trephine

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/vec3.h"
+#include "dicom/import.h"
+#include "stages/stage.h"
+
+namespace trephine {
+
+/// One step of an anatomy: a stage, its effective parameters, and where its ports other than the first come from.
+struct RecipeStep {
+  const StageType* type = nullptr;
+  AnyParams params;
+  std::map<std::string, std::string> ports;  ///< port name -> "anatomy.stage"
+};
+
+struct RecipeAnatomy {
+  std::string name;
+  std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};  ///< 0 to 1, sRGB
+  double opacity_ratio = 1;                         ///< in pictures and the GLB
+  bool shows_face = false;                          ///< published only under a face policy (acceptance P4)
+  std::vector<RecipeStep> steps;
+  const RecipeStep* find_step(const std::string& stage) const;
+};
+
+/// What a scene requires of one anatomy. 0 means that it sets no limit.
+struct SceneAnatomy {
+  std::string name;
+  double max_deviation_mm = 0;
+  std::int64_t max_triangles = 0;
+};
+
+struct CaseLandmark {
+  std::string name;
+  Vec3 position_mm;
+};
+
+/// A case as its three files and --set say it: every parameter has its effective value.
+struct CaseConfig {
+  std::string case_token;          ///< empty: none given
+  std::filesystem::path series;    ///< empty: none given
+  ImportParams import;
+  std::vector<RecipeAnatomy> anatomies;  ///< the whole recipe, in its order
+  std::vector<SceneAnatomy> scene;       ///< what is wanted, in the recipe's order
+  std::string face, face_reason;         ///< "" or keep
+  std::vector<CaseLandmark> landmarks;
+  const RecipeAnatomy* find_anatomy(const std::string& name) const;
+};
+
+struct ConfigOverrides {
+  std::filesystem::path series;             ///< from the command line, not bound to the root
+  std::string case_token;
+  std::vector<std::string> set;             ///< "skull.decimate.max_deviation_mm=0.2"
+  std::vector<std::filesystem::path> roots; ///< folders beside the root that paths in the files may lead to
+};
+
+/// Reads the case's YAML and the recipe and the scene that it names (design.md, "YAML"). Order of what wins: the default,
+/// the recipe, the scene's limits, the case's `set`, the overrides. Throws ErrorList (78) with every fault of all three
+/// files at once, file:line:column each; 66 where a file is missing.
+CaseConfig read_case_config(const std::filesystem::path& file, const ConfigOverrides& overrides = {});
+
+}  // namespace trephine

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/executor.h"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "stages/data_files.h"
+
+namespace trephine {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+double bytes_of(const StageData& data) {
+  if (const auto* v = std::get_if<std::shared_ptr<const HuVolume>>(&data))
+    return std::visit([](const auto& g) { return double(g.voxels.size() * sizeof(g.voxels[0])); }, **v);
+  if (const auto* f = std::get_if<std::shared_ptr<const Field>>(&data)) return double((*f)->voxels.size() * sizeof(float));
+  if (const auto* m = std::get_if<std::shared_ptr<const TriMesh>>(&data))
+    return double((*m)->points_mm.size() * sizeof(Vec3) * 2 + (*m)->triangles.size() * 12);
+  return 0;
+}
+
+// An output is worth its place on disk where it took much longer to make than it takes to write and read.
+bool worth_storing(const StageData& data, double seconds) {
+  constexpr double disk_bytes_per_s = 100e6, gain = 4;
+  return seconds > 0.02 + gain * bytes_of(data) / disk_bytes_per_s;
+}
+
+class Executor {
+ public:
+  Executor(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options, RunObserver& observer)
+      : graph_(graph), options_(options), observer_(observer), results_(graph.nodes.size()), tasks_(graph.nodes.size()) {
+    for (const int w : wanted) {
+      demand(w);
+      ++tasks_[w].readers;  // the caller
+    }
+    for (std::size_t i = 0; i < tasks_.size(); ++i)
+      if (tasks_[i].readers == 0) results_[i].data = {};
+    // The more that waits for a node, the earlier it runs.
+    for (std::size_t i = graph.nodes.size(); i-- > 0;)
+      if (tasks_[i].needed && !tasks_[i].done)
+        for (const auto& [port, source] : graph.nodes[i].sources)
+          tasks_[source].urgency = std::max(tasks_[source].urgency, tasks_[i].urgency + 1);
+  }
+
+  std::vector<NodeResult> run() {
+    std::vector<std::thread> threads;
+    const int count = std::max(1, thread_count());
+    for (int i = 0; i < count; ++i) threads.emplace_back([this] { work(); });
+    {
+      std::unique_lock<std::mutex> lock(mutex_);
+      while (!all_done() && !(stop_ && running_ == 0)) {
+        wake_.wait_for(lock, std::chrono::milliseconds(100));
+        if (options_.cancel && *options_.cancel) stop_ = true;
+      }
+      finished_ = true;
+    }
+    wake_.notify_all();
+    for (std::thread& t : threads) t.join();
+    for (const Task& t : tasks_)
+      if (t.error) std::rethrow_exception(t.error);
+    if (stop_) throw Cancelled{};
+    return std::move(results_);
+  }
+
+ private:
+  struct Task {
+    bool needed = false, started = false, done = false;
+    int readers = 0, urgency = 0;
+    std::exception_ptr error;
+  };
+
+  void demand(int i) {
+    Task& task = tasks_[i];
+    if (task.needed) return;
+    task.needed = true;
+    if (load_cached(i)) return;
+    for (const auto& [port, source] : graph_.nodes[i].sources) {
+      demand(source);
+      ++tasks_[source].readers;
+    }
+  }
+
+  // Verified here, before anything runs: an entry that turns out damaged is one that was never there.
+  bool load_cached(int i) {
+    if (!options_.cache) return false;
+    const auto start = Clock::now();
+    auto entry = options_.cache->load(graph_.nodes[i].key, graph_.nodes[i].output);
+    if (!entry) return false;
+    NodeResult& result = results_[i];
+    result.data = std::move(entry->data);
+    result.report = std::move(entry->report);
+    result.state = NodeResult::State::cached;
+    result.seconds = seconds_since(start);
+    tasks_[i].started = tasks_[i].done = true;
+    finish_output(i, "cached");
+    return true;
+  }
+
+  bool all_done() const {
+    return std::all_of(tasks_.begin(), tasks_.end(), [](const Task& t) { return !t.needed || t.done; });
+  }
+
+  int next_ready() const {
+    int best = -1;
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      const Task& t = tasks_[i];
+      if (!t.needed || t.started) continue;
+      const auto& sources = graph_.nodes[i].sources;
+      const bool ready = std::all_of(sources.begin(), sources.end(), [&](const auto& s) { return tasks_[s.second].done; });
+      if (ready && (best < 0 || t.urgency > tasks_[best].urgency)) best = static_cast<int>(i);
+    }
+    return best;
+  }
+
+  void work() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (!finished_ && !stop_) {
+      const int i = next_ready();
+      if (i < 0) {
+        wake_.wait(lock);
+        continue;
+      }
+      tasks_[i].started = true;
+      ++running_;
+      lock.unlock();
+      std::exception_ptr error;
+      try {
+        run_node(i);
+      } catch (...) {
+        error = std::current_exception();
+      }
+      lock.lock();
+      --running_;
+      finish(i, error);
+      wake_.notify_all();
+    }
+  }
+
+  void finish(int i, const std::exception_ptr& error) {
+    if (error) {
+      // What was stopped because another failed, or the user wished it, is no error of its own.
+      try {
+        std::rethrow_exception(error);
+      } catch (const Cancelled&) {
+      } catch (...) {
+        tasks_[i].error = error;
+      }
+      stop_ = true;
+      return;
+    }
+    tasks_[i].done = true;
+    for (const auto& [port, source] : graph_.nodes[i].sources) release(source);
+    if (tasks_[i].readers == 0) results_[i].data = {};
+  }
+
+  void release(int i) {
+    if (--tasks_[i].readers == 0) results_[i].data = {};
+  }
+
+  void run_node(int i) {
+    const Node& node = graph_.nodes[i];
+    NodeResult& result = results_[i];
+    observer_.started(node.name);
+    const auto start = Clock::now();
+    with_field(node.name, [&] { compute(node, result); });
+    result.state = NodeResult::State::computed;
+    result.seconds = seconds_since(start);
+    if (options_.cache && worth_storing(result.data, result.seconds))
+      options_.cache->store(node.key, node.output, result.data, result.report);
+    finish_output(i, "computed");
+  }
+
+  void finish_output(int i, const char* how) {
+    const Node& node = graph_.nodes[i];
+    const NodeResult& result = results_[i];
+    if (!options_.keep.empty() && node.output != DataKind::nothing)
+      save_data(options_.keep / (node.name + file_extension(node.output)), result.data);
+    observer_.finished(node.name, how, result.seconds, result.report);
+  }
+
+  void compute(const Node& node, NodeResult& result) {
+    const Progress progress([this, &node](double f) { observer_.progressed(node.name, f); }, &stop_);
+    if (!node.type) {
+      ImportResult imported = import_series(options_.series, node.params.as<ImportParams>(), progress);
+      result.data = std::make_shared<const HuVolume>(std::move(imported.volume));
+      result.report = std::move(imported.report);
+      return;
+    }
+    StageInputs inputs;
+    for (const auto& [port, source] : node.sources) inputs.by_port[port] = results_[source].data;
+    result.data = node.type->run(node.params, inputs, result.report, progress);
+  }
+
+  const Graph& graph_;
+  const ExecuteOptions& options_;
+  RunObserver& observer_;
+  std::vector<NodeResult> results_;
+  std::vector<Task> tasks_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::atomic<bool> stop_{false};
+  bool finished_ = false;
+  int running_ = 0;
+};
+
+}  // namespace
+
+std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,
+                                RunObserver& observer) {
+  return Executor(graph, wanted, options, observer).run();
+}
+
+}  // namespace trephine

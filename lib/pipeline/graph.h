@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pipeline/config.h"
+
+namespace trephine {
+
+/// One computation of a case: a stage of an anatomy, or the import (type null).
+struct Node {
+  std::string name;  ///< "import", "skull.decimate"
+  const StageType* type = nullptr;
+  AnyParams params;
+  std::map<std::string, int> sources;  ///< port -> node
+  std::string key;  ///< SHA-256 of all that its output depends on: stage, version, parameters, keys of its sources
+  DataKind output = DataKind::volume;
+};
+
+/// The nodes of what the scene demands and nothing else, sources before their readers. Node 0 is the import.
+struct Graph {
+  std::vector<Node> nodes;
+  struct Anatomy {
+    std::string name;
+    int first_surface = -1;  ///< the contour: what deviations are measured against
+    int surface = -1;        ///< what is published
+    int measure = -1;
+  };
+  std::vector<Anatomy> anatomies;  ///< as in the scene
+  int find(const std::string& name) const;
+};
+
+/// `input_hash` identifies the series' content (hash_of_series_input).
+Graph make_graph(const CaseConfig& config, const std::string& input_hash);
+
+}  // namespace trephine
