@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "surface/trimesh.h"
+
+namespace trephine {
+
+struct DecimateParams {
+  std::int64_t target_triangles_count = 0;
+  double keep_ratio = 0;
+  double max_deviation_mm = 0.3;
+  template <class V>
+  static void describe(V& v) {
+    using P = DecimateParams;
+    v.integer(&P::target_triangles_count, "target_triangles_count", Range{0, 1e9},
+              "Stop at this many triangles; 0: no such limit.");
+    v.number(&P::keep_ratio, "keep_ratio", Range{0, 1},
+             "Stop at this share of the triangles; 0: no such limit. The larger of the two counts holds.");
+    v.number(&P::max_deviation_mm, "max_deviation_mm", Range{0, 1e6},
+             "Largest distance between the surface and the input, either way; 0: no such limit.");
+  }
+};
+
+/// Fewer triangles for the same shape: edge collapses in the order of their quadric error (Garland, Heckbert 1997), until
+/// the count is reached or no collapse is left that keeps the deviation and the surface valid; the report's stopped_by says
+/// "count", "deviation" or "validity". With no limit given, or where the input has no more triangles than asked for, the
+/// mesh comes back as it was.
+///
+/// The result is closed, 2-manifold and free of self-intersections, also in float32: collapses that lead to an
+/// intersection are undone around it and counted. The deviation is two-sided: every input point's distance to the
+/// surface is carried through the collapses, and both directions are measured by sampling at the end (deviation_max_mm,
+/// deviation_p99_mm, deviation_rms_mm); where a sample exceeds max_deviation_mm, collapses are undone there too. Samples
+/// lie at every point of both meshes and at most a quarter of the bound (not below an eighth of the input's mean edge) apart.
+///
+/// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed, 2-manifold and
+/// free of self-intersections, or no limit can be kept.
+TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& report, const Progress& progress = {});
+
+}  // namespace trephine

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "surface/trimesh.h"
+
+namespace trephine {
+
+enum class NormalWeight { area, angle };
+
+struct NormalsParams {
+  NormalWeight weight = NormalWeight::angle;
+  template <class V>
+  static void describe(V& v) {
+    using P = NormalsParams;
+    v.choice(&P::weight, "weight", {{"area", NormalWeight::area}, {"angle", NormalWeight::angle}},
+             "What a triangle counts for at its point: its area, or its angle there.");
+  }
+};
+
+/// One unit normal a point, the weighted mean of its triangles' normals, looking outwards; points and triangles stay as
+/// they are, so the mesh stays closed (no vertex is split at an edge). Where the mean vanishes, the normal of the largest
+/// triangle there stands in and is counted; a point without triangles gets (0, 0, 1). Throws as check_mesh does.
+void compute_normals(TriMesh& mesh, const NormalsParams& params, Report& report, const Progress& progress = {});
+
+}  // namespace trephine
