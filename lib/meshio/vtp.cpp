@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshio/vtp.h"
+
+#include <vtkCellArray.h>
+#include <vtkDoubleArray.h>
+#include <vtkFieldData.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+#include <vtkStringArray.h>
+#include <vtkTypeInt32Array.h>
+#include <vtkTypeInt64Array.h>
+#include <vtkXMLPolyDataWriter.h>
+
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "base/child.h"
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/write_file.h"
+#include "meshio/vtp_parse.h"
+
+namespace trephine {
+namespace {
+
+static_assert(sizeof(Vec3) == 3 * sizeof(double), "copied as three doubles");
+
+// The last bytes of a file of ours: a comment behind the root element with the checksum of every byte before it. VTK
+// never reads so far, and a program that rewrites the file drops it.
+constexpr std::string_view trailer_begin = "<!-- trephine sha256 ";
+constexpr std::string_view trailer_end = " -->\n";
+constexpr std::size_t trailer_size = trailer_begin.size() + 64 + trailer_end.size();
+
+std::string trailer_of(std::string_view bytes) {
+  return std::string(trailer_begin) + sha256_of_bytes(bytes) + std::string(trailer_end);
+}
+
+enum class Checksum { none, good, bad };
+
+Checksum check_trailer(std::string_view bytes) {
+  if (bytes.size() < trailer_size) return Checksum::none;
+  const std::string_view trailer = bytes.substr(bytes.size() - trailer_size);
+  if (trailer.substr(0, trailer_begin.size()) != trailer_begin) return Checksum::none;
+  return trailer == trailer_of(bytes.substr(0, bytes.size() - trailer_size)) ? Checksum::good : Checksum::bad;
+}
+
+vtkSmartPointer<vtkDoubleArray> vectors(const char* name, const std::vector<Vec3>& v) {
+  auto a = vtkSmartPointer<vtkDoubleArray>::New();
+  a->SetName(name);
+  a->SetNumberOfComponents(3);
+  a->SetNumberOfTuples(vtkIdType(v.size()));
+  if (!v.empty()) std::memcpy(a->GetPointer(0), v.data(), v.size() * sizeof(Vec3));
+  return a;
+}
+
+template <class IdArray>
+vtkSmartPointer<vtkCellArray> cells_of(const TriMesh& mesh) {
+  const auto n = vtkIdType(mesh.triangles.size());
+  vtkNew<IdArray> offsets, ids;
+  offsets->SetNumberOfValues(n + 1);
+  ids->SetNumberOfValues(3 * n);
+  auto* o = offsets->GetPointer(0);
+  using Id = std::remove_pointer_t<decltype(o)>;
+  for (vtkIdType i = 0; i <= n; ++i) o[i] = Id(3 * i);
+  auto* p = ids->GetPointer(0);
+  for (const auto& t : mesh.triangles)
+    for (const std::uint32_t i : t) *p++ = Id(i);
+  auto cells = vtkSmartPointer<vtkCellArray>::New();
+  cells->SetData(offsets, ids);
+  return cells;
+}
+
+// A mesh as plain bytes, from the child to its parent.
+struct MeshSizes {
+  Vec3 origin_mm;
+  std::uint64_t points = 0, triangles = 0, normals = 0;
+};
+
+const ChildWorker parse_worker("vtp-parse", [](ChildRequest& request) {
+  const TriMesh mesh = parse_vtp(std::string(request.request()));
+  const MeshSizes sizes{mesh.origin_mm, mesh.points_mm.size(), mesh.triangles.size(), mesh.normals.size()};
+  request.write(&sizes, sizeof sizes);
+  request.write(mesh.points_mm.data(), mesh.points_mm.size() * sizeof(Vec3));
+  request.write(mesh.triangles.data(), mesh.triangles.size() * sizeof mesh.triangles[0]);
+  request.write(mesh.normals.data(), mesh.normals.size() * sizeof(Vec3));
+});
+
+TriMesh parse_in_child(std::string_view bytes) {
+  ChildLimits limits;
+  limits.memory_bytes = (std::uint64_t{1} << 30) + 16 * std::uint64_t(bytes.size());
+  const ChildResult result = run_child("vtp-parse", bytes, limits);
+  std::string_view rest = result.bytes();
+  const auto take = [&](void* to, std::size_t size) {
+    if (rest.size() < size) throw Error(ExitCode::internal, "", "", "the reading child's result is too short");
+    if (size) std::memcpy(to, rest.data(), size);
+    rest.remove_prefix(size);
+  };
+  MeshSizes sizes;
+  take(&sizes, sizeof sizes);
+  TriMesh mesh;
+  mesh.origin_mm = sizes.origin_mm;
+  mesh.points_mm.resize(sizes.points);
+  mesh.triangles.resize(sizes.triangles);
+  mesh.normals.resize(sizes.normals);
+  take(mesh.points_mm.data(), sizes.points * sizeof(Vec3));
+  take(mesh.triangles.data(), sizes.triangles * sizeof mesh.triangles[0]);
+  take(mesh.normals.data(), sizes.normals * sizeof(Vec3));
+  return mesh;
+}
+
+bool ends_as_xml(std::string_view bytes) {
+  const std::string_view tail = bytes.substr(bytes.size() < 4096 ? 0 : bytes.size() - 4096);
+  return tail.find("</VTKFile>") != std::string_view::npos;
+}
+
+}  // namespace
+
+void write_vtp(const std::filesystem::path& file, const TriMesh& mesh) {
+  with_field("surface", [&] { check_mesh(mesh); });
+  vtkObject::GlobalWarningDisplayOff();
+  std::vector<Vec3> world(mesh.points_mm.size());
+  bool exact = true;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    world[i] = mesh.world_mm(i);
+    const Vec3 back = world[i] - mesh.origin_mm;
+    exact = exact && std::memcmp(&back, &mesh.points_mm[i], sizeof(Vec3)) == 0;
+  }
+
+  vtkNew<vtkPolyData> data;
+  vtkNew<vtkPoints> points;
+  points->SetData(vectors("Points", world));
+  data->SetPoints(points);
+  const bool narrow = 3 * mesh.triangles.size() < (std::size_t{1} << 31) && world.size() < (std::size_t{1} << 31);
+  data->SetPolys(narrow ? cells_of<vtkTypeInt32Array>(mesh) : cells_of<vtkTypeInt64Array>(mesh));
+  if (!mesh.normals.empty()) data->GetPointData()->SetNormals(vectors("Normals", mesh.normals));
+  if (!exact) data->GetPointData()->AddArray(vectors(vtp_local_name, mesh.points_mm));
+  vtkNew<vtkStringArray> space;
+  space->SetName(vtp_space_name);
+  space->InsertNextValue("LPS");
+  data->GetFieldData()->AddArray(space);
+  data->GetFieldData()->AddArray(vectors(vtp_origin_name, {mesh.origin_mm}));
+
+  vtkNew<vtkXMLPolyDataWriter> writer;
+  writer->SetInputData(data);
+  writer->WriteToOutputStringOn();
+  writer->SetByteOrderToLittleEndian();
+  writer->SetHeaderTypeToUInt64();
+  if (narrow)
+    writer->SetIdTypeToInt32();
+  else
+    writer->SetIdTypeToInt64();
+  writer->SetDataModeToAppended();
+  writer->EncodeAppendedDataOff();
+  writer->SetCompressorTypeToNone();
+  if (!writer->Write() || writer->GetErrorCode() != 0)
+    throw Error(ExitCode::internal, file.string(), "", "VTK could not write the surface");
+  std::string bytes = writer->GetOutputString();
+  bytes += trailer_of(bytes);
+  write_file(file, bytes);
+}
+
+TriMesh read_vtp(const std::filesystem::path& file) {
+  std::string bytes;
+  {
+    const std::vector<char> read = read_file(file);
+    bytes.assign(read.begin(), read.end());
+  }
+  try {
+    const Checksum checksum = check_trailer(bytes);
+    if (checksum == Checksum::bad) throw Error(ExitCode::bad_input, "", "", "damaged: its checksum does not fit");
+    if (checksum == Checksum::good) return parse_vtp(std::move(bytes));
+    if (bytes.empty()) throw Error(ExitCode::bad_input, "", "", "the file is empty");
+    if (!ends_as_xml(bytes)) throw Error(ExitCode::bad_input, "", "", "no VTK XML PolyData file, or cut short");
+    return parse_in_child(bytes);
+  } catch (Error& e) {
+    e.in_file(file.string());
+    throw;
+  }
+}
+
+}  // namespace trephine
