@@ -111,7 +111,7 @@ TEST_F(NrrdTest, AnAxisAlignedHeaderHoldsOnlyWhatTheFormatNeeds) {
             "NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 5 4 3\n"
             "space directions: (0.30000000000000004,0,0) (0,-0.3333333333333333,0) (0,0,1.2499999999999998)\n"
             "kinds: domain domain domain\nendian: little\nencoding: raw\n"
-            "space origin: (-0.1,1e-17,123456.78901234568)");
+            "space origin: (-0.1,1e-17,123456.78901234567)");
   EXPECT_EQ(text.find(":="), std::string::npos);
   EXPECT_TRUE(lattice_of(read_hu_nrrd(file("a.nrrd"))) == static_cast<const Lattice&>(g));
 }
@@ -150,7 +150,11 @@ TEST_F(NrrdTest, OtherTypesAreConvertedWhereExact) {
   EXPECT_EQ(std::get<Grid<std::int16_t>>(type_of("unsigned short", std::string("\1\0\2\0\3\0\xff\x7f", 8))).voxels[3],
             32767);
   EXPECT_EQ(std::get<Grid<float>>(type_of("uint16", eight_bytes)).voxels[3], 65535.f);
-  EXPECT_EQ(std::get<Grid<std::int16_t>>(type_of("int", eight_bytes + std::string(8, '\xff'))).voxels.size(), 4u);
+  const std::int32_t whole[4] = {-32768, 0, 32767, -1}, large[4] = {-32769, 0, 1, 2};
+  EXPECT_EQ(std::get<Grid<std::int16_t>>(type_of("int", {reinterpret_cast<const char*>(whole), sizeof whole})).voxels,
+            (std::vector<std::int16_t>{-32768, 0, 32767, -1}));
+  EXPECT_EQ(std::get<Grid<float>>(type_of("int", {reinterpret_cast<const char*>(large), sizeof large})).voxels[0],
+            -32769.f);
   const double values[4] = {0.5, -1, 3, 1e300};
   const std::string doubles(reinterpret_cast<const char*>(values), sizeof values);
   EXPECT_EQ(refusal(put(header("type: short", "type: double") + doubles)), "65 data");
@@ -240,12 +244,23 @@ TEST_F(NrrdTest, EveryTruncationAndFlippedGzipByteIsRefused) {
     const std::string text = bytes(file("t.nrrd"));
     for (std::size_t n = 0; n < text.size(); ++n) EXPECT_EQ(refusal(put(text.substr(0, n))).substr(0, 2), "65") << n;
     EXPECT_EQ(refusal(put(text + "x")).substr(0, 2), "65");
-    if (encoding == NrrdEncoding::gzip)
-      for (std::size_t n = text.find("\n\n") + 12; n < text.size(); ++n) {
+    std::size_t refused = 0;
+    const std::size_t first = text.find("\n\n") + 12;
+    if (encoding == NrrdEncoding::gzip) {
+      for (std::size_t n = first; n < text.size(); ++n) {
         std::string damaged = text;
         damaged[n] = static_cast<char>(damaged[n] ^ 0x10);
-        EXPECT_EQ(refusal(put(damaged)), "65 data") << n;
+        const fs::path f = put(damaged);
+        try {
+          // Bits that pad the last block to a byte carry nothing.
+          EXPECT_EQ(std::get<Grid<std::int16_t>>(read_hu_nrrd(f)).voxels, g.voxels) << n;
+        } catch (const Error& e) {
+          EXPECT_EQ(e.code(), ExitCode::bad_input);
+          ++refused;
+        }
       }
+      EXPECT_GE(refused + 2, text.size() - first);
+    }
   }
 }
 
