@@ -74,13 +74,17 @@ class Process {
   // True once it ended; status as waitpid gives it.
   bool ended(int& status) {
     if (pid_ > 0) {
-      pid_t r;
-      do r = ::waitpid(pid_, &status_, WNOHANG);
+      siginfo_t info{};
+      int r;
+      do r = ::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT);
       while (r < 0 && errno == EINTR);
-      if (r == 0) return false;
-      ::kill(-pid_, SIGKILL);  // whatever it started itself
+      if (r == 0 && info.si_pid == 0) return false;
+      // What it started itself goes too, while the number of its group is still taken.
+      ::kill(-pid_, SIGKILL);
+      while ((r = ::waitpid(pid_, &status_, 0)) < 0 && errno == EINTR) {
+      }
+      if (r < 0) status_ = W_EXITCODE(0, SIGKILL);  // somebody else has reaped it: what it did is unknown
       pid_ = 0;
-      if (r < 0) status_ = W_EXITCODE(0, SIGKILL);
     }
     status = status_;
     return true;
@@ -274,7 +278,7 @@ ChildResult run_child(const std::string& worker, std::string_view request, const
       messages.add(buffer, static_cast<std::size_t>(n));
       messages.take(progress, worker);
       progress.check();
-      if (Clock::now() > deadline) break;
+      if (!ended && Clock::now() > deadline) break;
     }
     if (n == 0) open = false;
     progress.check();
