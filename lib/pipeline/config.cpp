@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "base/text.h"
-#include "cases/case.h"
 #include "pipeline/yaml_document.h"
 
 namespace trephine {
@@ -45,7 +44,7 @@ class Reader {
     out_.case_token = map.text("case").value_or("");
     if (!overrides_.case_token.empty()) out_.case_token = overrides_.case_token;
     if (!out_.case_token.empty()) try {
-        validate_case_token(out_.case_token);
+        validate_case_token(out_.case_token, ExitCode::bad_config);
       } catch (const Error& e) {
         const YamlNode* at = tree.find("case");
         faults_.add(config_, at ? *at : tree, "case", e.what());
@@ -98,7 +97,7 @@ class Reader {
     MapReader landmarks(config_, *node, "landmarks", faults_);
     for (const auto& entry : node->entries)
       if (const auto p = landmarks.numbers(entry.first.text, 3, {-1e5, 1e5}))
-        out_.landmarks.push_back({entry.first.text, {(*p)[0], (*p)[1], (*p)[2]}});
+        out_.landmarks.push_back({entry.first.text, {(*p)[0], (*p)[1], (*p)[2]}, 1, "given"});
   }
 
   // Parameters of one stage, and its ports where it has any.
@@ -252,7 +251,7 @@ class Reader {
       if (found == wanted.end()) continue;
       out_.scene.push_back(found->second);
       if (found->second.max_triangles > 0)
-        set_if_there(anatomy, "decimate", "target_triangles", ParameterValue(found->second.max_triangles));
+        set_if_there(anatomy, "decimate", "target_triangles_count", ParameterValue(found->second.max_triangles));
     }
     if (out_.scene.empty() && faults_.empty()) map.fault(tree, "anatomies", "the scene wants nothing");
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/vec3.h"
+#include "cases/case.h"
 #include "dicom/import.h"
 #include "stages/stage.h"
 
@@ -33,11 +34,6 @@ struct SceneAnatomy {
   std::string name;
   double max_deviation_mm = 0;
   std::int64_t max_triangles = 0;
-};
-
-struct CaseLandmark {
-  std::string name;
-  Vec3 position_mm;
 };
 
 /// A case as its three files and --set say it: every parameter has its effective value.

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "base/error.h"
@@ -31,17 +32,25 @@ double bytes_of(const StageData& data) {
 // An output is worth its place on disk where it took much longer to make than it takes to write and read.
 bool worth_storing(const StageData& data, double seconds) {
   constexpr double disk_bytes_per_s = 100e6, gain = 4;
-  return seconds > 0.02 + gain * bytes_of(data) / disk_bytes_per_s;
+  return seconds > gain * bytes_of(data) / disk_bytes_per_s;
 }
 
 class Executor {
  public:
   Executor(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options, RunObserver& observer)
       : graph_(graph), options_(options), observer_(observer), results_(graph.nodes.size()), tasks_(graph.nodes.size()) {
+    // Every node's report is wanted: one that is not known from the cache makes its node run again.
+    for (std::size_t i = 0; i < graph.nodes.size(); ++i)
+      if (auto report = options_.cache ? options_.cache->load_report(graph.nodes[i].key) : std::nullopt)
+        results_[i].report = std::move(*report);
+      else
+        tasks_[i].unknown = true;
     for (const int w : wanted) {
       demand(w);
       ++tasks_[w].readers;  // the caller
     }
+    for (std::size_t i = 0; i < tasks_.size(); ++i)
+      if (tasks_[i].unknown) demand(static_cast<int>(i));
     for (std::size_t i = 0; i < tasks_.size(); ++i)
       if (tasks_[i].readers == 0) results_[i].data = {};
     // The more that waits for a node, the earlier it runs.
@@ -73,7 +82,7 @@ class Executor {
 
  private:
   struct Task {
-    bool needed = false, started = false, done = false;
+    bool unknown = false, needed = false, started = false, done = false;
     int readers = 0, urgency = 0;
     std::exception_ptr error;
   };
@@ -93,11 +102,11 @@ class Executor {
   bool load_cached(int i) {
     if (!options_.cache) return false;
     const auto start = Clock::now();
-    auto entry = options_.cache->load(graph_.nodes[i].key, graph_.nodes[i].output);
-    if (!entry) return false;
+    if (tasks_[i].unknown) return false;
+    auto data = options_.cache->load_data(graph_.nodes[i].key, graph_.nodes[i].output);
+    if (!data) return false;
     NodeResult& result = results_[i];
-    result.data = std::move(entry->data);
-    result.report = std::move(entry->report);
+    result.data = std::move(*data);
     result.state = NodeResult::State::cached;
     result.seconds = seconds_since(start);
     tasks_[i].started = tasks_[i].done = true;
@@ -171,11 +180,13 @@ class Executor {
     NodeResult& result = results_[i];
     observer_.started(node.name);
     const auto start = Clock::now();
+    result.report = {};
     with_field(node.name, [&] { compute(node, result); });
     result.state = NodeResult::State::computed;
     result.seconds = seconds_since(start);
-    if (options_.cache && worth_storing(result.data, result.seconds))
-      options_.cache->store(node.key, node.output, result.data, result.report);
+    if (options_.cache)
+      options_.cache->store(node.key, node.output, worth_storing(result.data, result.seconds) ? result.data : StageData{},
+                            result.report);
     finish_output(i, "computed");
   }
 

@@ -24,34 +24,48 @@ StageCache::StageCache(fs::path folder) : folder_(std::move(folder)) {
 
 fs::path StageCache::file(const std::string& key, const char* extension) const { return folder_ / (key + extension); }
 
-bool StageCache::has(const std::string& key) const {
+std::optional<StageCache::Index> StageCache::load_index(const std::string& key) const {
   std::error_code ignored;
-  return !folder_.empty() && fs::exists(file(key, ".json"), ignored);
-}
-
-std::optional<StageCache::Entry> StageCache::load(const std::string& key, DataKind kind) const {
-  if (!has(key)) return {};
-  const fs::path index = file(key, ".json"), data = file(key, file_extension(kind));
+  const fs::path index = folder_.empty() ? fs::path() : file(key, ".json");
+  if (index.empty() || !fs::exists(index, ignored)) return {};
   try {
     const std::vector<char> bytes = read_file(index, 1 << 20);
     const auto json = nlohmann::ordered_json::parse(bytes.begin(), bytes.end());
-    Entry entry;
-    entry.report = parse_report_json(json.at("report").get<std::string>());
-    if (kind != DataKind::nothing) {
-      if (sha256_of_file(data) != json.at("sha256").get<std::string>())
-        throw Error(ExitCode::bad_input, data.string(), "sha256", "differs");
-      entry.data = load_data(data, kind);
-    }
-    std::error_code ignored;
+    const std::string report = json.at("report").get<std::string>();
+    if (json.at("report_sha256").get<std::string>() != sha256_of_bytes(report))
+      throw Error(ExitCode::bad_input, index.string(), "report", "differs from its checksum");
     fs::last_write_time(index, fs::file_time_type::clock::now(), ignored);
-    return entry;
+    return Index{parse_report_json(report), json.value("sha256", std::string())};
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception&) {
-    // Damaged, torn or of another version: as if it were not there.
+    fs::remove(index, ignored);  // damaged, torn or of another version: as if it were not there
+    return {};
+  }
+}
+
+std::optional<Report> StageCache::load_report(const std::string& key) const {
+  auto index = load_index(key);
+  if (!index) return {};
+  return std::move(index->report);
+}
+
+std::optional<StageData> StageCache::load_data(const std::string& key, DataKind kind) const {
+  const auto index = load_index(key);
+  if (!index) return {};
+  if (kind == DataKind::nothing) return StageData{};
+  if (index->sha256.empty()) return {};
+  const fs::path data = file(key, file_extension(kind));
+  try {
+    if (sha256_of_file(data) != index->sha256)
+      throw Error(ExitCode::bad_input, data.string(), "sha256", "differs");
+    return trephine::load_data(data, kind);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
     std::error_code ignored;
-    fs::remove(index, ignored);
-    if (kind != DataKind::nothing) fs::remove(data, ignored);
+    fs::remove(file(key, ".json"), ignored);
+    fs::remove(data, ignored);
     return {};
   }
 }
@@ -59,11 +73,13 @@ std::optional<StageCache::Entry> StageCache::load(const std::string& key, DataKi
 void StageCache::store(const std::string& key, DataKind kind, const StageData& data, const Report& report) const {
   if (folder_.empty()) return;
   nlohmann::ordered_json json;
-  if (kind != DataKind::nothing) {
+  if (!std::holds_alternative<std::monostate>(data)) {
     save_data(file(key, file_extension(kind)), data);
     json["sha256"] = sha256_of_file(file(key, file_extension(kind)));
   }
-  json["report"] = report_json(report);
+  const std::string text = report_json(report);
+  json["report"] = text;
+  json["report_sha256"] = sha256_of_bytes(text);
   write_file(file(key, ".json"), json.dump());
 }
 

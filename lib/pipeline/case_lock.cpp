@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/case_lock.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "base/error.h"
+
+namespace trephine {
+
+CaseLock::CaseLock(const std::filesystem::path& case_folder) {
+  const std::string file = (case_folder / ".lock").string();
+  fd_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (fd_ < 0) throw Error(ExitCode::cannot_create, file, "", std::strerror(errno));
+  if (flock(fd_, LOCK_EX | LOCK_NB) == 0) return;
+  const int reason = errno;
+  close(fd_);
+  if (reason == EWOULDBLOCK)
+    throw Error(ExitCode::busy, case_folder.string(), "", "another run builds this case, try again when it is done");
+  throw Error(ExitCode::cannot_create, file, "", std::strerror(reason));
+}
+
+CaseLock::~CaseLock() {
+  if (fd_ >= 0) close(fd_);
+}
+
+}  // namespace trephine

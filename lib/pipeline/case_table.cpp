@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/case_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace trephine {
+namespace {
+
+// 1495636 -> "1,495,636", without a locale.
+std::string grouped(std::int64_t n) {
+  std::string s = std::to_string(n);
+  for (int at = static_cast<int>(s.size()) - 3; at > 0; at -= 3) s.insert(static_cast<std::size_t>(at), ",");
+  return s;
+}
+
+}  // namespace
+
+std::string case_table(const std::vector<AnatomyResult>& anatomies) {
+  std::vector<std::vector<std::string>> rows = {{"anatomy", "triangles", "after", "reduction", "MB", "after", "max mm",
+                                                 "p99 mm", "RMS mm", "ml", "s", "stopped by"}};
+  for (const AnatomyResult& a : anatomies) {
+    const double kept = a.triangles_before ? double(a.triangles_after) / double(a.triangles_before) : 1;
+    rows.push_back({a.name, grouped(a.triangles_before), grouped(a.triangles_after), fmt::format("{:.1f} %", 100 * (1 - kept)),
+                    fmt::format("{:.1f}", double(a.bytes_before) / 1e6), fmt::format("{:.2f}", double(a.bytes_after) / 1e6),
+                    fmt::format("{:.3f}", a.deviation_max_mm), fmt::format("{:.3f}", a.deviation_p99_mm),
+                    fmt::format("{:.3f}", a.deviation_rms_mm), fmt::format("{:.1f}", a.volume_ml),
+                    fmt::format("{:.1f}", a.seconds), a.stopped_by});
+  }
+  std::vector<std::size_t> width(rows[0].size(), 0);
+  for (const auto& row : rows)
+    for (std::size_t c = 0; c < row.size(); ++c) width[c] = std::max(width[c], row[c].size());
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      const std::string pad(width[c] - row[c].size(), ' ');
+      const bool is_name = c == 0 || c + 1 == row.size();
+      line += (c ? "  " : "") + (is_name ? row[c] + pad : pad + row[c]);
+    }
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  return text;
+}
+
+}  // namespace trephine

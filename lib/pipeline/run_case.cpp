@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/run_case.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <random>
+#include <set>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/write_file.h"
+#include "cases/case.h"
+#include "cases/glb.h"
+#include "meshing/validity.h"
+#include "pipeline/case_lock.h"
+#include "pipeline/case_pictures.h"
+#include "pipeline/run_json.h"
+
+namespace trephine {
+namespace fs = std::filesystem;
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// From the system's entropy: a case's name is never derived from the patient (acceptance P3).
+std::string random_token() {
+  std::random_device source;
+  std::string token = "case-";
+  for (int i = 0; i < 10; ++i) token += "0123456789abcdefghijkmnpqrstuvwxyz"[source() % 34];
+  return token;
+}
+
+double number(const Report& report, const char* name) {
+  const ParameterValue* v = report.find(name);
+  if (!v) return 0;
+  if (const auto* d = std::get_if<double>(v)) return *d;
+  if (const auto* i = std::get_if<std::int64_t>(v)) return static_cast<double>(*i);
+  return 0;
+}
+
+std::string text(const Report& report, const char* name) {
+  const ParameterValue* v = report.find(name);
+  return v ? to_text(*v) : std::string();
+}
+
+// Skin of a head is a face: it is published only where the scene says so, and why.
+void require_face_policy(const CaseConfig& config) {
+  if (!config.face.empty()) return;
+  for (const SceneAnatomy& wanted : config.scene)
+    if (config.find_anatomy(wanted.name)->shows_face)
+      throw Error(ExitCode::privacy, "", "scene.face",
+                  wanted.name + " shows the patient's face; the scene must say `face: {policy: keep, reason: ...}`");
+}
+
+// What a run's results are collected in on the way to the case.
+struct Run {
+  const RunRequest& request;
+  CaseConfig config;
+  Graph graph;
+  std::vector<NodeResult> results;
+  CaseManifest manifest;
+  std::vector<AnatomyResult> anatomies;
+  std::vector<std::string> warnings;
+
+  const NodeResult& at(int node) const { return results[static_cast<std::size_t>(node)]; }
+  const TriMesh& mesh(int node) const { return *std::get<std::shared_ptr<const TriMesh>>(at(node).data); }
+  const Report& report_of(const std::string& node) const {
+    static const Report none;
+    const int i = graph.find(node);
+    return i < 0 ? none : at(i).report;
+  }
+};
+
+// The nodes whose data or report the case needs; what only they need is computed too, nothing else.
+std::vector<int> wanted_nodes(const Graph& graph, bool pictures) {
+  std::vector<int> wanted;
+  if (pictures) wanted.push_back(0);
+  for (const Graph::Anatomy& a : graph.anatomies) {
+    wanted.push_back(a.surface);
+    wanted.push_back(a.measure);
+  }
+  // The reports of every stage of a published anatomy go into the case; a stage that the cache lets us skip has its there.
+  return wanted;
+}
+
+void hold_against_limits(const SceneAnatomy& limit, const AnatomyResult& result) {
+  if (limit.max_triangles > 0 && result.triangles_after > limit.max_triangles)
+    throw Error(ExitCode::quality, "", limit.name,
+                std::to_string(result.triangles_after) + " triangles, the scene allows " +
+                    std::to_string(limit.max_triangles) + "; decimation stopped by " + result.stopped_by);
+  if (limit.max_deviation_mm > 0 && !(result.deviation_max_mm <= limit.max_deviation_mm))
+    throw Error(ExitCode::quality, "", limit.name,
+                "deviates by " + to_text(result.deviation_max_mm) + " mm from the unreduced surface, the scene allows " +
+                    to_text(limit.max_deviation_mm) + " mm");
+}
+
+// The sum of the bounds that the stages which moved the surface were given, and of what they used.
+void add_budget(const Run& run, const RecipeAnatomy& recipe, CaseAnatomy& out) {
+  for (const RecipeStep& step : recipe.steps) {
+    const Report& report = run.report_of(recipe.name + "." + step.type->name);
+    for (const char* bound : {"max_deviation_mm", "max_displacement_mm"})
+      if (const Parameter* p = step.params.set->find(bound)) {
+        out.budget_asked_mm += std::get<double>(step.params.get(*p));
+        out.budget_used_mm += number(report, step.type->name == "smooth" ? "displacement_max_mm" : "deviation_max_mm");
+      }
+  }
+}
+
+void finish_anatomy(Run& run, std::size_t index, const fs::path& folder) {
+  const Graph::Anatomy& nodes = run.graph.anatomies[index];
+  const RecipeAnatomy& recipe = *run.config.find_anatomy(nodes.name);
+  const TriMesh& surface = run.mesh(nodes.surface);
+  const Report& measured = run.at(nodes.measure).report;
+
+  GlbParams glb;
+  glb.center_mm = run.manifest.center_mm;
+  glb.name = nodes.name;
+  glb.colour_rgb = recipe.colour_rgb;
+  glb.opacity = recipe.opacity_ratio;
+  const std::string bytes = make_glb(surface, glb);
+  // What is published is float32 about the case's centre: the invariant must hold for that, not for our doubles.
+  require_valid(read_glb(std::string_view(bytes)).mesh);
+
+  CaseAnatomy out;
+  out.name = nodes.name;
+  out.colour_rgb = recipe.colour_rgb;
+  out.opacity = recipe.opacity_ratio;
+  out.triangles = surface.triangles.size();
+  out.points = surface.points_mm.size();
+  out.volume_ml = volume_mm3(surface) / 1000;
+  out.area_cm2 = area_mm2(surface) / 100;
+  out.deviation = {number(measured, "deviation_max_mm"), number(measured, "deviation_p99_mm"),
+                   number(measured, "deviation_rms_mm")};
+  add_budget(run, recipe, out);
+
+  AnatomyResult result;
+  result.name = nodes.name;
+  const Report& decimated = run.report_of(nodes.name + ".decimate");
+  result.triangles_before = static_cast<std::int64_t>(number(measured, "reference_triangles_count"));
+  result.triangles_after = static_cast<std::int64_t>(out.triangles);
+  result.bytes_after = bytes.size();
+  // A GLB is 24 bytes a vertex (position, normal) and 12 a triangle; a closed surface has half as many points.
+  result.bytes_before = static_cast<std::uint64_t>(result.triangles_before) * 24;
+  result.deviation_max_mm = out.deviation.max_mm;
+  result.deviation_p99_mm = out.deviation.p99_mm;
+  result.deviation_rms_mm = out.deviation.rms_mm;
+  result.volume_ml = out.volume_ml;
+  result.stopped_by = text(decimated, "stopped_by");
+  for (const RecipeStep& step : recipe.steps) {
+    const int node = run.graph.find(nodes.name + "." + step.type->name);
+    if (node < 0) continue;
+    result.seconds += run.at(node).seconds;
+    for (const auto& f : run.at(node).report.figures) out.figures.emplace_back(step.type->name + "." + f.first, f.second);
+    for (const std::string& w : run.at(node).report.warnings)
+      run.warnings.push_back(nodes.name + "." + step.type->name + ": " + w);
+  }
+  for (const SceneAnatomy& limit : run.config.scene)
+    if (limit.name == nodes.name) hold_against_limits(limit, result);
+
+  const CaseFile file = write_case_file(folder, "meshes/" + nodes.name, ".glb", bytes);
+  out.file = file.name;
+  run.manifest.files.push_back(file);
+  run.manifest.anatomies.push_back(std::move(out));
+  run.anatomies.push_back(result);
+}
+
+void fill_provenance(Run& run, const std::string& input_hash) {
+  CaseManifest& m = run.manifest;
+  m.case_token = run.config.case_token;
+  m.landmarks = run.config.landmarks;
+  m.face_policy = run.config.face.empty() ? "none" : run.config.face;
+  m.face_reason = run.config.face_reason;
+  m.program_version = "trephine " + run.request.program_version;
+  m.input_sha256 = input_hash;
+  // Of the stages that the case was made by, and no others: parameters of what the scene does not demand change no byte.
+  for (const Node& node : run.graph.nodes)
+    for (const Parameter& p : node.params.set->parameters)
+      m.parameters.emplace_back(node.name + "." + p.name, node.params.get(p));
+}
+
+// The middle of the first surface's bounds, joined with the others', to whole mm: exact in float32 like the surfaces' own.
+Vec3 center_of(const Run& run) {
+  Bounds all;
+  for (const Graph::Anatomy& a : run.graph.anatomies) {
+    const Bounds b = bounds_of(run.mesh(a.surface));
+    for (int i = 0; i < 3; ++i) {
+      all.min_mm[i] = std::min(all.min_mm[i], b.min_mm[i]);
+      all.max_mm[i] = std::max(all.max_mm[i], b.max_mm[i]);
+    }
+  }
+  const Vec3 c = (all.min_mm + all.max_mm) / 2;
+  return {std::round(c.x), std::round(c.y), std::round(c.z)};
+}
+
+}  // namespace
+
+RunResult run_case(const RunRequest& request, RunObserver& observer) {
+  const auto start = Clock::now();
+  Run run{request, {}, {}, {}, {}, {}, {}};
+  ConfigOverrides overrides = request.overrides;
+  if (!request.params.case_token.empty()) {
+    validate_case_token(request.params.case_token, ExitCode::usage);
+    overrides.case_token = request.params.case_token;
+  }
+  run.config = read_case_config(request.config, overrides);
+  if (run.config.series.empty())
+    throw Error(ExitCode::usage, request.config.string(), "series", "the configuration names none, give --series FOLDER");
+  if (run.config.case_token.empty()) run.config.case_token = random_token();
+  const std::string token = run.config.case_token;
+  try {
+    require_face_policy(run.config);
+    const std::string input_hash = hash_of_series_input(run.config.series, run.config.import, Progress({}, &cancel_requested()));
+    run.graph = make_graph(run.config, input_hash);
+
+    const fs::path folder = request.library / token;
+    make_output_folder(request.library);
+    make_output_folder(folder);
+    const CaseLock lock(folder);
+    for (const fs::path& f : {folder, folder / "meshes", folder / "report"}) remove_stale_temporaries(f);
+    if (!request.keep.empty()) make_output_folder(request.keep);
+    const StageCache cache(!request.params.use_cache ? fs::path()
+                           : request.cache.empty()   ? request.library / ".trephine-cache"
+                                                     : request.cache);
+
+    ExecuteOptions execution;
+    execution.series = run.config.series;
+    execution.keep = request.keep;
+    execution.cache = &cache;
+    execution.cancel = &cancel_requested();
+    run.results = execute(run.graph, wanted_nodes(run.graph, request.params.pictures), execution, observer);
+
+    const Progress cancelled({}, &cancel_requested());
+    make_output_folder(folder / "meshes");
+    run.manifest.center_mm = center_of(run);
+    fill_provenance(run, input_hash);
+    for (std::size_t i = 0; i < run.graph.anatomies.size(); ++i) {
+      cancelled.check();
+      finish_anatomy(run, i, folder);
+    }
+    for (const std::string& w : run.at(0).report.warnings) run.warnings.push_back("import: " + w);
+
+    // The pictures come before case.json, so that a case that is there has them; they are not part of its bytes.
+    if (request.params.pictures) {
+      make_output_folder(folder / "report");
+      std::vector<PictureAnatomy> shown;
+      for (const Graph::Anatomy& a : run.graph.anatomies) {
+        const RecipeAnatomy& recipe = *run.config.find_anatomy(a.name);
+        shown.push_back({a.name, &run.mesh(a.surface), recipe.colour_rgb, recipe.opacity_ratio});
+      }
+      write_case_pictures(folder / "report", *std::get<std::shared_ptr<const HuVolume>>(run.at(0).data), shown, cancelled);
+    }
+    cancelled.check();
+    publish_case(folder, run.manifest);
+    cache.shrink_to(static_cast<std::uint64_t>(request.params.cache_limit_mb) * 1'000'000);
+
+    RunResult result;
+    result.case_folder = folder;
+    result.case_token = token;
+    result.anatomies = run.anatomies;
+    result.warnings = run.warnings;
+    result.table = case_table(run.anatomies);
+    result.json = run_json(run.graph, run.results, run.anatomies, run.warnings,
+                           std::chrono::duration<double>(Clock::now() - start).count());
+    write_file(folder / "run.json", result.json);
+    return result;
+  } catch (Error& e) {
+    e.in_case(token);
+    throw;
+  }
+}
+
+}  // namespace trephine

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "metrics/measure.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType measure_stage() {
+  StageType s;
+  s.name = "measure";
+  s.version = 1;
+  s.summary = "measures a surface, also against a reference";
+  s.description =
+      "Validity (closed, 2-manifold, self-intersections), triangles, volume, area, genus; against another surface the "
+      "two-sided deviation: largest, 99th percentile, RMS and mean, in mm.";
+  s.ports = {{"surface", DataKind::mesh, true, "surface to measure"},
+             {"reference", DataKind::mesh, false, "surface to compare with"}};
+  s.output = DataKind::nothing;
+  s.make_params = [] { return AnyParams::make<MeasureParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    MeasureReference reference;
+    reference.mesh = in.get<TriMesh>("reference");
+    report = measure_surface(*in.get<TriMesh>("surface"), reference, params.as<MeasureParams>(), progress);
+    return {};
+  };
+  return s;
+}
+
+}  // namespace trephine

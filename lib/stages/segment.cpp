@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "segmentation/segment.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType segment_stage() {
+  StageType s;
+  s.name = "segment";
+  s.version = 1;
+  s.summary = "finds one anatomy in a CT volume";
+  s.description =
+      "Gives a field on the volume's voxels, positive inside the anatomy, whose zero crossing is its surface to a fraction of "
+      "a voxel. Methods: threshold (with hysteresis, morphology in mm, components and filled cavities), and an unattended "
+      "brain and ventricles.";
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
+             {"within", DataKind::field, false, "an anatomy to stay inside of"},
+             {"without", DataKind::field, false, "an anatomy to stay outside of"},
+             {"skull", DataKind::field, false, "the skull, for the brain that it holds"}};
+  s.output = DataKind::field;
+  s.make_params = [] { return AnyParams::make<SegmentParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    const SegmentMasks masks{in.get<Field>("within"), in.get<Field>("without"), in.get<Field>("skull")};
+    return std::make_shared<const Field>(
+        segment(*in.get<HuVolume>("volume"), masks, params.as<SegmentParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Each kind of bad input gets one line on stderr and its documented exit code, and leaves nothing behind.
+. "$(dirname "$0")/common.sh"
+config=$SOURCE/configs/ct_head.yaml
+run=("$TREPHINE" run --quiet)
+
+expect 66 'trephine run: .*nowhere' "${run[@]}" "$config" --series "$work/nowhere" --out "$work/out"
+mkdir "$work/empty"
+expect 65 'trephine run: .*empty.*DICOM' "${run[@]}" "$config" --series "$work/empty" --out "$work/out"
+echo text >"$work/empty/notes.txt"
+expect 65 'trephine run: .*DICOM' "${run[@]}" "$config" --series "$work/empty" --out "$work/out"
+expect 66 'trephine run: .*missing.yaml' "${run[@]}" "$work/missing.yaml" --out "$work/out"
+expect 64 'trephine run: .*series' "${run[@]}" "$config" --out "$work/out"
+expect 64 '--serie.*--series' "${run[@]}" "$config" --serie "$work/empty" --out "$work/out"
+expect 64 'outt' "$TREPHINE" contour --outt x
+
+mkdir "$work/configs"
+printf 'trephine: 1\npipeline: p.yaml\nscene: s.yaml\ncaes: x\n' >"$work/configs/c.yaml"
+cp "$SOURCE/pipelines/ventriculostomy.yaml" "$work/configs/p.yaml"
+cp "$SOURCE/configs/scenes/ventriculostomy.yaml" "$work/configs/s.yaml"
+expect 78 'c.yaml:4:1: caes: .*case' "${run[@]}" "$work/configs/c.yaml" --series "$SOURCE/sample_dicom" --out "$work/out"
+
+# A folder that cannot be made (a file stands there), and one that cannot be written: before any work.
+echo >"$work/file"
+expect 73 'trephine run: .*file' "${run[@]}" "$SOURCE/configs/sample.yaml" --out "$work/file"
+expect 73 'trephine run: .*file' "${run[@]}" "$SOURCE/configs/sample.yaml" --out "$work/file/below"
+if [[ $(id -u) != 0 ]]; then
+  mkdir "$work/readonly" && chmod a-w "$work/readonly"
+  expect 73 'trephine run: .*readonly' "${run[@]}" "$SOURCE/configs/sample.yaml" --out "$work/readonly"
+fi
+
+# A threshold that no voxel reaches.
+expect 80 'trephine run: sample: skull.segment: .*voxel' "${run[@]}" "$SOURCE/configs/sample.yaml" --out "$work/gate" \
+  --set skull.segment.lower_hu=30000 --set skull.segment.seed_lower_hu=30000
+[[ ! -e $work/gate/sample/case.json ]] || fail "a refused case was published"
+
+# A scene that shows a face without saying so.
+sed '/^face:/d' "$work/configs/s.yaml" >"$work/configs/faceless.yaml"
+printf 'trephine: 1\npipeline: p.yaml\nscene: faceless.yaml\n' >"$work/configs/c.yaml"
+expect 81 'trephine run: .*face' "${run[@]}" "$work/configs/c.yaml" --series "$SOURCE/sample_dicom" --out "$work/out"
+
+find "$work" -name '.trephine-tmp-*' | grep . && fail "temporary files are left"
+echo ok

@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# A second run takes everything from the cache and gives the same case; a damaged cache is as good as none; Ctrl-C and
+# kill -9 leave the old case and no temporary file after the next run; one parameter recomputes only what depends on it.
+. "$(dirname "$0")/common.sh"
+config=$SOURCE/configs/sample.yaml
+out=$work/out
+
+"$TREPHINE" run "$config" --out "$out" --quiet --json "$work/first.json"
+first=$(case_digest "$out/sample")
+"$TREPHINE" run "$config" --out "$out" --quiet --json "$work/second.json"
+[[ $first == "$(case_digest "$out/sample")" ]] || fail "a rerun changed the case"
+grep -q '"state": "cached"' "$work/second.json" || fail "nothing was taken from the cache"
+grep -E '"state": "computed"' "$work/second.json" | grep -q . && [[ $(grep -c '"state": "computed"' "$work/second.json") -gt 3 ]] &&
+  fail "a rerun computed more than what is cheaper to compute than to read"
+
+# A parameter of one anatomy.
+"$TREPHINE" run "$config" --out "$out" --quiet --json "$work/third.json" --set ventricles.smooth.iterations_count=5
+[[ $first != "$(case_digest "$out/sample")" ]] || fail "a changed parameter changed nothing"
+python3 - "$work/third.json" <<'PY'
+import json, sys
+stages = json.load(open(sys.argv[1]))["stages"]
+computed = [n for n, s in stages.items() if s["state"] == "computed" and s["seconds"] > 0.5]
+assert all(n == "import" or n.startswith("ventricles.") for n in computed), computed
+PY
+
+# Bytes of every cached file flipped.
+for f in "$out"/.trephine-cache/*; do printf '\377' | dd of="$f" bs=1 seek=100 conv=notrunc status=none; done
+"$TREPHINE" run "$config" --out "$out" --quiet
+[[ $first == "$(case_digest "$out/sample")" ]] || fail "a damaged cache changed the case"
+
+# Stopped at several moments, once by Ctrl-C and otherwise by kill -9: the old case is there, whole.
+for signal in INT KILL KILL; do
+  for delay in 0.3 1.5; do
+    "$TREPHINE" run "$config" --out "$out" --quiet --no-use-cache --set skin.smooth.iterations_count=7 2>/dev/null &
+    pid=$!
+    sleep "$delay"
+    kill -"$signal" "$pid" 2>/dev/null || true
+    code=0; wait "$pid" || code=$?
+    [[ $signal != INT || $code == 130 ]] || fail "Ctrl-C ended with $code"
+    [[ $first == "$(case_digest "$out/sample")" ]] || fail "kill -$signal after $delay s tore the case"
+    [[ $signal != INT ]] || { find "$out" -name '.trephine-tmp-*' | grep . && fail "Ctrl-C left a temporary file"; }
+  done
+done
+"$TREPHINE" run "$config" --out "$out" --quiet
+find "$out" -name '.trephine-tmp-*' | grep . && fail "temporary files are left"
+
+# Two at once: one works, the other is told so.
+"$TREPHINE" run "$config" --out "$out" --quiet --no-use-cache &
+sleep 1
+expect 75 'trephine run: sample: .*another run' "$TREPHINE" run "$config" --out "$out" --quiet --no-use-cache
+wait
+[[ $first == "$(case_digest "$out/sample")" ]] || fail "two at once tore the case"
+echo ok
