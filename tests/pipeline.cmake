@@ -1,1 +1,3 @@
+if(TARGET trephine_picture)
 trephine_test(pipeline pipeline)
+endif()
