@@ -11,7 +11,9 @@ namespace trephine {
 
 /// NRRD 4 (teem.sourceforge.net/nrrd/format.html), 3 axes, one attached file, space left-posterior-superior, encoding raw
 /// or gzip, little endian. Only the fields that the format needs and the `keys` given are written: size, spacing, origin,
-/// direction and nothing of a patient.
+/// direction and nothing of a patient. Where spacing times direction does not give both back to the last bit (oblique
+/// axes), the keys trephine-spacing and trephine-direction hold them apart; read_nrrd takes them and hides them, and
+/// ignores them where they no longer agree with the space directions.
 using NrrdKeys = std::map<std::string, std::string>;
 enum class NrrdEncoding { raw, gzip };
 

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/exit_code.h"
+#include "base/exit_code.h"
+#include "base/report.h"
+#include "base/vec3.h"
+
+namespace trephine {
+
+/// The case package: a folder with case.json and what it names; docs/case-package.md specifies it for other programs.
+/// Positions are DICOM patient LPS, mm.
+
+constexpr int case_version_major = 1, case_version_minor = 0;
+
+/// A figure by name, in the order of insertion: numbers finite.
+using CaseValues = std::vector<std::pair<std::string, ParameterValue>>;
+
+struct CaseDeviation {
+  double max_mm = 0, p99_mm = 0, rms_mm = 0;  ///< two-sided, to the surface before decimation
+};
+
+struct CaseAnatomy {
+  std::string name;
+  std::string file;                                 ///< one of the manifest's files; empty where nothing is displayed
+  std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};  ///< sRGB
+  double opacity = 1;
+  std::uint64_t triangles = 0, points = 0;
+  double volume_ml = 0, area_cm2 = 0;
+  CaseDeviation deviation;
+  double budget_asked_mm = 0, budget_used_mm = 0;  ///< the sum over the stages that moved the surface
+  CaseValues figures;                              ///< what else the stages reported
+};
+
+struct CaseLandmark {
+  std::string name;
+  Vec3 position_mm;
+  double confidence = 1;  ///< 0 to 1
+  std::string source;     ///< "found", "given", "truth"
+};
+
+struct CaseTarget {
+  std::string name;
+  Vec3 position_mm;
+  double confidence = 1;
+  std::string anatomy;  ///< in which it lies; may be empty
+};
+
+struct CaseBurrHole {
+  std::string name;
+  Vec3 position_mm;
+  Vec3 direction;  ///< unit, into the head
+  double diameter_mm = 0;
+};
+
+struct CaseFile {
+  std::string name;    ///< relative, "meshes/skull-0123456789abcdef.glb"
+  std::string sha256;  ///< 64 lower-case digits
+  std::uint64_t bytes = 0;
+};
+
+struct CaseManifest {
+  int version_major = case_version_major, version_minor = case_version_minor;
+  std::string case_token;
+  Vec3 center_mm;  ///< what GLB positions are about
+  std::vector<CaseAnatomy> anatomies;
+  std::vector<CaseLandmark> landmarks;
+  std::vector<CaseTarget> targets;
+  std::vector<CaseBurrHole> burr_holes;
+  std::string face_policy = "keep", face_reason;
+  std::string program_version;  ///< "trephine 0.1.0"
+  std::string input_sha256;     ///< of what was read, without identifiers
+  CaseValues parameters;        ///< effective ones by path, "skull.decimate.max_deviation_mm"
+  std::vector<CaseFile> files;
+
+  const CaseAnatomy* find_anatomy(std::string_view name) const;
+  const CaseFile* find_file(std::string_view name) const;
+};
+
+/// Throws Error with that code (64 from a flag, 78 from a config) unless the token is [a-z0-9][a-z0-9_-]{0,63}.
+void validate_case_token(const std::string& token, ExitCode code);
+
+/// The bytes of case.json: keys in fixed order, shortest numbers, files sorted by name, and last a checksum of all that
+/// comes before it. No time, host or path is in it unless the caller put one into a value. Throws Error 70 where the
+/// manifest contradicts itself (an anatomy's file that is not named, repeated names, numbers that are not finite).
+std::string to_json(const CaseManifest& manifest);
+/// Checks the version, then the checksum, then parses; of a newer minor version it takes what it knows. Throws
+/// Error 65.
+CaseManifest parse_case_json(std::string_view json);
+
+/// Reads case.json and checks size and SHA-256 of every file that it names. Nothing else is parsed. Throws Error naming
+/// the file: 66 where one is missing, 65 where one is damaged or the version is newer (both are named).
+CaseManifest read_case(const std::filesystem::path& case_folder);
+
+/// The bytes of one of its files, checked again, so that what is parsed is what was checked.
+std::string read_case_file(const std::filesystem::path& case_folder, const CaseFile& file);
+
+/// "meshes/skull", ".glb" and bytes -> meshes/skull-<first 16 digits of the SHA-256>.glb.
+CaseFile describe_case_file(const std::string& stem, const std::string& extension, std::string_view bytes);
+
+/// Writes the bytes under their content name, unless they are there already; synced. Throws 73 and 74.
+CaseFile write_case_file(const std::filesystem::path& case_folder, const std::string& stem,
+                         const std::string& extension, std::string_view bytes);
+
+/// Renames case.json into place, last: before it the old case is whole, after it the new one. Throws 70 where a file
+/// that the manifest names is not there with its size; 73 and 74. Files of the old case stay (a reader may be in them).
+void publish_case(const std::filesystem::path& case_folder, const CaseManifest& manifest);
+
+/// Removes files with a content name that case.json does not name, and temporaries of dead processes; returns how many.
+/// Only where no reader of an older case and no other run on this case is under way: `library gc`.
+int remove_unnamed_case_files(const std::filesystem::path& case_folder);
+
+}  // namespace trephine

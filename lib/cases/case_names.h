@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string_view>
+
+namespace trephine::detail {
+
+/// Relative, at most one folder deep, letters, digits, '-', '_', '.': nothing that leaves the case's folder.
+bool is_case_file_name(std::string_view name);
+/// A content name: ends in -<16 digits>.<extension>.
+bool is_content_name(std::string_view name);
+/// 64 lower-case hexadecimal digits.
+bool is_sha256(std::string_view text);
+
+}  // namespace trephine::detail

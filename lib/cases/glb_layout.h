@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstddef>
+
+namespace trephine::detail {
+
+/// The node's matrix, column by column: LPS millimetres about the centre to metres, Y up, +Z forward.
+constexpr std::array<double, 16> gltf_from_lps = {0.001, 0, 0, 0, 0, 0, -0.001, 0, 0, 0.001, 0, 0, 0, 0, 0, 1};
+
+/// 65535 is the index that glTF keeps for restarting a strip.
+constexpr std::size_t largest_uint16_points = 65535;
+
+}  // namespace trephine::detail
