@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "cli/command.h"
+
+namespace trephine {
+
+/// The program's commands, one a file in this folder.
+Command phantom_command();
+Command import_command();
+Command segment_command();
+Command contour_command();
+Command decimate_command();
+Command smooth_command();
+Command normals_command();
+Command measure_command();
+Command run_command();
+
+}  // namespace trephine

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/progress.h"
+#include "cli/command.h"
+#include "commands.h"
+
+int main(int argc, char** argv) {
+  using namespace trephine;
+  Program program;
+  program.name = "trephine";
+  program.version = TREPHINE_VERSION;
+  program.summary = "turns CT series into patient models for surgical simulation";
+  program.commands = {run_command(),    import_command(), segment_command(), contour_command(), decimate_command(),
+                      smooth_command(), normals_command(), measure_command(), phantom_command()};
+  install_signal_handlers();
+  return run_program(program, argc, argv);
+}

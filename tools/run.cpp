@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdio>
+#include <map>
+#include <mutex>
+
+#include "base/log.h"
+#include "base/text.h"
+#include "base/write_file.h"
+#include "cli/progress_display.h"
+#include "commands.h"
+#include "pipeline/run_case.h"
+
+namespace trephine {
+namespace {
+
+// The run's stages on the terminal.
+class DisplayObserver : public RunObserver {
+ public:
+  explicit DisplayObserver(bool quiet) : display_(quiet) {}
+  void started(const std::string& node) override {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stages_.insert_or_assign(node, display_.start(node));
+  }
+  void progressed(const std::string& node, double fraction) override {
+    const Progress* stage;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      stage = &stages_.at(node);
+    }
+    stage->report(fraction);
+  }
+  void finished(const std::string& node, const std::string& how, double, const Report&) override {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!stages_.count(node)) stages_.insert_or_assign(node, display_.start(node));
+    display_.finish(node, how == "cached" ? "from the cache" : "");
+  }
+
+ private:
+  ProgressDisplay display_;
+  std::mutex mutex_;
+  std::map<std::string, Progress> stages_;
+};
+
+Argument argument(const char* name, Argument::Kind kind, const char* help) {
+  Argument a;
+  a.name = name;
+  a.kind = kind;
+  a.help = help;
+  return a;
+}
+
+}  // namespace
+
+Command run_command() {
+  using Kind = Argument::Kind;
+  Command c;
+  c.name = "run";
+  c.summary = "builds a patient case from a CT series, as a configuration says";
+  c.description =
+      "Reads the series, computes what the configuration's scene demands and nothing else, holds the results against the "
+      "scene's limits, and publishes the case as LIBRARY/CASE/case.json with its surfaces and pictures: the old case or the "
+      "new one, never a mixture. The same input, configuration and version give the same bytes.";
+  c.examples = {"trephine run configs/sample.yaml --out out",
+                "trephine run configs/ct_head.yaml --series DICOM-FOLDER --out library --case head-01",
+                "trephine run configs/sample.yaml --out out --set skull.decimate.max_deviation_mm=0.2"};
+  Argument config = argument("config", Kind::in_file, "Configuration of the case (.yaml).");
+  config.positional = config.required = true;
+  Argument out = argument("out", Kind::out_folder, "Library: the folder in which the case's folder is made.");
+  out.required = true;
+  Argument set = argument("set", Kind::text, "Override anatomy.stage.parameter=value.");
+  Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
+  set.repeated = root.repeated = true;
+  c.arguments = {config,
+                 out,
+                 argument("series", Kind::in_path, "Folder of the CT series; overrides the configuration's."),
+                 set,
+                 root,
+                 argument("keep", Kind::out_folder, "Also write every stage's output into this folder."),
+                 argument("cache", Kind::out_folder, "Folder of the stage cache, instead of LIBRARY/.trephine-cache."),
+                 argument("json", Kind::out_file, "Write run.json (times, reports, memory) here too.")};
+  c.groups = {ParameterGroup::of<RunParams>("Parameters")};
+  c.run = [](const ParsedCommand& parsed) {
+    RunRequest request;
+    request.config = parsed.path("config");
+    request.library = parsed.path("out");
+    request.overrides.series = parsed.path("series");
+    request.overrides.set = parsed.all("set");
+    for (const std::string& r : parsed.all("root")) request.overrides.roots.emplace_back(r);
+    request.params = parsed.params<RunParams>();
+    request.keep = parsed.path("keep");
+    request.cache = parsed.path("cache");
+    request.program_version = TREPHINE_VERSION;
+    RunResult result;
+    {
+      DisplayObserver observer(parsed.quiet);
+      result = run_case(request, observer);
+    }
+    for (const std::string& w : result.warnings) log_warning(w);
+    if (parsed.has("json")) write_file(parsed.path("json"), result.json);
+    if (!parsed.quiet) std::printf("\n%s\n%s\n", result.table.c_str(), (result.case_folder / "case.json").c_str());
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+}  // namespace trephine
