@@ -25,19 +25,20 @@ struct DecimateParams {
   }
 };
 
-/// Fewer triangles for the same shape: edge collapses in the order of their quadric error (Garland, Heckbert 1997), until
-/// the count is reached or no collapse is left that keeps the deviation and the surface valid; the report's stopped_by says
-/// "count", "deviation" or "validity". With no limit given, or where the input has no more triangles than asked for, the
-/// mesh comes back as it was.
+/// Fewer triangles for the same shape: edge collapses in the order of their quadric error (Garland, Heckbert 1997),
+/// until the count is reached or no collapse is left that keeps the deviation and the surface valid; the report's
+/// stopped_by says "count", "deviation" or "validity". With no limit given, or where the input has no more triangles
+/// than asked for, the mesh comes back as it was.
 ///
 /// The result is closed, 2-manifold and free of self-intersections, also in float32: collapses that lead to an
 /// intersection are undone around it and counted. The deviation is two-sided: every input point's distance to the
 /// surface is carried through the collapses, and both directions are measured by sampling at the end (deviation_max_mm,
-/// deviation_p99_mm, deviation_rms_mm); where a sample exceeds max_deviation_mm, collapses are undone there too. Samples
-/// lie at every point of both meshes and at most a quarter of the bound (not below an eighth of the input's mean edge) apart.
+/// deviation_p99_mm, deviation_rms_mm); where a sample exceeds max_deviation_mm, collapses are undone there too.
+/// Samples lie at every point of both meshes and at most a quarter of the bound (not below an eighth of the input's
+/// mean edge) apart.
 ///
-/// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed, 2-manifold and
-/// free of self-intersections, or no limit can be kept.
+/// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed, 2-manifold
+/// and free of self-intersections, or no limit can be kept.
 TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& report, const Progress& progress = {});
 
 }  // namespace trephine

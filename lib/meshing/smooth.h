@@ -16,7 +16,8 @@ struct SmoothParams {
   template <class V>
   static void describe(V& v) {
     using P = SmoothParams;
-    v.integer(&P::iterations_count, "iterations_count", Range{0, 100000}, "Degree of the filter; 0 leaves the mesh as it is.");
+    v.integer(&P::iterations_count, "iterations_count", Range{0, 100000},
+              "Degree of the filter; 0 leaves the mesh as it is.");
     v.number(&P::pass_band_ratio, "pass_band_ratio", Range{1e-4, 2},
              "Highest frequency of the mesh that passes: 2 passes all, 0.1 smooths visibly.");
     v.number(&P::max_displacement_mm, "max_displacement_mm", Range{0, 1e6}, "No point moves further than this.");
@@ -25,11 +26,11 @@ struct SmoothParams {
 
 /// Low-pass filter of the points (windowed sinc; Taubin, Zhang, Golub 1996), each displacement cut off at
 /// max_displacement_mm. The triangles stay as they are; normals are dropped. Where the result would intersect itself or
-/// hold a degenerate triangle, the points around it go back to where they were, and are counted. Reported: the largest and
-/// RMS displacement, the change of volume in percent, and the points held back.
+/// hold a degenerate triangle, the points around it go back to where they were, and are counted. Reported: the largest
+/// and RMS displacement, the change of volume in percent, and the points held back.
 ///
-/// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed and 2-manifold,
-/// or intersects itself already.
+/// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed and
+/// 2-manifold, or intersects itself already.
 TriMesh smooth(const TriMesh& mesh, const SmoothParams& params, Report& report, const Progress& progress = {});
 
 }  // namespace trephine

@@ -17,7 +17,7 @@ struct Validity {
   std::size_t degenerate = 0;          ///< triangles whose three points lie exactly on a line, or coincide
   std::size_t slivers = 0;             ///< smallest height below 1e-3 of the longest side; allowed, only counted
   double volume_mm3 = 0;
-  bool float32 = false;                ///< every coordinate of points_mm is one that float32 holds
+  bool float32 = false;  ///< every coordinate of points_mm is one that float32 holds
   bool valid() const {
     return topology.triangles > 0 && topology.closed() && topology.manifold() && self_intersections == 0 &&
            degenerate == 0 && volume_mm3 > 0;
@@ -26,20 +26,27 @@ struct Validity {
   std::string text() const;
 };
 
-/// Exact predicates on the double coordinates; parallel, the same answer whatever the thread count. Of a mesh whose points
-/// are on float32's raster (see snap_to_float32) it holds for the exported float32 mesh as well. Throws as check_mesh does.
+/// Exact predicates on the double coordinates; parallel, the same answer whatever the thread count. Of a mesh whose
+/// points are on float32's raster (see snap_to_float32) it holds for the exported float32 mesh as well. Throws as
+/// check_mesh does.
 Validity check_validity(const TriMesh& mesh, const Progress& progress = {});
 
-/// The pairs of triangles (lower index first, ascending) that intersect: they share no point and touch, or share points and
-/// touch or overlap beyond them. Triangles in `only` (empty: all) against all.
+/// The pairs of triangles (lower index first, ascending) that intersect: they share no point and touch, or share points
+/// and touch or overlap beyond them. Triangles in `only` (empty: all) against all.
 std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh, const Progress& progress = {},
                                                              const std::vector<std::uint32_t>& only = {});
 
+/// The triangles whose three points lie exactly on a line, or coincide; ascending.
+std::vector<std::uint32_t> degenerate_triangles(const TriMesh& mesh);
+
 /// Moves each point to the nearest multiple of a power of two of mm that float32 holds exactly: 2^-14 mm (0.06 um) for
 /// what lies within 512 mm of its origin and is not tiny. Such points stay exact in float32 under every shift of the
-/// origin by such multiples (whole mm, for instance) that leaves them within 1,024 mm. Every stage ends with it, so that
-/// what was checked is what is exported.
+/// origin by such multiples (whole mm, for instance) that leaves them within 1,024 mm. Every stage ends with it, so
+/// that what was checked is what is exported.
 void snap_to_float32(TriMesh& mesh);
+/// Moves the origin to about the centre of the bounds (whole mm; finer for a tiny mesh) where it lies outside them; the
+/// surface stays where it is, to the last digits.
+void centre_origin(TriMesh& mesh);
 /// The step that snap_to_float32 uses for that mesh.
 double float32_step_mm(const TriMesh& mesh);
 

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/contour.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <type_traits>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "meshing/enclosed.h"
+#include "meshing/marching_cubes.h"
+#include "meshing/validity.h"
+
+namespace trephine {
+namespace {
+
+constexpr double first_margin = 0.002, last_margin = 0.05;
+
+void require_surface(const Lattice& lattice, const InsideVoxels& inside) {
+  const std::string of = std::to_string(inside.count) + " of " + std::to_string(lattice.count()) + " voxels are inside";
+  const auto fail = [](const std::string& what) { throw Error(ExitCode::quality, "", "contour", what); };
+  if (inside.count == 0) fail(of + ", there is no surface");
+  if (inside.count == lattice.count()) fail(of + ", there is no surface but the volume's border");
+  for (int a = 0; a < 3; ++a)
+    if (inside.box.end[a] - inside.box.begin[a] < 2) fail(of + ", all in one slice: too thin for a surface");
+}
+
+/// From continuous indices to patient mm about a local origin; the triangles look outwards in either handedness.
+void to_patient(TriMesh& mesh, const Lattice& lattice) {
+  Vec3 low = mesh.points_mm.front(), high = low;
+  for (const Vec3 p : mesh.points_mm)
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], p[a]);
+      high[a] = std::max(high[a], p[a]);
+    }
+  const Vec3 s = lattice.spacing_mm;
+  const double extent = std::max({(high.x - low.x) * s.x, (high.y - low.y) * s.y, (high.z - low.z) * s.z});
+  const double unit = std::min(1.0, std::exp2(std::floor(std::log2(extent)) - 5));
+  const Vec3 centre = lattice.to_world_mm((low + high) / 2);
+  for (int a = 0; a < 3; ++a) mesh.origin_mm[a] = std::nearbyint(centre[a] / unit) * unit;
+  const Vec3 offset = lattice.origin_mm - mesh.origin_mm;
+  parallel_for(0, static_cast<std::int64_t>(mesh.points_mm.size()), 65536, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t i = from; i < to; ++i) {
+      const Vec3 p = mesh.points_mm[i];
+      mesh.points_mm[i] = lattice.direction * Vec3{p.x * s.x, p.y * s.y, p.z * s.z} + offset;
+    }
+  });
+  if (determinant(lattice.direction) < 0)
+    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+}
+
+/// Takes the points of the triangles (and of what surrounds them) further from the ends of their lattice edges.
+std::size_t draw_in(TriMesh& mesh, const Lattice& lattice, const std::vector<std::uint32_t>& triangles, double margin) {
+  std::vector<char> marked(mesh.points_mm.size(), 0);
+  for (const std::uint32_t t : triangles)
+    for (const std::uint32_t v : mesh.triangles[t]) marked[v] = 1;
+  std::vector<char> around = marked;
+  for (const auto& t : mesh.triangles)
+    if (marked[t[0]] || marked[t[1]] || marked[t[2]])
+      for (const std::uint32_t v : t) around[v] = 1;
+  const Vec3 s = lattice.spacing_mm, offset = lattice.origin_mm - mesh.origin_mm;
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    if (!around[i]) continue;
+    const Vec3 q = transpose_times(lattice.direction, mesh.points_mm[i] - offset);
+    Vec3 p{q.x / s.x, q.y / s.y, q.z / s.z};
+    int axis = 0;  // the one along which the point lies between two samples
+    const auto off = [&p](int a) { return std::abs(p[a] - std::nearbyint(p[a])); };
+    for (int a = 1; a < 3; ++a)
+      if (off(a) > off(axis)) axis = a;
+    for (int a = 0; a < 3; ++a)
+      if (a != axis) p[a] = std::nearbyint(p[a]);
+    const double low = std::floor(p[axis]);
+    p[axis] = low + std::clamp(p[axis] - low, margin, 1 - margin);
+    mesh.points_mm[i] = lattice.direction * Vec3{p.x * s.x, p.y * s.y, p.z * s.z} + offset;
+    ++moved;
+  }
+  return moved;
+}
+
+/// Snaps the mesh to float32 and makes it valid there, drawing in more where the rounding matters.
+std::size_t make_valid(TriMesh& mesh, const Lattice& lattice, const Progress& progress) {
+  std::size_t moved = 0;
+  double margin = first_margin;
+  for (;;) {
+    progress.check();
+    snap_to_float32(mesh);
+    const Validity v = check_validity(mesh, progress);
+    if (v.valid()) return moved;
+    margin = std::min(2.5 * margin, 1.0);
+    std::vector<std::uint32_t> faults = degenerate_triangles(mesh);
+    for (const auto& pair : self_intersections(mesh, progress)) faults.insert(faults.end(), pair.begin(), pair.end());
+    if (faults.empty() || margin > last_margin) throw Error(ExitCode::quality, "", "contour", v.text());
+    moved += draw_in(mesh, lattice, faults, margin);
+  }
+}
+
+template <class T>
+TriMesh contour_grid(const Grid<T>& grid, double isovalue, const ContourParams& params, Report& report,
+                     const Progress& progress) {
+  const InsideVoxels inside = find_inside(grid, isovalue);
+  require_surface(grid, inside);
+  TriMesh mesh = marching_cubes(grid, isovalue, inside, first_margin, progress.part(0, 0.4));
+  to_patient(mesh, grid);
+  const int cavities = params.keep_cavities ? 0 : drop_cavities(mesh, progress.part(0.4, 0.5));
+  const int small = keep_large_components(mesh, params.min_component_mm3);
+  const std::size_t moved = make_valid(mesh, grid, progress.part(0.5, 0.95));
+
+  const Topology topology = topology_of(mesh);
+  report.add("inside_voxels_count", inside.count);
+  report.add("triangles_count", mesh.triangles.size());
+  report.add("points_count", mesh.points_mm.size());
+  report.add("volume_ml", volume_mm3(mesh) / 1000);
+  report.add("components_count", topology.components);
+  report.add("genus_count", static_cast<std::int64_t>(topology.genus));
+  report.add("small_components_dropped_count", small);
+  report.add("cavities_dropped_count", cavities);
+  report.add("points_drawn_in_count", moved);
+  progress.report(1);
+  return mesh;
+}
+
+}  // namespace
+
+TriMesh contour(const Field& field, const ContourParams& params, Report& report, const Progress& progress) {
+  return contour_grid(field, 0.0, params, report, progress);
+}
+
+TriMesh contour(const HuVolume& volume, const ContourParams& params, Report& report, const Progress& progress) {
+  return std::visit(
+      [&](const auto& grid) {
+        double isovalue = params.isovalue_hu;
+        if (std::is_integral_v<typename std::decay_t<decltype(grid)>::Sample> && isovalue == std::floor(isovalue)) {
+          isovalue -= 0.5;
+          report.warn("isovalue lowered by 1/2 HU: the samples are integers");
+        }
+        report.add("isovalue_hu", isovalue);
+        return contour_grid(grid, isovalue, params, report, progress);
+      },
+      volume);
+}
+
+}  // namespace trephine

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/smooth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "meshing/validity.h"
+#include "surface/incidence.h"
+
+namespace trephine {
+namespace {
+
+constexpr std::int64_t grain = 16384;
+
+/// Each point's neighbours along edges, as one flat list.
+struct Neighbours {
+  std::vector<std::uint32_t> begin, point;
+
+  Neighbours(const TriMesh& mesh, const Incidence& incidence) : begin(mesh.points_mm.size() + 1, 0) {
+    // On a closed, oriented surface each triangle around a point adds the corner that follows it.
+    point.resize(incidence.triangle.size());
+    begin = incidence.begin;
+    parallel_for(0, static_cast<std::int64_t>(mesh.points_mm.size()), grain, [&](std::int64_t from, std::int64_t to) {
+      for (std::int64_t p = from; p < to; ++p)
+        for (std::uint32_t n = begin[p]; n < begin[p + 1]; ++n) {
+          const auto& v = mesh.triangles[incidence.triangle[n]];
+          point[n] = v[0] == p ? v[1] : v[1] == p ? v[2] : v[0];
+        }
+    });
+  }
+};
+
+/// Coefficients of the Chebyshev polynomials of the low-pass filter: an ideal filter's, under a Hamming window, shifted
+/// so that the filter is 1 at frequency 0 (a constant passes unchanged: nothing shrinks towards the origin).
+std::vector<double> filter_coefficients(int degree, double pass_band) {
+  std::vector<double> c(degree + 1);
+  const double theta = std::acos(std::clamp(1 - pass_band / 2, -1.0, 1.0));
+  double sum = 0;
+  for (int n = 0; n <= degree; ++n) {
+    const double window = 0.54 + 0.46 * std::cos(n * M_PI / (degree + 1));
+    c[n] = window * (n == 0 ? theta / M_PI : 2 * std::sin(n * theta) / (n * M_PI));
+    sum += c[n];
+  }
+  for (double& v : c) v /= sum;
+  return c;
+}
+
+/// y = (I - K/2) x with K the umbrella operator x - mean of neighbours: K's eigenvalues lie in 0 to 2.
+void half_step(const Neighbours& neighbours, const std::vector<Vec3>& x, std::vector<Vec3>& y) {
+  parallel_for(0, static_cast<std::int64_t>(x.size()), grain, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t p = from; p < to; ++p) {
+      Vec3 sum;
+      const std::uint32_t b = neighbours.begin[p], e = neighbours.begin[p + 1];
+      for (std::uint32_t n = b; n < e; ++n) sum += x[neighbours.point[n]];
+      y[p] = e > b ? (x[p] + sum / double(e - b)) * 0.5 : x[p];
+    }
+  });
+}
+
+/// The filter as a sum of Chebyshev polynomials of (I - K/2), by their recurrence.
+std::vector<Vec3> low_pass(const TriMesh& mesh, const SmoothParams& params, const Progress& progress) {
+  const auto degree = static_cast<int>(params.iterations_count);
+  const Neighbours neighbours(mesh, Incidence(mesh));
+  const std::vector<double> c = filter_coefficients(degree, params.pass_band_ratio);
+  std::vector<Vec3> before = mesh.points_mm, now(before.size()), next(before.size()), sum(before.size());
+  half_step(neighbours, before, now);
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = before[i] * c[0] + now[i] * c[1];
+  for (int n = 2; n <= degree; ++n) {
+    progress.report(double(n) / degree);
+    half_step(neighbours, now, next);
+    parallel_for(0, static_cast<std::int64_t>(sum.size()), grain, [&](std::int64_t from, std::int64_t to) {
+      for (std::int64_t i = from; i < to; ++i) {
+        next[i] = next[i] * 2.0 - before[i];
+        sum[i] += next[i] * c[n];
+      }
+    });
+    before.swap(now);
+    now.swap(next);
+  }
+  return sum;
+}
+
+/// Points of the faulty triangles go back to where they were, with `rings` rings around them.
+void take_back(TriMesh& mesh, const TriMesh& original, std::vector<char>& held,
+               const std::vector<std::uint32_t>& triangles, int rings) {
+  std::vector<char> marked(mesh.points_mm.size(), 0);
+  for (const std::uint32_t t : triangles)
+    for (const std::uint32_t v : mesh.triangles[t]) marked[v] = 1;
+  for (int r = 0; r < rings; ++r) {
+    std::vector<char> more = marked;
+    for (const auto& t : mesh.triangles)
+      if (marked[t[0]] || marked[t[1]] || marked[t[2]])
+        for (const std::uint32_t v : t) more[v] = 1;
+    marked.swap(more);
+  }
+  for (std::size_t i = 0; i < marked.size(); ++i)
+    if (marked[i]) {
+      mesh.points_mm[i] = original.points_mm[i];
+      held[i] = 1;
+    }
+}
+
+std::vector<std::uint32_t> faulty_triangles(const TriMesh& mesh, const Progress& progress) {
+  std::vector<std::uint32_t> faults = degenerate_triangles(mesh);
+  for (const auto& pair : self_intersections(mesh, progress)) faults.insert(faults.end(), pair.begin(), pair.end());
+  return faults;
+}
+
+}  // namespace
+
+TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report, const Progress& progress) {
+  check_mesh(input);
+  TriMesh original = input;
+  original.normals.clear();
+  snap_to_float32(original);
+  with_field("smooth: input", [&] { require_valid(original, progress.part(0, 0.2)); });
+  TriMesh mesh = original;
+  const double volume = volume_mm3(original);
+  std::vector<char> held(mesh.points_mm.size(), 0);
+  if (params.iterations_count > 0 && params.max_displacement_mm > 0) {
+    const std::vector<Vec3> target = low_pass(original, params, progress.part(0.2, 0.6));
+    // The snap moves a point by at most half the diagonal of a step; so the bound holds after it too.
+    const double limit = std::max(0.0, params.max_displacement_mm - float32_step_mm(original));
+    for (std::size_t i = 0; i < target.size(); ++i) {
+      const Vec3 move = target[i] - original.points_mm[i];
+      const double length = norm(move);
+      mesh.points_mm[i] = original.points_mm[i] + (length > limit ? move * (limit / length) : move);
+    }
+    const double step = float32_step_mm(original);
+    for (Vec3& p : mesh.points_mm)
+      for (int a = 0; a < 3; ++a) p[a] = std::nearbyint(p[a] / step) * step;
+    for (int round = 0;; ++round) {
+      const auto faults = faulty_triangles(mesh, progress.part(0.6, 0.9));
+      if (faults.empty()) break;
+      take_back(mesh, original, held, faults, std::min(round, 1000));
+    }
+  }
+  const Validity v = check_validity(mesh, progress.part(0.9, 1));
+  if (!v.valid()) throw Error(ExitCode::quality, "", "smooth", v.text());
+
+  double largest = 0, squares = 0;
+  for (std::size_t i = 0; i < mesh.points_mm.size(); ++i) {
+    const double d = norm(mesh.points_mm[i] - original.points_mm[i]);
+    largest = std::max(largest, d);
+    squares += d * d;
+  }
+  report.add("triangles_count", mesh.triangles.size());
+  report.add("displacement_max_mm", largest);
+  report.add("displacement_rms_mm", mesh.points_mm.empty() ? 0 : std::sqrt(squares / mesh.points_mm.size()));
+  report.add("volume_ml", v.volume_mm3 / 1000);
+  report.add("volume_change_percent", 100 * (v.volume_mm3 / volume - 1));
+  report.add("points_held_back_count", static_cast<std::int64_t>(std::count(held.begin(), held.end(), 1)));
+  progress.report(1);
+  return mesh;
+}
+
+}  // namespace trephine

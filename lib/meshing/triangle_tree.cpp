@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/triangle_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+
+namespace trephine {
+namespace {
+
+float below(double v) {
+  const float f = static_cast<float>(v);
+  return f <= v ? f : std::nextafter(f, -std::numeric_limits<float>::infinity());
+}
+float above(double v) {
+  const float f = static_cast<float>(v);
+  return f >= v ? f : std::nextafter(f, std::numeric_limits<float>::infinity());
+}
+
+/// Spreads 21 bits to every third bit.
+std::uint64_t spread(std::uint64_t v) {
+  v = (v | v << 32) & 0x1f00000000ffffull;
+  v = (v | v << 16) & 0x1f0000ff0000ffull;
+  v = (v | v << 8) & 0x100f00f00f00f00full;
+  v = (v | v << 4) & 0x10c30c30c30c30c3ull;
+  return (v | v << 2) & 0x1249249249249249ull;
+}
+
+constexpr std::int64_t grain = 16384;
+
+}  // namespace
+
+void FloatBox::add(Vec3 p) {
+  for (int a = 0; a < 3; ++a) {
+    min[a] = std::min(min[a], below(p[a]));
+    max[a] = std::max(max[a], above(p[a]));
+  }
+}
+
+void FloatBox::add(const FloatBox& b) {
+  for (int a = 0; a < 3; ++a) {
+    min[a] = std::min(min[a], b.min[a]);
+    max[a] = std::max(max[a], b.max[a]);
+  }
+}
+
+double FloatBox::squared_distance(Vec3 p) const {
+  double d2 = 0;
+  for (int a = 0; a < 3; ++a) {
+    const double d = std::max({min[a] - p[a], p[a] - max[a], 0.0});
+    d2 += d * d;
+  }
+  return d2;
+}
+
+Vec3 closest_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return a;
+  const Vec3 bp = p - b;
+  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return b;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + ab * (d1 / (d1 - d3));
+  const Vec3 cp = p - c;
+  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return c;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + ac * (d2 / (d2 - d6));
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+  const double s = 1 / (va + vb + vc);
+  return a + ab * (vb * s) + ac * (vc * s);
+}
+
+FloatBox TriangleTree::box_of(std::uint32_t triangle) const {
+  FloatBox b;
+  for (const std::uint32_t v : mesh_.triangles[triangle]) b.add(mesh_.points_mm[v]);
+  return b;
+}
+
+TriangleTree::TriangleTree(const TriMesh& mesh) : mesh_(mesh) {
+  const auto count = static_cast<std::int64_t>(mesh.triangles.size());
+  FloatBox all;
+  for (const Vec3 p : mesh.points_mm) all.add(p);
+  double extent = 0;
+  for (int a = 0; a < 3; ++a) extent = std::max(extent, double(all.max[a]) - all.min[a]);
+  const double scale = extent > 0 ? 2097151 / extent : 0;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(count);
+  parallel_for(0, count, grain, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t t = from; t < to; ++t) {
+      const auto& v = mesh.triangles[t];
+      const Vec3 c = (mesh.points_mm[v[0]] + mesh.points_mm[v[1]] + mesh.points_mm[v[2]]) / 3;
+      std::uint64_t key = 0;
+      for (int a = 0; a < 3; ++a)
+        key |= spread(static_cast<std::uint64_t>(std::clamp((c[a] - all.min[a]) * scale, 0.0, 2097151.0))) << a;
+      keys[t] = {key, static_cast<std::uint32_t>(t)};
+    }
+  });
+  std::sort(keys.begin(), keys.end());
+  order_.resize(count);
+  for (std::int64_t n = 0; n < count; ++n) order_[n] = keys[n].second;
+  keys = {};
+
+  levels_.emplace_back((count + width - 1) / width);
+  parallel_for(0, static_cast<std::int64_t>(levels_[0].size()), grain / width, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t leaf = from; leaf < to; ++leaf)
+      for (std::int64_t n = width * leaf; n < std::min<std::int64_t>(width * (leaf + 1), count); ++n)
+        levels_[0][leaf].add(box_of(order_[n]));
+  });
+  while (levels_.back().size() > 1) {
+    const auto& below_level = levels_.back();
+    std::vector<FloatBox> level((below_level.size() + width - 1) / width);
+    for (std::size_t n = 0; n < below_level.size(); ++n) level[n / width].add(below_level[n]);
+    levels_.push_back(std::move(level));
+  }
+}
+
+double TriangleTree::squared_distance(Vec3 p, double squared_limit, std::uint32_t* triangle) const {
+  struct Entry {
+    double d2;
+    int level;
+    std::size_t node;
+  };
+  std::array<Entry, 64> stack;
+  int top = 0;
+  double best = squared_limit;
+  if (!order_.empty()) stack[top++] = {0, static_cast<int>(levels_.size()) - 1, 0};
+  while (top > 0) {
+    const Entry e = stack[--top];
+    if (e.d2 >= best) continue;
+    if (e.level == 0) {
+      for (std::size_t n = width * e.node; n < std::min(width * (e.node + 1), order_.size()); ++n) {
+        const auto& v = mesh_.triangles[order_[n]];
+        const Vec3 d = p - closest_on_triangle(p, mesh_.points_mm[v[0]], mesh_.points_mm[v[1]], mesh_.points_mm[v[2]]);
+        if (dot(d, d) >= best) continue;
+        best = dot(d, d);
+        if (triangle) *triangle = order_[n];
+      }
+      continue;
+    }
+    const auto& level = levels_[e.level - 1];
+    std::array<Entry, width> child;
+    int children = 0;
+    for (std::size_t c = width * e.node; c < std::min(width * (e.node + 1), level.size()); ++c) {
+      const double d2 = level[c].squared_distance(p);
+      if (d2 >= best) continue;
+      int at = children++;  // the nearest ends on top of the stack
+      for (; at > 0 && child[at - 1].d2 < d2; --at) child[at] = child[at - 1];
+      child[at] = {d2, e.level - 1, c};
+    }
+    for (int c = 0; c < children; ++c) stack[top++] = child[c];
+  }
+  return best;
+}
+
+}  // namespace trephine
