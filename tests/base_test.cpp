@@ -98,7 +98,7 @@ TEST(Params, DefaultsAsText) {
   for (const auto& d : p.set->parameters) all.push_back(describe_parameter(d, p.get(d)));
   EXPECT_EQ(
       all, (std::vector<std::string>{"number, 0 to 5, default 0.2", "whole number, at least 4, default 80000",
-                                     "true or false, default true", "one of quick, exact, default \"exact\"",
+                                     "true or false, default true", "one of quick, exact, default exact",
                                      "text, default \"a \\\"b\\\"\"", "3 numbers, -100 to 100, default [1, 2.5, -3]"}));
 }
 

@@ -133,7 +133,7 @@ std::string describe_parameter(const Parameter& p, const ParameterValue& default
     case ParameterKind::flag:
       return "true or false" + fallback;
     case ParameterKind::choice:
-      return "one of " + joined(p.choices) + fallback;
+      return "one of " + joined(p.choices) + ", default " + std::get<std::string>(default_value);
     case ParameterKind::text:
       return "text" + fallback;
     case ParameterKind::numbers:

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/declarations.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace trephine {
+namespace {
+
+void check_name(const std::string& command, const std::string& name) {
+  const auto good = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
+  if (name.empty() || name[0] < 'a' || name[0] > 'z' || !std::all_of(name.begin(), name.end(), good))
+    throw Error(ExitCode::internal, "", command + " " + name, "declared with a name that is not snake_case");
+}
+
+}  // namespace
+
+std::string flag_of(const std::string& name) {
+  std::string flag = "--" + name;
+  std::replace(flag.begin(), flag.end(), '_', '-');
+  return flag;
+}
+
+std::string placeholder_of(const Argument& argument) {
+  switch (argument.kind) {
+    case Argument::Kind::in_file:
+    case Argument::Kind::out_file:
+      return "FILE";
+    case Argument::Kind::in_folder:
+    case Argument::Kind::out_folder:
+      return "FOLDER";
+    case Argument::Kind::in_path:
+      return "PATH";
+    case Argument::Kind::text:
+      return "TEXT";
+    case Argument::Kind::choice:
+      break;
+  }
+  std::string all;
+  for (const auto& c : argument.choices) all += (all.empty() ? "" : "|") + c;
+  return all;
+}
+
+std::string placeholder_of(const Parameter& parameter) {
+  switch (parameter.kind) {
+    case ParameterKind::number:
+      return "NUMBER";
+    case ParameterKind::integer:
+      return "INTEGER";
+    case ParameterKind::flag:
+      return "";
+    case ParameterKind::text:
+      return "TEXT";
+    case ParameterKind::choice:
+      return "CHOICE";
+    case ParameterKind::numbers:
+      break;
+  }
+  std::string all;
+  for (std::size_t i = 0; i < parameter.count; ++i) all += i == 0 ? "N" : ",N";
+  return all;
+}
+
+std::string usage_of(const Argument& argument) {
+  if (!argument.positional) return flag_of(argument.name) + " " + placeholder_of(argument);
+  if (argument.kind == Argument::Kind::choice) return placeholder_of(argument);
+  std::string name = argument.name;
+  for (char& c : name) c = c == '_' ? '-' : static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
+  return name;
+}
+
+std::string usage_of(const Parameter& parameter) {
+  if (parameter.kind == ParameterKind::flag) return "--[no-]" + flag_of(parameter.name).substr(2);
+  return flag_of(parameter.name) + " " + placeholder_of(parameter);
+}
+
+std::string usage_of(const Program& program, const Command& command) {
+  std::string text = program.name + " " + command.name;
+  for (const bool positional : {true, false})
+    for (const Argument& a : command.arguments) {
+      if (a.positional != positional) continue;
+      const std::string more = a.repeated ? "..." : "";
+      text += a.required ? " " + usage_of(a) + more : " [" + usage_of(a) + "]" + more;
+    }
+  return text + " [parameters]";
+}
+
+std::vector<ParameterGroup> all_groups(const Command& command) {
+  std::vector<ParameterGroup> groups = command.groups;
+  groups.push_back(ParameterGroup::of<CommonParams>(common_title));
+  return groups;
+}
+
+void check_declarations(const Program& program) {
+  std::set<std::string> commands;
+  for (const Command& c : program.commands) {
+    if (!commands.insert(c.name).second) throw Error(ExitCode::internal, "", c.name, "declared twice");
+    if (c.summary.empty() || !c.run)
+      throw Error(ExitCode::internal, "", c.name, "declared without a summary or a function");
+    check_name(c.name, c.name);
+    std::set<std::string> flags = {"--help"};
+    const auto add = [&](const std::string& name, const std::string& help) {
+      check_name(c.name, name);
+      if (help.empty()) throw Error(ExitCode::internal, "", c.name + " " + flag_of(name), "declared without a help");
+      if (!flags.insert(flag_of(name)).second)
+        throw Error(ExitCode::internal, "", c.name + " " + flag_of(name), "declared twice");
+    };
+    bool open_end = false;
+    for (const Argument& a : c.arguments) {
+      add(a.name, a.help);
+      if (a.positional && open_end)
+        throw Error(ExitCode::internal, "", c.name + " " + a.name, "stands behind an argument without an end");
+      open_end = open_end || (a.positional && (a.repeated || !a.required));
+    }
+    for (const ParameterGroup& g : all_groups(c))
+      for (const Parameter& p : g.make().set->parameters) {
+        add(p.name, p.help);
+        if (p.kind == ParameterKind::flag) add("no_" + p.name, p.help);
+      }
+  }
+}
+
+std::string ParsedCommand::text(const std::string& argument) const {
+  const auto found = arguments.find(argument);
+  return found == arguments.end() ? std::string() : found->second.at(0);
+}
+
+std::vector<std::string> ParsedCommand::all(const std::string& argument) const {
+  const auto found = arguments.find(argument);
+  return found == arguments.end() ? std::vector<std::string>() : found->second;
+}
+
+void ParsedCommand::no_such_group() const {
+  throw Error(ExitCode::internal, "", command ? command->name : "", "has no parameters of this type");
+}
+
+}  // namespace trephine

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/progress_display.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <cstdio>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "base/log.h"
+#include "base/text.h"
+
+namespace trephine {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr double repaint_s = 0.2, plain_line_s = 5;
+
+double seconds_between(Clock::time_point a, Clock::time_point b) {
+  return std::chrono::duration<double>(b - a).count();
+}
+
+// At most `columns` characters (UTF-8) of the text.
+std::string clipped(const std::string& text, std::size_t columns) {
+  std::size_t i = 0, n = 0;
+  for (; i < text.size(); ++i)
+    if ((static_cast<unsigned char>(text[i]) & 0xc0) != 0x80 && ++n > columns) break;
+  return text.substr(0, i);
+}
+
+}  // namespace
+
+std::string duration_text(double seconds) {
+  if (!(seconds >= 0)) seconds = 0;
+  if (seconds < 9.95) return to_text(std::round(seconds * 10) / 10) + " s";
+  const auto s = static_cast<long long>(std::llround(std::min(seconds, 1e9)));
+  const auto two = [](long long v) { return (v < 10 ? "0" : "") + std::to_string(v); };
+  if (s < 60) return std::to_string(s) + " s";
+  if (s < 3600) return std::to_string(s / 60) + " min " + two(s % 60) + " s";
+  return std::to_string(s / 3600) + " h " + two(s / 60 % 60) + " min";
+}
+
+std::string grouped_text(long long number) {
+  std::string text = std::to_string(number);
+  for (std::size_t i = text.size(); i > 3 + (number < 0);) text.insert(i -= 3, ",");
+  return text;
+}
+
+struct ProgressDisplay::State {
+  struct Stage {
+    std::string name;
+    Clock::time_point started, said;
+    double fraction = 0;
+  };
+
+  bool quiet = false, terminal = false;
+  int fd = 2;
+  std::mutex mutex;
+  std::vector<Stage> running;
+  bool painted = false, ending = false;
+  std::condition_variable end;
+  std::thread painter;
+  LogSink log_before;
+
+  Stage* find(const std::string& name) {
+    for (Stage& s : running)
+      if (s.name == name) return &s;
+    return nullptr;
+  }
+
+  // All of these are called with the mutex held.
+  void write(const std::string& text) {
+    std::size_t done = 0;
+    while (done < text.size()) {
+      const ssize_t n = ::write(fd, text.data() + done, text.size() - done);
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return;  // progress that nobody can see is no reason to stop
+      done += static_cast<std::size_t>(n);
+    }
+  }
+  static std::string stage_text(const Stage& s, Clock::time_point now) {
+    const double f = s.fraction, elapsed = seconds_between(s.started, now);
+    std::string text = s.name + " " + std::to_string(static_cast<int>(f * 100)) + " %";
+    if (f > 0.01 && f < 1 && elapsed > 1)
+      text += " (" + to_text(std::round(1000 * f / elapsed) / 10) + " %/s, " + duration_text(elapsed * (1 - f) / f) +
+              " left)";
+    return text;
+  }
+  void paint() {
+    if (!terminal || running.empty()) return;
+    winsize size{};
+    const bool known = ::ioctl(fd, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
+    std::string text;
+    const auto now = Clock::now();
+    for (const Stage& s : running) text += (text.empty() ? "" : " | ") + stage_text(s, now);
+    write("\r\x1b[K" + clipped(printable(text), known ? size.ws_col - 1u : 79u));
+    painted = true;
+  }
+  void clear() {
+    if (painted) write("\r\x1b[K");
+    painted = false;
+  }
+  // A line that stays.
+  void line(const std::string& text) {
+    clear();
+    write(printable(text) + "\n");
+    paint();
+  }
+};
+
+ProgressDisplay::ProgressDisplay(bool quiet, int fd, Style style) : state_(std::make_unique<State>()) {
+  State& s = *state_;
+  s.quiet = quiet;
+  s.fd = fd;
+  s.terminal = !quiet && (style == Style::terminal || (style == Style::automatic && ::isatty(fd) == 1));
+  if (quiet) return;
+  s.log_before = set_log_sink([&s](const std::string& text) {
+    const std::lock_guard<std::mutex> lock(s.mutex);
+    s.line(text);
+  });
+  if (!s.terminal) return;
+  s.painter = std::thread([&s] {
+    std::unique_lock<std::mutex> lock(s.mutex);
+    while (!s.end.wait_for(lock, std::chrono::duration<double>(repaint_s), [&s] { return s.ending; })) s.paint();
+  });
+}
+
+ProgressDisplay::~ProgressDisplay() {
+  State& s = *state_;
+  if (s.quiet) return;
+  set_log_sink(s.log_before);
+  {
+    const std::lock_guard<std::mutex> lock(s.mutex);
+    s.ending = true;
+    s.clear();
+  }
+  s.end.notify_all();
+  if (s.painter.joinable()) s.painter.join();
+}
+
+Progress ProgressDisplay::start(const std::string& stage, const std::atomic<bool>* cancel) {
+  {
+    const std::lock_guard<std::mutex> lock(state_->mutex);
+    const auto now = Clock::now();
+    state_->running.push_back({stage, now, now, 0});
+    state_->paint();
+  }
+  return Progress([this, stage](double fraction) { report(stage, fraction); }, cancel);
+}
+
+void ProgressDisplay::report(const std::string& stage, double fraction) {
+  const std::lock_guard<std::mutex> lock(state_->mutex);
+  State::Stage* s = state_->find(stage);
+  if (!s || !(fraction >= 0)) return;
+  s->fraction = std::min(fraction, 1.0);
+  if (state_->quiet || state_->terminal) return;  // the painter shows it
+  const auto now = Clock::now();
+  if (seconds_between(s->said, now) < plain_line_s) return;
+  s->said = now;
+  state_->line(State::stage_text(*s, now));
+}
+
+void ProgressDisplay::finish(const std::string& stage, const std::string& note) {
+  const std::lock_guard<std::mutex> lock(state_->mutex);
+  std::string text = stage + ":";
+  if (const State::Stage* s = state_->find(stage)) {
+    text += " " + duration_text(seconds_between(s->started, Clock::now()));
+    if (!note.empty()) text += ",";
+    state_->running.erase(state_->running.begin() + (s - state_->running.data()));
+  }
+  if (!note.empty()) text += " " + note;
+  if (!state_->quiet) state_->line(text);
+}
+
+}  // namespace trephine

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "cli/declarations.h"
+
+namespace trephine {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Text inside a cell of a Markdown table.
+std::string cell(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '|' || c == '<') out += '\\';
+    out += c == '\n' ? ' ' : c;
+  }
+  return out;
+}
+
+std::string code(const std::string& text) { return "`" + text + "`"; }
+
+// A parameter's value needs no quotes in YAML or on the command line.
+std::string command_page(const Program& program, const Command& c) {
+  std::string page =
+      "# " + program.name + " " + c.name + "\n\n" + c.summary + ".\n\n```\n" + usage_of(program, c) + "\n```\n";
+  if (!c.description.empty()) page += "\n" + c.description + "\n";
+  if (!c.arguments.empty()) page += "\n## Arguments\n\n| Argument | Needed | Meaning |\n|---|---|---|\n";
+  for (const Argument& a : c.arguments)
+    page += "| " + cell(code(usage_of(a))) + " | " + (a.required ? "yes" : "no") + (a.repeated ? ", repeatable" : "") +
+            " | " + cell(a.help) + " |\n";
+  for (const ParameterGroup& g : all_groups(c)) {
+    const AnyParams defaults = g.make();
+    page += "\n## " + g.title + "\n\n| Parameter | Value | Meaning |\n|---|---|---|\n";
+    for (const Parameter& p : defaults.set->parameters)
+      page += "| " + cell(code(usage_of(p))) + " | " + cell(describe_parameter(p, defaults.get(p))) + " | " +
+              cell(p.help) + " |\n";
+  }
+  if (!c.examples.empty()) page += "\n## Examples\n\n```\n";
+  for (const std::string& e : c.examples) page += e + "\n";
+  if (!c.examples.empty()) page += "```\n";
+  return page;
+}
+
+std::string index_page(const Program& program) {
+  std::string page = "# " + program.name + "\n\n" + program.summary + ".\n\n";
+  page += "These pages are generated from the program (`" + program.name +
+          " reference --out docs/reference`); do not edit them.\n";
+  page += "A parameter has one name: `--max-gap-mm` on the command line is `max_gap_mm` in YAML and in manifests.\n\n";
+  page += "| Command | Purpose |\n|---|---|\n";
+  for (const Command& c : program.commands)
+    if (!c.hidden) page += "| [" + c.name + "](" + c.name + ".md) | " + cell(c.summary) + " |\n";
+  page += "\nExit codes and the form of error messages are the same for all commands.\n";
+  return page;
+}
+
+Json value_json(const ParameterValue& value) {
+  return std::visit([](const auto& v) { return Json(v); }, value);
+}
+
+void add_range(Json& schema, const Range& range, bool integer) {
+  const auto bound = [integer](double v) { return integer ? Json(static_cast<std::int64_t>(v)) : Json(v); };
+  const double limit = integer ? 9e15 : std::numeric_limits<double>::max();
+  if (range.min >= -limit) schema["minimum"] = bound(range.min);
+  if (range.max <= limit) schema["maximum"] = bound(range.max);
+}
+
+Json parameter_schema(const Parameter& p, const ParameterValue& fallback) {
+  Json s = {{"description", p.help}};
+  switch (p.kind) {
+    case ParameterKind::number:
+      s["type"] = "number";
+      add_range(s, p.range, false);
+      break;
+    case ParameterKind::integer:
+      s["type"] = "integer";
+      add_range(s, p.range, true);
+      break;
+    case ParameterKind::flag:
+      s["type"] = "boolean";
+      break;
+    case ParameterKind::text:
+      s["type"] = "string";
+      break;
+    case ParameterKind::choice:
+      s["type"] = "string";
+      s["enum"] = p.choices;
+      break;
+    case ParameterKind::numbers: {
+      Json item = {{"type", "number"}};
+      add_range(item, p.range, false);
+      s["type"] = "array";
+      s["items"] = item;
+      s["minItems"] = s["maxItems"] = p.count;
+      break;
+    }
+  }
+  s["default"] = value_json(fallback);
+  return s;
+}
+
+void add_properties(Json& properties, const AnyParams& defaults) {
+  for (const Parameter& p : defaults.set->parameters) properties[p.name] = parameter_schema(p, defaults.get(p));
+}
+
+// Every command's parameters, as an object each under $defs.
+std::string schema_page(const Program& program) {
+  Json root = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+               {"title", "Parameters of " + program.name},
+               {"$defs", Json::object()}};
+  for (const Command& c : program.commands) {
+    if (c.hidden || c.groups.empty()) continue;
+    Json properties = Json::object();
+    for (const ParameterGroup& g : c.groups) add_properties(properties, g.make());
+    root["$defs"][c.name] = {
+        {"description", c.summary}, {"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
+  }
+  return root.dump(2) + "\n";
+}
+
+}  // namespace
+
+std::string json_schema_of(const AnyParams& defaults, int indent) {
+  Json properties = Json::object();
+  add_properties(properties, defaults);
+  return Json({{"type", "object"}, {"properties", properties}, {"additionalProperties", false}}).dump(indent);
+}
+
+std::vector<std::pair<std::string, std::string>> reference_pages(const Program& program) {
+  check_declarations(program);
+  std::vector<std::pair<std::string, std::string>> pages = {{"index.md", index_page(program)},
+                                                            {"parameters.schema.json", schema_page(program)}};
+  for (const Command& c : program.commands)
+    if (!c.hidden) pages.emplace_back(c.name + ".md", command_page(program, c));
+  if (program.more_reference_pages)
+    for (auto& page : program.more_reference_pages()) pages.push_back(std::move(page));
+  return pages;
+}
+
+}  // namespace trephine

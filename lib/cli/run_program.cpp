@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <new>
+
+#include "base/child.h"
+#include "base/error.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/text.h"
+#include "base/write_file.h"
+#include "cli/declarations.h"
+
+namespace trephine {
+namespace {
+
+int number(ExitCode code) { return static_cast<int>(code); }
+
+// The commands that every program has. They see the program through the pointer, with these commands in it.
+void add_own_commands(Program& program) {
+  Command reference;
+  reference.name = "reference";
+  reference.summary = "Write the reference pages";
+  reference.hidden = true;
+  reference.arguments = {{"out", Argument::Kind::out_folder, "Folder for the pages.", true, false, false, {}}};
+  reference.run = [&program](const ParsedCommand& parsed) {
+    const auto pages = reference_pages(program);
+    make_output_folder(parsed.path("out"));
+    for (const auto& page : pages) write_file(parsed.path("out") / page.first, page.second);
+    return ExitCode::ok;
+  };
+  Command completion;
+  completion.name = "completion";
+  completion.summary = "Print the script for a shell's completion";
+  completion.hidden = true;
+  completion.arguments = {{"shell", Argument::Kind::choice, "Which shell.", true, true, false, {"bash"}}};
+  completion.run = [&program](const ParsedCommand&) {
+    std::cout << bash_completion(program);
+    return ExitCode::ok;
+  };
+  program.commands.push_back(std::move(reference));
+  program.commands.push_back(std::move(completion));
+}
+
+const Command& find_command(const Program& program, const std::string& name) {
+  std::vector<std::string> known = {"--help", "--version"};
+  for (const Command& c : program.commands) {
+    if (c.name == name) return c;
+    if (!c.hidden) known.push_back(c.name);
+  }
+  const std::string near = nearest_name(name, known);
+  throw Error(ExitCode::usage, "", name,
+              std::string("unknown ") + (name.rfind("-", 0) == 0 ? "flag" : "command") +
+                  (near.empty() ? "; " + program.name + " --help lists them" : "; did you mean " + near + "?"));
+}
+
+ExitCode run(const Program& program, const std::vector<std::string>& words, std::string& who) {
+  if (words.empty())
+    throw Error(ExitCode::usage, "", "", "a command is needed; " + program.name + " --help lists them");
+  if (words[0] == "--help" || words[0] == "-h") {
+    std::cout << program_help(program);
+    return ExitCode::ok;
+  }
+  if (words[0] == "--version") {
+    std::cout << program.name << " " << program.version << "\n";
+    return ExitCode::ok;
+  }
+  const Command& command = find_command(program, words[0]);
+  who += " " + command.name;
+  const std::vector<std::string> own(words.begin() + 1, words.end());
+  for (const std::string& word : own) {
+    if (word == "--") break;
+    if (word != "--help" && word != "-h") continue;
+    std::cout << command_help(program, command);
+    return ExitCode::ok;
+  }
+  const ParsedCommand parsed = parse_command(command, own);
+  set_thread_count(parsed.params<CommonParams>().threads);
+  return command.run(parsed);
+}
+
+void flush_output() {
+  if (std::cout.flush() && std::fflush(stdout) == 0) return;
+  throw Error(ExitCode::io, "standard output", "", "cannot be written");
+}
+
+}  // namespace
+
+int run_program(Program program, int argc, char** argv) {
+  std::string who = program.name;
+  try {
+    run_child_if_asked(argc, argv);
+    install_signal_handlers();
+    add_own_commands(program);
+    const std::vector<std::string> words(argv + std::min(1, argc), argv + argc);
+    const ExitCode code = run(program, words, who);
+    flush_output();
+    return number(code);
+  } catch (const ErrorList& e) {
+    for (const Error& one : e.all()) log_line(one.line(who));
+    return number(e.code());
+  } catch (const Error& e) {
+    log_line(e.line(who));
+    return number(e.code());
+  } catch (const Cancelled&) {
+    log_line(who + ": cancelled");
+    return number(ExitCode::cancelled);
+  } catch (const std::bad_alloc&) {
+    log_line(who + ": out of memory");
+  } catch (const std::exception& e) {
+    log_line(who + ": internal error: " + e.what());
+  } catch (...) {
+    log_line(who + ": internal error of an unknown kind");
+  }
+  return number(ExitCode::internal);
+}
+
+}  // namespace trephine

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <vector>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "cli/progress_display.h"
+
+namespace trephine {
+namespace {
+
+// What a display writes, through a pipe that holds it all.
+class Captured {
+ public:
+  Captured() { EXPECT_EQ(::pipe2(fd_, O_CLOEXEC | O_NONBLOCK), 0); }
+  ~Captured() {
+    ::close(fd_[0]);
+    ::close(fd_[1]);
+  }
+  int fd() const { return fd_[1]; }
+  std::string text() {
+    char buffer[4096];
+    for (ssize_t n; (n = ::read(fd_[0], buffer, sizeof buffer)) > 0;) text_.append(buffer, static_cast<std::size_t>(n));
+    return text_;
+  }
+
+ private:
+  int fd_[2];
+  std::string text_;
+};
+
+using Style = ProgressDisplay::Style;
+
+TEST(ProgressDisplay, PlainLines) {
+  Captured out;
+  {
+    ProgressDisplay d(false, out.fd());
+    const Progress p = d.start("skull.decimate", nullptr);
+    for (int i = 0; i <= 1000; ++i) p.report(i / 1000.0);
+    log_warning("thin\x1b bone");
+    d.finish("skull.decimate", "80,000 triangles");
+    d.finish("brain.segment", "cached");
+  }
+  log_line("");  // goes to stderr again
+  EXPECT_EQ(out.text(), "warning: thin? bone\nskull.decimate: 0 s, 80,000 triangles\nbrain.segment: cached\n");
+}
+
+TEST(ProgressDisplay, QuietSaysNothing) {
+  Captured out;
+  ProgressDisplay d(true, out.fd(), Style::terminal);
+  d.start("a", nullptr).report(0.5);
+  d.finish("a", "x");
+  EXPECT_EQ(out.text(), "");
+}
+
+TEST(ProgressDisplay, TheTerminalsLineIsRepainted) {
+  Captured out;
+  {
+    ProgressDisplay d(false, out.fd(), Style::terminal);
+    const Progress a = d.start("skull.decimate", nullptr), b = d.start("brain.segment", nullptr);
+    a.report(0.4);
+    b.report(0.6);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1400));
+    log_warning("w");
+    d.finish("brain.segment", "done");
+  }
+  const std::string text = out.text();
+  EXPECT_NE(text.find("\r\x1b[Kskull.decimate 40 % | brain.segment 60 %"), std::string::npos) << text;
+  EXPECT_NE(text.find(" %/s, "), std::string::npos) << text;
+  EXPECT_NE(text.find(" left)"), std::string::npos) << text;
+  EXPECT_NE(text.find("\r\x1b[Kwarning: w\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("\r\x1b[Kbrain.segment: 1.4 s, done\n"), std::string::npos) << text;
+  EXPECT_EQ(text.substr(text.size() - 4), "\r\x1b[K");
+  // No painted line is wider than the 79 columns of a terminal of unknown width.
+  for (std::size_t at = 0; (at = text.find("\x1b[K", at)) != std::string::npos;) {
+    at += 3;
+    EXPECT_LE(std::min(text.size(), text.find_first_of("\r\n", at)) - at, 79u);
+  }
+}
+
+TEST(ProgressDisplay, Cancels) {
+  std::atomic<bool> cancel{true};
+  ProgressDisplay d(true);
+  EXPECT_THROW(d.start("a", &cancel).report(0.1), Cancelled);
+}
+
+TEST(ProgressDisplay, FromManyThreads) {
+  Captured out;
+  {
+    ProgressDisplay d(false, out.fd(), Style::plain);
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 8; ++t)
+      threads.emplace_back([&d, t] {
+        const std::string name = "stage" + std::to_string(t);
+        const Progress p = d.start(name, nullptr);
+        for (int i = 0; i <= 10000; ++i) p.report(i / 10000.0);
+        log_line("from " + name);
+        d.finish(name);
+      });
+    for (auto& t : threads) t.join();
+  }
+  const std::string text = out.text();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 16);
+}
+
+TEST(ProgressDisplay, Durations) {
+  EXPECT_EQ(duration_text(0.04), "0 s");
+  EXPECT_EQ(duration_text(9.94), "9.9 s");
+  EXPECT_EQ(duration_text(9.96), "10 s");
+  EXPECT_EQ(duration_text(59.6), "1 min 00 s");
+  EXPECT_EQ(duration_text(65), "1 min 05 s");
+  EXPECT_EQ(duration_text(7380), "2 h 03 min");
+  EXPECT_EQ(grouped_text(80000), "80,000");
+  EXPECT_EQ(grouped_text(-1234567), "-1,234,567");
+  EXPECT_EQ(grouped_text(-123), "-123");
+  EXPECT_EQ(grouped_text(0), "0");
+}
+
+}  // namespace
+}  // namespace trephine
