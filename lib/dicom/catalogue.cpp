@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "dicom/catalogue.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <system_error>
+#include <tuple>
+
+#include "base/error.h"
+#include "base/parallel.h"
+
+namespace trephine::dicom {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int max_depth = 5;
+constexpr std::size_t max_files = 200000;
+constexpr double orientation_tolerance = 1e-3;  // cosine units: 0.06 degrees
+
+bool is_hidden(const fs::path& p) {
+  const std::string s = p.filename().string();
+  return !s.empty() && s[0] == '.';
+}
+
+void list_files(const fs::path& folder, int depth, std::vector<fs::path>& files, Catalogue& c) {
+  std::error_code ec;
+  std::vector<fs::path> entries;
+  for (fs::directory_iterator it(folder, ec), end; !ec && it != end; it.increment(ec)) entries.push_back(it->path());
+  if (ec) {
+    if (depth == 0) throw Error(ExitCode::no_input, folder.string(), "", "the folder cannot be read: " + ec.message());
+    c.broken.push_back({folder.filename().string(), "", "a folder that cannot be read", false});
+    return;
+  }
+  std::sort(entries.begin(), entries.end());
+  for (const fs::path& p : entries) {
+    if (is_hidden(p)) {
+      ++c.hidden;
+      continue;
+    }
+    const fs::file_status own = fs::symlink_status(p, ec);
+    if (fs::is_directory(own)) {  // links to folders are not followed: they may lead round in circles
+      if (depth < max_depth) list_files(p, depth + 1, files, c);
+    } else if (fs::is_regular_file(fs::status(p, ec))) {
+      files.push_back(p);
+      if (files.size() > max_files)
+        throw Error(ExitCode::bad_input, folder.string(), "", fmt::format("more than {} files", max_files));
+    }
+  }
+}
+
+/// Everything by which slices are ordered and series told apart that is not a position.
+auto stack_key(const FrameRef& r) {
+  const Frame& f = r.header->frames[static_cast<std::size_t>(r.frame)];
+  const auto& o = *f.orientation;
+  return std::make_tuple(r.header->columns, r.header->rows, (*f.spacing_mm)[0], (*f.spacing_mm)[1], o[0].x, o[0].y,
+                         o[0].z, o[1].x, o[1].y, o[1].z);
+}
+
+bool same_stack(const FrameRef& a, const FrameRef& b) {
+  const Frame &f = a.header->frames[static_cast<std::size_t>(a.frame)],
+              &g = b.header->frames[static_cast<std::size_t>(b.frame)];
+  if (a.header->columns != b.header->columns || a.header->rows != b.header->rows) return false;
+  for (int i = 0; i < 2; ++i) {
+    if (std::abs((*f.spacing_mm)[i] - (*g.spacing_mm)[i]) > 1e-4 * (*f.spacing_mm)[i]) return false;
+    if (norm((*f.orientation)[i] - (*g.orientation)[i]) > orientation_tolerance) return false;
+  }
+  return true;
+}
+
+const Frame& frame_of(const FrameRef& r) { return r.header->frames[static_cast<std::size_t>(r.frame)]; }
+
+struct Group {
+  std::vector<FrameRef> slices;
+  std::vector<const FileHeader*> faulty;
+};
+
+std::string modality_name(const FileHeader& h) {
+  if (h.modality == "CT" && h.has_sop_class && !(h.sop_class && h.sop_class->is_ct))
+    return std::string("CT as ") + (h.sop_class ? h.sop_class->name : "an unknown storage class");
+  return h.modality.empty() ? "none given" : h.modality;
+}
+
+void fill_summary(const FileHeader& h, Series& s) {
+  s.is_ct = h.is_ct();
+  s.sort_uid = h.series_uid;
+  s.summary.modality = modality_name(h);
+  s.summary.kernel = h.kernel;
+  s.summary.image_type = h.image_type;
+  s.summary.contrast = h.contrast;
+  s.summary.transfer_syntax = h.syntax->name;
+  s.summary.size = {h.columns, h.rows, static_cast<int>(s.slices.size())};
+}
+
+void refuse(Series& s, const std::string& file, const std::string& field, const std::string& what) {
+  if (!s.refusal.empty()) return;
+  s.refusal_file = file;
+  s.refusal_field = field;
+  s.refusal = what;
+}
+
+Series make_series(std::vector<FrameRef> slices, ModalityPolicy modality) {
+  Series s;
+  s.slices = std::move(slices);
+  const FrameRef& middle = s.slices[s.slices.size() / 2];
+  const FileHeader& h = *middle.header;
+  fill_summary(h, s);
+  const Frame& f = frame_of(middle);
+  s.stack.columns = h.columns;
+  s.stack.rows = h.rows;
+  s.stack.dx_mm = (*f.spacing_mm)[0];
+  s.stack.dy_mm = (*f.spacing_mm)[1];
+  s.stack.u = (*f.orientation)[0];
+  s.stack.v = (*f.orientation)[1];
+  for (const FrameRef& r : s.slices) s.stack.positions_mm.push_back(*frame_of(r).position_mm);
+  s.summary.spacing_mm = {s.stack.dx_mm, s.stack.dy_mm, median_step_mm(s.stack)};
+  s.summary.slice_thickness_mm = f.thickness_mm.value_or(0);
+
+  if (!s.is_ct && modality == ModalityPolicy::ct)
+    refuse(s, h.name, "Modality (0008,0060)", s.summary.modality + ", only CT is read, unless --modality any");
+  for (const FrameRef& r : s.slices)
+    if (r.header->syntax != h.syntax &&
+        (r.header->syntax->encoding == Encoding::native) != (h.syntax->encoding == Encoding::native))
+      s.summary.transfer_syntax = "mixed";
+  if (const int levels = count_levels(s.stack); levels < least_slices)
+    refuse(s, h.name, "series",
+           fmt::format("{} slice position{}, at least {} are needed", levels, levels == 1 ? "" : "s", least_slices));
+  return s;
+}
+
+/// Splits a group into stacks and adds them.
+void add_series(Group& group, ModalityPolicy modality, std::vector<Series>& out) {
+  // By content; the name decides between files that agree in all that is compared here, so that messages are steady.
+  std::sort(group.slices.begin(), group.slices.end(), [](const FrameRef& a, const FrameRef& b) {
+    const Vec3 p = *frame_of(a).position_mm, q = *frame_of(b).position_mm;
+    return std::make_tuple(stack_key(a), p.x, p.y, p.z, std::cref(a.header->name), a.frame) <
+           std::make_tuple(stack_key(b), q.x, q.y, q.z, std::cref(b.header->name), b.frame);
+  });
+  std::vector<std::vector<FrameRef>> stacks;
+  for (const FrameRef& r : group.slices) {
+    auto it = std::find_if(stacks.begin(), stacks.end(), [&](const auto& s) { return same_stack(s.front(), r); });
+    if (it == stacks.end()) it = stacks.insert(stacks.end(), std::vector<FrameRef>());
+    it->push_back(r);
+  }
+  std::sort(group.faulty.begin(), group.faulty.end(), [](const auto* a, const auto* b) { return a->name < b->name; });
+  if (stacks.empty() && !group.faulty.empty()) {
+    Series s;
+    fill_summary(*group.faulty.front(), s);
+    s.summary.size[2] = static_cast<int>(group.faulty.size());
+    out.push_back(std::move(s));
+  }
+  const std::size_t first = out.size() - (stacks.empty() && !group.faulty.empty() ? 1 : 0);
+  for (auto& s : stacks) out.push_back(make_series(std::move(s), modality));
+  if (!group.faulty.empty()) {
+    const FileHeader& f = *group.faulty.front();
+    for (std::size_t i = first; i < out.size(); ++i)
+      refuse(out[i], f.name, tag_name(f.faults.front().tag), f.faults.front().what);
+  }
+}
+
+void read_headers(const std::vector<fs::path>& files, const fs::path& root, Catalogue& c, const Progress& progress) {
+  std::vector<FileHeader> headers(files.size());
+  std::vector<WalkFault> faults(files.size());
+  std::vector<char> good(files.size(), 0);
+  parallel_for(0, static_cast<std::int64_t>(files.size()), 16, [&](std::int64_t from, std::int64_t to) {
+    progress.report(static_cast<double>(from) / static_cast<double>(files.size()));
+    for (auto i = static_cast<std::size_t>(from); i < static_cast<std::size_t>(to); ++i) {
+      try {
+        headers[i] = read_header(files[i]);
+        good[i] = 1;
+      } catch (const WalkFault& f) {
+        faults[i] = f;
+      } catch (const std::system_error&) {
+        faults[i] = {"", "cannot be read"};
+      }
+    }
+  });
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::string name =
+        c.is_single_file ? files[i].filename().string() : files[i].lexically_relative(root).string();
+    if (good[i]) {
+      headers[i].name = name;
+      c.headers.push_back(std::move(headers[i]));
+    } else {
+      c.broken.push_back({name, faults[i].field, faults[i].what, !faults[i].field.empty()});
+    }
+  }
+}
+
+void sort_series(std::vector<Series>& series) {
+  std::stable_sort(series.begin(), series.end(), [](const Series& a, const Series& b) {
+    const auto key = [](const Series& s) {
+      const auto& m = s.summary;
+      return std::make_tuple(!s.refusal.empty(), !s.is_ct, -m.size[2], -m.size[0], -m.size[1], m.spacing_mm.x,
+                             m.spacing_mm.z, m.slice_thickness_mm, m.kernel, m.image_type, m.contrast, m.modality,
+                             s.sort_uid);
+    };
+    return key(a) < key(b);
+  });
+  int ordinal = 0;
+  for (Series& s : series) {
+    const auto& n = s.summary.size;
+    s.summary.token = fmt::format("s{}-{}x{}x{}", ++ordinal, n[0], n[1], n[2]);
+    s.summary.usable = s.refusal.empty();
+    s.summary.verdict = s.summary.usable ? "usable" : s.refusal_field + ": " + s.refusal;
+  }
+}
+
+std::string listing(const Catalogue& c) {
+  std::string out;
+  for (const Series& s : c.series)
+    if (s.summary.usable) out += (out.empty() ? "" : "; ") + s.summary.line();
+  return out;
+}
+
+}  // namespace
+
+Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Progress& progress) {
+  Catalogue c;
+  std::error_code ec;
+  const fs::file_status status = fs::status(folder_or_file, ec);
+  if (!fs::exists(status)) throw Error(ExitCode::no_input, folder_or_file.string(), "", "no such file or folder");
+  std::vector<fs::path> files;
+  if (fs::is_directory(status)) {
+    list_files(folder_or_file, 0, files, c);
+  } else {
+    c.is_single_file = true;
+    files.push_back(folder_or_file);
+  }
+  c.files = static_cast<int>(files.size());
+  read_headers(files, folder_or_file, c, progress);
+
+  std::map<std::tuple<std::string, std::string, bool>, Group> groups;
+  for (const FileHeader& h : c.headers) {
+    if (h.is_localizer()) {
+      ++c.localizers;
+      continue;
+    }
+    Group& g = groups[{h.series_uid, h.modality, h.is_ct()}];
+    const bool secondary = h.raw_image_type.find("DERIVED") != std::string::npos ||
+                           h.raw_image_type.find("SECONDARY") != std::string::npos;
+    if (h.faults.empty())
+      for (int f = 0; f < static_cast<int>(h.frames.size()); ++f) g.slices.push_back({&h, f});
+    else if (h.has_geometry() || !secondary || !h.is_ct())
+      g.faulty.push_back(&h);
+    else
+      ++c.without_geometry;  // a screen capture among the slices
+  }
+  for (auto& [key, group] : groups) {
+    if (!std::get<2>(key) && modality == ModalityPolicy::ct && group.slices.empty() && !group.faulty.empty()) {
+      // Not ours to complain of its tags: it is the modality that is not read.
+      Series s;
+      const FileHeader& h = **std::min_element(group.faulty.begin(), group.faulty.end(),
+                                               [](const auto* a, const auto* b) { return a->name < b->name; });
+      fill_summary(h, s);
+      s.summary.size[2] = static_cast<int>(group.faulty.size());
+      refuse(s, h.name, "Modality (0008,0060)", s.summary.modality + ", only CT is read, unless --modality any");
+      c.series.push_back(std::move(s));
+      continue;
+    }
+    if (!std::get<2>(key) && modality == ModalityPolicy::ct) group.faulty.clear();
+    add_series(group, modality, c.series);
+  }
+  sort_series(c.series);
+  return c;
+}
+
+const Series& choose(const Catalogue& c, const std::string& token) {
+  if (!token.empty()) {
+    for (const Series& s : c.series) {
+      const std::string& t = s.summary.token;
+      if (t != token && t.substr(0, t.find('-')) != token) continue;
+      if (!s.refusal.empty()) throw Error(ExitCode::bad_input, s.refusal_file, s.refusal_field, s.refusal);
+      return s;
+    }
+    const std::string known = listing(c);
+    throw Error(ExitCode::usage, "", "series",
+                "no such series; " + (known.empty() ? "none is usable" : "there are: " + known));
+  }
+  const auto usable =
+      std::count_if(c.series.begin(), c.series.end(), [](const Series& s) { return s.refusal.empty(); });
+  if (usable > 1)
+    throw Error(ExitCode::usage, "", "series",
+                fmt::format("{} usable series, choose one by its token: ", usable) + listing(c));
+  if (usable == 1) return c.series.front();
+  // Nothing usable: the largest CT series says why, else whatever was nearest to being one.
+  if (!c.series.empty()) {
+    const Series& s = c.series.front();
+    throw Error(ExitCode::bad_input, s.refusal_file, s.refusal_field, s.refusal);
+  }
+  for (const auto& b : c.broken)
+    if (b.is_dicom) throw Error(ExitCode::bad_input, b.name, b.field, b.what);
+  if (c.localizers > 0)
+    throw Error(ExitCode::bad_input, "", "ImageType (0008,0008)",
+                fmt::format("only localizers ({}), no slices", c.localizers));
+  if (!c.broken.empty() && (c.is_single_file || c.broken.size() == 1))
+    throw Error(ExitCode::bad_input, c.broken.front().name, c.broken.front().field, c.broken.front().what);
+  throw Error(ExitCode::bad_input, "", "series", fmt::format("no DICOM image among {} files", c.files));
+}
+
+Report describe_rest(const Catalogue& c, const Series& chosen) {
+  Report r;
+  int others = 0, refused = 0, other_files = 0;
+  for (const Series& s : c.series) {
+    if (&s == &chosen) continue;
+    ++others;
+    refused += !s.refusal.empty() && s.is_ct;
+    other_files += s.summary.size[2];
+  }
+  int not_dicom = 0, cut_short = 0;
+  for (const auto& b : c.broken) (b.is_dicom ? cut_short : not_dicom) += 1;
+  r.add("files_count", c.files);
+  r.add("other_series_count", others);
+  r.add("other_series_slices_count", other_files);
+  r.add("localizers_count", c.localizers);
+  r.add("images_without_geometry_count", c.without_geometry);
+  r.add("skipped_not_dicom_count", not_dicom);
+  r.add("skipped_broken_count", cut_short);
+  r.add("skipped_hidden_count", c.hidden);
+  if (cut_short > 0)
+    r.warn(fmt::format(
+        "{} DICOM files are broken before their pixel data and were left out; the first: {}: {}", cut_short,
+        [&] {
+          for (const auto& b : c.broken)
+            if (b.is_dicom) return b.field;
+          return std::string();
+        }(),
+        [&] {
+          for (const auto& b : c.broken)
+            if (b.is_dicom) return b.what;
+          return std::string();
+        }()));
+  for (const Series& s : c.series)
+    if (&s != &chosen && s.is_ct && !s.refusal.empty())
+      r.warn("not used: " + s.summary.line() + ": " + s.summary.verdict);
+  return r;
+}
+
+}  // namespace trephine::dicom
+
+namespace trephine {
+
+std::string SeriesSummary::line() const {
+  std::string out =
+      fmt::format("{}: {}, {:.4g} x {:.4g} x {:.4g} mm", token, modality, spacing_mm.x, spacing_mm.y, spacing_mm.z);
+  if (!kernel.empty()) out += ", kernel " + kernel;
+  if (slice_thickness_mm > 0) out += fmt::format(", slice thickness {:.4g} mm", slice_thickness_mm);
+  if (!image_type.empty()) out += ", " + image_type;
+  out += contrast ? ", contrast" : ", no contrast";
+  return out;
+}
+
+}  // namespace trephine

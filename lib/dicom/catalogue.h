@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "dicom/decode.h"
+#include "dicom/geometry.h"
+#include "dicom/header.h"
+#include "dicom/import.h"
+
+namespace trephine::dicom {
+
+/// Files of one series that share matrix, spacing and orientation.
+struct Series {
+  std::vector<FrameRef> slices;  ///< by content, not by name
+  SliceStack stack;              ///< positions as `slices`
+  SeriesSummary summary;
+  std::string sort_uid;  ///< breaks ties between equal series; never shown
+  bool is_ct = false;
+  std::string refusal_file, refusal_field, refusal;  ///< why it is not usable; `refusal` empty: usable
+};
+
+/// A folder's files, grouped. Not copyable: series point into `headers`.
+struct Catalogue {
+  Catalogue() = default;
+  Catalogue(Catalogue&&) = default;
+  Catalogue(const Catalogue&) = delete;
+
+  std::vector<FileHeader> headers;
+  std::vector<Series> series;  ///< usable ones first, then CT, then larger ones; tokens by this order
+  struct Broken {
+    std::string name, field, what;
+    bool is_dicom;  ///< it began as one
+  };
+  std::vector<Broken> broken;  ///< files that are no DICOM or end before their pixel data
+  int files = 0, hidden = 0, without_geometry = 0, localizers = 0;
+  bool is_single_file = false;
+};
+
+/// Searches a folder five levels deep, or takes one file. Throws Error 66.
+Catalogue scan(const std::filesystem::path& folder_or_file, ModalityPolicy modality, const Progress& progress);
+
+/// The series asked for, or the only usable one. Throws Error 64 listing them, 65 saying why none is usable.
+const Series& choose(const Catalogue& catalogue, const std::string& token);
+
+/// What else lay in the folder, for ImportResult::folder.
+Report describe_rest(const Catalogue& catalogue, const Series& chosen);
+
+}  // namespace trephine::dicom

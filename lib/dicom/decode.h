@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/progress.h"
+#include "dicom/header.h"
+
+namespace trephine::dicom {
+
+struct FrameRef {
+  const FileHeader* header = nullptr;
+  int frame = 0;
+};
+
+/// Called with the frames' stored words (rows x columns x bits_allocated / 8 bytes, little endian), in the order asked
+/// for.
+using FrameSink = std::function<void(std::size_t index, const std::uint8_t* stored)>;
+
+/// Reads the stored words of frames. Uncompressed ones are read from where the checked header says; compressed ones are
+/// decoded by GDCM in one bounded child, which gets the fragments' places and the expected shape, never a file to
+/// parse. Throws Error 65 naming the file and the transfer syntax where the compressed data is not what the header
+/// says, 70 naming the file where the child dies, 74 where a file shrank meanwhile.
+void read_frames(const std::vector<FrameRef>& frames, const FrameSink& sink, const Progress& progress = {});
+
+/// The compressed ones of read_frames.
+void decode_in_child(const std::vector<FrameRef>& frames, const FrameSink& sink, const Progress& progress);
+
+/// What is wrong with a compressed frame's own header or end, "" where nothing is: the size and number of components
+/// against the file's, the end marker (a stream cut short would be filled up by the codec), RLE segments against the
+/// bytes there.
+std::string check_codestream(Encoding encoding, std::string_view stream, int columns, int rows, int bits_allocated);
+
+/// Adds what a slice's import depends on to a hash: its tags and its pixel bytes as stored.
+std::string hash_of_frame(const FrameRef& frame);
+
+}  // namespace trephine::dicom

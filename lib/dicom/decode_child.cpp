@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The only file that includes GDCM: its codecs, on fragments and shapes that the parent has checked, in the bounded
+// child.
+#include <fmt/format.h>
+#include <gdcmDataElement.h>
+#include <gdcmFragment.h>
+#include <gdcmImage.h>
+#include <gdcmSequenceOfFragments.h>
+#include <gdcmTrace.h>
+
+#include <cstring>
+#include <system_error>
+
+#include "base/child.h"
+#include "base/error.h"
+#include "dicom/decode.h"
+
+namespace trephine::dicom {
+namespace {
+
+constexpr const char* worker_name = "dicom-decode";
+
+// The request: for each frame its file, shape and fragments, as 8-byte numbers and texts with their length.
+class Packer {
+ public:
+  void number(std::uint64_t v) { bytes_.append(reinterpret_cast<const char*>(&v), sizeof v); }
+  void text(const std::string& s) {
+    number(s.size());
+    bytes_ += s;
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+class Unpacker {
+ public:
+  explicit Unpacker(std::string_view bytes) : bytes_(bytes) {}
+  std::uint64_t number() {
+    std::uint64_t v = 0;
+    std::memcpy(&v, take(sizeof v).data(), sizeof v);
+    return v;
+  }
+  std::string text() { return std::string(take(number())); }
+
+ private:
+  std::string_view take(std::uint64_t count) {
+    if (count > bytes_.size()) throw Error(ExitCode::internal, "", worker_name, "a bad request");
+    const std::string_view s = bytes_.substr(0, count);
+    bytes_.remove_prefix(count);
+    return s;
+  }
+  std::string_view bytes_;
+};
+
+struct Job {
+  std::string file, name, syntax;
+  int columns = 0, rows = 0, bits_allocated = 0, bits_stored = 0;
+  bool is_signed = false;
+  std::vector<Fragment> fragments;
+};
+
+void pack(const FrameRef& ref, Packer& p) {
+  const FileHeader& h = *ref.header;
+  p.text(std::filesystem::absolute(h.file).string());
+  p.text(h.name);
+  p.text(h.syntax->uid);
+  for (const int v : {h.columns, h.rows, h.bits_allocated, h.bits_stored, int{h.is_signed}})
+    p.number(static_cast<std::uint64_t>(v));
+  const auto [from, to] = h.frame_fragments[static_cast<std::size_t>(ref.frame)];
+  p.number(to - from);
+  for (std::size_t i = from; i < to; ++i) {
+    p.number(h.fragments[i].offset);
+    p.number(h.fragments[i].length);
+  }
+}
+
+Job unpack(Unpacker& u) {
+  Job j;
+  j.file = u.text();
+  j.name = u.text();
+  j.syntax = u.text();
+  j.columns = static_cast<int>(u.number());
+  j.rows = static_cast<int>(u.number());
+  j.bits_allocated = static_cast<int>(u.number());
+  j.bits_stored = static_cast<int>(u.number());
+  j.is_signed = u.number() != 0;
+  for (std::uint64_t n = u.number(); n > 0; --n) {
+    Fragment f;
+    f.offset = u.number();
+    f.length = static_cast<std::uint32_t>(u.number());
+    j.fragments.push_back(f);
+  }
+  return j;
+}
+
+[[noreturn]] void bad_stream(const Job& j, const std::string& what) {
+  throw Error(ExitCode::bad_input, j.name, tag_name(make_tag(0x7fe0, 0x0010)),
+              std::string(find_transfer_syntax(j.syntax)->name) + ": " + what);
+}
+
+std::vector<char> read_stream(const Job& j) {
+  std::vector<char> stream;
+  try {
+    const ByteSource source(j.file);
+    for (const Fragment& f : j.fragments) {
+      const std::size_t at = stream.size();
+      if (f.offset > source.size() || f.length > source.size() - f.offset) bad_stream(j, "the file shrank meanwhile");
+      stream.resize(at + f.length);
+      if (!source.read(f.offset, stream.data() + at, f.length)) bad_stream(j, "the file shrank meanwhile");
+    }
+  } catch (const std::system_error&) {
+    throw Error(ExitCode::io, j.name, "", "cannot be read any more");
+  }
+  return stream;
+}
+
+std::vector<char> decode(const Job& j) {
+  const std::vector<char> stream = read_stream(j);
+  const TransferSyntax& syntax = *find_transfer_syntax(j.syntax);
+  const std::string fault =
+      check_codestream(syntax.encoding, {stream.data(), stream.size()}, j.columns, j.rows, j.bits_allocated);
+  if (!fault.empty()) bad_stream(j, fault);
+
+  gdcm::Image image;
+  image.SetNumberOfDimensions(2);
+  image.SetDimension(0, static_cast<unsigned>(j.columns));
+  image.SetDimension(1, static_cast<unsigned>(j.rows));
+  const gdcm::PixelFormat format(1, static_cast<unsigned short>(j.bits_allocated),
+                                 static_cast<unsigned short>(j.bits_stored),
+                                 static_cast<unsigned short>(j.bits_stored - 1), j.is_signed);
+  image.SetPixelFormat(format);
+  image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
+  image.SetTransferSyntax(gdcm::TransferSyntax::GetTSType(j.syntax.c_str()));
+  gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;
+  gdcm::Fragment fragment;
+  fragment.SetByteValue(stream.data(), static_cast<std::uint32_t>(stream.size()));
+  fragments->AddFragment(fragment);
+  gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010));
+  pixels.SetVR(gdcm::VR::OW);
+  pixels.SetValue(*fragments);
+  image.SetDataElement(pixels);
+
+  const std::size_t wanted = std::size_t(j.columns) * std::size_t(j.rows) * std::size_t(j.bits_allocated / 8);
+  if (image.GetBufferLength() != wanted) bad_stream(j, "the decoder expects another size");
+  std::vector<char> out(wanted);
+  if (!image.GetBuffer(out.data())) bad_stream(j, "cannot be decoded");
+  // The codec sets what its stream says; another word size would have been another image.
+  if (image.GetPixelFormat().GetBitsAllocated() != j.bits_allocated)
+    bad_stream(j, fmt::format("decodes to {} bits, BitsAllocated is {}", image.GetPixelFormat().GetBitsAllocated(),
+                              j.bits_allocated));
+  return out;
+}
+
+const ChildWorker worker(worker_name, [](ChildRequest& request) {
+  gdcm::Trace::DebugOff();
+  gdcm::Trace::WarningOff();
+  gdcm::Trace::ErrorOff();
+  Unpacker in(request.request());
+  const std::uint64_t count = in.number();
+  for (std::uint64_t i = 0; i < count; ++i) {
+    request.report(static_cast<double>(i) / static_cast<double>(count));
+    const Job job = unpack(in);
+    const std::vector<char> out = decode(job);
+    request.write(out.data(), out.size());
+  }
+});
+
+ChildResult run(const std::vector<FrameRef>& frames, const Progress& progress) {
+  Packer request;
+  request.number(frames.size());
+  std::uint64_t bytes = 0, largest = 0;
+  for (const FrameRef& f : frames) {
+    pack(f, request);
+    bytes += f.header->frame_bytes();
+    largest = std::max(largest, f.header->frame_bytes());
+  }
+  ChildLimits limits;
+  // Address space: this program's libraries, a frame in its stages (stream, fragments, codec, output), the result.
+  limits.memory_bytes = (std::uint64_t{2} << 30) + bytes + 16 * largest;
+  limits.cpu_s = 30 + static_cast<double>(bytes) / 1e6;
+  limits.wall_s = 2 * limits.cpu_s;
+  return run_child(worker_name, request.bytes(), limits, progress);
+}
+
+}  // namespace
+
+void decode_in_child(const std::vector<FrameRef>& frames, const FrameSink& sink, const Progress& progress) {
+  ChildResult result;
+  try {
+    result = run(frames, progress);
+  } catch (Error& e) {
+    if (e.code() != ExitCode::internal) throw;
+    // The child died. Which file it was is found one by one; where each alone goes well, it was none of them.
+    for (const FrameRef& f : frames) {
+      try {
+        run({f}, progress);
+      } catch (const Error& alone) {
+        if (alone.code() != ExitCode::internal) throw;
+        throw Error(ExitCode::internal, f.header->name, tag_name(f.header->pixels.tag),
+                    std::string(f.header->syntax->name) + ": decoding failed: " + alone.what());
+      }
+    }
+    throw;
+  }
+  std::uint64_t wanted = 0;
+  for (const FrameRef& f : frames) wanted += f.header->frame_bytes();
+  if (result.bytes().size() != wanted)
+    throw Error(ExitCode::internal, "", worker_name, "the child gave another number of bytes");
+  const auto* at = reinterpret_cast<const std::uint8_t*>(result.bytes().data());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    sink(i, at);
+    at += frames[i].header->frame_bytes();
+  }
+}
+
+}  // namespace trephine::dicom

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "dicom/values.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <regex>
+
+namespace trephine::dicom {
+namespace {
+
+std::vector<std::string_view> split(std::string_view text) {
+  std::vector<std::string_view> parts;
+  for (std::size_t at = 0;;) {
+    const std::size_t next = text.find('\\', at);
+    parts.push_back(trimmed(text.substr(at, next == std::string_view::npos ? next : next - at)));
+    if (next == std::string_view::npos) return parts;
+    at = next + 1;
+  }
+}
+
+template <class List>
+bool contains(const List& list, std::string_view word) {
+  return std::find(std::begin(list), std::end(list), word) != std::end(list);
+}
+
+constexpr TransferSyntax syntaxes[] = {
+    {"1.2.840.10008.1.2", "implicit VR little endian", Encoding::native, false},
+    {"1.2.840.10008.1.2.1", "explicit VR little endian", Encoding::native},
+    {"1.2.840.10008.1.2.1.99", "deflated explicit VR little endian", Encoding::unsupported},
+    {"1.2.840.10008.1.2.2", "explicit VR big endian", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.50", "JPEG baseline", Encoding::jpeg, true, true},
+    {"1.2.840.10008.1.2.4.51", "JPEG extended", Encoding::jpeg, true, true},
+    {"1.2.840.10008.1.2.4.57", "JPEG lossless", Encoding::jpeg},
+    {"1.2.840.10008.1.2.4.70", "JPEG lossless first order", Encoding::jpeg},
+    {"1.2.840.10008.1.2.4.80", "JPEG-LS lossless", Encoding::jpeg_ls},
+    {"1.2.840.10008.1.2.4.81", "JPEG-LS near-lossless", Encoding::jpeg_ls, true, true},
+    {"1.2.840.10008.1.2.4.90", "JPEG 2000 lossless", Encoding::jpeg_2000},
+    {"1.2.840.10008.1.2.4.91", "JPEG 2000", Encoding::jpeg_2000, true, true},
+    {"1.2.840.10008.1.2.4.92", "JPEG 2000 part 2 lossless", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.93", "JPEG 2000 part 2", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.94", "JPIP referenced", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.95", "JPIP referenced deflate", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.100", "MPEG-2", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.102", "MPEG-4", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.201", "high-throughput JPEG 2000 lossless", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.202", "high-throughput JPEG 2000 RPCL lossless", Encoding::unsupported},
+    {"1.2.840.10008.1.2.4.203", "high-throughput JPEG 2000", Encoding::unsupported},
+    {"1.2.840.10008.1.2.5", "RLE lossless", Encoding::rle},
+};
+
+constexpr SopClass sop_classes[] = {
+    {"1.2.840.10008.5.1.4.1.1.2", "CT Image Storage", true, false},
+    {"1.2.840.10008.5.1.4.1.1.2.1", "Enhanced CT Image Storage", true, true},
+    {"1.2.840.10008.5.1.4.1.1.2.2", "Legacy Converted Enhanced CT Image Storage", true, true},
+    {"1.2.840.10008.5.1.4.1.1.4", "MR Image Storage", false, false},
+    {"1.2.840.10008.5.1.4.1.1.4.1", "Enhanced MR Image Storage", false, true},
+    {"1.2.840.10008.5.1.4.1.1.7", "Secondary Capture Image Storage", false, false},
+    {"1.2.840.10008.5.1.4.1.1.7.1", "Multi-frame Secondary Capture", false, false},
+    {"1.2.840.10008.5.1.4.1.1.7.2", "Multi-frame Secondary Capture", false, false},
+    {"1.2.840.10008.5.1.4.1.1.7.3", "Multi-frame Secondary Capture", false, false},
+    {"1.2.840.10008.5.1.4.1.1.7.4", "Multi-frame Secondary Capture", false, false},
+    {"1.2.840.10008.5.1.4.1.1.1", "Computed Radiography Image Storage", false, false},
+    {"1.2.840.10008.5.1.4.1.1.128", "PET Image Storage", false, false},
+    {"1.2.840.10008.5.1.4.1.1.481.2", "RT Dose Storage", false, false},
+    {"1.2.840.10008.5.1.4.1.1.481.3", "RT Structure Set Storage", false, false},
+    {"1.2.840.10008.5.1.4.1.1.481.5", "RT Plan Storage", false, false},
+    {"1.2.840.10008.5.1.4.1.1.88.67", "X-Ray Radiation Dose SR", false, false},
+};
+
+}  // namespace
+
+std::string_view trimmed(std::string_view text) {
+  const auto blank = [](char c) { return c == ' ' || c == '\0' || c == '\t'; };
+  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::optional<std::vector<double>> parse_decimals(std::string_view text) {
+  std::vector<double> values;
+  for (std::string_view part : split(text)) {
+    if (!part.empty() && part.front() == '+') part.remove_prefix(1);
+    // from_chars would also take "inf" and "nan".
+    if (part.empty() || part.find_first_not_of("0123456789+-.eE") != std::string_view::npos || part.front() == '+')
+      return std::nullopt;
+    double v = 0;
+    const auto r = std::from_chars(part.data(), part.data() + part.size(), v);
+    if (r.ec != std::errc() || r.ptr != part.data() + part.size() || !std::isfinite(v)) return std::nullopt;
+    values.push_back(v);
+  }
+  return values;
+}
+
+std::string known_kernel(std::string_view text) {
+  const std::string_view first = split(text).front();
+  if (first.empty()) return "";
+  static constexpr std::array<std::string_view, 16> words = {
+      "STANDARD", "STAND", "SOFT",  "DETAIL", "BONE",  "BONEPLUS", "LUNG", "CHST",
+      "EDGE",     "ULTRA", "BRAIN", "ND",     "SHARP", "SMOOTH",   "HEAD", "STND"};
+  std::string upper(first);
+  std::transform(upper.begin(), upper.end(), upper.begin(),
+                 [](char c) { return c >= 'a' && c <= 'z' ? char(c - 32) : c; });
+  if (contains(words, std::string_view(upper))) return upper;
+  // Siemens B30f, Hr38s, J70h; Toshiba FC21; Philips A to L, UA, YC; Hitachi 22: too short and too odd for a name.
+  static const std::regex shape("[A-Z][a-z]?[0-9]{2}[a-z]?|FC[0-9]{2}|[A-Z]|[UYEI][A-E]|[0-9]{1,3}");
+  return std::regex_match(first.begin(), first.end(), shape) ? std::string(first) : "other";
+}
+
+std::string known_image_type(std::string_view text) {
+  static constexpr std::array<std::string_view, 22> words = {
+      "ORIGINAL",    "DERIVED", "PRIMARY", "SECONDARY", "AXIAL", "LOCALIZER", "VOLUME", "MPR",
+      "REFORMATTED", "AVERAGE", "MIN_IP",  "MAX_IP",    "MIP",   "SCOUT",     "HELIX",  "CT_SOM5",
+      "SPI",         "SPR",     "OTHER",   "JP2K",      "NONE",  "RESAMPLED"};
+  std::string out;
+  if (trimmed(text).empty()) return out;
+  for (const std::string_view part : split(text)) {
+    if (!out.empty()) out += '/';
+    out += contains(words, part) ? std::string(part) : "other";
+  }
+  return out.size() > 80 ? out.substr(0, 80) : out;
+}
+
+std::string known_modality(std::string_view text) {
+  static constexpr std::array<std::string_view, 27> words = {
+      "CT", "MR",  "CR",  "DX",       "MG",     "US",     "PT",      "NM",  "XA",  "RF", "SC", "OT", "SR", "PR",
+      "KO", "SEG", "REG", "RTSTRUCT", "RTPLAN", "RTDOSE", "RTIMAGE", "ECG", "DOC", "IO", "PX", "HC", "ES"};
+  text = trimmed(text);
+  return contains(words, text) ? std::string(text) : "unknown";
+}
+
+std::string known_patient_position(std::string_view text) {
+  static constexpr std::array<std::string_view, 8> words = {"HFS", "HFP", "HFDR", "HFDL", "FFS", "FFP", "FFDR", "FFDL"};
+  text = trimmed(text);
+  if (text.empty()) return "";
+  return contains(words, text) ? std::string(text) : "unknown";
+}
+
+const TransferSyntax* find_transfer_syntax(std::string_view uid) {
+  for (const auto& s : syntaxes)
+    if (trimmed(uid) == s.uid) return &s;
+  return nullptr;
+}
+
+const TransferSyntax& implicit_little_endian() { return syntaxes[0]; }
+const TransferSyntax& explicit_little_endian() { return syntaxes[1]; }
+
+const SopClass* find_sop_class(std::string_view uid) {
+  for (const auto& s : sop_classes)
+    if (trimmed(uid) == s.uid) return &s;
+  return nullptr;
+}
+
+}  // namespace trephine::dicom

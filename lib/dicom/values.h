@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace trephine::dicom {
+
+/// Decimal strings ("1.5\\-2\\+004.785156E-01 "), whatever the locale. Padding by blanks and NULs, a leading plus and
+/// leading zeros are tolerated, as real files have them. Empty where any component is not a finite decimal number.
+std::optional<std::vector<double>> parse_decimals(std::string_view text);
+
+/// Without padding by blanks and NULs at either end.
+std::string_view trimmed(std::string_view text);
+
+// Free text of a file must not reach a message or a report: what may, passes one of these.
+
+/// A convolution kernel's name where it looks like one of a scanner's, else "other"; empty stays empty.
+std::string known_kernel(std::string_view text);
+/// The known words of ImageType joined by '/', unknown ones as "other".
+std::string known_image_type(std::string_view text);
+/// One of DICOM's modality codes, else "unknown".
+std::string known_modality(std::string_view text);
+/// HFS, FFP, ..., else "unknown"; empty stays empty.
+std::string known_patient_position(std::string_view text);
+
+enum class Encoding { native, jpeg, jpeg_ls, jpeg_2000, rle, unsupported };
+struct TransferSyntax {
+  const char* uid;
+  const char* name;  ///< for messages
+  Encoding encoding;
+  bool explicit_vr = true;
+  bool lossy = false;
+};
+/// Null where DICOM's list as we know it has no such UID.
+const TransferSyntax* find_transfer_syntax(std::string_view uid);
+const TransferSyntax& implicit_little_endian();
+const TransferSyntax& explicit_little_endian();
+
+/// A short name of an image storage class that we know, else null.
+struct SopClass {
+  const char* uid;
+  const char* name;
+  bool is_ct;
+  bool enhanced;  ///< geometry in functional groups
+};
+const SopClass* find_sop_class(std::string_view uid);
+
+}  // namespace trephine::dicom
