@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The rules of the house, by script.
+set(house ${CMAKE_CURRENT_SOURCE_DIR}/house)
+add_test(NAME house.include_directions COMMAND bash ${house}/include_directions.sh ${PROJECT_SOURCE_DIR})
+add_test(NAME house.include_directions_selftest
+         COMMAND bash ${house}/include_directions_selftest.sh ${house}/include_directions.sh)
+add_test(NAME house.spdx COMMAND bash ${house}/spdx.sh ${PROJECT_SOURCE_DIR})
+add_test(NAME house.format COMMAND bash ${house}/format.sh ${PROJECT_SOURCE_DIR})
+set_tests_properties(house.format PROPERTIES SKIP_RETURN_CODE 77)
+if(TARGET trephine)
+  add_test(NAME house.reference COMMAND bash ${house}/reference.sh $<TARGET_FILE:trephine> ${PROJECT_SOURCE_DIR})
+endif()
