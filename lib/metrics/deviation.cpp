@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "metrics/deviation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "metrics/point_to_mesh.h"
+
+namespace trephine {
+namespace {
+
+constexpr std::int64_t piece = 2048;
+
+// SplitMix64's finalizer (Steele, Lea, Flood 2014) of a counter: number `which` of sample i, in [0, 1).
+double hashed(std::uint64_t i, std::uint64_t which) {
+  std::uint64_t z = (4 * i + which + 1) * 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return double((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+std::vector<Vec3> used_points(const TriMesh& mesh) {
+  std::vector<bool> used(mesh.points_mm.size());
+  for (const auto& t : mesh.triangles)
+    for (const std::uint32_t v : t) used[v] = true;
+  std::vector<Vec3> points;
+  points.reserve(mesh.points_mm.size());
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (used[i]) points.push_back(mesh.world_mm(i));
+  return points;
+}
+
+// Of signed distances, which are taken over. `vertex_max_mm` joins the max only.
+DeviationStats stats_of(std::vector<double> signed_mm, double vertex_max_mm) {
+  DeviationStats s;
+  s.samples = signed_mm.size();
+  s.max_mm = vertex_max_mm;
+  if (signed_mm.empty()) return s;
+  double sum = 0, absolute = 0, squares = 0;
+  for (double& d : signed_mm) {
+    sum += d;
+    squares += d * d;
+    d = std::abs(d);
+    absolute += d;
+  }
+  const auto n = double(s.samples);
+  s.bias_mm = sum / n;
+  s.mean_mm = absolute / n;
+  s.rms_mm = std::sqrt(squares / n);
+  const auto rank = std::size_t((s.samples * 99 + 99) / 100);  // ceil(0.99 n), at least 1
+  std::nth_element(signed_mm.begin(), signed_mm.begin() + std::ptrdiff_t(rank - 1), signed_mm.end());
+  s.p99_mm = signed_mm[rank - 1];
+  s.max_mm = std::max(s.max_mm, *std::max_element(signed_mm.begin(), signed_mm.end()));
+  return s;
+}
+
+double largest(const std::vector<double>& d) {
+  double m = 0;
+  for (const double v : d) m = std::max(m, std::abs(v));
+  return m;
+}
+
+struct Side {
+  std::vector<double> signed_mm;
+  double vertex_max_mm = 0;
+};
+
+// From points and vertices of `from` to `to`.
+Side measure_side(const TriMesh& from, const PointToMesh& to, const DeviationParams& params, const Progress& progress) {
+  Side side;
+  side.signed_mm = to.signed_distances_mm(points_on_surface(from, std::size_t(params.sample_count)), progress);
+  progress.report(0.7);
+  side.vertex_max_mm = to.largest_distance_mm(used_points(from), largest(side.signed_mm), progress);
+  progress.report(1);
+  return side;
+}
+
+std::vector<double> evaluate(const DistanceFunction& truth, const std::vector<Vec3>& points, const Progress& progress) {
+  std::vector<double> d(points.size());
+  parallel_for(0, std::int64_t(points.size()), piece, [&](std::int64_t from, std::int64_t to) {
+    progress.check();
+    for (std::int64_t i = from; i < to; ++i) {
+      d[i] = truth(points[i]);
+      if (!std::isfinite(d[i]))
+        throw Error(ExitCode::internal, "", "truth", "the distance function gave no finite number");
+    }
+  });
+  return d;
+}
+
+Deviation combine(Side mesh_to_reference, Side reference_to_mesh) {
+  for (double& d : reference_to_mesh.signed_mm) d = -d;  // a reference outside of the mesh: the mesh lies inside
+  std::vector<double> both = mesh_to_reference.signed_mm;
+  both.insert(both.end(), reference_to_mesh.signed_mm.begin(), reference_to_mesh.signed_mm.end());
+  const double vertex_max = std::max(mesh_to_reference.vertex_max_mm, reference_to_mesh.vertex_max_mm);
+  Deviation d;
+  d.mesh_to_reference = stats_of(std::move(mesh_to_reference.signed_mm), mesh_to_reference.vertex_max_mm);
+  d.reference_to_mesh = stats_of(std::move(reference_to_mesh.signed_mm), reference_to_mesh.vertex_max_mm);
+  d.both = stats_of(std::move(both), vertex_max);
+  return d;
+}
+
+void check_surface(const TriMesh& mesh, const char* which) {
+  with_field(which, [&] {
+    check_mesh(mesh);
+    if (mesh.triangles.empty()) throw Error(ExitCode::bad_input, "", "", "has no triangles");
+  });
+}
+
+}  // namespace
+
+std::vector<Vec3> points_on_surface(const TriMesh& mesh, std::size_t count) {
+  std::vector<Vec3> points;
+  if (count == 0) return points;
+  double total = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) total += norm(triangle_normal(mesh, t));
+  if (!(total > 0) || !std::isfinite(total))
+    throw Error(ExitCode::bad_input, "", "surface", "has no area to measure on");
+  points.reserve(count);
+  const double step = total / double(count);
+  double before = 0;  // area of the triangles before t
+  std::size_t t = 0;
+  double own = norm(triangle_normal(mesh, 0));
+  for (std::size_t i = 0; i < count; ++i) {
+    const double target = (double(i) + hashed(i, 0)) * step;
+    while (target >= before + own && t + 1 < mesh.triangles.size()) {
+      before += own;
+      own = norm(triangle_normal(mesh, ++t));
+    }
+    const auto& v = mesh.triangles[t];
+    const double r = std::sqrt(hashed(i, 1)), s = hashed(i, 2);
+    points.push_back(mesh.origin_mm + (mesh.points_mm[v[0]] * (1 - r) + mesh.points_mm[v[1]] * (r * (1 - s)) +
+                                       mesh.points_mm[v[2]] * (r * s)));
+  }
+  return points;
+}
+
+Deviation measure_deviation(const TriMesh& mesh, const TriMesh& reference, const DeviationParams& params,
+                            const Progress& progress) {
+  check_surface(mesh, "surface");
+  check_surface(reference, "reference");
+  Side forth, back;
+  {
+    const PointToMesh to_reference(reference, progress);
+    progress.report(0.2);
+    forth = measure_side(mesh, to_reference, params, progress.part(0.2, 0.5));
+  }
+  const PointToMesh to_mesh(mesh, progress);
+  progress.report(0.7);
+  back = measure_side(reference, to_mesh, params, progress.part(0.7, 1));
+  return combine(std::move(forth), std::move(back));
+}
+
+Deviation measure_deviation_to_truth(const TriMesh& mesh, const DistanceFunction& truth, const TriMesh& truth_mesh,
+                                     const DeviationParams& params, const Progress& progress) {
+  check_surface(mesh, "surface");
+  check_surface(truth_mesh, "truth");
+  Side forth;
+  forth.signed_mm = evaluate(truth, points_on_surface(mesh, std::size_t(params.sample_count)), progress);
+  progress.report(0.3);
+  forth.vertex_max_mm = largest(evaluate(truth, used_points(mesh), progress));
+  progress.report(0.5);
+  const PointToMesh to_mesh(mesh, progress);
+  progress.report(0.7);
+  Side back = measure_side(truth_mesh, to_mesh, params, progress.part(0.7, 1));
+  return combine(std::move(forth), std::move(back));
+}
+
+}  // namespace trephine

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "base/params.h"
+#include "base/progress.h"
+#include "surface/trimesh.h"
+
+namespace trephine {
+
+/// Distance to a surface that is known: positive outside, negative inside, at a world point. Called from several
+/// threads.
+using DistanceFunction = std::function<double(Vec3 world_mm)>;
+
+struct DeviationParams {
+  int sample_count = 200000;
+  template <class V>
+  static void describe(V& v) {
+    v.integer(&DeviationParams::sample_count, "sample_count", Range{1000, 100000000},
+              "Points on each surface from which RMS, mean, bias and p99 are taken.");
+  }
+};
+
+/// Distances of one surface to another. RMS, mean, bias and p99 are of points spread evenly over the area (each the
+/// same share of it, so that dense triangles do not count more); max is also of every vertex. p99 is the nearest rank:
+/// the smallest distance that at least 99 % of the points do not exceed.
+struct DeviationStats {
+  double max_mm = 0, p99_mm = 0, rms_mm = 0, mean_mm = 0;
+  /// Mean of the signed distances, positive where the mesh lies outside of the reference, in either direction of
+  /// measuring.
+  double bias_mm = 0;
+  std::size_t samples = 0;
+};
+
+struct Deviation {
+  DeviationStats mesh_to_reference, reference_to_mesh;
+  DeviationStats both;  ///< of the points of both sides together
+};
+
+/// Two-sided deviation. The points are the same whatever the thread count, platform or order of calls: the area is cut,
+/// in the order of the triangles, into sample_count equal pieces, with one point in each, placed by a hash of its
+/// number. The bias needs closed, oriented surfaces. Throws 65 as check_mesh does, and for a surface without triangles
+/// or area.
+Deviation measure_deviation(const TriMesh& mesh, const TriMesh& reference, const DeviationParams& params = {},
+                            const Progress& progress = {});
+
+/// The same against a known surface: from the mesh by its distance function (every sample and every vertex), from the
+/// truth's own mesh to the mesh by nearest points. What the truth's mesh leaves out of the truth counts for it.
+Deviation measure_deviation_to_truth(const TriMesh& mesh, const DistanceFunction& truth, const TriMesh& truth_mesh,
+                                     const DeviationParams& params = {}, const Progress& progress = {});
+
+/// The points described above, world. For `count` = 0 none.
+std::vector<Vec3> points_on_surface(const TriMesh& mesh, std::size_t count);
+
+}  // namespace trephine

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "metrics/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/error.h"
+#include "meshing/contour.h"
+#include "meshing/validity.h"
+#include "metrics/overlap.h"
+#include "metrics/quality.h"
+
+namespace trephine {
+namespace {
+
+void add_stats(Report& report, const std::string& prefix, const DeviationStats& s) {
+  report.add(prefix + "max_mm", s.max_mm);
+  report.add(prefix + "p99_mm", s.p99_mm);
+  report.add(prefix + "rms_mm", s.rms_mm);
+  report.add(prefix + "mean_mm", s.mean_mm);
+  report.add(prefix + "bias_mm", s.bias_mm);
+}
+
+void add_deviation(Report& report, const Deviation& d, double volume, double reference_volume) {
+  add_stats(report, "deviation_", d.both);
+  add_stats(report, "to_reference_", d.mesh_to_reference);
+  add_stats(report, "from_reference_", d.reference_to_mesh);
+  report.add("samples_count", d.both.samples);
+  report.add("reference_volume_mm3", reference_volume);
+  if (reference_volume != 0) report.add("volume_difference_ratio", (volume - reference_volume) / reference_volume);
+}
+
+// The surface halfway between the voxels of the mask and the others.
+TriMesh surface_of(const Mask& mask) {
+  Box box{mask.size, {0, 0, 0}};
+  for (int k = 0; k < mask.size[2]; ++k)
+    for (int j = 0; j < mask.size[1]; ++j)
+      for (int i = 0; i < mask.size[0]; ++i)
+        if (mask.at(i, j, k)) {
+          const int at[3] = {i, j, k};
+          for (int a = 0; a < 3; ++a) {
+            box.begin[a] = std::min(box.begin[a], at[a]);
+            box.end[a] = std::max(box.end[a], at[a] + 1);
+          }
+        }
+  if (box.empty()) throw Error(ExitCode::bad_input, "", "labels", "no voxel has the label");
+  const Mask part = crop(mask, grown(box, 1, mask));
+  Field field(static_cast<const Lattice&>(part));
+  for (std::size_t i = 0; i < part.voxels.size(); ++i) field.voxels[i] = part.voxels[i] ? 0.5f : -0.5f;
+  ContourParams params;
+  params.min_component_mm3 = 0;
+  params.keep_cavities = true;
+  Report ignored;
+  return with_field("labels", [&] { return contour(field, params, ignored); });
+}
+
+void add_quality(Report& report, const MeshMeasures& m) {
+  report.add("triangles_count", m.topology.triangles);
+  report.add("points_count", m.topology.points);
+  report.add("components_count", m.topology.components);
+  report.add("genus_count", std::int64_t{m.topology.genus});
+  report.add("closed", m.topology.closed());
+  report.add("manifold", m.topology.manifold());
+}
+
+void add_validity(Report& report, const Validity& v) {
+  report.add("valid", v.valid());
+  report.add("self_intersections_count", v.self_intersections);
+  report.add("degenerate_count", v.degenerate);
+  report.add("slivers_count", v.slivers);
+  if (!v.valid()) report.warn("the surface is not valid: " + v.text());
+}
+
+void add_geometry(Report& report, const MeshMeasures& m) {
+  report.add("area_mm2", m.area_mm2);
+  report.add("volume_mm3", m.volume_mm3);
+  report.add("edge_min_mm", m.edge_length_mm.min);
+  report.add("edge_median_mm", m.edge_length_mm.median);
+  report.add("edge_max_mm", m.edge_length_mm.max);
+  report.add("aspect_median_ratio", m.aspect_ratio.median);
+  report.add("aspect_p99_ratio", m.aspect_ratio.p99);
+  report.add("aspect_max_ratio", m.aspect_ratio.max);
+}
+
+}  // namespace
+
+Report measure_surface(const TriMesh& mesh, const MeasureReference& reference, const MeasureParams& params,
+                       const Progress& progress) {
+  check_mesh(mesh);
+  if (mesh.triangles.empty()) throw Error(ExitCode::bad_input, "", "surface", "has no triangles");
+  Report report;
+  const MeshMeasures m = measure_mesh(mesh);
+  progress.report(0.1);
+  add_quality(report, m);
+  if (params.validity) add_validity(report, check_validity(mesh, progress.part(0.1, 0.4)));
+  add_geometry(report, m);
+
+  DeviationParams samples;
+  samples.sample_count = params.sample_count;
+  const Progress rest = progress.part(0.4, 1);
+  if (const auto* r = std::get_if<MeshReference>(&reference)) {
+    report.add("reference", "mesh");
+    add_deviation(report, measure_deviation(mesh, *r->mesh, samples, rest), m.volume_mm3, volume_mm3(*r->mesh));
+  } else if (const auto* l = std::get_if<LabelReference>(&reference)) {
+    report.add("reference", "labels");
+    const Mask label = select_label(*l->labels, l->label);
+    const TriMesh surface = surface_of(label);
+    rest.report(0.2);
+    add_deviation(report, measure_deviation(mesh, surface, samples, rest.part(0.2, 0.8)), m.volume_mm3,
+                  volume_mm3(label));
+    if (m.topology.closed())
+      report.add("dice_ratio", dice(voxelize_inside(mesh, label, rest.part(0.8, 1)), label));
+    else
+      report.warn("no Dice: the surface is not closed");
+  } else if (const auto* t = std::get_if<TruthReference>(&reference)) {
+    report.add("reference", "truth");
+    add_deviation(report, measure_deviation_to_truth(mesh, t->distance, *t->mesh, samples, rest), m.volume_mm3,
+                  volume_mm3(*t->mesh));
+  } else {
+    report.add("reference", "none");
+  }
+  if (!m.topology.closed() && !std::holds_alternative<std::monostate>(reference))
+    report.warn("the surface is not closed: bias and volume mean little");
+  progress.report(1);
+  return report;
+}
+
+}  // namespace trephine

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <variant>
+
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+#include "metrics/deviation.h"
+#include "surface/trimesh.h"
+
+namespace trephine {
+
+/// What a surface is measured against; what is pointed to must outlive the call.
+struct MeshReference {
+  const TriMesh* mesh = nullptr;
+};
+struct LabelReference {
+  const Mask* labels = nullptr;
+  int label = 0;  ///< 0: every voxel that is not 0
+};
+struct TruthReference {
+  DistanceFunction distance;
+  const TriMesh* mesh = nullptr;  ///< the truth's own surface, fine enough for what is to be measured
+};
+using MeasureReference = std::variant<std::monostate, MeshReference, LabelReference, TruthReference>;
+
+struct MeasureParams {
+  int sample_count = DeviationParams().sample_count;
+  bool validity = true;
+  template <class V>
+  static void describe(V& v) {
+    using P = MeasureParams;
+    v.integer(&P::sample_count, "sample_count", Range{1000, 100000000},
+              "Points on each surface from which RMS, mean, bias and p99 are taken.");
+    v.flag(&P::validity, "validity", "Look for self-intersections and degenerate triangles, too.");
+  }
+};
+
+/// What `measure` says of a surface:
+///   triangles_count, points_count, components_count, genus_count (-1 where not closed and manifold), closed, manifold,
+///   with `validity` also valid, self_intersections_count, degenerate_count, slivers_count (meshing/validity.h)
+///   area_mm2, volume_mm3, edge_{min,median,max}_mm, aspect_{median,p99,max}_ratio (metrics/quality.h)
+///   reference: none, mesh, labels or truth; and unless none
+///   deviation_{max,p99,rms,mean,bias}_mm of both directions together, to_reference_... and from_reference_... of each,
+///   samples_count (metrics/deviation.h); reference_volume_mm3, volume_difference_ratio
+///   with labels also dice_ratio: of the voxels whose centres lie inside (metrics/overlap.h) with the label
+///
+/// Against labels the distances are to the surface of the label halfway between its voxels' centres and the others',
+/// which lies up to about half a voxel off the shape that was labelled; Dice and volume are of the voxels themselves.
+///
+/// Throws 65 as check_mesh does, where the surface or the reference has no triangles, or the label no voxels.
+Report measure_surface(const TriMesh& mesh, const MeasureReference& reference, const MeasureParams& params = {},
+                       const Progress& progress = {});
+
+}  // namespace trephine
