@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cstdio>
-#include <map>
-#include <mutex>
 
 #include "base/log.h"
-#include "base/text.h"
 #include "base/write_file.h"
 #include "cli/progress_display.h"
 #include "commands.h"
@@ -17,28 +14,14 @@ namespace {
 class DisplayObserver : public RunObserver {
  public:
   explicit DisplayObserver(bool quiet) : display_(quiet) {}
-  void started(const std::string& node) override {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    stages_.insert_or_assign(node, display_.start(node));
-  }
-  void progressed(const std::string& node, double fraction) override {
-    const Progress* stage;
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      stage = &stages_.at(node);
-    }
-    stage->report(fraction);
-  }
+  void started(const std::string& node) override { display_.start(node); }
+  void progressed(const std::string& node, double fraction) override { display_.report(node, fraction); }
   void finished(const std::string& node, const std::string& how, double, const Report&) override {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (!stages_.count(node)) stages_.insert_or_assign(node, display_.start(node));
     display_.finish(node, how == "cached" ? "from the cache" : "");
   }
 
  private:
   ProgressDisplay display_;
-  std::mutex mutex_;
-  std::map<std::string, Progress> stages_;
 };
 
 Argument argument(const char* name, Argument::Kind kind, const char* help) {

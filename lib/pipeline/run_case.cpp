@@ -60,6 +60,7 @@ void require_face_policy(const CaseConfig& config) {
 
 // What a run's results are collected in on the way to the case.
 struct Run {
+  explicit Run(const RunRequest& r) : request(r) {}
   const RunRequest& request;
   CaseConfig config;
   Graph graph;
@@ -142,7 +143,7 @@ void finish_anatomy(Run& run, std::size_t index, const fs::path& folder) {
   AnatomyResult result;
   result.name = nodes.name;
   const Report& decimated = run.report_of(nodes.name + ".decimate");
-  result.triangles_before = static_cast<std::int64_t>(number(measured, "reference_triangles_count"));
+  result.triangles_before = static_cast<std::int64_t>(number(run.at(nodes.first_surface).report, "triangles_count"));
   result.triangles_after = static_cast<std::int64_t>(out.triangles);
   result.bytes_after = bytes.size();
   // A GLB is 24 bytes a vertex (position, normal) and 12 a triangle; a closed surface has half as many points.
@@ -202,7 +203,7 @@ Vec3 center_of(const Run& run) {
 
 RunResult run_case(const RunRequest& request, RunObserver& observer) {
   const auto start = Clock::now();
-  Run run{request, {}, {}, {}, {}, {}, {}};
+  Run run(request);
   ConfigOverrides overrides = request.overrides;
   if (!request.params.case_token.empty()) {
     validate_case_token(request.params.case_token, ExitCode::usage);

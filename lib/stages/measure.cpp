@@ -19,7 +19,7 @@ StageType measure_stage() {
   s.make_params = [] { return AnyParams::make<MeasureParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
     MeasureReference reference;
-    reference.mesh = in.get<TriMesh>("reference");
+    if (const TriMesh* mesh = in.get<TriMesh>("reference")) reference = MeshReference{mesh};
     report = measure_surface(*in.get<TriMesh>("surface"), reference, params.as<MeasureParams>(), progress);
     return {};
   };

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "pipeline/case_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/write_file.h"
+#include "picture/image.h"
+#include "picture/render.h"
+#include "picture/slice.h"
+
+namespace trephine {
+namespace {
+
+constexpr int cell_px = 640;
+
+Bounds bounds_of_all(const std::vector<PictureAnatomy>& anatomies) {
+  Bounds all;
+  for (const PictureAnatomy& a : anatomies) {
+    const Bounds b = bounds_of(*a.surface);
+    for (int i = 0; i < 3; ++i) {
+      all.min_mm[i] = std::min(all.min_mm[i], b.min_mm[i]);
+      all.max_mm[i] = std::max(all.max_mm[i], b.max_mm[i]);
+    }
+  }
+  return all;
+}
+
+Image shaded(const std::vector<SurfaceView>& views, View from, const std::string& title, const Bounds& frame,
+             const Progress& progress, std::optional<ClipPlane> clip = {}) {
+  RenderParams params;
+  params.view = from;
+  params.width = params.height = cell_px;
+  params.title = title;
+  params.frame = frame;
+  params.clip = clip;
+  return render_surfaces(views, params, progress);
+}
+
+// The largest shape lies outermost: seen alone it would hide the rest, so the others are shown through it.
+std::vector<SurfaceView> see_through(const std::vector<PictureAnatomy>& anatomies) {
+  std::vector<SurfaceView> views;
+  double largest = 0;
+  for (const PictureAnatomy& a : anatomies) largest = std::max(largest, std::abs(volume_mm3(*a.surface)));
+  for (const PictureAnatomy& a : anatomies) {
+    const double share = std::abs(volume_mm3(*a.surface)) / largest;
+    views.push_back({a.surface, a.colour_rgb, share > 0.3 && anatomies.size() > 1 ? 0.25 * a.opacity : a.opacity});
+  }
+  return views;
+}
+
+// Where to cut: through the middle of the smallest shape, which is the innermost one.
+Vec3 point_of_interest(const std::vector<PictureAnatomy>& anatomies) {
+  const auto smallest = std::min_element(anatomies.begin(), anatomies.end(), [](const auto& a, const auto& b) {
+    return std::abs(volume_mm3(*a.surface)) < std::abs(volume_mm3(*b.surface));
+  });
+  const Bounds b = bounds_of(*smallest->surface);
+  return (b.min_mm + b.max_mm) / 2;
+}
+
+}  // namespace
+
+void write_case_pictures(const std::filesystem::path& folder, const HuVolume& volume,
+                         const std::vector<PictureAnatomy>& anatomies, const Progress& progress) {
+  if (anatomies.empty()) return;
+  const Bounds frame = bounds_of_all(anatomies);
+  const Vec3 focus = point_of_interest(anatomies);
+  std::vector<Image> overview;
+
+  std::vector<SurfaceView> solid;
+  for (const PictureAnatomy& a : anatomies) solid.push_back({a.surface, a.colour_rgb, 1});
+  overview.push_back(shaded(see_through(anatomies), View::oblique_left, "all", frame, progress));
+  ClipPlane front_half;
+  front_half.point_mm = focus;
+  front_half.normal = {0, -1, 0};
+  overview.push_back(shaded(solid, View::front, "cut", frame, progress, front_half));
+
+  for (const PictureAnatomy& a : anatomies) {
+    const std::vector<SurfaceView> one{{a.surface, a.colour_rgb, 1}};
+    const Bounds own = bounds_of(*a.surface);
+    std::vector<Image> sides;
+    for (const View v : {View::oblique_left, View::oblique_right, View::front, View::left, View::back, View::top})
+      sides.push_back(shaded(one, v, a.name, own, progress));
+    overview.push_back(sides[0]);
+    write_file(folder / (a.name + ".png"), encode_png(contact_sheet(sides, 3)));
+  }
+
+  std::vector<OverlayShape> shapes;
+  for (const PictureAnatomy& a : anatomies) shapes.push_back({a.surface, a.colour_rgb, a.name});
+  constexpr SlicePlane planes[] = {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal};
+  constexpr const char* names[] = {"axial", "coronal", "sagittal"};
+  constexpr int axis_of_plane[] = {2, 1, 0};
+  constexpr int slices = 6;
+  for (int p = 0; p < 3; ++p) {
+    const auto range = slice_range_mm(lattice_of(volume), planes[p]);
+    const int axis = axis_of_plane[p];
+    const double from = std::max(range[0], frame.min_mm[axis]), to = std::min(range[1], frame.max_mm[axis]);
+    SliceParams params;
+    params.plane = planes[p];
+    params.longer_side_px = cell_px;
+    std::vector<Image> images;
+    for (int i = 0; i < slices; ++i) {
+      progress.check();
+      params.position_mm = from + (to - from) * (i + 1) / (slices + 1);
+      images.push_back(slice_overlay(volume, params, shapes));
+    }
+    params.position_mm = std::clamp(focus[axis], range[0], range[1]);
+    overview.push_back(slice_overlay(volume, params, shapes));
+    write_file(folder / (std::string(names[p]) + ".png"), encode_png(contact_sheet(images, 3)));
+  }
+  write_file(folder / "overview.png", encode_png(contact_sheet(overview, 3)));
+}
+
+}  // namespace trephine
