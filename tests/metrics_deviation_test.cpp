@@ -15,12 +15,11 @@ namespace {
 double truth_of_sphere(Vec3 p, Vec3 centre, double radius) { return norm(p - centre) - radius; }
 
 TEST(Deviation, SpheresOfDifferentRadius) {
-  // Level 6: the facets lie at most 30 (1 - cos(edge / 2)) = 0.004 mm inside the sphere.
   const Vec3 centre{10, -20, 500};
   const TriMesh outer = shapes::sphere(6, 30.1, centre), inner = shapes::sphere(5, 30.0, centre);
   const Deviation d = measure_deviation(outer, inner);
-  const double sag =
-      30 * 0.00055;  // of level 5, the coarser: edge 0.0345 rad to 0.0414, sag 30 (0.0414 / sqrt 3)^2 / 2
+  // Facets lie inside of their sphere: at level 5, the coarser, edges are up to 0.0414 rad, circumradii up to 0.0239.
+  const double sag = 30 * 0.0239 * 0.0239 / 2;
   for (const DeviationStats* s : {&d.mesh_to_reference, &d.reference_to_mesh, &d.both}) {
     EXPECT_NEAR(s->max_mm, 0.1, sag);
     EXPECT_NEAR(s->p99_mm, 0.1, sag);
@@ -93,7 +92,7 @@ TEST(Deviation, QuantileIsTheNearestRank) {
   for (const auto& [side, p99] : {std::pair{0.12, 5.0}, std::pair{0.08, 0.0}}) {
     TriMesh mesh = shapes::plane(1, 0, 1);
     const TriMesh lifted = shapes::plane(1, 5, 1);
-    for (Vec3 p : lifted.points_mm) mesh.points_mm.push_back({p.x * side / 10 * 10, p.y * 0.1, p.z});
+    for (Vec3 p : lifted.points_mm) mesh.points_mm.push_back({p.x * side, p.y * 0.1, p.z});
     for (auto t : lifted.triangles) mesh.triangles.push_back({t[0] + 4, t[1] + 4, t[2] + 4});
     EXPECT_NEAR(measure_deviation(mesh, shapes::plane(1, 0, 1)).mesh_to_reference.p99_mm, p99, 1e-12);
   }
