@@ -109,34 +109,33 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh
   constexpr std::int64_t grain = 512;
   const auto jobs = static_cast<std::int64_t>(only.empty() ? tree.leaves() : only.size());
   std::vector<std::vector<std::array<std::uint32_t, 2>>> found((jobs + grain - 1) / grain);
-  const auto test = [&](std::uint32_t s, const FloatBox& box, std::uint32_t t, auto& out) {
-    if (s == t || degenerate[t] || !box.meets(tree.box_of(t))) return;
+  const auto& order = tree.order();
+  const auto test = [&](std::uint32_t s, std::uint32_t t, auto& out) {
+    if (s == t || degenerate[s] || degenerate[t]) return;
     if (triangles_intersect(mesh.triangles[s], Corners(mesh, s).p, mesh.triangles[t], Corners(mesh, t).p))
       out.push_back({std::min(s, t), std::max(s, t)});
   };
+  const auto end_of = [&](std::size_t leaf) { return std::min(TriangleTree::width * (leaf + 1), order.size()); };
   parallel_for(0, jobs, grain, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     auto& out = found[from / grain];
-    const auto& order = tree.order();
-    const auto end_of = [&](std::size_t leaf) { return std::min(TriangleTree::width * (leaf + 1), order.size()); };
     for (std::int64_t job = from; job < to; ++job) {
       if (!only.empty()) {
-        const std::uint32_t s = only[job];
-        if (degenerate[s]) continue;
-        const FloatBox box = tree.box_of(s);
+        FloatBox box;
+        for (const std::uint32_t v : mesh.triangles[only[job]]) box.add(mesh.points_mm[v]);
         tree.for_each_leaf(box, 0, [&](std::size_t leaf) {
-          for (std::size_t n = TriangleTree::width * leaf; n < end_of(leaf); ++n) test(s, box, order[n], out);
+          for (std::size_t n = TriangleTree::width * leaf; n < end_of(leaf); ++n)
+            if (box.meets(tree.box(n))) test(only[job], order[n], out);
         });
         continue;
       }
       const auto own = static_cast<std::size_t>(job);
-      std::array<FloatBox, TriangleTree::width> boxes;
-      const std::size_t begin = TriangleTree::width * own;
-      for (std::size_t m = begin; m < end_of(own); ++m) boxes[m - begin] = tree.box_of(order[m]);
       tree.for_each_leaf(tree.leaf_box(own), own, [&](std::size_t leaf) {
-        for (std::size_t n = TriangleTree::width * leaf; n < end_of(leaf); ++n)
-          for (std::size_t m = begin; m < end_of(own); ++m)
-            if ((leaf > own || n > m) && !degenerate[order[m]]) test(order[m], boxes[m - begin], order[n], out);
+        for (std::size_t n = TriangleTree::width * leaf; n < end_of(leaf); ++n) {
+          if (!tree.box(n).meets(tree.leaf_box(own))) continue;
+          for (std::size_t m = TriangleTree::width * own; m < end_of(own); ++m)
+            if ((leaf > own || n > m) && tree.box(n).meets(tree.box(m))) test(order[m], order[n], out);
+        }
       });
     }
   });

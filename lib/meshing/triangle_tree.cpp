@@ -75,12 +75,6 @@ Vec3 closest_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
   return a + ab * (vb * s) + ac * (vc * s);
 }
 
-FloatBox TriangleTree::box_of(std::uint32_t triangle) const {
-  FloatBox b;
-  for (const std::uint32_t v : mesh_.triangles[triangle]) b.add(mesh_.points_mm[v]);
-  return b;
-}
-
 TriangleTree::TriangleTree(const TriMesh& mesh) : mesh_(mesh) {
   const auto count = static_cast<std::int64_t>(mesh.triangles.size());
   FloatBox all;
@@ -104,11 +98,14 @@ TriangleTree::TriangleTree(const TriMesh& mesh) : mesh_(mesh) {
   for (std::int64_t n = 0; n < count; ++n) order_[n] = keys[n].second;
   keys = {};
 
+  boxes_.resize(count);
   levels_.emplace_back((count + width - 1) / width);
   parallel_for(0, static_cast<std::int64_t>(levels_[0].size()), grain / width, [&](std::int64_t from, std::int64_t to) {
     for (std::int64_t leaf = from; leaf < to; ++leaf)
-      for (std::int64_t n = width * leaf; n < std::min<std::int64_t>(width * (leaf + 1), count); ++n)
-        levels_[0][leaf].add(box_of(order_[n]));
+      for (std::int64_t n = width * leaf; n < std::min<std::int64_t>(width * (leaf + 1), count); ++n) {
+        for (const std::uint32_t v : mesh.triangles[order_[n]]) boxes_[n].add(mesh.points_mm[v]);
+        levels_[0][leaf].add(boxes_[n]);
+      }
   });
   while (levels_.back().size() > 1) {
     const auto& below_level = levels_.back();

@@ -35,7 +35,8 @@ class TriangleTree {
   const std::vector<std::uint32_t>& order() const { return order_; }
   std::size_t leaves() const { return levels_.front().size(); }
   const FloatBox& leaf_box(std::size_t leaf) const { return levels_.front()[leaf]; }
-  FloatBox box_of(std::uint32_t triangle) const;
+  /// The box of triangle order()[n].
+  const FloatBox& box(std::size_t n) const { return boxes_[n]; }
 
   /// Calls visit(leaf) for the leaves from first_leaf on whose box meets `box`.
   template <class Visit>
@@ -47,6 +48,7 @@ class TriangleTree {
  private:
   const TriMesh& mesh_;
   std::vector<std::uint32_t> order_;
+  std::vector<FloatBox> boxes_;
   std::vector<std::vector<FloatBox>> levels_;  ///< 0: leaves; the last has one node
 };
 
