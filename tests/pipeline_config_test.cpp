@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Configurations: every fault named at once with line, column and the nearest key; nothing that YAML guesses gets through.
+// Configurations: every fault named at once with line, column and the nearest key; nothing that YAML guesses gets
+// through.
 #include <gtest/gtest.h>
 
 #include "base/error.h"
@@ -82,10 +83,11 @@ TEST(Config, WhatWins) {
 }
 
 TEST(Config, EveryFaultAtOnceWithItsPlaceAndTheNearestKey) {
-  const Files files(head + "sereis: x\ncase: Has Blanks\nset: {skull.decimate.max_deviaton_mm: 1}\n",
-                    "trephine: 1\nanatomies:\n  skull:\n    color_rgb: [1, 1, 1]\n    stages:\n      - segment: {lower_hu: 010}\n"
-                    "      - contuor\n      - contour\n      - decimate: {max_deviation_mm: .nan, target_triangles_count: 12.5}\n",
-                    "trephine: 1\nanatomies:\n  skul: {}\n");
+  const Files files(
+      head + "sereis: x\ncase: Has Blanks\nset: {skull.decimate.max_deviaton_mm: 1}\n",
+      "trephine: 1\nanatomies:\n  skull:\n    color_rgb: [1, 1, 1]\n    stages:\n      - segment: {lower_hu: 010}\n"
+      "      - contuor\n      - contour\n      - decimate: {max_deviation_mm: .nan, target_triangles_count: 12.5}\n",
+      "trephine: 1\nanatomies:\n  skul: {}\n");
   const auto lines = faults(files);
   auto expect_fault = [&](const std::string& where, const std::string& key, const std::string& what) {
     for (const std::string& l : lines)

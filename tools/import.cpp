@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "commands.h"
 #include "dicom/import.h"
+#include "commands.h"
 #include "stage_command.h"
 #include "stages/data_files.h"
 
@@ -11,8 +11,10 @@ Command import_command() {
   c.name = "import";
   c.summary = "reads a CT series from a DICOM folder into a volume in HU";
   c.description =
-      "Slices are ordered and placed by their positions, HU are computed slice by slice, a tilted gantry and uneven spacing "
-      "are rectified by resampling, padding becomes air. What cannot be read rightly is refused, naming file and tag. Names, "
+      "Slices are ordered and placed by their positions, HU are computed slice by slice, a tilted gantry and uneven "
+      "spacing "
+      "are rectified by resampling, padding becomes air. What cannot be read rightly is refused, naming file and tag. "
+      "Names, "
       "IDs and UIDs of the patient go nowhere.";
   c.examples = {"trephine import DICOM-FOLDER --output head.nrrd",
                 "trephine import DICOM-FOLDER --series s2 --gaps interpolate --output head.nrrd"};

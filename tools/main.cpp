@@ -9,7 +9,7 @@ int main(int argc, char** argv) {
   program.name = "trephine";
   program.version = TREPHINE_VERSION;
   program.summary = "turns CT series into patient models for surgical simulation";
-  program.commands = {run_command(),    import_command(), segment_command(), contour_command(), decimate_command(),
+  program.commands = {run_command(),    import_command(),  segment_command(), contour_command(), decimate_command(),
                       smooth_command(), normals_command(), measure_command(), phantom_command()};
   install_signal_handlers();
   return run_program(program, argc, argv);

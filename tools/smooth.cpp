@@ -3,5 +3,6 @@
 #include "stage_command.h"
 
 trephine::Command trephine::smooth_command() {
-  return make_stage_command(smooth_stage(), {"trephine smooth skull.vtp --max-displacement-mm 0.1 --output smooth.vtp"});
+  return make_stage_command(smooth_stage(),
+                            {"trephine smooth skull.vtp --max-displacement-mm 0.1 --output smooth.vtp"});
 }

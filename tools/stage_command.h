@@ -9,8 +9,8 @@
 
 namespace trephine {
 
-/// A stage as a command of its own, on files: the first port is the positional argument, each other port a flag, the output
-/// goes to --output, the report to stdout and, as JSON, to --report.
+/// A stage as a command of its own, on files: the first port is the positional argument, each other port a flag, the
+/// output goes to --output, the report to stdout and, as JSON, to --report.
 Command make_stage_command(const StageType& stage, std::vector<std::string> examples);
 
 /// Runs `work` under the progress display, then prints the report, and its warnings on stderr. For commands with a

@@ -69,12 +69,25 @@ struct Side {
   double vertex_max_mm = 0;
 };
 
+std::vector<Vec3> kept(std::vector<Vec3> points, const Bounds& within) {
+  points.erase(std::remove_if(points.begin(), points.end(),
+                              [&](Vec3 p) {
+                                for (int i = 0; i < 3; ++i)
+                                  if (p[i] < within.min_mm[i] || p[i] > within.max_mm[i]) return true;
+                                return false;
+                              }),
+               points.end());
+  return points;
+}
+
 // From points and vertices of `from` to `to`.
-Side measure_side(const TriMesh& from, const PointToMesh& to, const DeviationParams& params, const Progress& progress) {
+Side measure_side(const TriMesh& from, const PointToMesh& to, const DeviationParams& params, const Bounds& within,
+                  const Progress& progress) {
   Side side;
-  side.signed_mm = to.signed_distances_mm(points_on_surface(from, std::size_t(params.sample_count)), progress);
+  side.signed_mm =
+      to.signed_distances_mm(kept(points_on_surface(from, std::size_t(params.sample_count)), within), progress);
   progress.report(0.7);
-  side.vertex_max_mm = to.largest_distance_mm(used_points(from), largest(side.signed_mm), progress);
+  side.vertex_max_mm = to.largest_distance_mm(kept(used_points(from), within), largest(side.signed_mm), progress);
   progress.report(1);
   return side;
 }
@@ -147,26 +160,29 @@ Deviation measure_deviation(const TriMesh& mesh, const TriMesh& reference, const
   {
     const PointToMesh to_reference(reference, progress);
     progress.report(0.2);
-    forth = measure_side(mesh, to_reference, params, progress.part(0.2, 0.5));
+    forth = measure_side(mesh, to_reference, params, everywhere, progress.part(0.2, 0.5));
   }
   const PointToMesh to_mesh(mesh, progress);
   progress.report(0.7);
-  back = measure_side(reference, to_mesh, params, progress.part(0.7, 1));
+  back = measure_side(reference, to_mesh, params, everywhere, progress.part(0.7, 1));
   return combine(std::move(forth), std::move(back));
 }
 
 Deviation measure_deviation_to_truth(const TriMesh& mesh, const DistanceFunction& truth, const TriMesh& truth_mesh,
-                                     const DeviationParams& params, const Progress& progress) {
+                                     const DeviationParams& params, const Bounds& within, const Progress& progress) {
   check_surface(mesh, "surface");
   check_surface(truth_mesh, "truth");
   Side forth;
-  forth.signed_mm = evaluate(truth, points_on_surface(mesh, std::size_t(params.sample_count)), progress);
+  const auto samples = std::size_t(params.sample_count);
+  forth.signed_mm = evaluate(truth, kept(points_on_surface(mesh, samples), within), progress);
   progress.report(0.3);
-  forth.vertex_max_mm = largest(evaluate(truth, used_points(mesh), progress));
+  forth.vertex_max_mm = largest(evaluate(truth, kept(used_points(mesh), within), progress));
   progress.report(0.5);
   const PointToMesh to_mesh(mesh, progress);
   progress.report(0.7);
-  Side back = measure_side(truth_mesh, to_mesh, params, progress.part(0.7, 1));
+  Side back = measure_side(truth_mesh, to_mesh, params, within, progress.part(0.7, 1));
+  if (forth.signed_mm.empty() || back.signed_mm.empty())
+    throw Error(ExitCode::bad_input, "", "truth", "no point of the surface lies where the truth is known");
   return combine(std::move(forth), std::move(back));
 }
 

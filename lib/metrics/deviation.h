@@ -39,6 +39,10 @@ struct Deviation {
   DeviationStats both;  ///< of the points of both sides together
 };
 
+/// Bounds that hold every point.
+constexpr double far_mm = 1e300;
+const Bounds everywhere{{-far_mm, -far_mm, -far_mm}, {far_mm, far_mm, far_mm}};
+
 /// Two-sided deviation. The points are the same whatever the thread count, platform or order of calls: the area is cut,
 /// in the order of the triangles, into sample_count equal pieces, with one point in each, placed by a hash of its
 /// number. The bias needs closed, oriented surfaces. Throws 65 as check_mesh does, and for a surface without triangles
@@ -47,9 +51,12 @@ Deviation measure_deviation(const TriMesh& mesh, const TriMesh& reference, const
                             const Progress& progress = {});
 
 /// The same against a known surface: from the mesh by its distance function (every sample and every vertex), from the
-/// truth's own mesh to the mesh by nearest points. What the truth's mesh leaves out of the truth counts for it.
+/// truth's own mesh to the mesh by nearest points. What the truth's mesh leaves out of the truth counts for it. Points
+/// of either surface outside `within` are left out (a scan that ends in the middle of a head has caps without a truth);
+/// throws 65 where that leaves none.
 Deviation measure_deviation_to_truth(const TriMesh& mesh, const DistanceFunction& truth, const TriMesh& truth_mesh,
-                                     const DeviationParams& params = {}, const Progress& progress = {});
+                                     const DeviationParams& params = {}, const Bounds& within = everywhere,
+                                     const Progress& progress = {});
 
 /// The points described above, world. For `count` = 0 none.
 std::vector<Vec3> points_on_surface(const TriMesh& mesh, std::size_t count);

@@ -115,8 +115,8 @@ Report measure_surface(const TriMesh& mesh, const MeasureReference& reference, c
       report.warn("no Dice: the surface is not closed");
   } else if (const auto* t = std::get_if<TruthReference>(&reference)) {
     report.add("reference", "truth");
-    add_deviation(report, measure_deviation_to_truth(mesh, t->distance, *t->mesh, samples, rest), m.volume_mm3,
-                  volume_mm3(*t->mesh));
+    add_deviation(report, measure_deviation_to_truth(mesh, t->distance, *t->mesh, samples, t->within, rest),
+                  m.volume_mm3, volume_mm3(*t->mesh));
   } else {
     report.add("reference", "none");
   }

@@ -18,9 +18,9 @@ struct PictureAnatomy {
   double opacity = 1;
 };
 
-/// What a technician looks at before a case is used, as PNG through the checked writer: overview.png (all of it on a page),
-/// <anatomy>.png (one surface from several sides), axial.png, coronal.png, sagittal.png (the CT with the surfaces' exact
-/// cuts). The same bytes for the same input.
+/// What a technician looks at before a case is used, as PNG through the checked writer: overview.png (all of it on a
+/// page), <anatomy>.png (one surface from several sides), axial.png, coronal.png, sagittal.png (the CT with the
+/// surfaces' exact cuts). The same bytes for the same input.
 void write_case_pictures(const std::filesystem::path& folder, const HuVolume& volume,
                          const std::vector<PictureAnatomy>& anatomies, const Progress& progress = {});
 

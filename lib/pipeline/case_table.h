@@ -10,7 +10,7 @@ namespace trephine {
 struct AnatomyResult {
   std::string name;
   std::int64_t triangles_before = 0, triangles_after = 0;
-  std::uint64_t bytes_before = 0, bytes_after = 0;  ///< as GLB, before and after decimation
+  std::uint64_t bytes_before = 0, bytes_after = 0;                          ///< as GLB, before and after decimation
   double deviation_max_mm = 0, deviation_p99_mm = 0, deviation_rms_mm = 0;  ///< two-sided, to the unreduced surface
   double volume_ml = 0;
   double seconds = 0;  ///< of all stages of this anatomy alone

@@ -105,7 +105,8 @@ class Reader {
                    const std::vector<Port>& ports, std::map<std::string, std::string>* sources) {
     MapReader map(file, node, where, faults_);
     for (const Parameter& p : params.set->parameters)
-      if (const YamlNode* value = map.any(p.name)) set_parameter(params, p, file, *value, where + "." + p.name, faults_);
+      if (const YamlNode* value = map.any(p.name))
+        set_parameter(params, p, file, *value, where + "." + p.name, faults_);
     for (const Port& port : ports)
       if (const auto source = map.text(port.name)) (*sources)[port.name] = *source;
     map.finish();
@@ -129,7 +130,8 @@ class Reader {
         continue;
       }
       MapReader body(file, node, where, faults_);
-      if (const auto rgb = body.numbers("colour_rgb", 3, {0, 1})) anatomy.colour_rgb = {(*rgb)[0], (*rgb)[1], (*rgb)[2]};
+      if (const auto rgb = body.numbers("colour_rgb", 3, {0, 1}))
+        anatomy.colour_rgb = {(*rgb)[0], (*rgb)[1], (*rgb)[2]};
       anatomy.opacity_ratio = body.number("opacity_ratio", {0.05, 1}).value_or(anatomy.opacity_ratio);
       if (const auto text = body.text("shows_face")) {
         if (*text != "true" && *text != "false") body.fault(node, "shows_face", *text + ", must be true or false");
@@ -165,10 +167,12 @@ class Reader {
         for (const StageType& t : stage_types())
           if (t.output != DataKind::nothing) known.push_back(t.name);
         const std::string near = nearest_name(name.text, known);
-        faults_.add(file, name, where + ".stages", name.text + ", no such stage" + (near.empty() ? "" : ", did you mean " + near + "?"));
+        faults_.add(file, name, where + ".stages",
+                    name.text + ", no such stage" + (near.empty() ? "" : ", did you mean " + near + "?"));
         continue;
       }
-      if (anatomy.find_step(name.text)) faults_.add(file, name, where + ".stages", name.text + ", the stage is repeated");
+      if (anatomy.find_step(name.text))
+        faults_.add(file, name, where + ".stages", name.text + ", the stage is repeated");
       step.params = step.type->make_params();
       const std::string step_where = where + "." + name.text;
       std::vector<Port> ports(step.type->ports.begin() + 1, step.type->ports.end());
@@ -178,7 +182,8 @@ class Reader {
         faults_.add(file, item.entries[0].second, step_where, "must hold keys and values");
       const DataKind fed = anatomy.steps.empty() ? DataKind::volume : anatomy.steps.back().type->output;
       if (step.type->ports[0].kind != fed && !(step.type->ports[0].kind == DataKind::field && fed == DataKind::volume))
-        faults_.add(file, name, step_where, std::string("works on a ") + to_text(step.type->ports[0].kind) + " but gets a " + to_text(fed));
+        faults_.add(file, name, step_where,
+                    std::string("works on a ") + to_text(step.type->ports[0].kind) + " but gets a " + to_text(fed));
       anatomy.steps.push_back(std::move(step));
     }
     if (!anatomy.steps.empty() && anatomy.steps.back().type->output != DataKind::mesh)
@@ -194,7 +199,8 @@ class Reader {
           const YamlNode* at = anatomies.find(out_.anatomies[i].name);
           const std::string where = "anatomies." + out_.anatomies[i].name + "." + step.type->name + "." + port.name;
           if (source == step.ports.end()) {
-            if (port.required && &port != &step.type->ports[0]) faults_.add(file, *at, where, "is missing: " + port.help);
+            if (port.required && &port != &step.type->ports[0])
+              faults_.add(file, *at, where, "is missing: " + port.help);
             continue;
           }
           bool found = false;
@@ -203,8 +209,9 @@ class Reader {
               if (out_.anatomies[j].name + "." + other.type->name == source->second && other.type->output == port.kind)
                 found = true;
           if (!found)
-            faults_.add(file, *at, where, source->second + ", must be the " + to_text(port.kind) +
-                                              " of an anatomy before this one, as anatomy.stage");
+            faults_.add(file, *at, where,
+                        source->second + ", must be the " + to_text(port.kind) +
+                            " of an anatomy before this one, as anatomy.stage");
         }
   }
 
@@ -231,7 +238,8 @@ class Reader {
         a.name = key.text;
         if (std::find(known.begin(), known.end(), key.text) == known.end()) {
           const std::string near = nearest_name(key.text, known);
-          map.fault(key, "anatomies." + key.text, "the pipeline has no such anatomy" + (near.empty() ? "" : ", did you mean " + near + "?"));
+          map.fault(key, "anatomies." + key.text,
+                    "the pipeline has no such anatomy" + (near.empty() ? "" : ", did you mean " + near + "?"));
           continue;
         }
         if (node.kind == YamlNode::Kind::map) {
@@ -273,7 +281,9 @@ class Reader {
           if (known.back() == key.text) return set_parameter(step.params, p, file, value, "set." + key.text, faults_);
         }
     const std::string near = nearest_name(key.text, known);
-    faults_.add(file, key, "set." + key.text, "no such parameter" + (near.empty() ? ", a path is anatomy.stage.parameter" : ", did you mean " + near + "?"));
+    faults_.add(
+        file, key, "set." + key.text,
+        "no such parameter" + (near.empty() ? ", a path is anatomy.stage.parameter" : ", did you mean " + near + "?"));
   }
 
   void set_from_text(const std::string& text) {
@@ -319,6 +329,8 @@ const RecipeAnatomy* CaseConfig::find_anatomy(const std::string& name) const {
   return nullptr;
 }
 
-CaseConfig read_case_config(const fs::path& file, const ConfigOverrides& overrides) { return Reader(file, overrides).read(); }
+CaseConfig read_case_config(const fs::path& file, const ConfigOverrides& overrides) {
+  return Reader(file, overrides).read();
+}
 
 }  // namespace trephine

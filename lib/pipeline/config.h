@@ -38,8 +38,8 @@ struct SceneAnatomy {
 
 /// A case as its three files and --set say it: every parameter has its effective value.
 struct CaseConfig {
-  std::string case_token;          ///< empty: none given
-  std::filesystem::path series;    ///< empty: none given
+  std::string case_token;        ///< empty: none given
+  std::filesystem::path series;  ///< empty: none given
   ImportParams import;
   std::vector<RecipeAnatomy> anatomies;  ///< the whole recipe, in its order
   std::vector<SceneAnatomy> scene;       ///< what is wanted, in the recipe's order
@@ -49,15 +49,15 @@ struct CaseConfig {
 };
 
 struct ConfigOverrides {
-  std::filesystem::path series;             ///< from the command line, not bound to the root
+  std::filesystem::path series;  ///< from the command line, not bound to the root
   std::string case_token;
-  std::vector<std::string> set;             ///< "skull.decimate.max_deviation_mm=0.2"
-  std::vector<std::filesystem::path> roots; ///< folders beside the root that paths in the files may lead to
+  std::vector<std::string> set;              ///< "skull.decimate.max_deviation_mm=0.2"
+  std::vector<std::filesystem::path> roots;  ///< folders beside the root that paths in the files may lead to
 };
 
-/// Reads the case's YAML and the recipe and the scene that it names (design.md, "YAML"). Order of what wins: the default,
-/// the recipe, the scene's limits, the case's `set`, the overrides. Throws ErrorList (78) with every fault of all three
-/// files at once, file:line:column each; 66 where a file is missing.
+/// Reads the case's YAML and the recipe and the scene that it names (design.md, "YAML"). Order of what wins: the
+/// default, the recipe, the scene's limits, the case's `set`, the overrides. Throws ErrorList (78) with every fault of
+/// all three files at once, file:line:column each; 66 where a file is missing.
 CaseConfig read_case_config(const std::filesystem::path& file, const ConfigOverrides& overrides = {});
 
 }  // namespace trephine

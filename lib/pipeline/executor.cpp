@@ -23,7 +23,8 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 double bytes_of(const StageData& data) {
   if (const auto* v = std::get_if<std::shared_ptr<const HuVolume>>(&data))
     return std::visit([](const auto& g) { return double(g.voxels.size() * sizeof(g.voxels[0])); }, **v);
-  if (const auto* f = std::get_if<std::shared_ptr<const Field>>(&data)) return double((*f)->voxels.size() * sizeof(float));
+  if (const auto* f = std::get_if<std::shared_ptr<const Field>>(&data))
+    return double((*f)->voxels.size() * sizeof(float));
   if (const auto* m = std::get_if<std::shared_ptr<const TriMesh>>(&data))
     return double((*m)->points_mm.size() * sizeof(Vec3) * 2 + (*m)->triangles.size() * 12);
   return 0;
@@ -38,7 +39,11 @@ bool worth_storing(const StageData& data, double seconds) {
 class Executor {
  public:
   Executor(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options, RunObserver& observer)
-      : graph_(graph), options_(options), observer_(observer), results_(graph.nodes.size()), tasks_(graph.nodes.size()) {
+      : graph_(graph),
+        options_(options),
+        observer_(observer),
+        results_(graph.nodes.size()),
+        tasks_(graph.nodes.size()) {
     // Every node's report is wanted: one that is not known from the cache makes its node run again.
     for (std::size_t i = 0; i < graph.nodes.size(); ++i)
       if (auto report = options_.cache ? options_.cache->load_report(graph.nodes[i].key) : std::nullopt)
@@ -124,7 +129,8 @@ class Executor {
       const Task& t = tasks_[i];
       if (!t.needed || t.started) continue;
       const auto& sources = graph_.nodes[i].sources;
-      const bool ready = std::all_of(sources.begin(), sources.end(), [&](const auto& s) { return tasks_[s.second].done; });
+      const bool ready =
+          std::all_of(sources.begin(), sources.end(), [&](const auto& s) { return tasks_[s.second].done; });
       if (ready && (best < 0 || t.urgency > tasks_[best].urgency)) best = static_cast<int>(i);
     }
     return best;
@@ -185,8 +191,8 @@ class Executor {
     result.state = NodeResult::State::computed;
     result.seconds = seconds_since(start);
     if (options_.cache)
-      options_.cache->store(node.key, node.output, worth_storing(result.data, result.seconds) ? result.data : StageData{},
-                            result.report);
+      options_.cache->store(node.key, node.output,
+                            worth_storing(result.data, result.seconds) ? result.data : StageData{}, result.report);
     finish_output(i, "computed");
   }
 

@@ -34,9 +34,9 @@ struct ExecuteOptions {
   const std::atomic<bool>* cancel = nullptr;
 };
 
-/// Computes the nodes asked for and what they need that the cache does not have; independent nodes run at the same time on
-/// up to thread_count() threads. The results, one a node, are the same whatever the thread count. The error of the first
-/// node (in the graph's order) that failed is thrown, its field naming the node, after the others were stopped.
+/// Computes the nodes asked for and what they need that the cache does not have; independent nodes run at the same time
+/// on up to thread_count() threads. The results, one a node, are the same whatever the thread count. The error of the
+/// first node (in the graph's order) that failed is thrown, its field naming the node, after the others were stopped.
 std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,
                                 RunObserver& observer);
 

@@ -86,7 +86,8 @@ std::vector<int> wanted_nodes(const Graph& graph, bool pictures) {
     wanted.push_back(a.surface);
     wanted.push_back(a.measure);
   }
-  // The reports of every stage of a published anatomy go into the case; a stage that the cache lets us skip has its there.
+  // The reports of every stage of a published anatomy go into the case; a stage that the cache lets us skip has its
+  // there.
   return wanted;
 }
 
@@ -97,8 +98,8 @@ void hold_against_limits(const SceneAnatomy& limit, const AnatomyResult& result)
                     std::to_string(limit.max_triangles) + "; decimation stopped by " + result.stopped_by);
   if (limit.max_deviation_mm > 0 && !(result.deviation_max_mm <= limit.max_deviation_mm))
     throw Error(ExitCode::quality, "", limit.name,
-                "deviates by " + to_text(result.deviation_max_mm) + " mm from the unreduced surface, the scene allows " +
-                    to_text(limit.max_deviation_mm) + " mm");
+                "deviates by " + to_text(result.deviation_max_mm) +
+                    " mm from the unreduced surface, the scene allows " + to_text(limit.max_deviation_mm) + " mm");
 }
 
 // The sum of the bounds that the stages which moved the surface were given, and of what they used.
@@ -157,7 +158,8 @@ void finish_anatomy(Run& run, std::size_t index, const fs::path& folder) {
     const int node = run.graph.find(nodes.name + "." + step.type->name);
     if (node < 0) continue;
     result.seconds += run.at(node).seconds;
-    for (const auto& f : run.at(node).report.figures) out.figures.emplace_back(step.type->name + "." + f.first, f.second);
+    for (const auto& f : run.at(node).report.figures)
+      out.figures.emplace_back(step.type->name + "." + f.first, f.second);
     for (const std::string& w : run.at(node).report.warnings)
       run.warnings.push_back(nodes.name + "." + step.type->name + ": " + w);
   }
@@ -179,13 +181,15 @@ void fill_provenance(Run& run, const std::string& input_hash) {
   m.face_reason = run.config.face_reason;
   m.program_version = "trephine " + run.request.program_version;
   m.input_sha256 = input_hash;
-  // Of the stages that the case was made by, and no others: parameters of what the scene does not demand change no byte.
+  // Of the stages that the case was made by, and no others: parameters of what the scene does not demand change no
+  // byte.
   for (const Node& node : run.graph.nodes)
     for (const Parameter& p : node.params.set->parameters)
       m.parameters.emplace_back(node.name + "." + p.name, node.params.get(p));
 }
 
-// The middle of the first surface's bounds, joined with the others', to whole mm: exact in float32 like the surfaces' own.
+// The middle of the first surface's bounds, joined with the others', to whole mm: exact in float32 like the surfaces'
+// own.
 Vec3 center_of(const Run& run) {
   Bounds all;
   for (const Graph::Anatomy& a : run.graph.anatomies) {
@@ -211,12 +215,14 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
   }
   run.config = read_case_config(request.config, overrides);
   if (run.config.series.empty())
-    throw Error(ExitCode::usage, request.config.string(), "series", "the configuration names none, give --series FOLDER");
+    throw Error(ExitCode::usage, request.config.string(), "series",
+                "the configuration names none, give --series FOLDER");
   if (run.config.case_token.empty()) run.config.case_token = random_token();
   const std::string token = run.config.case_token;
   try {
     require_face_policy(run.config);
-    const std::string input_hash = hash_of_series_input(run.config.series, run.config.import, Progress({}, &cancel_requested()));
+    const std::string input_hash =
+        hash_of_series_input(run.config.series, run.config.import, Progress({}, &cancel_requested()));
     run.graph = make_graph(run.config, input_hash);
 
     const fs::path folder = request.library / token;
@@ -254,7 +260,8 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
         const RecipeAnatomy& recipe = *run.config.find_anatomy(a.name);
         shown.push_back({a.name, &run.mesh(a.surface), recipe.colour_rgb, recipe.opacity_ratio});
       }
-      write_case_pictures(folder / "report", *std::get<std::shared_ptr<const HuVolume>>(run.at(0).data), shown, cancelled);
+      write_case_pictures(folder / "report", *std::get<std::shared_ptr<const HuVolume>>(run.at(0).data), shown,
+                          cancelled);
     }
     cancelled.check();
     publish_case(folder, run.manifest);

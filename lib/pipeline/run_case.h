@@ -22,9 +22,13 @@ struct RunParams {
   template <class V>
   static void describe(V& v) {
     using P = RunParams;
-    v.text(&P::case_token, "case", "Name of the case: a-z, 0-9, _ and -, never a patient's; overrides the configuration's; random where neither gives one.");
-    v.flag(&P::use_cache, "use_cache", "Reuse and keep the outputs of stages whose inputs and parameters are the same.");
-    v.integer(&P::cache_limit_mb, "cache_limit_mb", Range{0, 1e9}, "What the cache may hold after the run, in MB; the oldest goes first.");
+    v.text(&P::case_token, "case",
+           "Name of the case: a-z, 0-9, _ and -, never a patient's; overrides the configuration's; random where "
+           "neither gives one.");
+    v.flag(&P::use_cache, "use_cache",
+           "Reuse and keep the outputs of stages whose inputs and parameters are the same.");
+    v.integer(&P::cache_limit_mb, "cache_limit_mb", Range{0, 1e9},
+              "What the cache may hold after the run, in MB; the oldest goes first.");
     v.flag(&P::pictures, "pictures", "Make the pictures in the case's report folder.");
   }
 };
@@ -34,8 +38,8 @@ struct RunRequest {
   std::filesystem::path library;  ///< the case becomes <library>/<case>/
   ConfigOverrides overrides;
   RunParams params;
-  std::filesystem::path keep;     ///< intermediates of every stage go here as files; empty: not
-  std::filesystem::path cache;    ///< empty: <library>/.trephine-cache
+  std::filesystem::path keep;   ///< intermediates of every stage go here as files; empty: not
+  std::filesystem::path cache;  ///< empty: <library>/.trephine-cache
   std::string program_version;
 };
 
@@ -48,9 +52,10 @@ struct RunResult {
   std::string table;  ///< for a person
 };
 
-/// Builds one case, idempotently: afterwards the library holds the old case or the new one. Reads the configuration, checks
-/// that the library can be written (73) and the face policy (81) before any work, computes what the scene demands, holds
-/// the results against the scene's limits (80), and publishes. 75 where another run builds the same case.
+/// Builds one case, idempotently: afterwards the library holds the old case or the new one. Reads the configuration,
+/// checks that the library can be written (73) and the face policy (81) before any work, computes what the scene
+/// demands, holds the results against the scene's limits (80), and publishes. 75 where another run builds the same
+/// case.
 RunResult run_case(const RunRequest& request, RunObserver& observer);
 
 }  // namespace trephine

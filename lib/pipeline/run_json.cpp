@@ -22,9 +22,12 @@ double peak_memory_mb(int who) {
 
 const char* to_text(NodeResult::State state) {
   switch (state) {
-    case NodeResult::State::not_needed: return "not needed";
-    case NodeResult::State::computed: return "computed";
-    case NodeResult::State::cached: return "cached";
+    case NodeResult::State::not_needed:
+      return "not needed";
+    case NodeResult::State::computed:
+      return "computed";
+    case NodeResult::State::cached:
+      return "cached";
   }
   return "";
 }
@@ -32,7 +35,8 @@ const char* to_text(NodeResult::State state) {
 }  // namespace
 
 std::string run_json(const Graph& graph, const std::vector<NodeResult>& results,
-                     const std::vector<AnatomyResult>& anatomies, const std::vector<std::string>& warnings, double wall_s) {
+                     const std::vector<AnatomyResult>& anatomies, const std::vector<std::string>& warnings,
+                     double wall_s) {
   Json json;
   json["wall_s"] = wall_s;
   json["peak_memory_mb"] = peak_memory_mb(RUSAGE_SELF);

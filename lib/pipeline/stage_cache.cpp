@@ -57,8 +57,7 @@ std::optional<StageData> StageCache::load_data(const std::string& key, DataKind 
   if (index->sha256.empty()) return {};
   const fs::path data = file(key, file_extension(kind));
   try {
-    if (sha256_of_file(data) != index->sha256)
-      throw Error(ExitCode::bad_input, data.string(), "sha256", "differs");
+    if (sha256_of_file(data) != index->sha256) throw Error(ExitCode::bad_input, data.string(), "sha256", "differs");
     return trephine::load_data(data, kind);
   } catch (const std::bad_alloc&) {
     throw;

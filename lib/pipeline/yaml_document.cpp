@@ -33,11 +33,14 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { add(make(mark, YamlNode::Kind::null, "", anchor)); }
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    add(make(mark, YamlNode::Kind::null, "", anchor));
+  }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
     refuse(file_, mark.line + 1, mark.column + 1, "aliases (*name) are not allowed");
   }
-  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, const std::string& value) override {
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& value) override {
     if (!tag.empty() && tag != "?" && tag != "!")
       refuse(file_, mark.line + 1, mark.column + 1, "tags (!name) are not allowed");
     YamlNode node = make(mark, YamlNode::Kind::scalar, value, anchor);
@@ -50,7 +53,8 @@ class TreeBuilder : public YAML::EventHandler {
     push(make(mark, YamlNode::Kind::list, "", anchor));
   }
   void OnSequenceEnd() override { pop(); }
-  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor, YAML::EmitterStyle::value) override {
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
     push(make(mark, YamlNode::Kind::map, "", anchor));
   }
   void OnMapEnd() override { pop(); }
@@ -136,7 +140,8 @@ YamlNode read_yaml(const std::filesystem::path& file) {
     return u == 0x7f || (u < 0x20 && c != '\n' && c != '\r' && c != '\t');
   });
   if (bad != text.end())
-    refuse(file, 1 + static_cast<int>(std::count(text.begin(), bad, '\n')), 1, "holds a control character: not a text file");
+    refuse(file, 1 + static_cast<int>(std::count(text.begin(), bad, '\n')), 1,
+           "holds a control character: not a text file");
 
   YamlNode root;
   ConfigFaults faults;
@@ -221,12 +226,13 @@ std::optional<std::vector<double>> MapReader::numbers(const std::string& key, st
   }
   if (node->kind == YamlNode::Kind::list && values.size() == count && node->items.size() == count) return values;
   fault(*node, key,
-        "must be a list of " + std::to_string(count) + " numbers from " + to_text(range.min) + " to " + to_text(range.max));
+        "must be a list of " + std::to_string(count) + " numbers from " + to_text(range.min) + " to " +
+            to_text(range.max));
   return {};
 }
 
-void set_parameter(AnyParams& params, const Parameter& parameter, const std::filesystem::path& file, const YamlNode& value,
-                   const std::string& where, ConfigFaults& faults) {
+void set_parameter(AnyParams& params, const Parameter& parameter, const std::filesystem::path& file,
+                   const YamlNode& value, const std::string& where, ConfigFaults& faults) {
   std::vector<std::string> items;
   std::string shown;
   const bool is_list = value.kind == YamlNode::Kind::list;

@@ -12,8 +12,8 @@
 namespace trephine {
 
 /// A YAML file as a plain tree in which every node knows where it stood. Scalars stay text: `010`, `.nan` and `0,5` are
-/// judged by the parameter that they are for, not by YAML's guess. Anchors, aliases, tags and several documents in a file
-/// are refused: a configuration has no use for them.
+/// judged by the parameter that they are for, not by YAML's guess. Anchors, aliases, tags and several documents in a
+/// file are refused: a configuration has no use for them.
 struct YamlNode {
   enum class Kind { null, scalar, list, map } kind = Kind::null;
   std::string text;                                    ///< scalar
@@ -42,8 +42,8 @@ class ConfigFaults {
 /// repeated key, nesting above 32, a file above 1 MiB or bytes that are not UTF-8 text.
 YamlNode read_yaml(const std::filesystem::path& file);
 
-/// Reads a map whose keys are known in advance: unknown keys are faults that name the nearest known one, and every node is
-/// checked to be of the kind that its reader wants.
+/// Reads a map whose keys are known in advance: unknown keys are faults that name the nearest known one, and every node
+/// is checked to be of the kind that its reader wants.
 class MapReader {
  public:
   /// `where` is the key path to this map, for messages ("anatomies.skull").
@@ -76,7 +76,7 @@ class MapReader {
 };
 
 /// Sets one parameter from a YAML value (a scalar, or a list of scalars). A fault is added where it does not fit.
-void set_parameter(AnyParams& params, const Parameter& parameter, const std::filesystem::path& file, const YamlNode& value,
-                   const std::string& where, ConfigFaults& faults);
+void set_parameter(AnyParams& params, const Parameter& parameter, const std::filesystem::path& file,
+                   const YamlNode& value, const std::string& where, ConfigFaults& faults);
 
 }  // namespace trephine

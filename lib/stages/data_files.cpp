@@ -46,10 +46,14 @@ void save_data(const std::filesystem::path& file, const StageData& data) {
 
 StageData load_data(const std::filesystem::path& file, DataKind kind) {
   switch (kind) {
-    case DataKind::volume: return std::make_shared<const HuVolume>(read_hu_nrrd(file));
-    case DataKind::field: return std::make_shared<const Field>(read_field_nrrd(file));
-    case DataKind::mesh: return std::make_shared<const TriMesh>(read_vtp(file));
-    case DataKind::nothing: break;
+    case DataKind::volume:
+      return std::make_shared<const HuVolume>(read_hu_nrrd(file));
+    case DataKind::field:
+      return std::make_shared<const Field>(read_field_nrrd(file));
+    case DataKind::mesh:
+      return std::make_shared<const TriMesh>(read_vtp(file));
+    case DataKind::nothing:
+      break;
   }
   return {};
 }

@@ -11,7 +11,8 @@ StageType smooth_stage() {
   s.version = 1;
   s.summary = "smooths a surface within a bound in mm";
   s.description =
-      "Windowed sinc smoothing in which no point moves farther than the bound; where it would make the surface intersect "
+      "Windowed sinc smoothing in which no point moves farther than the bound; where it would make the surface "
+      "intersect "
       "itself the points stay. The change of volume is reported.";
   s.ports = {{"surface", DataKind::mesh, true, "closed surface"}};
   s.output = DataKind::mesh;

@@ -5,10 +5,14 @@ namespace trephine {
 
 const char* to_text(DataKind kind) {
   switch (kind) {
-    case DataKind::volume: return "volume";
-    case DataKind::field: return "field";
-    case DataKind::mesh: return "surface";
-    case DataKind::nothing: return "report";
+    case DataKind::volume:
+      return "volume";
+    case DataKind::field:
+      return "field";
+    case DataKind::mesh:
+      return "surface";
+    case DataKind::nothing:
+      return "report";
   }
   return "";
 }

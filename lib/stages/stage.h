@@ -15,8 +15,8 @@
 
 namespace trephine {
 
-/// A stage is a library function with its parameters declared and its inputs named, so that `run` (data in memory) and the
-/// single tools (data in files) call one and the same thing. One stage a file in this folder.
+/// A stage is a library function with its parameters declared and its inputs named, so that `run` (data in memory) and
+/// the single tools (data in files) call one and the same thing. One stage a file in this folder.
 
 enum class DataKind { volume, field, mesh, nothing };
 const char* to_text(DataKind kind);
@@ -53,7 +53,8 @@ struct StageType {
   std::vector<Port> ports;
   DataKind output = DataKind::mesh;
   std::function<AnyParams()> make_params;
-  /// Fills the report, also with what it could not do. Throws Error (field: what went wrong in the stage) and Cancelled.
+  /// Fills the report, also with what it could not do. Throws Error (field: what went wrong in the stage) and
+  /// Cancelled.
   std::function<StageData(const AnyParams&, const StageInputs&, Report&, const Progress&)> run;
 
   const Port* find_port(const std::string& port) const;

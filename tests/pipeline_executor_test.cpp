@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The executor on graphs of small made-up stages: order, lifetime of intermediates, errors, cancelling, the cache.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <mutex>
+#include <thread>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "pipeline/executor.h"
+#include "scratch_folder.h"
+
+using namespace trephine;
+
+namespace {
+
+struct NoParams {
+  double value = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&NoParams::value, "value", Range{}, "What the stage adds.");
+  }
+};
+
+class Silent : public RunObserver {
+ public:
+  void started(const std::string&) override {}
+  void progressed(const std::string&, double) override {}
+  void finished(const std::string& node, const std::string& how, double, const Report&) override {
+    const std::lock_guard<std::mutex> lock(mutex);
+    log[node] = how;
+  }
+  std::mutex mutex;
+  std::map<std::string, std::string> log;
+};
+
+// A mesh of one point whose x is the sum of the sources' x and the parameter; it keeps an eye on who still lives.
+struct Fixture {
+  std::vector<std::unique_ptr<StageType>> types;
+  std::map<std::string, std::weak_ptr<const TriMesh>> made;
+  std::vector<std::string> alive_at_end_stage;
+  std::mutex mutex;
+  Graph graph;
+  double stage_seconds = 0;
+
+  Fixture() { graph.nodes.emplace_back().name = "import"; }
+
+  int add(const std::string& name, std::vector<int> sources, const std::string& key = "") {
+    auto type = std::make_unique<StageType>();
+    type->name = name;
+    for (std::size_t i = 0; i < sources.size(); ++i)
+      type->ports.push_back({"p" + std::to_string(i), DataKind::mesh, true, ""});
+    type->make_params = [] { return AnyParams::make<NoParams>(); };
+    type->run = [this, name, n = sources.size()](const AnyParams& p, const StageInputs& in, Report& report,
+                                                 const Progress& progress) -> StageData {
+      progress.report(0.5);
+      if (name == "fails") throw Error(ExitCode::quality, "", "", "as asked");
+      if (name == "waits")
+        for (;;) {
+          progress.check();
+          std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+      std::this_thread::sleep_for(std::chrono::duration<double>(stage_seconds));
+      auto mesh = std::make_shared<TriMesh>();
+      mesh->points_mm = {{p.as<NoParams>().value, 0, 0}};
+      for (std::size_t i = 0; i < n; ++i)
+        mesh->points_mm[0].x += in.get<TriMesh>("p" + std::to_string(i))->points_mm[0].x;
+      report.add("x_mm", mesh->points_mm[0].x);
+      const std::lock_guard<std::mutex> lock(mutex);
+      made[name] = mesh;
+      if (name == "last")
+        for (const auto& [other, weak] : made)
+          if (other != "last" && !weak.expired()) alive_at_end_stage.push_back(other);
+      return std::shared_ptr<const TriMesh>(mesh);
+    };
+    Node node;
+    node.name = name;
+    node.type = type.get();
+    node.params = AnyParams::make<NoParams>();
+    std::static_pointer_cast<NoParams>(node.params.object)->value = double(types.size() + 1);
+    for (std::size_t i = 0; i < sources.size(); ++i) node.sources["p" + std::to_string(i)] = sources[i];
+    node.key = key.empty() ? std::string(64 - name.size(), '0') + name : key;
+    node.output = DataKind::mesh;
+    types.push_back(std::move(type));
+    graph.nodes.push_back(std::move(node));
+    return int(graph.nodes.size()) - 1;
+  }
+};
+
+double x_of(const NodeResult& r) { return std::get<std::shared_ptr<const TriMesh>>(r.data)->points_mm.at(0).x; }
+
+}  // namespace
+
+TEST(Executor, ComputesADiamondAndLetsGoOfWhatIsRead) {
+  for (const int threads : {1, 2, 8}) {
+    set_thread_count(threads);
+    Fixture f;
+    const int a = f.add("a", {}), b = f.add("b", {a}), c = f.add("c", {a}), d = f.add("d", {b, c}),
+              last = f.add("last", {d});
+    Silent silent;
+    const auto results = execute(f.graph, {last}, {}, silent);
+    EXPECT_EQ(x_of(results[size_t(last)]), 1 + 2 + 1 + 3 + 4 + 5);
+    EXPECT_EQ(f.alive_at_end_stage, std::vector<std::string>{"d"});
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(results[size_t(b)].data));
+    EXPECT_EQ(results[0].state, NodeResult::State::not_needed) << "nobody asked for the import";
+  }
+  set_thread_count(0);
+}
+
+TEST(Executor, AnErrorNamesItsStageAndStopsTheOthers) {
+  Fixture f;
+  set_thread_count(2);
+  const int fails = f.add("fails", {}), waits = f.add("waits", {});
+  Silent silent;
+  try {
+    execute(f.graph, {waits, fails}, {}, silent);
+    FAIL() << "no error";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::quality);
+    EXPECT_EQ(e.field(), "fails");
+  }
+  set_thread_count(0);
+}
+
+TEST(Executor, StopsWhenTheUserCancels) {
+  Fixture f;
+  const int waits = f.add("waits", {});
+  std::atomic<bool> cancel{false};
+  std::thread user([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    cancel = true;
+  });
+  ExecuteOptions options;
+  options.cancel = &cancel;
+  Silent silent;
+  EXPECT_THROW(execute(f.graph, {waits}, options, silent), Cancelled);
+  user.join();
+}
+
+TEST(Executor, TakesFromTheCacheWhatIsThereAndWhole) {
+  ScratchFolder folder;
+  const StageCache cache(folder.path() / "cache");
+  ExecuteOptions options;
+  options.cache = &cache;
+  const auto run = [&](std::map<std::string, std::string>& log) {
+    Fixture f;
+    f.stage_seconds = 0.01;
+    const int a = f.add("a", {}), b = f.add("b", {a}), last = f.add("last", {b});
+    Silent silent;
+    const auto results = execute(f.graph, {last}, options, silent);
+    log = silent.log;
+    EXPECT_EQ(std::get<double>(*results[size_t(a)].report.find("x_mm")), 1)
+        << "reports of what was skipped are known too";
+    return x_of(results[size_t(last)]);
+  };
+  std::map<std::string, std::string> log;
+  EXPECT_EQ(run(log), 6);
+  EXPECT_EQ(log["a"], "computed");
+  EXPECT_EQ(run(log), 6);
+  EXPECT_EQ(log, (std::map<std::string, std::string>{{"last", "cached"}}))
+      << "what only a cached stage read is not loaded";
+
+  // Any byte of any file of the cache changed, or the file cut short: computed again, never wrong.
+  std::vector<std::filesystem::path> files;
+  for (const auto& e : std::filesystem::directory_iterator(folder.path() / "cache")) files.push_back(e.path());
+  ASSERT_GE(files.size(), 4u);
+  for (const auto& file : files)
+    for (const double at : {0.0, 0.3, 0.6, 0.99}) {
+      std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+      stream.seekg(std::streamoff(double(std::filesystem::file_size(file)) * at));
+      const auto place = stream.tellg();
+      const char byte = char(stream.get() ^ 0x55);
+      stream.seekp(place);
+      stream.put(byte);
+      stream.close();
+      EXPECT_EQ(run(log), 6) << file << " at " << at;
+      EXPECT_EQ(run(log), 6);
+    }
+  for (const auto& file : files) {
+    std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+    EXPECT_EQ(run(log), 6) << file;
+  }
+  cache.shrink_to(0);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "cache"));
+  EXPECT_EQ(run(log), 6);
+}
+
+TEST(Executor, KeepsEveryOutputWhereAsked) {
+  ScratchFolder folder;
+  ExecuteOptions options;
+  options.keep = folder.path();
+  Fixture f;
+  const int a = f.add("a", {}), last = f.add("last", {a});
+  Silent silent;
+  execute(f.graph, {last}, options, silent);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "a.vtp"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "last.vtp"));
+}

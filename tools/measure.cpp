@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "metrics/measure.h"
+
+#include "base/error.h"
+#include "commands.h"
+#include "grid/nrrd.h"
+#include "meshio/vtp.h"
+#include "phantom/truth.h"
+#include "stage_command.h"
+
+namespace trephine {
+namespace {
+
+struct LabelParams {
+  int label = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.integer(&LabelParams::label, "label", Range{0, 255},
+              "With --labels: the label to compare with; 0: every voxel that is not 0.");
+  }
+};
+
+// Where the scan ends the surface is capped, and nothing is known of the cap's truth: it is left out.
+constexpr double cap_margin_mm = 3;
+
+Argument file_argument(const char* name, const char* help) {
+  Argument a;
+  a.name = name;
+  a.help = help;
+  return a;
+}
+
+phantom::Anatomy anatomy_named(const std::string& name) {
+  for (const phantom::Anatomy a : phantom::all_anatomies)
+    if (name == phantom::name_of(a)) return a;
+  throw Error(ExitCode::usage, "", "--truth", "needs --anatomy: which of the truth's anatomies the surface is");
+}
+
+Report measure_against_truth(const ParsedCommand& parsed, const TriMesh& surface, const Progress& progress) {
+  const phantom::Truth truth = phantom::read_truth(parsed.path("truth"));
+  const phantom::Anatomy anatomy = anatomy_named(parsed.text("anatomy"));
+  Bounds seen = truth.box_mm;
+  for (int i = 0; i < 3; ++i) {
+    seen.min_mm[i] += cap_margin_mm;
+    seen.max_mm[i] -= cap_margin_mm;
+  }
+  const TriMesh mesh = phantom::truth_mesh(truth.head, anatomy, truth.box_mm, 1.0, progress.part(0, 0.5));
+  TruthReference reference;
+  reference.distance = [&](Vec3 p) { return truth.head.signed_distance_mm(anatomy, p); };
+  reference.mesh = &mesh;
+  reference.within = seen;
+  return measure_surface(surface, reference, parsed.params<MeasureParams>(), progress.part(0.5, 1));
+}
+
+}  // namespace
+
+Command measure_command() {
+  const StageType stage = measure_stage();
+  Command c;
+  c.name = stage.name;
+  c.summary = stage.summary;
+  c.description =
+      stage.description +
+      " Against labels also Dice; against the truth of a phantom the distances are to its analytic surface (its "
+      "caps, where the scan cuts it, are left out).";
+  c.examples = {"trephine measure skull.vtp",
+                "trephine measure fewer.vtp --reference skull.vtp --report deviation.json",
+                "trephine measure skull.vtp --truth head/truth/truth.json --anatomy skull"};
+  Argument surface = file_argument("surface", "Surface to measure (.vtp).");
+  surface.positional = surface.required = true;
+  Argument anatomy = file_argument("anatomy", "Which anatomy of the truth the surface is.");
+  anatomy.kind = Argument::Kind::choice;
+  for (const phantom::Anatomy a : phantom::all_anatomies) anatomy.choices.push_back(phantom::name_of(a));
+  c.arguments = {surface,
+                 file_argument("reference", "Surface to compare with (.vtp)."),
+                 file_argument("labels", "Labels to compare with (.nrrd)."),
+                 file_argument("truth", "Truth of a phantom (truth.json)."),
+                 anatomy,
+                 report_argument()};
+  c.groups = {{"Parameters", stage.make_params}, ParameterGroup::of<LabelParams>("Labels")};
+  c.run = [](const ParsedCommand& parsed) {
+    if (parsed.has("reference") + parsed.has("labels") + parsed.has("truth") > 1)
+      throw Error(ExitCode::usage, "", "--reference, --labels, --truth", "at most one of them can be given");
+    run_with_report(parsed, [&](const Progress& progress) {
+      const TriMesh mesh = read_vtp(parsed.path("surface"));
+      const auto& params = parsed.params<MeasureParams>();
+      if (parsed.has("truth")) return measure_against_truth(parsed, mesh, progress);
+      if (parsed.has("labels")) {
+        const Mask labels = read_mask_nrrd(parsed.path("labels"));
+        return measure_surface(mesh, LabelReference{&labels, parsed.params<LabelParams>().label}, params, progress);
+      }
+      if (!parsed.has("reference")) return measure_surface(mesh, {}, params, progress);
+      const TriMesh reference = read_vtp(parsed.path("reference"));
+      return measure_surface(mesh, MeshReference{&reference}, params, progress);
+    });
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+}  // namespace trephine

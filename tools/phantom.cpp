@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "phantom/phantom.h"
+
+#include "commands.h"
+#include "stage_command.h"
+
+namespace trephine {
+
+Command phantom_command() {
+  using namespace phantom;
+  Command c;
+  c.name = "phantom";
+  c.summary = "makes a synthetic head as a CT series, with its truth";
+  c.description =
+      "An analytic head (skin, skull, brain, ventricles) whose surfaces are known to a fraction of a micrometre is put "
+      "through a "
+      "CT scanner: partial volume, kernel blur, correlated noise, tilt and, at clinical level, cupping, streaks and "
+      "sulci. "
+      "FOLDER/dicom holds the series, FOLDER/truth its labels, surfaces, landmarks and truth.json, which `measure "
+      "--truth` "
+      "reads. The same parameters give the same bytes.";
+  c.examples = {"trephine phantom head --variant hydrocephalic --seed 7",
+                "trephine phantom head --level clinical --tilt-deg 13.5 --slice-step-mm 2.5 --slices-count 80"};
+  Argument out;
+  out.name = "folder";
+  out.kind = Argument::Kind::out_folder;
+  out.help = "Where dicom/ and truth/ are made.";
+  out.required = out.positional = true;
+  c.arguments = {out, report_argument()};
+  c.groups = {ParameterGroup::of<HeadParams>("Head"), ParameterGroup::of<ScanParams>("Scanner"),
+              ParameterGroup::of<SeriesParams>("Series"), ParameterGroup::of<TruthParams>("Truth")};
+  c.run = [](const ParsedCommand& parsed) {
+    PhantomParams params;
+    params.head = parsed.params<HeadParams>();
+    params.scan = parsed.params<ScanParams>();
+    params.series = parsed.params<SeriesParams>();
+    params.truth = parsed.params<TruthParams>();
+    run_with_report(parsed,
+                    [&](const Progress& progress) { return make_phantom(parsed.path("folder"), params, progress); });
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+}  // namespace trephine
