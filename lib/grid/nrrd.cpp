@@ -195,6 +195,10 @@ void write_nrrd(const std::filesystem::path& file, const HuVolume& volume, const
   std::visit([&](const auto& g) { write_grid(file, g, keys, encoding); }, volume);
 }
 
+void write_nrrd(const std::filesystem::path& file, const Field& field, const NrrdKeys& keys, NrrdEncoding encoding) {
+  write_grid(file, field, keys, encoding);
+}
+
 void write_nrrd(const std::filesystem::path& file, const Mask& mask, const NrrdKeys& keys, NrrdEncoding encoding) {
   write_grid(file, mask, keys, encoding);
 }

@@ -20,6 +20,8 @@ enum class NrrdEncoding { raw, gzip };
 /// Through the checked writer (base/write_file.h); throws 73 and 74. Gzip output holds no time or name.
 void write_nrrd(const std::filesystem::path& file, const HuVolume& volume, const NrrdKeys& keys = {},
                 NrrdEncoding encoding = NrrdEncoding::raw);
+void write_nrrd(const std::filesystem::path& file, const Field& field, const NrrdKeys& keys = {},
+                NrrdEncoding encoding = NrrdEncoding::raw);
 void write_nrrd(const std::filesystem::path& file, const Mask& mask, const NrrdKeys& keys = {},
                 NrrdEncoding encoding = NrrdEncoding::gzip);
 

@@ -39,7 +39,7 @@ void save_data(const std::filesystem::path& file, const StageData& data) {
   if (const auto* volume = std::get_if<std::shared_ptr<const HuVolume>>(&data))
     write_nrrd(file, **volume, {{"content", "HU"}});
   else if (const auto* field = std::get_if<std::shared_ptr<const Field>>(&data))
-    write_nrrd(file, HuVolume(**field), {{"content", "field"}});
+    write_nrrd(file, **field, {{"content", "field"}});
   else if (const auto* mesh = std::get_if<std::shared_ptr<const TriMesh>>(&data))
     write_vtp(file, **mesh);
 }
