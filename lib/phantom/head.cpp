@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "phantom/head.h"
+
+#include "base/error.h"
+#include "phantom/landmarks.h"
+#include "phantom/model.h"
+
+namespace trephine::phantom {
+namespace {
+
+template <class S>
+Point<S> point(Vec3 p);
+template <>
+Point<double> point(Vec3 p) {
+  return {p.x, p.y, p.z};
+}
+template <>
+Point<Dual> point(Vec3 p) {
+  return {Dual(p.x, 1, 0, 0), Dual(p.y, 0, 1, 0), Dual(p.z, 0, 0, 1)};
+}
+
+/// Newton's steps along the gradient onto the zero set; the normal there comes back too.
+Vec3 onto_surface(const Model& model, Anatomy anatomy, Vec3 x, Vec3& normal) {
+  for (int i = 0; i < 12; ++i) {
+    const Dual f = model.solid(anatomy, point<Dual>(x));
+    const Vec3 g{f.x, f.y, f.z};
+    const double gg = dot(g, g);
+    if (!(gg > 1e-12)) break;
+    normal = g / std::sqrt(gg);
+    if (std::fabs(f.v) < 1e-6) break;
+    x += g * (-f.v / gg);
+  }
+  return x;
+}
+
+}  // namespace
+
+const char* name_of(Anatomy anatomy) {
+  switch (anatomy) {
+    case Anatomy::skin:
+      return "skin";
+    case Anatomy::skull:
+      return "skull";
+    case Anatomy::brain:
+      return "brain";
+    case Anatomy::ventricles:
+      return "ventricles";
+  }
+  return "";
+}
+
+Head::Head(const HeadParams& params) : params_(params), model_(std::make_shared<const Model>(params)) {
+  landmarks_ = std::make_shared<const Landmarks>(find_landmarks(*this, *model_));
+}
+
+double Head::implicit_mm(Anatomy anatomy, Vec3 p) const { return model_->solid(anatomy, point<double>(p)); }
+
+double Head::implicit_mm(Anatomy anatomy, Vec3 p, Vec3& gradient) const {
+  const Dual f = model_->solid(anatomy, point<Dual>(p));
+  gradient = {f.x, f.y, f.z};
+  return f.v;
+}
+
+Vec3 Head::project_mm(Anatomy anatomy, Vec3 p) const {
+  Vec3 normal;
+  Vec3 x = onto_surface(*model_, anatomy, p, normal);
+  double distance = norm(p - x), step = 1;
+  // Slide along the surface until p - x is normal to it. Where the surface curves towards p a full step overshoots:
+  // halve.
+  for (int i = 0; i < 16; ++i) {
+    const Vec3 r = p - x, along = r - normal * dot(r, normal);
+    if (norm(along) < 2e-4 * (1 + distance)) break;
+    bool nearer = false;
+    for (; step > 0.05 && !nearer; step *= nearer ? 1 : 0.5) {
+      Vec3 n = normal;
+      const Vec3 y = onto_surface(*model_, anatomy, x + along * step, n);
+      const double d = norm(p - y);
+      nearer = d < distance;
+      if (nearer) x = y, normal = n, distance = d;
+    }
+    if (!nearer) break;
+    step = std::min(1.0, 1.5 * step);
+  }
+  return x;
+}
+
+double Head::signed_distance_mm(Anatomy anatomy, Vec3 p) const {
+  const double d = norm(p - project_mm(anatomy, p));
+  return implicit_mm(anatomy, p) < 0 ? -d : d;
+}
+
+std::uint8_t Head::label(Vec3 lps) const {
+  const auto base = model_->base(point<double>(lps), true);
+  if (model_->skin(base) >= 0) return 0;
+  if (model_->skull(base) < 0) return 2;
+  if (base.cavity >= 0) return 1;
+  if (model_->ventricles(base.p) < 0) return 4;
+  if (model_->brain_clipped(base) < 0) return 3;
+  return base.p.z > foramen_magnum_z ? 5 : 1;
+}
+
+double Head::label_clearance_mm(Vec3 p) const {
+  const double plane = std::fabs(model_->to_model(point<double>(p)).z - foramen_magnum_z);
+  return std::min(sample(p, 1e-6).clearance_mm, 0.8 * plane);
+}
+
+Vec3 Head::landmark(const std::string& name) const {
+  for (const auto& l : *landmarks_)
+    if (l.first == name) return l.second;
+  throw Error(ExitCode::internal, "", name, "is no landmark of the phantom");
+}
+
+const std::vector<Vec3>& Head::metal_mm() const { return model_->metal_world; }
+
+}  // namespace trephine::phantom

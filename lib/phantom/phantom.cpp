@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "phantom/phantom.h"
+
+#include "base/error.h"
+#include "base/write_file.h"
+
+namespace trephine::phantom {
+namespace {
+
+template <class P>
+void append(std::string& text, const P& params) {
+  for (const Parameter& p : parameters_of<P>().parameters) text += p.name + "=" + to_text(p.get(&params)) + "\n";
+}
+
+}  // namespace
+
+std::string identity_of(const PhantomParams& params) {
+  std::string text;
+  append(text, params.head);
+  append(text, params.scan);
+  append(text, params.series);
+  return text;
+}
+
+Grid<std::int16_t> volume_of(const Scan& scan) {
+  Grid<std::int16_t> grid;
+  static_cast<Lattice&>(grid) = lattice_of(scan);
+  grid.voxels = scan.hu;
+  return grid;
+}
+
+Report make_phantom(const std::filesystem::path& out, const PhantomParams& params, const Progress& progress) {
+  const ScanParams& s = params.scan;
+  if (s.upper_step_mm > 0 && s.slices_count < 2)
+    throw Error(ExitCode::usage, "", "upper_step_mm", "needs two slices or more");
+  make_output_folder(out);
+  const Head head(params.head);
+  const Scan scanned = scan(head, s, progress.part(0, 0.6));
+  Report report;
+  report.add("slices_count", static_cast<std::int64_t>(scanned.slices.size()));
+  const std::uint64_t bytes =
+      write_series(out / "dicom", scanned, s, params.series, identity_of(params), progress.part(0.6, 0.7));
+  report.add("series_mb", static_cast<double>(bytes) / 1e6);
+  write_truth(out / "truth", head, scanned, s, params.truth, report, progress.part(0.7, 1));
+  progress.report(1);
+  return report;
+}
+
+PhantomParams sample_phantom() {
+  PhantomParams p;
+  p.head.level = Level::clinical;
+  p.head.seed = 2;
+  p.scan.columns_count = p.scan.rows_count = 256;
+  p.scan.field_of_view_mm = 240;
+  p.scan.slices_count = 96;
+  p.scan.slice_step_mm = p.scan.slice_thickness_mm = 2;
+  p.scan.noise_hu = 5;
+  p.scan.kernel_mm = 1.4;
+  p.series.encoding = Encoding::jpeg_ls;
+  return p;
+}
+
+}  // namespace trephine::phantom

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+namespace trephine::phantom {
+
+/// Random numbers as a function of (seed, stream, index): the same whatever the order or the thread that asks.
+/// The mixer is SplitMix64's (Steele, Lea, Flood 2014), applied once per word.
+inline std::uint64_t mixed(std::uint64_t z) {
+  z += 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+inline std::uint64_t random_bits(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {
+  return mixed(mixed(mixed(seed) + stream) + index);
+}
+/// In [-1, 1).
+inline double uniform(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {
+  return static_cast<double>(random_bits(seed, stream, index) >> 11) * 0x1p-52 - 1;
+}
+/// Standard normal (Box and Muller 1958), two a call.
+inline void normal_pair(std::uint64_t seed, std::uint64_t stream, std::uint64_t index, float& a, float& b) {
+  const std::uint64_t bits = random_bits(seed, stream, index);
+  const float u = (static_cast<float>(bits >> 40) + 0.5f) * 0x1p-24f;
+  const float angle = static_cast<float>((bits >> 8) & 0xffffff) * (6.2831853f * 0x1p-24f);
+  const float radius = std::sqrt(-2 * std::log(u));
+  a = radius * std::cos(angle);
+  b = radius * std::sin(angle);
+}
+
+}  // namespace trephine::phantom

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// GDCM is used here only. It writes into memory; our own writer puts the bytes on the disk.
+#include "phantom/series.h"
+
+#include <fmt/format.h>
+#include <gdcmFile.h>
+#include <gdcmImage.h>
+#include <gdcmImageChangeTransferSyntax.h>
+#include <gdcmWriter.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/write_file.h"
+
+namespace trephine::phantom {
+namespace {
+
+/// A DICOM decimal string: at most 16 characters.
+std::string decimal(double v) {
+  if (v == 0) v = 0;  // no "-0"
+  char text[64];
+  for (int digits = 15; digits > 0; --digits) {
+    const auto end = std::to_chars(text, text + sizeof text, v, std::chars_format::general, digits);
+    if (end.ptr - text <= 16) return {text, end.ptr};
+  }
+  return "0";
+}
+std::string decimals(std::initializer_list<double> values) {
+  std::string out;
+  for (double v : values) out += (out.empty() ? "" : "\\") + decimal(v);
+  return out;
+}
+
+/// 2.25.<a UUID as a decimal number>, from the first 128 bits of a hash, with the bits of a custom UUID (version 8)
+/// set.
+std::string uid(const std::string& identity, const char* what, int number) {
+  const std::string hex = Sha256().text("trephine phantom").text(identity).text(what).integer(number).hex();
+  std::uint8_t bytes[16];
+  for (int i = 0; i < 16; ++i) std::from_chars(&hex[2 * i], &hex[2 * i] + 2, bytes[i], 16);
+  bytes[6] = static_cast<std::uint8_t>((bytes[6] & 0x0f) | 0x80);
+  bytes[8] = static_cast<std::uint8_t>((bytes[8] & 0x3f) | 0x80);
+  std::string digits;
+  bool zero = false;
+  while (!zero) {  // long division by ten
+    int rest = 0;
+    zero = true;
+    for (std::uint8_t& b : bytes) {
+      rest = rest * 256 + b;
+      b = static_cast<std::uint8_t>(rest / 10);
+      rest %= 10;
+      zero = zero && b == 0;
+    }
+    digits.insert(digits.begin(), static_cast<char>('0' + rest));
+  }
+  return "2.25." + digits;
+}
+
+class Attributes {
+ public:
+  explicit Attributes(gdcm::DataSet& set) : set_(set) {}
+  void text(std::uint16_t group, std::uint16_t element, gdcm::VR::VRType vr, std::string value) {
+    if (value.size() % 2) value += vr == gdcm::VR::UI ? '\0' : ' ';
+    gdcm::DataElement e(gdcm::Tag(group, element), 0, vr);
+    e.SetByteValue(value.data(), static_cast<std::uint32_t>(value.size()));
+    set_.Replace(e);
+  }
+  void word(std::uint16_t group, std::uint16_t element, int value, gdcm::VR::VRType vr = gdcm::VR::US) {
+    const char bytes[2] = {static_cast<char>(value & 0xff), static_cast<char>((value >> 8) & 0xff)};
+    gdcm::DataElement e(gdcm::Tag(group, element), 0, vr);
+    e.SetByteValue(bytes, 2);
+    set_.Replace(e);
+  }
+
+ private:
+  gdcm::DataSet& set_;
+};
+
+struct Storage {
+  int bits_stored, representation;
+  long low, high;
+};
+Storage storage_of(Pixels pixels) {
+  switch (pixels) {
+    case Pixels::unsigned_12:
+      return {12, 0, 0, 4095};
+    case Pixels::unsigned_16:
+      return {16, 0, 0, 65535};
+    case Pixels::signed_16:
+      break;
+  }
+  return {16, 1, -32768, 32767};
+}
+
+long stored_padding(const SeriesParams& p, const Storage& s) {
+  return std::max(s.low, padding_hu - static_cast<long>(p.intercept_hu));
+}
+
+std::vector<char> stored_pixels(const Scan& scan, int slice, const SeriesParams& params, const Storage& storage) {
+  const std::size_t count = static_cast<std::size_t>(scan.columns) * scan.rows;
+  const std::int16_t* hu = &scan.hu[count * slice];
+  std::vector<char> bytes(2 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const long v = scan.padded && hu[i] == padding_hu ? stored_padding(params, storage)
+                                                      : hu[i] - static_cast<long>(params.intercept_hu);
+    if (v < storage.low || v > storage.high)
+      throw Error(ExitCode::usage, "", "intercept_hu",
+                  fmt::format("{}: {} HU does not fit the stored pixels", params.intercept_hu, hu[i]));
+    bytes[2 * i] = static_cast<char>(v & 0xff);
+    bytes[2 * i + 1] = static_cast<char>((v >> 8) & 0xff);
+  }
+  return bytes;
+}
+
+gdcm::TransferSyntax::TSType syntax_of(Encoding e) {
+  switch (e) {
+    case Encoding::none:
+      return gdcm::TransferSyntax::ExplicitVRLittleEndian;
+    case Encoding::rle:
+      return gdcm::TransferSyntax::RLELossless;
+    case Encoding::jpeg_ls:
+      return gdcm::TransferSyntax::JPEGLSLossless;
+    case Encoding::jpeg_2000:
+      return gdcm::TransferSyntax::JPEG2000Lossless;
+  }
+  return gdcm::TransferSyntax::ExplicitVRLittleEndian;
+}
+
+/// The PixelData element in the transfer syntax asked for.
+gdcm::DataElement encoded(const std::vector<char>& pixels, const Scan& scan, const Storage& storage,
+                          Encoding encoding) {
+  gdcm::DataElement raw(gdcm::Tag(0x7fe0, 0x0010), 0, gdcm::VR::OW);
+  raw.SetByteValue(pixels.data(), static_cast<std::uint32_t>(pixels.size()));
+  if (encoding == Encoding::none) return raw;
+  gdcm::SmartPointer<gdcm::Image> image = new gdcm::Image;
+  image->SetNumberOfDimensions(2);
+  image->SetDimension(0, static_cast<unsigned>(scan.columns));
+  image->SetDimension(1, static_cast<unsigned>(scan.rows));
+  image->SetPixelFormat(gdcm::PixelFormat(1, 16, static_cast<unsigned short>(storage.bits_stored),
+                                          static_cast<unsigned short>(storage.bits_stored - 1),
+                                          static_cast<unsigned short>(storage.representation)));
+  image->SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
+  image->SetTransferSyntax(gdcm::TransferSyntax::ExplicitVRLittleEndian);
+  image->SetDataElement(raw);
+  gdcm::ImageChangeTransferSyntax change;
+  change.SetTransferSyntax(syntax_of(encoding));
+  change.SetInput(*image);
+  if (!change.Change()) throw Error(ExitCode::internal, "", "encoding", "the encoder failed");
+  return change.GetOutput().GetDataElement();
+}
+
+const char* position_code(Position p) {
+  switch (p) {
+    case Position::head_first_supine:
+      return "HFS";
+    case Position::head_first_prone:
+      return "HFP";
+    case Position::feet_first_supine:
+      return "FFS";
+    case Position::feet_first_prone:
+      return "FFP";
+  }
+  return "HFS";
+}
+
+void describe_patient_and_series(Attributes& a, const std::string& identity, const ScanParams& p) {
+  using VR = gdcm::VR;
+  a.text(0x0008, 0x0005, VR::CS, "ISO_IR 100");
+  a.text(0x0008, 0x0008, VR::CS,
+         p.plane == Plane::axial ? "ORIGINAL\\PRIMARY\\AXIAL" : "DERIVED\\SECONDARY\\REFORMATTED");
+  a.text(0x0008, 0x0016, VR::UI, "1.2.840.10008.5.1.4.1.1.2");
+  for (const int element : {0x0020, 0x0021, 0x0022, 0x0023}) a.text(0x0008, element, VR::DA, "20000101");
+  for (const int element : {0x0030, 0x0031, 0x0032, 0x0033}) a.text(0x0008, element, VR::TM, "120000");
+  a.text(0x0008, 0x0050, VR::SH, "");
+  a.text(0x0008, 0x0060, VR::CS, "CT");
+  a.text(0x0008, 0x0070, VR::LO, "Trephine");
+  a.text(0x0008, 0x0090, VR::PN, "");
+  a.text(0x0008, 0x103e, VR::LO, "Synthetic head");
+  a.text(0x0008, 0x1090, VR::LO, "phantom");
+  a.text(0x0010, 0x0010, VR::PN, "TREPHINE^PHANTOM");
+  a.text(0x0010, 0x0020, VR::LO, "PHANTOM");
+  a.text(0x0010, 0x0030, VR::DA, "");
+  a.text(0x0010, 0x0040, VR::CS, "O");
+  a.text(0x0012, 0x0062, VR::CS, "YES");
+  a.text(0x0012, 0x0063, VR::LO, "Synthetic: no patient");
+  a.text(0x0018, 0x0050, VR::DS, decimal(p.slice_thickness_mm));
+  a.text(0x0018, 0x0060, VR::DS, "120");
+  a.text(0x0018, 0x0088, VR::DS, decimal(p.slice_step_mm * std::cos(p.tilt_deg * 0.017453292519943295)));
+  a.text(0x0018, 0x1120, VR::DS, decimal(p.tilt_deg));
+  a.text(0x0018, 0x1210, VR::SH, "GAUSS" + decimal(p.kernel_mm));
+  a.text(0x0018, 0x5100, VR::CS, position_code(p.position));
+  a.text(0x0020, 0x000d, VR::UI, uid(identity, "study", 0));
+  a.text(0x0020, 0x000e, VR::UI, uid(identity, "series", 0));
+  a.text(0x0020, 0x0010, VR::SH, "1");
+  a.text(0x0020, 0x0011, VR::IS, "1");
+  a.text(0x0020, 0x0012, VR::IS, "1");
+  a.text(0x0020, 0x0052, VR::UI, uid(identity, "frame", 0));
+  a.text(0x0020, 0x1040, VR::LO, "");
+}
+
+void describe_slice(Attributes& a, const std::string& identity, const Scan& scan, int slice,
+                    const SeriesParams& params) {
+  using VR = gdcm::VR;
+  const SlicePose& s = scan.slices[slice];
+  const Storage storage = storage_of(params.pixels);
+  a.text(0x0008, 0x0018, VR::UI, uid(identity, "instance", slice));
+  a.text(0x0020, 0x0013, VR::IS, std::to_string(slice + 1));
+  a.text(0x0020, 0x0032, VR::DS, decimals({s.origin_mm.x, s.origin_mm.y, s.origin_mm.z}));
+  a.text(0x0020, 0x0037, VR::DS, decimals({s.row.x, s.row.y, s.row.z, s.column.x, s.column.y, s.column.z}));
+  a.text(0x0020, 0x1041, VR::DS, decimal(dot(s.origin_mm, normalized(cross(s.row, s.column)))));
+  a.word(0x0028, 0x0002, 1);
+  a.text(0x0028, 0x0004, VR::CS, "MONOCHROME2");
+  a.word(0x0028, 0x0010, scan.rows);
+  a.word(0x0028, 0x0011, scan.columns);
+  a.text(0x0028, 0x0030, VR::DS, decimals({scan.pixel_mm, scan.pixel_mm}));
+  a.word(0x0028, 0x0100, 16);
+  a.word(0x0028, 0x0101, storage.bits_stored);
+  a.word(0x0028, 0x0102, storage.bits_stored - 1);
+  a.word(0x0028, 0x0103, storage.representation);
+  if (scan.padded)
+    a.word(0x0028, 0x0120, static_cast<int>(stored_padding(params, storage)), storage.representation ? VR::SS : VR::US);
+  a.text(0x0028, 0x1050, VR::DS, "40");
+  a.text(0x0028, 0x1051, VR::DS, "100");
+  a.text(0x0028, 0x1052, VR::DS, std::to_string(params.intercept_hu));
+  a.text(0x0028, 0x1053, VR::DS, "1");
+  a.text(0x0028, 0x1054, VR::LO, "HU");
+}
+
+void remove_longer_series(const std::filesystem::path& folder, std::size_t slices) {
+  std::error_code ignored;
+  for (std::size_t k = slices + 1; std::filesystem::remove(folder / fmt::format("slice_{:04}.dcm", k), ignored); ++k) {
+  }
+}
+
+}  // namespace
+
+std::uint64_t write_series(const std::filesystem::path& folder, const Scan& scan, const ScanParams& scan_params,
+                           const SeriesParams& params, const std::string& identity, const Progress& progress) {
+  make_output_folder(folder);
+  const Storage storage = storage_of(params.pixels);
+  std::uint64_t total = 0;
+  for (int k = 0; k < static_cast<int>(scan.slices.size()); ++k) {
+    progress.report(k / static_cast<double>(scan.slices.size()));
+    gdcm::Writer writer;
+    gdcm::DataSet& set = writer.GetFile().GetDataSet();
+    Attributes attributes(set);
+    describe_patient_and_series(attributes, identity, scan_params);
+    describe_slice(attributes, identity, scan, k, params);
+    set.Replace(encoded(stored_pixels(scan, k, params, storage), scan, storage, params.encoding));
+    writer.GetFile().GetHeader().SetDataSetTransferSyntax(syntax_of(params.encoding));
+    std::ostringstream stream(std::ios::binary);
+    writer.SetStream(stream);
+    if (!writer.Write())
+      throw Error(ExitCode::internal, "", "dicom", fmt::format("slice {} could not be encoded", k + 1));
+    const std::string bytes = stream.str();
+    write_file(folder / fmt::format("slice_{:04}.dcm", k + 1), bytes);
+    total += bytes.size();
+  }
+  remove_longer_series(folder, scan.slices.size());
+  return total;
+}
+
+}  // namespace trephine::phantom

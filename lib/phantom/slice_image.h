@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "phantom/scan.h"
+
+namespace trephine::phantom {
+
+/// One slice in HU, and what the scanner does to it after the exposure.
+struct SliceImage {
+  SliceImage(int columns, int rows, float fill) : columns(columns), rows(rows), hu(std::size_t(columns) * rows, fill) {}
+  int columns, rows;
+  std::vector<float> hu;
+  float& at(int i, int j) { return hu[std::size_t(j) * columns + i]; }
+};
+
+/// Gaussian blur in place, border pixels repeated outwards; nothing below 0.05 pixels.
+void blur(SliceImage& image, double sigma_px);
+
+/// Beam hardening: tissue in the middle of the field reads lower by up to `depth_hu`.
+void add_cupping(SliceImage& image, const SlicePose& pose, double pixel_mm, double depth_hu);
+
+/// Bright and dark rays from a metal filling, in slices that pass within 5 mm of it: a drawing of the artefact, not a
+/// projection.
+void add_streaks(SliceImage& image, const SlicePose& pose, double pixel_mm, Vec3 metal_mm, double height_hu,
+                 std::uint64_t seed);
+
+/// Normal noise of that standard deviation, correlated as the kernel does.
+void add_noise(SliceImage& image, double sigma_px, double noise_hu, std::uint64_t seed, std::uint64_t slice);
+
+/// Rounds to the nearest integer within [-1024, 3071], the range of 12 bits; padding_hu outside the inscribed circle
+/// where asked for.
+void quantize(const SliceImage& image, bool round_field, std::int16_t* out);
+
+}  // namespace trephine::phantom

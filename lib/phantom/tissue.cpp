@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which tissue is where, and its HU. Tissues are painted over each other from the outside in, each with the share of
+// the sub-voxel that it covers; what lies under bone is painted a little way into it, so that the share left by the
+// bone's edge holds the right neighbour.
+#include "phantom/model.h"
+
+namespace trephine::phantom {
+namespace {
+
+// HU at 120 kV: soft tissues as in Hounsfield-unit tables of CT textbooks (Kalender, Computed Tomography); cortical
+// calvaria and diploe within what Lillie et al. 2015 (J Anat) and clinical head CT show; teeth after Mah et al. 2010.
+constexpr double air = -1000, skin_hu = 40, fat = -90, muscle = 55, cortical = 1400, diploe = 550, tooth = 2200,
+                 csf = 8, grey = 37, white = 29, vitreous = 12, lens = 75, nerve = 35, mucosa = 50, suture = 250,
+                 cell = -900, metal = 6000;
+constexpr double under_bone_mm = 1.4, table_mm = 1.8;
+
+/// The brush: paints a tissue and keeps the distance to the nearest edge seen.
+struct Brush {
+  double width, hu = air, clearance = 1e3;
+  double cover(double f) {
+    clearance = std::min(clearance, std::fabs(f));
+    return clamped(0.5 - f / width, 0, 1);
+  }
+  void paint(double tissue, double f) { hu += (tissue - hu) * cover(f); }
+};
+
+void paint_soft(Brush& b, const Model& model, const Model::Base<double>& base, double skin) {
+  const PointD& m = base.m;
+  b.paint(fat, skin + 1.6);
+  double f = std::min(base.hull - 2.4, skin + 14);                    // galea and deep muscle
+  f = std::min(f, ellipsoid(m, {60, -24, 26}, {11, 31, 36}));         // temporal
+  f = std::min(f, capsule(m, {60, -44, -10}, {52, -32, -62}, 7, 8));  // masseter
+  f = std::max(f, skin + 2.6);
+  b.paint(muscle, f);
+  const double orbit = model.orbit(base);
+  if (orbit < under_bone_mm + 3) {
+    b.paint(fat, std::max(orbit - under_bone_mm, skin + 3.0));
+    b.paint(muscle, std::min({capsule(m, {31, -68, 29}, {17, -44, 20}, 1.8, 1.6),
+                              capsule(m, {31, -68, 5}, {17, -44, 14}, 1.8, 1.6),
+                              capsule(m, {44, -66, 17}, {19, -44, 17}, 1.8, 1.6),
+                              capsule(m, {20, -66, 17}, {13, -44, 17}, 1.6, 1.5)}));
+    b.paint(nerve, capsule(m, {31, -60, 17}, {16, -43, 17}, 2.2, 2.2));
+    b.paint(muscle, sphere(m, {32, -71, 17}, 12.2));  // sclera
+    b.paint(vitreous, sphere(m, {32, -71, 17}, 11.2));
+    b.paint(lens, ellipsoid(m, {32, -79.5, 17}, {4.5, 2.2, 4.5}));
+  } else {
+    b.clearance = std::min(b.clearance, orbit - under_bone_mm);
+  }
+  const double nasal = model.nasal(base);
+  b.paint(mucosa, std::max(nasal - under_bone_mm, skin + 3.0));
+  b.paint(air, std::max(nasal + 1.3, skin + 4.2));
+}
+
+void paint_brain(Brush& b, const Model& model, const Model::Base<double>& base, double f) {
+  const double brain = model.brain(base);
+  b.paint(csf, f);
+  b.paint(grey, brain);
+  b.paint(white, brain + 3.0);
+  // Deep grey: the thalami beside the third ventricle.
+  const PointD p = model.shifted(base.p);
+  b.paint(grey, ellipsoid(PointD{std::fabs(p.x), p.y, p.z}, model.thalamus_centre, {7, 12, 7}));
+  b.paint(csf, model.ventricles(base.p));
+  b.paint(csf, model.passages(base.p));
+}
+
+/// Bone with all that is enclosed in it.
+void paint_bone(Brush& b, const Model& model, const Model::Base<double>& base, double bone) {
+  const PointD& m = base.m;
+  b.paint(cortical, bone);
+  if (bone > b.width) return;
+  b.paint(diploe, bone + table_mm);
+  const double wall = bone + 2.3;
+  double sinus = std::min({ellipsoid(m, {11, -84, 42}, {10, 6, 11}), ellipsoid(m, {6.5, -21, -4}, {5, 10, 7}),
+                           ellipsoid(m, {21, -66, -15}, {11, 16, 14})});
+  sinus = std::max(sinus, wall);
+  b.paint(cortical, sinus - 1.2);
+  b.paint(cell, sinus);
+  if (m.x > 40 && m.x < 72 && m.y > -2 && m.y < 36) {
+    double cells = 1e3;
+    for (const Model::Ball& ball : model.cells) cells = std::min(cells, sphere(base.p, ball.centre, ball.radius));
+    b.paint(cell, std::max(cells, wall));
+  } else {
+    b.clearance = std::min(b.clearance, std::max({40 - m.x, m.x - 72, -2 - m.y, m.y - 36}));
+  }
+  // Sutures: coronal, sagittal and lambdoid, 0.4 mm wide; closed in the inner table, as in adults.
+  if (m.z > 35) {
+    const double wiggle = 1.5 * std::sin(0.9 * (m.x + m.z));
+    const double coronal = std::fabs(m.y + 22 + 0.25 * (m.z - 110) + wiggle);
+    const double sagittal = m.y > -22 && m.y < 62 ? std::fabs(base.p.x + 1.5 * std::sin(0.9 * m.y)) : 1e3;
+    const double lambdoid = std::fabs(m.y - 62 + 0.45 * m.x + wiggle) / 1.1;
+    const double seam = std::min({coronal, sagittal, lambdoid}) / 1.6;
+    b.paint(suture, std::max({seam - 0.2, 3.0 - base.vault, 35 - m.z}));
+  }
+  const double crown = model.teeth(m);
+  b.paint(tooth, std::max(crown, bone));
+}
+
+}  // namespace
+
+Head::Sample Head::sample(Vec3 lps, double width_mm) const {
+  const Model& model = *model_;
+  Brush b{width_mm};
+  double outside = 0;
+  const PointD world{lps.x, lps.y, lps.z};
+  auto base = model.base(world, false);
+  const double deep = -(under_bone_mm + width_mm);
+  if (base.cavity < deep) {  // within the dura: nothing of the outside can matter
+    b.clearance = -base.cavity - under_bone_mm;
+    paint_brain(b, model, base, base.cavity);
+  } else {
+    base.hull = model.bone_hull(base.m, base.vault);
+    const double skin = model.skin(base);
+    outside = 1 - b.cover(skin);
+    b.paint(skin_hu, skin);
+    if (skin < width_mm) {
+      paint_soft(b, model, base, skin);
+      const double under = clamped(-base.hull, 0, under_bone_mm);
+      if (base.cavity < under_bone_mm + width_mm) paint_brain(b, model, base, base.cavity - under);
+      b.clearance = std::min(b.clearance, std::fabs(base.cavity));
+      const double bone = model.skull(base);
+      paint_bone(b, model, base, bone);
+    }
+  }
+  for (const Vec3& filling : model.fillings) {
+    b.paint(metal, sphere(base.p, filling, 2.6));
+  }
+  return {b.hu, std::max(0.0, b.clearance - 0.5 * width_mm) * 0.8, outside};
+}
+
+}  // namespace trephine::phantom

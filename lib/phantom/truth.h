@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+#include "phantom/head.h"
+#include "phantom/scan.h"
+#include "surface/trimesh.h"
+
+namespace trephine::phantom {
+
+struct TruthParams {
+  double mesh_step_mm = 1.0;
+  bool labels = true;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = TruthParams;
+    v.number(&P::mesh_step_mm, "mesh_step_mm", Range{0, 10},
+             "Lattice step of the truth's meshes, whose points lie on the analytic surface; 0 writes no meshes.");
+    v.flag(&P::labels, "labels", "Write the truth's labels on the scan's voxels (not for tilted or uneven slices).");
+  }
+};
+
+/// The truth's mesh of one anatomy within a box: marching tetrahedra on a lattice of at most `step_mm`, each point then
+/// put onto the analytic surface. Closed, 2-manifold, oriented outwards; where the box cuts the anatomy it is capped in
+/// the box's face. Empty where nothing of it lies in the box.
+TriMesh truth_mesh(const Head& head, Anatomy anatomy, const Bounds& box, double step_mm, const Progress& progress = {});
+
+/// Box of the scan's voxel centres.
+Bounds scanned_box(const Scan& scan);
+
+/// Head::label at every voxel centre of the lattice.
+Mask truth_labels(const Head& head, const Lattice& lattice, const Progress& progress = {});
+
+/// Writes into `folder` (made where missing): truth.json (the head's parameters, from which read_truth rebuilds it; the
+/// scan's; landmarks; fiducials' centres; volumes within the scanned box; the lattice), labels.nrrd, and skin.vtp,
+/// skull.vtp, brain.vtp and ventricles.vtp. Adds volumes to the report. Throws 73 and 74 as FileWriter, Cancelled.
+void write_truth(const std::filesystem::path& folder, const Head& head, const Scan& scan, const ScanParams& scan_params,
+                 const TruthParams& params, Report& report, const Progress& progress = {});
+
+/// What truth.json says.
+struct Truth {
+  Head head;
+  std::vector<Fiducial> fiducials;
+  Bounds box_mm;  ///< of the scanned voxel centres: beyond it nothing was seen
+};
+/// Reads truth.json and rebuilds the head. Throws 66 where it cannot be read, 65 naming the field where it is no truth
+/// of ours or of a version that this program does not know.
+Truth read_truth(const std::filesystem::path& file);
+
+}  // namespace trephine::phantom

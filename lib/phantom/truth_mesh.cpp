@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Marching tetrahedra over Freudenthal's division of each cube into six: it is the same from both sides of every face,
+// so the surface is always closed and manifold (Doi and Koide 1991; Bloomenthal 1994 for the choice of tetrahedra).
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "phantom/truth.h"
+
+namespace trephine::phantom {
+namespace {
+
+/// Values of the clipped solid at the lattice's points: max(anatomy, box). Blocks without a surface hold its sign only.
+struct Samples {
+  std::array<int, 3> n;
+  Vec3 origin, step;
+  std::vector<float> value;
+  Vec3 at(int i, int j, int k) const { return {origin.x + i * step.x, origin.y + j * step.y, origin.z + k * step.z}; }
+  std::size_t index(int i, int j, int k) const { return (static_cast<std::size_t>(k) * n[1] + j) * n[0] + i; }
+};
+
+double box_distance(const Bounds& b, Vec3 p) {
+  return std::max(
+      {b.min_mm.x - p.x, p.x - b.max_mm.x, b.min_mm.y - p.y, p.y - b.max_mm.y, b.min_mm.z - p.z, p.z - b.max_mm.z});
+}
+
+Samples sample_solid(const Head& head, Anatomy anatomy, const Bounds& box, double step_mm, const Progress& progress) {
+  Samples s;
+  for (int a = 0; a < 3; ++a) {
+    const double length = box.max_mm[a] - box.min_mm[a];
+    const int cells = std::max(1, static_cast<int>(std::ceil(length / step_mm)));
+    s.step[a] = length / cells;
+    s.origin[a] = box.min_mm[a] - 0.5 * s.step[a];  // the box's faces lie halfway between points
+    s.n[a] = cells + 2;
+  }
+  s.value.resize(static_cast<std::size_t>(s.n[0]) * s.n[1] * s.n[2]);
+  constexpr int block = 6;
+  const int layers = (s.n[2] + block - 1) / block;
+  parallel_for(0, layers, 1, [&](std::int64_t from, std::int64_t to) {
+    for (int layer = static_cast<int>(from); layer < to; ++layer) {
+      progress.check();
+      const int k0 = layer * block, k1 = std::min(s.n[2], k0 + block);
+      for (int j0 = 0; j0 < s.n[1]; j0 += block)
+        for (int i0 = 0; i0 < s.n[0]; i0 += block) {
+          const int i1 = std::min(s.n[0], i0 + block), j1 = std::min(s.n[1], j0 + block);
+          const Vec3 low = s.at(i0, j0, k0), high = s.at(i1 - 1, j1 - 1, k1 - 1);
+          const double middle = head.implicit_mm(anatomy, (low + high) * 0.5);
+          const bool plain = std::fabs(middle) > 0.75 * norm(high - low) + 4;
+          for (int k = k0; k < k1; ++k)
+            for (int j = j0; j < j1; ++j)
+              for (int i = i0; i < i1; ++i) {
+                const Vec3 p = s.at(i, j, k);
+                const double f = plain ? middle : head.implicit_mm(anatomy, p);
+                s.value[s.index(i, j, k)] = static_cast<float>(std::max(f, box_distance(box, p)));
+              }
+        }
+    }
+  });
+  return s;
+}
+
+/// Corner c of a cube is the point (i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)). All six tetrahedra share the diagonal
+/// 0-7 and are oriented alike.
+constexpr int tetrahedra[6][4] = {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}};
+
+class Marcher {
+ public:
+  explicit Marcher(const Samples& s) : s_(s), layer_points_(static_cast<std::size_t>(s.n[0]) * s.n[1]) {
+    for (auto& l : edges_) l.assign(layer_points_ * 7, none);
+  }
+
+  TriMesh run(const Progress& progress) {
+    for (int k = 0; k + 1 < s_.n[2]; ++k) {
+      progress.check();
+      for (int j = 0; j + 1 < s_.n[1]; ++j)
+        for (int i = 0; i + 1 < s_.n[0]; ++i) cube(i, j, k);
+      std::swap(edges_[0], edges_[1]);
+      std::fill(edges_[1].begin(), edges_[1].end(), none);
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  static constexpr std::uint32_t none = 0xffffffffu;
+
+  void cube(int i, int j, int k) {
+    int inside = 0;
+    for (int c = 0; c < 8; ++c) {
+      corner_[c] = s_.value[s_.index(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2))];
+      inside |= (corner_[c] < 0) << c;
+    }
+    if (inside == 0 || inside == 255) return;
+    i_ = i, j_ = j, k_ = k;
+    for (const auto& t : tetrahedra) tetrahedron(t);
+  }
+
+  void tetrahedron(const int (&t)[4]) {
+    int in[4], out[4], ins = 0, outs = 0;
+    for (int v = 0; v < 4; ++v) (corner_[t[v]] < 0 ? in[ins++] : out[outs++]) = v;
+    if (ins == 0 || outs == 0) return;
+    const auto crossing = [&](int a, int b) { return point(t[a], t[b]); };
+    if (ins == 1 || outs == 1) {
+      const int lone = ins == 1 ? in[0] : out[0];
+      // The other three in the order in which they look counter-clockwise from the lone corner's far side.
+      static constexpr int others[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+      const int(&o)[3] = others[lone];
+      const std::uint32_t a = crossing(lone, o[0]), b = crossing(lone, o[1]), c = crossing(lone, o[2]);
+      ins == 1 ? add(a, b, c) : add(a, c, b);
+    } else {
+      const std::uint32_t a = crossing(in[0], out[0]), b = crossing(in[0], out[1]), c = crossing(in[1], out[1]),
+                          d = crossing(in[1], out[0]);
+      // Even or odd: whether (in0, in1, out0, out1) is an even permutation of the tetrahedron.
+      const int order[4] = {in[0], in[1], out[0], out[1]};
+      int swaps = 0;
+      for (int x = 0; x < 4; ++x)
+        for (int y = x + 1; y < 4; ++y) swaps += order[x] > order[y];
+      if (swaps % 2 == 0) {
+        add(a, b, c);
+        add(a, c, d);
+      } else {
+        add(a, c, b);
+        add(a, d, c);
+      }
+    }
+  }
+
+  void add(std::uint32_t a, std::uint32_t b, std::uint32_t c) { mesh_.triangles.push_back({a, b, c}); }
+
+  /// The point where the edge between two corners crosses zero; made once.
+  std::uint32_t point(int a, int b) {
+    if ((a & b) == b) std::swap(a, b);  // a is the lower corner: its bits are a subset of b's
+    const int di = (a & 1), dj = (a >> 1 & 1), dk = a >> 2, direction = (b ^ a) - 1;
+    const std::size_t at = (static_cast<std::size_t>(j_ + dj) * s_.n[0] + i_ + di) * 7 + direction;
+    std::uint32_t& slot = edges_[dk][at];
+    if (slot == none) {
+      const double fa = corner_[a], fb = corner_[b], t = std::clamp(fa / (fa - fb), 1e-3, 1 - 1e-3);
+      const Vec3 pa = s_.at(i_ + di, j_ + dj, k_ + dk), pb = s_.at(i_ + (b & 1), j_ + (b >> 1 & 1), k_ + (b >> 2));
+      slot = static_cast<std::uint32_t>(mesh_.points_mm.size());
+      mesh_.points_mm.push_back(pa + (pb - pa) * t);
+    }
+    return slot;
+  }
+
+  const Samples& s_;
+  std::size_t layer_points_;
+  std::array<std::vector<std::uint32_t>, 2> edges_;
+  std::array<float, 8> corner_{};
+  int i_ = 0, j_ = 0, k_ = 0;
+  TriMesh mesh_;
+};
+
+}  // namespace
+
+TriMesh truth_mesh(const Head& head, Anatomy anatomy, const Bounds& box, double step_mm, const Progress& progress) {
+  const Samples samples = sample_solid(head, anatomy, box, step_mm, progress);
+  TriMesh mesh = Marcher(samples).run(progress);
+  // Onto the analytic surface, by at most half a step: farther means a crease that the lattice cannot show.
+  parallel_for(0, static_cast<std::int64_t>(mesh.points_mm.size()), 4096, [&](std::int64_t from, std::int64_t to) {
+    progress.check();
+    for (std::int64_t i = from; i < to; ++i) {
+      Vec3& p = mesh.points_mm[i];
+      if (std::fabs(head.implicit_mm(anatomy, p)) > step_mm || box_distance(box, p) > -1e-9) continue;  // on a cap
+      Vec3 x = p, g;
+      for (int n = 0; n < 6; ++n) {
+        const double f = head.implicit_mm(anatomy, x, g);
+        x += g * (-f / std::max(1e-6, dot(g, g)));
+        if (std::fabs(f) < 1e-7) break;
+      }
+      if (norm(x - p) < 0.5 * step_mm && box_distance(box, x) <= 0) p = x;
+    }
+  });
+  return mesh;
+}
+
+Bounds scanned_box(const Scan& scan) {
+  Bounds b;
+  for (int k = 0; k < static_cast<int>(scan.slices.size()); ++k)
+    for (int c = 0; c < 4; ++c) {
+      const Vec3 p = scan.position_mm(c & 1 ? scan.columns - 1 : 0, c & 2 ? scan.rows - 1 : 0, k);
+      for (int a = 0; a < 3; ++a) {
+        b.min_mm[a] = std::min(b.min_mm[a], p[a]);
+        b.max_mm[a] = std::max(b.max_mm[a], p[a]);
+      }
+    }
+  return b;
+}
+
+}  // namespace trephine::phantom
