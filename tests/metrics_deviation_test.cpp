@@ -115,6 +115,25 @@ TEST(Deviation, ToTheTruthFromBothSides) {
   }
 }
 
+TEST(Deviation, PointsOutsideOfWhereTheTruthIsKnownAreLeftOut) {
+  // The lower half of a sphere with a lid: the lid is no part of the truth, and lies up to 40 mm from it.
+  const double radius = 40;
+  const DistanceFunction truth = [&](Vec3 p) { return truth_of_sphere(p, {}, radius); };
+  const TriMesh truth_mesh = shapes::sphere(6, radius);
+  TriMesh mesh = truth_mesh;
+  for (Vec3& p : mesh.points_mm) p.z = std::min(p.z, 0.0);
+  Bounds below = everywhere;
+  below.max_mm.z = -1;
+  const Deviation all = measure_deviation_to_truth(mesh, truth, truth_mesh);
+  EXPECT_NEAR(all.mesh_to_reference.max_mm, 40, 0.01);
+  const Deviation seen = measure_deviation_to_truth(mesh, truth, truth_mesh, {}, below);
+  EXPECT_LT(seen.both.max_mm, 0.01);
+  EXPECT_LT(seen.both.samples, all.both.samples);
+  EXPECT_GT(seen.both.samples, all.both.samples / 3);
+  below.max_mm.z = -100;
+  EXPECT_THROW(measure_deviation_to_truth(mesh, truth, truth_mesh, {}, below), Error);
+}
+
 TEST(Deviation, FarFromTheFramesOrigin) {
   const Vec3 far{1e6, -1e6, 1e6};
   const Deviation home = measure_deviation(shapes::lumpy(4), shapes::sphere(4, 90));
