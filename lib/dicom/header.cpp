@@ -88,6 +88,9 @@ class HeaderReader {
     const bool explicit_vr = h_.syntax->explicit_vr;
     h_.pixels = walk_elements(source_, begin, source_.size(), explicit_vr, descend,
                               [this](const Element& e, const std::vector<Level>& levels) { take(e, levels); });
+    // An image without pixels was cut short, if between two elements; reports and structures have none.
+    const bool image = h_.modality.empty() || h_.modality == "CT" || (h_.sop_class && h_.sop_class->is_ct);
+    if (h_.pixels.tag == 0 && image) throw WalkFault{tag_name(t_pixels), "missing: the file ends before it"};
     check_pixels();
     check_frames();
     return std::move(h_);
