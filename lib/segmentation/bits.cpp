@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "segmentation/bits.h"
+
+#include <algorithm>
+#include <bitset>
+#include <cmath>
+
+#include "base/parallel.h"
+
+namespace trephine::segmentation {
+
+using Word = std::uint64_t;
+
+BitMask::BitMask(const Lattice& lattice)
+    : lattice_(lattice),
+      words_((lattice.size[0] + 63) / 64),
+      bits_(std::size_t(words_) * lattice.size[1] * lattice.size[2]) {}
+
+std::size_t BitMask::count() const {
+  std::size_t n = 0;
+  for (Word w : bits_) n += std::bitset<64>(w).count();
+  return n;
+}
+
+bool BitMask::any() const {
+  return std::any_of(bits_.begin(), bits_.end(), [](Word w) { return w != 0; });
+}
+
+Box BitMask::bounds() const {
+  Box box;
+  box.begin = lattice_.size;
+  box.end = {0, 0, 0};
+  for (int k = 0; k < lattice_.size[2]; ++k)
+    for (int j = 0; j < lattice_.size[1]; ++j) {
+      const Word* r = row(j, k);
+      int first = 0, last = words_ - 1;
+      while (first < words_ && !r[first]) ++first;
+      if (first == words_) continue;
+      while (!r[last]) --last;
+      box.begin[0] = std::min(box.begin[0], first * 64 + __builtin_ctzll(r[first]));
+      box.end[0] = std::max(box.end[0], last * 64 + 64 - __builtin_clzll(r[last]));
+      box.begin[1] = std::min(box.begin[1], j);
+      box.end[1] = std::max(box.end[1], j + 1);
+      box.begin[2] = std::min(box.begin[2], k);
+      box.end[2] = k + 1;
+    }
+  return box;
+}
+
+BitMask& BitMask::operator&=(const BitMask& o) {
+  for (std::size_t i = 0; i < bits_.size(); ++i) bits_[i] &= o.bits_[i];
+  return *this;
+}
+BitMask& BitMask::operator|=(const BitMask& o) {
+  for (std::size_t i = 0; i < bits_.size(); ++i) bits_[i] |= o.bits_[i];
+  return *this;
+}
+BitMask& BitMask::remove(const BitMask& o) {
+  for (std::size_t i = 0; i < bits_.size(); ++i) bits_[i] &= ~o.bits_[i];
+  return *this;
+}
+BitMask& BitMask::invert() {
+  for (Word& w : bits_) w = ~w;
+  trim();
+  return *this;
+}
+
+void BitMask::trim() {
+  const int rest = lattice_.size[0] & 63;
+  if (!rest) return;
+  const Word keep = (Word{1} << rest) - 1;
+  for (std::size_t i = std::size_t(words_) - 1; i < bits_.size(); i += words_) bits_[i] &= keep;
+}
+
+BitMask make_mask(const Lattice& lattice, const std::function<void(int, int, std::uint8_t*)>& test) {
+  BitMask mask(lattice);
+  parallel_for(0, lattice.size[2], 4, [&](std::int64_t from, std::int64_t to) {
+    std::vector<std::uint8_t> flags(lattice.size[0]);
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < lattice.size[1]; ++j) {
+        std::fill(flags.begin(), flags.end(), 0);
+        test(j, k, flags.data());
+        Word* r = mask.row(j, k);
+        for (int i = 0; i < lattice.size[0]; ++i) r[i >> 6] |= Word(flags[i] != 0) << (i & 63);
+      }
+  });
+  return mask;
+}
+
+BitMask positive(const Field& field, const Lattice& lattice) {
+  const Box at = place_in(field, lattice);
+  return make_mask(lattice, [&](int j, int k, std::uint8_t* row) {
+    if (j < at.begin[1] || j >= at.end[1] || k < at.begin[2] || k >= at.end[2]) return;
+    const float* f = &field.voxels[field.index(0, j - at.begin[1], k - at.begin[2])];
+    const int from = std::max(0, at.begin[0]), to = std::min(lattice.size[0], at.end[0]);
+    for (int i = from; i < to; ++i) row[i] = f[i - at.begin[0]] > 0;
+  });
+}
+
+BitMask crop(const BitMask& mask, const Box& box) {
+  return make_mask(cropped(mask.lattice(), box), [&](int j, int k, std::uint8_t* row) {
+    for (int i = box.begin[0]; i < box.end[0]; ++i)
+      row[i - box.begin[0]] = mask.get(i, j + box.begin[1], k + box.begin[2]);
+  });
+}
+
+namespace {
+
+/// out |= in shifted by n bits towards higher x (n > 0) or lower x (n < 0), |n| < 64.
+void or_shifted(const Word* in, Word* out, int words, int n) {
+  if (n > 0) {
+    for (int w = words - 1; w >= 0; --w) out[w] |= in[w] << n | (w ? in[w - 1] >> (64 - n) : 0);
+  } else {
+    for (int w = 0; w < words; ++w) out[w] |= in[w] >> -n | (w + 1 < words ? in[w + 1] << (64 + n) : 0);
+  }
+}
+
+/// row |= itself shifted by every distance up to `half` to both sides.
+void dilate_row(Word* row, Word* scratch, int words, int half) {
+  for (int reached = 0; reached < half;) {
+    const int step = std::min({reached + 1, half - reached, 63});
+    std::copy(row, row + words, scratch);
+    or_shifted(scratch, row, words, step);
+    or_shifted(scratch, row, words, -step);
+    reached += step;
+  }
+}
+
+struct Chord {
+  int dj, dk, half;
+};
+
+/// The rows of a ball of that radius, by half-width, widest first.
+std::vector<Chord> ball(const Lattice& lattice, double radius_mm) {
+  const Vec3 s = lattice.spacing_mm;
+  const double r2 = radius_mm * radius_mm * (1 + 1e-9);
+  const int nj = int(radius_mm / s.y + 1e-9), nk = int(radius_mm / s.z + 1e-9);
+  std::vector<Chord> chords;
+  for (int dk = -nk; dk <= nk; ++dk)
+    for (int dj = -nj; dj <= nj; ++dj) {
+      const double rest = r2 - dj * s.y * dj * s.y - dk * s.z * dk * s.z;
+      if (rest >= 0) chords.push_back({dj, dk, int(std::sqrt(rest) / s.x + 1e-9)});
+    }
+  std::stable_sort(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.half > b.half; });
+  return chords;
+}
+
+}  // namespace
+
+BitMask dilated(const BitMask& mask, double radius_mm, const Progress& progress) {
+  const Lattice& lattice = mask.lattice();
+  const auto chords = ball(lattice, radius_mm);
+  const int words = mask.words();
+  BitMask out(lattice);
+  parallel_for(0, lattice.size[2], 4, [&](std::int64_t from, std::int64_t to) {
+    progress.check();
+    std::vector<Word> acc(words), scratch(words);
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < lattice.size[1]; ++j) {
+        // Rows of equal width are united before they are widened.
+        Word* result = out.row(j, k);
+        for (std::size_t c = 0; c < chords.size();) {
+          const int half = chords[c].half;
+          std::fill(acc.begin(), acc.end(), 0);
+          Word any = 0;
+          for (; c < chords.size() && chords[c].half == half; ++c) {
+            const int sj = j + chords[c].dj, sk = k + chords[c].dk;
+            if (sj < 0 || sk < 0 || sj >= lattice.size[1] || sk >= lattice.size[2]) continue;
+            const Word* in = mask.row(sj, sk);
+            for (int w = 0; w < words; ++w) any |= acc[w] |= in[w];
+          }
+          if (!any) continue;
+          dilate_row(acc.data(), scratch.data(), words, half);
+          for (int w = 0; w < words; ++w) result[w] |= acc[w];
+        }
+        if (const int rest = lattice.size[0] & 63) result[words - 1] &= (Word{1} << rest) - 1;
+      }
+  });
+  return out;
+}
+
+BitMask eroded(const BitMask& mask, double radius_mm, const Progress& progress) {
+  BitMask outside = mask;
+  outside.invert();
+  outside = dilated(outside, radius_mm, progress);
+  outside.invert();
+  return outside;
+}
+
+BitMask closed(const BitMask& mask, double radius_mm, const Progress& progress) {
+  BitMask result = eroded(dilated(mask, radius_mm, progress), radius_mm, progress);
+  return result |= mask;
+}
+
+BitMask dilated_6(const BitMask& mask) {
+  const Lattice& lattice = mask.lattice();
+  const int words = mask.words();
+  BitMask out = mask;
+  parallel_for(0, lattice.size[2], 8, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < lattice.size[1]; ++j) {
+        Word* r = out.row(j, k);
+        const auto add = [&](const Word* in) {
+          for (int w = 0; w < words; ++w) r[w] |= in[w];
+        };
+        or_shifted(mask.row(j, k), r, words, 1);
+        or_shifted(mask.row(j, k), r, words, -1);
+        if (j > 0) add(mask.row(j - 1, k));
+        if (j + 1 < lattice.size[1]) add(mask.row(j + 1, k));
+        if (k > 0) add(mask.row(j, k - 1));
+        if (k + 1 < lattice.size[2]) add(mask.row(j, k + 1));
+        if (const int rest = lattice.size[0] & 63) r[words - 1] &= (Word{1} << rest) - 1;
+      }
+  });
+  return out;
+}
+
+BitMask grown_within(const BitMask& mask, const BitMask& domain, double radius_mm, const Progress& progress) {
+  const Vec3 s = mask.lattice().spacing_mm;
+  BitMask reach = dilated(mask, radius_mm, progress);
+  reach &= domain;
+  BitMask grown = mask;
+  const int steps = int(radius_mm / std::min({s.x, s.y, s.z}) + 1e-9);
+  for (int step = 0; step < steps; ++step) {
+    progress.check();
+    BitMask next = dilated_6(grown);
+    next &= reach;
+    next |= mask;
+    grown = std::move(next);
+  }
+  return grown;
+}
+
+}  // namespace trephine::segmentation

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+
+namespace trephine {
+
+enum class SegmentMethod { threshold, brain, ventricles };
+enum class SegmentEdge { fixed, half_maximum };
+enum class SegmentComponents { all, largest };
+enum class SegmentFill { none, cavities, cavities_and_cut };
+
+struct SegmentParams {
+  SegmentMethod method = SegmentMethod::threshold;
+  double lower_hu = 226.5;
+  double upper_hu = 100000;
+  double seed_lower_hu = -100000;
+  SegmentEdge edge = SegmentEdge::fixed;
+  double smoothing_sigma_mm = 0;
+  std::array<double, 3> roi_min_mm{-1e6, -1e6, -1e6};
+  std::array<double, 3> roi_max_mm{1e6, 1e6, 1e6};
+  double open_mm = 0;
+  SegmentComponents components = SegmentComponents::all;
+  double min_component_ml = 0;
+  double close_mm = 0;
+  SegmentFill fill = SegmentFill::none;
+  double fill_close_mm = 0;
+  double fill_max_ml = 1000;
+  double grow_mm = 0;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = SegmentParams;
+    v.choice(&P::method, "method",
+             {{"threshold", SegmentMethod::threshold},
+              {"brain", SegmentMethod::brain},
+              {"ventricles", SegmentMethod::ventricles}},
+             "How: a window of HU; the brain's outer envelope inside the skull; the ventricles inside the brain.");
+    v.number(&P::lower_hu, "lower_hu", Range{-100000, 100000},
+             "Lowest HU of the material (brain: the edge between CSF and grey matter, e.g. 22).");
+    v.number(&P::upper_hu, "upper_hu", Range{-100000, 100000},
+             "Highest HU of the material (ventricles: the edge between CSF and white matter, e.g. 18.5).");
+    v.number(&P::seed_lower_hu, "seed_lower_hu", Range{-100000, 100000},
+             "Hysteresis: only pieces that hold a voxel of at least this HU.");
+    v.choice(&P::edge, "edge", {{"fixed", SegmentEdge::fixed}, {"half_maximum", SegmentEdge::half_maximum}},
+             "Where the surface lies: at the threshold, or halfway between both sides of the edge as measured "
+             "(threshold: never below lower_hu; ventricles: one value for the case; brain: has no effect).");
+    v.number(&P::smoothing_sigma_mm, "smoothing_sigma_mm", Range{0, 5},
+             "Sigma of the Gaussian against noise before the thresholds; brain and ventricles use 1 where it is 0.");
+    v.numbers(&P::roi_min_mm, "roi_min_mm", Range{-1e6, 1e6}, "Lower corner of the region of interest, LPS.");
+    v.numbers(&P::roi_max_mm, "roi_max_mm", Range{-1e6, 1e6}, "Upper corner of the region of interest, LPS.");
+    v.number(&P::open_mm, "open_mm", Range{0, 10},
+             "Parts that hang together only by bridges thinner than twice this are told apart (head and head holder).");
+    v.choice(&P::components, "components", {{"all", SegmentComponents::all}, {"largest", SegmentComponents::largest}},
+             "Which connected pieces to keep.");
+    v.number(&P::min_component_ml, "min_component_ml", Range{0, 10000}, "Pieces smaller than this are dropped.");
+    v.number(&P::close_mm, "close_mm", Range{0, 30}, "Gaps narrower than twice this are closed.");
+    v.choice(&P::fill, "fill",
+             {{"none", SegmentFill::none},
+              {"cavities", SegmentFill::cavities},
+              {"cavities_and_cut", SegmentFill::cavities_and_cut}},
+             "Fill what the material encloses; cavities_and_cut: also what only one face of the volume cuts open.");
+    v.number(&P::fill_close_mm, "fill_close_mm", Range{0, 30},
+             "Fill also cavities whose ways out are narrower than twice this; the outer surface stays where it is.");
+    v.number(&P::fill_max_ml, "fill_max_ml", Range{0, 10000}, "Cavities larger than this stay open.");
+    v.number(&P::grow_mm, "grow_mm", Range{-20, 20},
+             "Moves the surface outwards (or inwards, below 0) by this distance in the end; the field is then in mm.");
+  }
+};
+
+/// Fields of other anatomies (positive inside), on the volume's raster, maybe only a part of it. Null where not given.
+struct SegmentMasks {
+  const Field* within = nullptr;   ///< nothing outside it; method ventricles: the brain
+  const Field* without = nullptr;  ///< nothing inside it
+  const Field* skull = nullptr;    ///< method brain: the bone that encloses it; else bone is what exceeds 226 HU
+};
+
+/// One anatomy out of a volume of HU: a field, positive inside, whose zero crossing is the surface, cropped to the
+/// shape and a margin of two voxels where the volume has room. The mask that the parameters decide gives the sign; the
+/// values beside the surface are HU against the threshold (so that partial volume places it within a voxel), or a
+/// smoothed cut where the mask ends inside material. No voxel is 0.
+///
+/// threshold: window, masks, hysteresis, opening by pieces, components, closing, filling, in this order. With edge
+/// half_maximum the fixed threshold decides what is bone and the surface lies at half the contrast, which kernel blur
+/// moves far less (Hoffmann et al. call it FWHM thresholding). brain: the space in the skull is found on a 2 mm raster
+/// by a watershed on the distance to bone, so that every foramen is cut at its narrowest; inside it tissue brighter
+/// than CSF, opened, closed and filled: ventricles belong to it. ventricles: CSF deep inside the brain, parted from
+/// cisterns and sulci at the narrowest places by the same watershed. Brain and ventricles are a first unattended
+/// estimate: wide ways between ventricles and cisterns, blood or a tumour in them, and a skull with a large defect can
+/// mislead it. The report says what was found ("volume_ml", ...), and warns where it is implausible.
+///
+/// The result is the same bits whatever the thread count. Safe to call from several threads at a time.
+/// Throws Error 65 where a voxel is not finite, or a mask is of another raster; 64 where ventricles have no brain
+/// given; 80 where the mask is empty, fills the volume, or lies in a single slice, with the count of voxels; Cancelled.
+Field segment(const HuVolume& volume, const SegmentMasks& masks, const SegmentParams& params, Report& report,
+              const Progress& progress = {});
+
+}  // namespace trephine

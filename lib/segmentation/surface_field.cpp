@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "segmentation/surface_field.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "base/parallel.h"
+
+namespace trephine::segmentation {
+namespace {
+
+struct Tap {
+  int i, j, k;
+  float weight;
+};
+
+std::vector<Tap> cut_kernel(const Lattice& l, double sigma_mm) {
+  int reach[3];
+  for (int a = 0; a < 3; ++a) reach[a] = std::clamp(int(std::lround(2 * sigma_mm / l.spacing_mm[a])), 1, 8);
+  std::vector<Tap> taps;
+  double sum = 0;
+  for (int k = -reach[2]; k <= reach[2]; ++k)
+    for (int j = -reach[1]; j <= reach[1]; ++j)
+      for (int i = -reach[0]; i <= reach[0]; ++i) {
+        const Vec3 d{i * l.spacing_mm.x, j * l.spacing_mm.y, k * l.spacing_mm.z};
+        const double w = std::exp(-dot(d, d) / (2 * sigma_mm * sigma_mm));
+        taps.push_back({i, j, k, float(w)});
+        sum += w;
+      }
+  for (Tap& t : taps) t.weight = float(t.weight / sum);
+  return taps;
+}
+
+/// The mask smoothed at one voxel, as a signed share: -1 to 1, never nearer to 0 than 0.02 nor on the wrong side.
+float smoothed(const BitMask& shape, const std::vector<Tap>& kernel, int i, int j, int k, bool inside) {
+  const Lattice& l = shape.lattice();
+  float sum = 0;
+  for (const Tap& t : kernel) {
+    const int x = std::clamp(i + t.i, 0, l.size[0] - 1), y = std::clamp(j + t.j, 0, l.size[1] - 1),
+              z = std::clamp(k + t.k, 0, l.size[2] - 1);
+    sum += t.weight * shape.get(x, y, z);
+  }
+  const float share = 2 * sum - 1;
+  return inside ? std::max(share, 0.02f) : std::min(share, -0.02f);
+}
+
+}  // namespace
+
+std::size_t place_surface(Field& edge, const BitMask& shape, double cut_sigma_mm, double scale_hu,
+                          const Progress& progress) {
+  const Lattice& l = edge;
+  const auto kernel = cut_kernel(l, cut_sigma_mm);
+  const float scale = float(scale_hu), least = 0.002f * scale;
+  const BitMask material = make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i) row[i] = edge.at(i, j, k) > 0;
+  });
+  std::atomic<std::size_t> cut{0};
+  parallel_for(0, l.size[2], 2, [&](std::int64_t from, std::int64_t to) {
+    progress.check();
+    std::size_t cut_here = 0;
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i) {
+          // What the six neighbours are: where the crossing on each lattice edge lies is between this voxel and them.
+          bool other = false, other_material = false, shape_material = false;
+          const bool inside = shape.get(i, j, k), is_material = material.get(i, j, k);
+          for (int axis = 0; axis < 3; ++axis)
+            for (int side : {-1, 1}) {
+              const int x = i + (axis == 0) * side, y = j + (axis == 1) * side, z = k + (axis == 2) * side;
+              if (!l.contains(x, y, z) || shape.get(x, y, z) == inside) continue;
+              other = true;
+              if (material.get(x, y, z)) (inside ? other_material : shape_material) = true;
+            }
+          float& f = edge.at(i, j, k);
+          if (!other) {
+            f = inside ? std::max(f, scale) : std::min(f, -scale);
+          } else if (inside) {
+            const bool at_cut = !is_material || other_material;
+            cut_here += at_cut;
+            if (!is_material)
+              f = scale * smoothed(shape, kernel, i, j, k, true);
+            else if (other_material)
+              f = std::min(f, scale * smoothed(shape, kernel, i, j, k, true));
+            f = std::max(f, least);
+          } else {
+            if (is_material || !shape_material) f = scale * smoothed(shape, kernel, i, j, k, false);
+            f = std::min(f, -least);
+          }
+          if (!std::isfinite(f)) f = inside ? least : -least;
+        }
+    cut += cut_here;
+  });
+  return cut;
+}
+
+namespace {
+
+/// Values of the field along a ray, trilinear, clamped to the lattice.
+float sample(const Field& f, double x, double y, double z) {
+  x = std::clamp(x, 0.0, f.size[0] - 1.0);
+  y = std::clamp(y, 0.0, f.size[1] - 1.0);
+  z = std::clamp(z, 0.0, f.size[2] - 1.0);
+  const int i = std::min(int(x), std::max(0, f.size[0] - 2)), j = std::min(int(y), std::max(0, f.size[1] - 2)),
+            k = std::min(int(z), std::max(0, f.size[2] - 2));
+  const float u = float(x - i), v = float(y - j), w = float(z - k);
+  const std::size_t at = f.index(i, j, k);
+  const std::size_t dx = f.size[0] > 1, dy = f.size[1] > 1 ? f.size[0] : 0,
+                    dz = f.size[2] > 1 ? std::size_t(f.size[0]) * f.size[1] : 0;
+  const float* p = &f.voxels[at];
+  const float a = p[0] + u * (p[dx] - p[0]), b = p[dy] + u * (p[dy + dx] - p[dy]);
+  const float c = p[dz] + u * (p[dz + dx] - p[dz]), d = p[dz + dy] + u * (p[dz + dy + dx] - p[dz + dy]);
+  return (a + v * (b - a)) + w * ((c + v * (d - c)) - (a + v * (b - a)));
+}
+
+Vec3 gradient(const Field& f, int i, int j, int k) {
+  // Central differences, smoothed over the 3 x 3 neighbours across: 12 HU of noise turn no bone edge by more than a
+  // degree.
+  Vec3 g;
+  const auto at = [&](int x, int y, int z) {
+    return f.at(std::clamp(x, 0, f.size[0] - 1), std::clamp(y, 0, f.size[1] - 1), std::clamp(z, 0, f.size[2] - 1));
+  };
+  for (int a = -1; a <= 1; ++a)
+    for (int b = -1; b <= 1; ++b) {
+      const double w = (2 - std::abs(a)) * (2 - std::abs(b)) / 16.0;
+      g.x += w * (at(i + 1, j + a, k + b) - at(i - 1, j + a, k + b));
+      g.y += w * (at(i + a, j + 1, k + b) - at(i + a, j - 1, k + b));
+      g.z += w * (at(i + a, j + b, k + 1) - at(i + a, j + b, k - 1));
+    }
+  return {g.x / f.spacing_mm.x, g.y / f.spacing_mm.y, g.z / f.spacing_mm.z};
+}
+
+struct Profile {
+  float high, low;
+  bool leaves;  ///< the way downhill leaves the mask
+};
+
+Profile profile(const Field& hu, const BitMask& shape, int i, int j, int k, float ceiling, double reach_mm,
+                double step_mm) {
+  const Vec3 uphill = normalized(gradient(hu, i, j, k));
+  const Vec3 step{uphill.x * step_mm / hu.spacing_mm.x, uphill.y * step_mm / hu.spacing_mm.y,
+                  uphill.z * step_mm / hu.spacing_mm.z};
+  const float here = std::min(hu.at(i, j, k), ceiling);
+  Profile p{here, here, !shape.get(i, j, k)};
+  // A turn of a tenth of the contrast so far, and more than noise, ends the profile: another structure begins.
+  const auto turned = [&](float back) { return back > 40 && back > 0.1f * (p.high - p.low); };
+  const int steps = int(reach_mm / step_mm);
+  for (int s = 1; s <= steps; ++s) {
+    const float v = std::min(sample(hu, i + s * step.x, j + s * step.y, k + s * step.z), ceiling);
+    p.high = std::max(p.high, v);
+    if (turned(p.high - v)) break;
+  }
+  for (int s = 1; s <= steps; ++s) {
+    const double x = i - s * step.x, y = j - s * step.y, z = k - s * step.z;
+    const float v = std::min(sample(hu, x, y, z), ceiling);
+    p.low = std::min(p.low, v);
+    if (turned(v - p.low)) break;
+    const int a = int(std::lround(x)), b = int(std::lround(y)), c = int(std::lround(z));
+    if (shape.lattice().contains(a, b, c)) p.leaves = p.leaves || !shape.get(a, b, c);
+  }
+  return p;
+}
+
+}  // namespace
+
+void apply_half_maximum(Field& hu, BitMask& shape, double lower_hu, double reach_mm, double brightest_hu,
+                        const Progress& progress) {
+  const Lattice& l = hu;
+  BitMask outside = shape;
+  outside.invert();
+  BitMask shell = dilated(outside, reach_mm, progress);
+  shell &= shape;
+  BitMask rim = dilated_6(shape);
+  rim.remove(shape);
+  shell |= rim;
+  // The new values go into a copy of the shell alone: rays read the old ones.
+  std::vector<std::size_t> first(std::size_t(l.size[2]) + 1);
+  parallel_for(0, l.size[2], 4, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i) first[k + 1] += shell.get(i, j, k);
+  });
+  for (int k = 0; k < l.size[2]; ++k) first[k + 1] += first[k];
+  std::vector<float> fresh(first.back());
+  const Vec3 sp = l.spacing_mm;
+  const double step_mm = 0.5 * std::min({sp.x, sp.y, sp.z});
+  const float ceiling = float(brightest_hu - lower_hu);
+  parallel_for(0, l.size[2], 2, [&](std::int64_t from, std::int64_t to) {
+    progress.check();
+    for (int k = int(from); k < to; ++k) {
+      std::size_t n = first[k];
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i) {
+          if (!shell.get(i, j, k)) continue;
+          const float v = hu.at(i, j, k);
+          const Profile p = profile(hu, shape, i, j, k, ceiling, reach_mm, step_mm);
+          fresh[n++] = p.leaves ? v - std::max(0.f, 0.5f * (p.high + p.low)) : v;
+        }
+    }
+  });
+  parallel_for(0, l.size[2], 4, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k) {
+      std::size_t n = first[k];
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i) {
+          if (!shell.get(i, j, k)) continue;
+          float& v = hu.at(i, j, k);
+          const bool was_material = v > 0;
+          v = fresh[n++];
+          if (was_material && v <= 0) shape.clear(i, j, k);
+        }
+    }
+  });
+}
+
+}  // namespace trephine::segmentation

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "segmentation/filters.h"
+#include "segmentation/methods.h"
+#include "segmentation/surface_field.h"
+
+namespace trephine::segmentation {
+namespace {
+
+constexpr double edge_reach_mm =
+    2.0;  ///< how far a half-maximum profile looks: beyond the blur, within a table of bone
+constexpr double brightest_bone_hu = 2000;  ///< enamel and metal count as this, lest they erode the bone beside them
+constexpr double cut_sigma_mm = 1.0;
+constexpr double cut_scale_hu = 100;
+constexpr double rejected_piece_ml = 1;  ///< of an opened mask: smaller pieces are thin parts of the kept one (ears)
+constexpr double thin_part_ml = 15;      ///< and thin parts are at most this
+
+/// What places the surface: HU above the lower threshold, or below the upper one where that is nearer. The thresholds
+/// are inclusive; on integers they are taken half a unit further out, so that no voxel is 0.
+struct Window {
+  float lower, upper;
+  Window(const SegmentParams& p, bool integers) : lower(float(p.lower_hu)), upper(float(p.upper_hu)) {
+    if (integers) {
+      lower = float(std::ceil(p.lower_hu) - 0.5);
+      upper = float(std::floor(p.upper_hu) + 0.5);
+    }
+  }
+  float operator()(float hu) const { return std::min(hu - lower, upper - hu); }
+};
+
+std::vector<char> chosen(const Components& c, const SegmentParams& p) {
+  const double voxel_ml = c.lattice.voxel_volume_mm3() / 1000;
+  std::vector<char> keep(c.list.size());
+  std::size_t best = 0;
+  for (std::size_t i = 0; i < c.list.size(); ++i) {
+    keep[i] = c.list[i].voxels * voxel_ml >= p.min_component_ml;
+    if (c.list[i].voxels > c.list[best].voxels) best = i;
+  }
+  if (p.components == SegmentComponents::largest && !keep.empty()) {
+    const char large_enough = keep[best];
+    std::fill(keep.begin(), keep.end(), 0);
+    keep[best] = large_enough;
+  }
+  return keep;
+}
+
+/// Opening by pieces: what falls off when thin bridges are cut is dropped; what is merely thin stays.
+BitMask opened_pieces(const BitMask& mask, const SegmentParams& p, const Progress& progress) {
+  const Components cores = components(eroded(mask, p.open_mm, progress));
+  const double voxel_ml = mask.lattice().voxel_volume_mm3() / 1000;
+  std::vector<char> keep = chosen(cores, p), drop(keep.size());
+  for (std::size_t i = 0; i < keep.size(); ++i)
+    drop[i] = !keep[i] && cores.list[i].voxels * voxel_ml >= rejected_piece_ml;
+  BitMask kept = dilated(select(cores, keep), p.open_mm, progress);
+  kept &= mask;
+  BitMask dropped = dilated(select(cores, drop), p.open_mm, progress);
+  dropped &= mask;
+  dropped.remove(kept);
+  BitMask rest = mask;
+  rest.remove(kept).remove(dropped);
+  const Components thin = components(rest);
+  const auto beside_kept = touching(thin, dilated_6(kept)), beside_dropped = touching(thin, dilated_6(dropped));
+  std::vector<char> stays(thin.list.size());
+  for (std::size_t i = 0; i < stays.size(); ++i)
+    stays[i] = beside_kept[i] && !beside_dropped[i] && thin.list[i].voxels * voxel_ml <= thin_part_ml;
+  return kept |= select(thin, stays);
+}
+
+}  // namespace
+
+Field segment_threshold(const HuView& hu, const SegmentMasks& masks, const SegmentParams& p, Report& report,
+                        const Progress& progress) {
+  const Box roi = region_of_interest(hu.lattice(), p);
+  const Lattice work = cropped(hu.lattice(), roi);
+  const bool smooth = p.smoothing_sigma_mm > 0;
+  const Window window(p, hu.is_integer() && !smooth);
+  Grid<float> smoothed_hu;
+  if (smooth) {
+    smoothed_hu = crop(hu, roi);
+    gaussian(smoothed_hu, p.smoothing_sigma_mm, progress);
+  }
+  progress.report(0.1);
+  const auto value = [&](int i, int j, int k) {  // of the working lattice
+    return smooth ? smoothed_hu.at(i, j, k) : hu(i + roi.begin[0], j + roi.begin[1], k + roi.begin[2]);
+  };
+  const auto make = [&](auto&& test) {
+    return make_mask(work, [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < work.size[0]; ++i) row[i] = test(value(i, j, k));
+    });
+  };
+
+  BitMask shape = make([&](float v) { return window(v) > 0; });
+  if (masks.within) shape &= positive(*masks.within, work);
+  if (masks.without) shape.remove(positive(*masks.without, work));
+  progress.report(0.2);
+  if (p.seed_lower_hu > p.lower_hu) {
+    const Components pieces = components(shape, true);
+    shape = select(pieces, touching(pieces, make([&](float v) { return v >= p.seed_lower_hu; })));
+  }
+  if (p.open_mm > 0) shape = opened_pieces(shape, p, progress);
+  progress.report(0.4);
+  if (p.components != SegmentComponents::all || p.min_component_ml > 0) {
+    const Components pieces = components(shape);
+    report.add("pieces_count", pieces.list.size());
+    shape = select(pieces, chosen(pieces, p));
+  }
+  if (p.close_mm > 0) shape = closed(shape, p.close_mm, progress);
+  const FillRule rule{p.fill_close_mm, p.fill_max_ml, p.fill == SegmentFill::cavities_and_cut};
+  if (p.fill != SegmentFill::none) {
+    const BitMask filled = holes(shape, rule, progress);
+    report.add("filled_ml", double(filled.count()) * work.voxel_volume_mm3() / 1000);
+    shape |= filled;
+  }
+  progress.report(0.6);
+  if (!shape.any()) check_mask(shape, hu.lattice().count(), report);
+
+  Box box = shape.bounds();  // from the working lattice's indices to the volume's
+  for (int axis = 0; axis < 3; ++axis) {
+    box.begin[axis] += roi.begin[axis];
+    box.end[axis] += roi.begin[axis];
+  }
+  box = grown(box, 3, hu.lattice());
+  shape = placed(shape, cropped(hu.lattice(), box));
+  Field field = smooth ? fit(smoothed_hu, shape.lattice(), -1e4f) : crop(hu, box);
+  smoothed_hu = {};
+  if (p.edge == SegmentEdge::half_maximum) {
+    for (float& v : field.voxels) v -= window.lower;
+    apply_half_maximum(field, shape, window.lower, edge_reach_mm, brightest_bone_hu, progress);
+    // Crumbs that the moved edge left behind, and pores that it opened.
+    SegmentParams crumbs;
+    crumbs.min_component_ml = std::max(p.min_component_ml, 27 * work.voxel_volume_mm3() / 1000);
+    const Components pieces = components(shape);
+    shape = select(pieces, chosen(pieces, crumbs));
+    if (p.fill != SegmentFill::none) shape |= holes(shape, {0, p.fill_max_ml, rule.cut_open}, progress);
+  } else {
+    for (float& v : field.voxels) v = window(v);
+  }
+  progress.report(0.8);
+  const std::size_t cut = place_surface(field, shape, cut_sigma_mm, cut_scale_hu, progress);
+  report.add("cut_voxels_count", cut);
+  return field;
+}
+
+}  // namespace trephine::segmentation
