@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/decimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "meshing/edge_collapse.h"
+#include "meshing/measure_deviation.h"
+#include "meshing/validity.h"
+
+namespace trephine {
+namespace {
+
+/// After so many rounds of undoing, what is undone is no longer made up for elsewhere.
+constexpr int rounds_that_collapse = 6;
+
+std::size_t target_count(const TriMesh& mesh, const DecimateParams& p) {
+  const auto share = static_cast<std::int64_t>(std::ceil(p.keep_ratio * static_cast<double>(mesh.triangles.size())));
+  const std::int64_t asked = std::max(p.target_triangles_count, share);
+  // Without a count the bound alone decides.
+  return asked > 0 ? static_cast<std::size_t>(std::max<std::int64_t>(asked, 4)) : p.max_deviation_mm > 0 ? 4 : 0;
+}
+
+std::vector<std::uint32_t> invalid_triangles(const TriMesh& mesh, const Progress& progress) {
+  std::vector<std::uint32_t> faults = degenerate_triangles(mesh);
+  for (const auto& pair : self_intersections(mesh, progress)) faults.insert(faults.end(), pair.begin(), pair.end());
+  std::sort(faults.begin(), faults.end());
+  faults.erase(std::unique(faults.begin(), faults.end()), faults.end());
+  return faults;
+}
+
+struct Outcome {
+  TriMesh mesh;
+  DeviationSample deviation;
+  std::size_t undone = 0, undone_for_validity = 0;
+  bool limited = false;
+};
+
+Outcome collapse_all(const TriMesh& input, std::size_t target, double limit_mm, const Progress& progress) {
+  Outcome o;
+  EdgeCollapse collapse(input, limit_mm, float32_step_mm(input));
+  std::vector<std::uint32_t> triangle_of;
+  for (int round = 0;; ++round) {
+    if (round < rounds_that_collapse)
+      o.limited |= collapse.run(target, round == 0 ? progress.part(0.1, 0.7) : progress.part(0.9, 0.9));
+    o.mesh = collapse.mesh().to_mesh(input.origin_mm, &triangle_of);
+    std::vector<std::uint32_t> faults = invalid_triangles(o.mesh, progress.part(0.7, 0.75));
+    for (auto& t : faults) t = triangle_of[t];
+    if (!faults.empty()) {
+      const std::size_t n = collapse.undo(faults);
+      if (n == 0) throw Error(ExitCode::quality, "", "decimate", "intersections that cannot be undone");
+      o.undone += n;
+      o.undone_for_validity += n;
+      continue;
+    }
+    o.deviation = measure_deviation(input, o.mesh, limit_mm, collapse.carried(), triangle_of, progress.part(0.75, 0.9));
+    faults = o.deviation.beyond;
+    if (faults.empty()) return o;
+    for (auto& t : faults) t = triangle_of[t];
+    const std::size_t n = collapse.undo(faults);
+    if (n == 0) throw Error(ExitCode::quality, "", "decimate", "max_deviation_mm cannot be kept");
+    o.undone += n;
+    o.limited = true;
+  }
+}
+
+}  // namespace
+
+TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& report, const Progress& progress) {
+  check_mesh(mesh);
+  TriMesh input = mesh;
+  input.normals.clear();
+  drop_unused_points(input);
+  snap_to_float32(input);
+  with_field("decimate: input", [&] { require_valid(input, progress.part(0, 0.1)); });
+  const std::size_t target = target_count(input, params);
+  const double volume = volume_mm3(input);
+
+  Outcome o;
+  const char* stopped_by = "count";
+  if (target == 0 || input.triangles.size() <= target) {
+    o.mesh = input;
+  } else {
+    o = collapse_all(input, target, params.max_deviation_mm, progress);
+    if (o.mesh.triangles.size() > target) stopped_by = o.limited ? "deviation" : "validity";
+  }
+  const Validity v = check_validity(o.mesh, progress.part(0.9, 1));
+  if (!v.valid()) throw Error(ExitCode::quality, "", "decimate", v.text());
+
+  report.add("triangles_before_count", input.triangles.size());
+  report.add("triangles_count", o.mesh.triangles.size());
+  report.add("reduction_percent", 100 * (1 - double(o.mesh.triangles.size()) / double(input.triangles.size())));
+  report.add("stopped_by", stopped_by);
+  report.add("deviation_max_mm", o.deviation.max_mm);
+  report.add("deviation_p99_mm", o.deviation.p99_mm);
+  report.add("deviation_rms_mm", o.deviation.rms_mm);
+  report.add("volume_change_percent", 100 * (v.volume_mm3 / volume - 1));
+  report.add("collapses_undone_count", o.undone);
+  report.add("collapses_undone_for_validity_count", o.undone_for_validity);
+  progress.report(1);
+  return std::move(o.mesh);
+}
+
+}  // namespace trephine
