@@ -119,6 +119,7 @@ void limit(__rlimit_resource resource, rlim_t soft, rlim_t hard) {
 void confine(std::uint64_t memory_bytes, rlim_t cpu_s, pid_t parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(1);  // it died before the line above
+  for (const int number : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ}) std::signal(number, SIG_DFL);
   const int fd = ::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
   if (fd >= 0) {  // where memory runs out, rather this process than another; a wish, not a need
     (void)!::write(fd, "500", 3);

@@ -75,15 +75,16 @@ std::string usage_of(const Parameter& parameter) {
   return flag_of(parameter.name) + " " + placeholder_of(parameter);
 }
 
-std::string usage_of(const Program& program, const Command& command) {
-  std::string text = program.name + " " + command.name;
+std::vector<std::string> usage_of(const Program& program, const Command& command) {
+  std::vector<std::string> parts = {program.name + " " + command.name};
   for (const bool positional : {true, false})
     for (const Argument& a : command.arguments) {
       if (a.positional != positional) continue;
       const std::string more = a.repeated ? "..." : "";
-      text += a.required ? " " + usage_of(a) + more : " [" + usage_of(a) + "]" + more;
+      parts.push_back(a.required ? usage_of(a) + more : "[" + usage_of(a) + "]" + more);
     }
-  return text + " [parameters]";
+  parts.emplace_back("[parameters]");
+  return parts;
 }
 
 std::vector<ParameterGroup> all_groups(const Command& command) {

@@ -23,8 +23,8 @@ std::string placeholder_of(const Parameter& parameter);
 std::string usage_of(const Argument& argument);
 /// "--max-deviation-mm NUMBER" or "--[no-]check"
 std::string usage_of(const Parameter& parameter);
-/// "trephine contour --volume FILE --out FILE [--threshold-hu NUMBER ...]"
-std::string usage_of(const Program& program, const Command& command);
+/// "trephine contour", "--volume FILE", "[--mask FILE]", "[parameters]": parts that stay on one line each.
+std::vector<std::string> usage_of(const Program& program, const Command& command);
 /// The command's groups and the common one.
 std::vector<ParameterGroup> all_groups(const Command& command);
 /// Throws 70 where a declaration is at fault.

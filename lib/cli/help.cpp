@@ -34,6 +34,18 @@ std::string wrapped(const std::string& text, std::size_t indent) {
   return out;
 }
 
+std::string usage_text(const std::vector<std::string>& parts) {
+  std::string out, line = "Usage:";
+  for (const std::string& part : parts) {
+    if (line.size() + 1 + part.size() > line_width) {
+      out += line + "\n";
+      line = std::string(8, ' ');
+    }
+    line += " " + part;
+  }
+  return out + line + "\n";
+}
+
 std::string entry(const std::string& usage, const std::string& help) { return "  " + usage + "\n" + wrapped(help, 8); }
 
 }  // namespace
@@ -52,7 +64,7 @@ std::string program_help(const Program& program) {
 
 std::string command_help(const Program& program, const Command& command) {
   std::string text = program.name + " " + command.name + ": " + command.summary + "\n\n";
-  text += "Usage: " + usage_of(program, command) + "\n";
+  text += usage_text(usage_of(program, command));
   if (!command.description.empty()) text += "\n" + wrapped(command.description, 0);
   if (!command.arguments.empty()) text += "\nArguments:\n";
   for (const Argument& a : command.arguments) {

@@ -19,12 +19,18 @@ std::string cell(const std::string& text) {
   return out;
 }
 
+std::string sentence(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text + ".";
+}
+
 std::string code(const std::string& text) { return "`" + text + "`"; }
 
-// A parameter's value needs no quotes in YAML or on the command line.
 std::string command_page(const Program& program, const Command& c) {
-  std::string page =
-      "# " + program.name + " " + c.name + "\n\n" + c.summary + ".\n\n```\n" + usage_of(program, c) + "\n```\n";
+  std::string page = "# " + program.name + " " + c.name + "\n\n" + sentence(c.summary) + "\n\n```\n";
+  const std::vector<std::string> parts = usage_of(program, c);
+  for (std::size_t i = 0; i < parts.size(); ++i) page += (i == 0 ? "" : " \\\n    ") + parts[i];
+  page += "\n```\n";
   if (!c.description.empty()) page += "\n" + c.description + "\n";
   if (!c.arguments.empty()) page += "\n## Arguments\n\n| Argument | Needed | Meaning |\n|---|---|---|\n";
   for (const Argument& a : c.arguments)
@@ -44,7 +50,7 @@ std::string command_page(const Program& program, const Command& c) {
 }
 
 std::string index_page(const Program& program) {
-  std::string page = "# " + program.name + "\n\n" + program.summary + ".\n\n";
+  std::string page = "# " + program.name + "\n\n" + sentence(program.summary) + "\n\n";
   page += "These pages are generated from the program (`" + program.name +
           " reference --out docs/reference`); do not edit them.\n";
   page += "A parameter has one name: `--max-gap-mm` on the command line is `max_gap_mm` in YAML and in manifests.\n\n";
