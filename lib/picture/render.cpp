@@ -59,16 +59,18 @@ Light shaded(const Light& albedo, Vec3 n, Vec3 to_eye) {
 }
 
 struct Scene {
+  Scene(const std::vector<SurfaceView>& s, const RenderParams& p) : surfaces(s), params(p) {}
   const std::vector<SurfaceView>& surfaces;
   const RenderParams& params;
   Camera camera;
-  int samples;
+  int samples = 1;
   std::vector<Projected> projected;
   std::vector<Light> colours;
   Light warning = linear_of(warning_colour);
   // The clip plane in camera coordinates: dot(normal, p) = offset.
   Vec3 plane_normal;
   double plane_offset = 0;
+  std::vector<Light> background;  // of each row
 };
 
 // What one surface shows at one sample.
@@ -192,7 +194,7 @@ class BandPainter {
       }
       left -= share;
     }
-    const Light back = background(py);
+    const Light& back = s_.background[py];
     for (int c = 0; c < 3; ++c) open[c] += back[c] * left;
   }
 
@@ -204,19 +206,22 @@ class BandPainter {
     }
   }
 
-  Light background(int py) const {
-    const double t = s_.params.height > 1 ? double(py) / (s_.params.height - 1) : 0;
-    Rgb c;
-    for (int i = 0; i < 3; ++i)
-      c[i] = s_.params.background_top[i] + (s_.params.background_bottom[i] - s_.params.background_top[i]) * t;
-    return linear_of(c);
-  }
-
   const Scene& s_;
   Pixels& pixels_;
   std::vector<Layer> layers_;
   std::vector<Fragment> found_;
 };
+
+std::vector<Light> background_rows(const RenderParams& p) {
+  std::vector<Light> rows;
+  for (int y = 0; y < p.height; ++y) {
+    const double t = p.height > 1 ? double(y) / (p.height - 1) : 0;
+    Rgb c;
+    for (int i = 0; i < 3; ++i) c[i] = p.background_top[i] + (p.background_bottom[i] - p.background_top[i]) * t;
+    rows.push_back(linear_of(c));
+  }
+  return rows;
+}
 
 void check(const std::vector<SurfaceView>& surfaces, const RenderParams& p) {
   for (const auto& s : surfaces) {
@@ -231,10 +236,10 @@ void check(const std::vector<SurfaceView>& surfaces, const RenderParams& p) {
 
 Image render_surfaces(const std::vector<SurfaceView>& surfaces, const RenderParams& params, const Progress& progress) {
   check(surfaces, params);
-  Scene scene{
-      surfaces, params, detail::camera_for(surfaces, params), std::clamp(params.supersampling, 1, 4), {}, {}, {},
-      {},       0};
-  scene.warning = linear_of(warning_colour);
+  Scene scene(surfaces, params);
+  scene.camera = detail::camera_for(surfaces, params);
+  scene.samples = std::clamp(params.supersampling, 1, 4);
+  scene.background = background_rows(params);
   const int rows = params.height * scene.samples;
   for (const auto& s : surfaces) {
     progress.check();

@@ -43,7 +43,7 @@ SliceGeometry slice_geometry(const Lattice& volume, const SliceParams& params);
 /// plane does not meet the volume, or a mesh is damaged.
 Image slice_overlay(const HuVolume& volume, const SliceParams& params, const std::vector<OverlayShape>& shapes);
 
-/// The coordinate range of the volume along the plane's normal, and (of a mesh) of its bounds: what positions make
+/// The coordinates along the plane's normal that the volume reaches.
 /// sense.
 std::array<double, 2> slice_range_mm(const Lattice& volume, SlicePlane plane);
 
