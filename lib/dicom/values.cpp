@@ -97,14 +97,16 @@ std::string known_kernel(std::string_view text) {
   const std::string_view first = split(text).front();
   if (first.empty()) return "";
   static constexpr std::array<std::string_view, 20> words = {
-      "STANDARD", "STAND", "STD", "STD+", "SOFT", "DETAIL", "BONE", "BONE+", "BONEPLUS", "LUNG", "CHST",
-      "EDGE", "ULTRA", "BRAIN", "ND", "SHARP", "SMOOTH", "HEAD", "STND", "SOFT+"};
+      "STANDARD", "STAND", "STD",   "STD+",  "SOFT", "DETAIL", "BONE",   "BONE+", "BONEPLUS", "LUNG",
+      "CHST",     "EDGE",  "ULTRA", "BRAIN", "ND",   "SHARP",  "SMOOTH", "HEAD",  "STND",     "SOFT+"};
   std::string upper(first);
   std::transform(upper.begin(), upper.end(), upper.begin(),
                  [](char c) { return c >= 'a' && c <= 'z' ? char(c - 32) : c; });
   if (contains(words, std::string_view(upper))) return upper;
-  // Siemens B30f, Hr38s, J70h, 59.10.AH40; Toshiba FC21; Philips A to L, UA, YC; Hitachi 22: too short and too odd for a name.
-  static const std::regex shape("[A-Z][a-z]?[0-9]{2}[a-z]?|[0-9]{2} ?\\.[0-9]{2}\\.[A-Z]{2}[0-9]{2}|FC[0-9]{2}|[A-Z]|[UYEI][A-E]|[0-9]{1,3}");
+  // Siemens B30f, Hr38s, J70h, 59.10.AH40; Toshiba FC21; Philips A to L, UA, YC; Hitachi 22: too short and too odd for
+  // a name.
+  static const std::regex shape(
+      "[A-Z][a-z]?[0-9]{2}[a-z]?|[0-9]{2} ?\\.[0-9]{2}\\.[A-Z]{2}[0-9]{2}|FC[0-9]{2}|[A-Z]|[UYEI][A-E]|[0-9]{1,3}");
   return std::regex_match(first.begin(), first.end(), shape) ? std::string(first) : "other";
 }
 
