@@ -49,6 +49,15 @@ std::vector<SurfaceView> see_through(const std::vector<PictureAnatomy>& anatomie
   return views;
 }
 
+// The same hue at full strength: tissue colours are too pale for lines on a grey picture.
+std::array<double, 3> vivid(std::array<double, 3> rgb) {
+  const auto [low, high] = std::minmax_element(rgb.begin(), rgb.end());
+  const double from = *low, range = *high - *low;
+  if (range < 0.02) return {1, 1, 1};
+  for (double& c : rgb) c = 0.1 + 0.9 * (c - from) / range;
+  return rgb;
+}
+
 // Where to cut: through the middle of the smallest shape, which is the innermost one.
 Vec3 point_of_interest(const std::vector<PictureAnatomy>& anatomies) {
   const auto smallest = std::min_element(anatomies.begin(), anatomies.end(), [](const auto& a, const auto& b) {
@@ -86,7 +95,7 @@ void write_case_pictures(const std::filesystem::path& folder, const HuVolume& vo
   }
 
   std::vector<OverlayShape> shapes;
-  for (const PictureAnatomy& a : anatomies) shapes.push_back({a.surface, a.colour_rgb, a.name});
+  for (const PictureAnatomy& a : anatomies) shapes.push_back({a.surface, vivid(a.colour_rgb), a.name});
   constexpr SlicePlane planes[] = {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal};
   constexpr const char* names[] = {"axial", "coronal", "sagittal"};
   constexpr int axis_of_plane[] = {2, 1, 0};
@@ -98,6 +107,7 @@ void write_case_pictures(const std::filesystem::path& folder, const HuVolume& vo
     SliceParams params;
     params.plane = planes[p];
     params.longer_side_px = cell_px;
+    params.window_width_hu = 150;  // brain and CSF are to be told apart; bone is white in any window
     std::vector<Image> images;
     for (int i = 0; i < slices; ++i) {
       progress.check();
