@@ -14,7 +14,7 @@ namespace trephine {
 namespace {
 
 /// After so many rounds of undoing, what is undone is no longer made up for elsewhere.
-constexpr int rounds_that_collapse = 6;
+constexpr int rounds_that_collapse = 12;
 
 std::size_t target_count(const TriMesh& mesh, const DecimateParams& p) {
   const auto share = static_cast<std::int64_t>(std::ceil(p.keep_ratio * static_cast<double>(mesh.triangles.size())));
@@ -33,14 +33,16 @@ std::vector<std::uint32_t> invalid_triangles(const TriMesh& mesh, const Progress
 
 struct Outcome {
   TriMesh mesh;
-  DeviationSample deviation;
+  DeviationFigures deviation;
   std::size_t undone = 0, undone_for_validity = 0;
   bool limited = false;
 };
 
 Outcome collapse_all(const TriMesh& input, std::size_t target, double limit_mm, const Progress& progress) {
   Outcome o;
-  EdgeCollapse collapse(input, limit_mm, float32_step_mm(input));
+  const double step = float32_step_mm(input);
+  DeviationMeter meter(input, limit_mm);
+  EdgeCollapse collapse(input, meter, limit_mm, step);
   std::vector<std::uint32_t> triangle_of;
   for (int round = 0;; ++round) {
     if (round < rounds_that_collapse)
@@ -55,10 +57,11 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double limit_mm, 
       o.undone_for_validity += n;
       continue;
     }
-    o.deviation = measure_deviation(input, o.mesh, limit_mm, collapse.carried(), triangle_of, progress.part(0.75, 0.9));
-    faults = o.deviation.beyond;
-    if (faults.empty()) return o;
-    for (auto& t : faults) t = triangle_of[t];
+    faults = meter.measure(collapse.mesh(), o.mesh, triangle_of, collapse.carried(), progress.part(0.75, 0.9));
+    if (faults.empty()) {
+      o.deviation = meter.figures();
+      return o;
+    }
     const std::size_t n = collapse.undo(faults);
     if (n == 0) throw Error(ExitCode::quality, "", "decimate", "max_deviation_mm cannot be kept");
     o.undone += n;

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+
+#include "base/parallel.h"
 
 namespace trephine {
 namespace {
@@ -19,6 +22,10 @@ constexpr double least_fold_cosine = -0.9;
 constexpr double least_compactness = 0.05;
 /// Share of the limit that the carried points may use; the rest is for what lies between them.
 constexpr double carried_share = 0.95;
+/// A sweep takes this share of the edges; sweeps end at so many times the target, such a part of the input, or this
+/// count.
+constexpr double cheap_share = 0.3, swept_to_target = 2.5;
+constexpr std::size_t swept_to_share = 8, swept_to_count = 20000;
 
 double compactness(Vec3 a, Vec3 b, Vec3 c) {
   const double squares = dot(b - a, b - a) + dot(c - b, c - b) + dot(a - c, a - c);
@@ -27,14 +34,19 @@ double compactness(Vec3 a, Vec3 b, Vec3 c) {
 
 }  // namespace
 
-EdgeCollapse::EdgeCollapse(const TriMesh& input, double limit_mm, double step_mm)
-    : mesh_(input),
+EdgeCollapse::EdgeCollapse(const TriMesh& input, const DeviationMeter& meter, double limit_mm, double step_mm)
+    : meter_(meter),
+      mesh_(input),
       squared_limit_(limit_mm * limit_mm * carried_share * carried_share),
       step_(step_mm),
       quadrics_(input.points_mm.size()),
       versions_(input.points_mm.size(), 0),
       locked_(input.points_mm.size(), 0) {
-  if (limit_mm > 0) carried_ = std::make_unique<CarriedPoints>(input);
+  if (limit_mm > 0) {
+    carried_ = std::make_unique<CarriedPoints>(input);
+    near_.resize(input.triangles.size());
+    std::iota(near_.begin(), near_.end(), 0u);
+  }
   for (std::size_t t = 0; t < input.triangles.size(); ++t) {
     const Vec3 n = triangle_normal(input, t);
     const double weight = norm(n) / 6;
@@ -43,10 +55,6 @@ EdgeCollapse::EdgeCollapse(const TriMesh& input, double limit_mm, double step_mm
       quadrics_[v].add_point(input.points_mm[v], weight * point_weight);
     }
   }
-}
-
-bool EdgeCollapse::later(const Candidate& a, const Candidate& b) {
-  return a.cost > b.cost || (a.cost == b.cost && a.half_edge > b.half_edge);
 }
 
 Vec3 EdgeCollapse::place(std::uint32_t u, std::uint32_t v, double& cost) const {
@@ -121,6 +129,19 @@ bool EdgeCollapse::keeps_shape(std::uint32_t u, std::uint32_t v, Vec3 at) {
   return good && worst_after >= std::min(least_compactness, worst_before);
 }
 
+/// Of each triangle that is coarse beside the input: its middle, and that of its sides at the moved point.
+bool EdgeCollapse::samples_within() {
+  const double coarse = 2 * meter_.spacing_mm();
+  for (std::size_t n = 0; n < corners_.size(); ++n) {
+    const auto& [at, b, c] = corners_[n];
+    if (dot(b - at, b - at) < coarse * coarse && dot(c - at, c - at) < coarse * coarse) continue;
+    std::uint32_t& near = near_[staying_[n]];
+    if (!meter_.within((at + b + c) / 3, near) || !meter_.within((at + b) / 2, near) || !meter_.within(at, near))
+      return false;
+  }
+  return true;
+}
+
 EdgeCollapse::Outcome EdgeCollapse::attempt(std::uint32_t h) {
   if (!mesh_.keeps_manifold(h)) return Outcome::shape;
   const std::uint32_t u = mesh_.from(h), v = mesh_.to(h);
@@ -129,7 +150,7 @@ EdgeCollapse::Outcome EdgeCollapse::attempt(std::uint32_t h) {
   if (!keeps_shape(u, v, at)) return Outcome::shape;
   if (carried_) {
     carried_->gather(mesh_, u, v);
-    if (!carried_->assign(corners_, squared_limit_)) return Outcome::limit;
+    if (!carried_->assign(corners_, squared_limit_) || !samples_within()) return Outcome::limit;
     carried_->commit(mesh_, u, v, staying_);
   }
   mesh_.collapse(h, at);
@@ -138,18 +159,60 @@ EdgeCollapse::Outcome EdgeCollapse::attempt(std::uint32_t h) {
   return Outcome::done;
 }
 
-bool EdgeCollapse::run(std::size_t target, const Progress& progress) {
-  heap_.clear();
-  Candidate c;
+/// Returns whether it got on; `limited` is set where the limit kept an edge from collapsing.
+bool EdgeCollapse::sweep(std::size_t floor, bool& limited) {
+  std::vector<std::uint32_t> edges;
   for (std::uint32_t h = 0; h < 3 * mesh_.triangles(); ++h)
-    if (mesh_.live_triangle(h / 3) && h < mesh_.twin(h) && candidate(h, c)) heap_.push_back(c);
-  std::make_heap(heap_.begin(), heap_.end(), later);
+    if (mesh_.live_triangle(h / 3) && h < mesh_.twin(h)) edges.push_back(h);
+  const float none = std::numeric_limits<float>::infinity();
+  std::vector<float> costs(edges.size(), none);
+  parallel_for(0, static_cast<std::int64_t>(edges.size()), 8192, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t n = from; n < to; ++n) {
+      Candidate c;
+      if (candidate(edges[n], c)) costs[n] = c.cost;
+    }
+  });
+  std::vector<float> sorted = costs;
+  const auto cut = sorted.begin() + static_cast<std::ptrdiff_t>(cheap_share * static_cast<double>(sorted.size()));
+  std::nth_element(sorted.begin(), cut, sorted.end());
+  const float threshold = *cut;
+
+  const std::size_t before = mesh_.live_triangles();
+  std::vector<char> touched(mesh_.points(), 0);
+  for (std::size_t n = 0; n < edges.size() && mesh_.live_triangles() > floor; ++n) {
+    const std::uint32_t h = edges[n];
+    if (!(costs[n] <= threshold) || costs[n] == none || !mesh_.live_triangle(h / 3)) continue;
+    const std::uint32_t u = mesh_.from(h), v = mesh_.to(h);
+    bool free = true;
+    mesh_.for_each_leaving(u, [&](std::uint32_t e) { free = free && !touched[mesh_.to(e)]; });
+    mesh_.for_each_leaving(v, [&](std::uint32_t e) { free = free && !touched[mesh_.to(e)]; });
+    if (!free) continue;
+    const Outcome outcome = attempt(h);
+    limited |= outcome == Outcome::limit;
+    if (outcome == Outcome::done) mesh_.for_each_leaving(u, [&](std::uint32_t e) { touched[mesh_.to(e)] = 1; });
+  }
+  return before - mesh_.live_triangles() > before / 50;
+}
+
+bool EdgeCollapse::run(std::size_t target, const Progress& progress) {
+  Candidate c;
   const std::size_t start = mesh_.live_triangles();
   bool limited = false;
+  const auto report = [&] {
+    const auto gone = static_cast<double>(start - mesh_.live_triangles());
+    progress.report(gone / static_cast<double>(std::max<std::size_t>(1, start - std::min(start, target))));
+  };
+  const auto floor = std::max<std::size_t>({static_cast<std::size_t>(swept_to_target * static_cast<double>(target)),
+                                            mesh_.triangles() / swept_to_share, swept_to_count});
+  while (mesh_.live_triangles() > floor && sweep(floor, limited)) report();
+
+  heap_.clear();
+  for (std::uint32_t h = 0; h < 3 * mesh_.triangles(); ++h)
+    if (mesh_.live_triangle(h / 3) && h < mesh_.twin(h) && candidate(h, c)) heap_.push_back(c);
+  std::make_heap(heap_.begin(), heap_.end(), Later());
   for (std::size_t steps = 0; mesh_.live_triangles() > target && !heap_.empty(); ++steps) {
-    if (steps % 4096 == 0)
-      progress.report(static_cast<double>(start - mesh_.live_triangles()) / std::max<std::size_t>(1, start - target));
-    std::pop_heap(heap_.begin(), heap_.end(), later);
+    if (steps % 4096 == 0) report();
+    std::pop_heap(heap_.begin(), heap_.end(), Later());
     c = heap_.back();
     heap_.pop_back();
     const std::uint32_t h = c.half_edge;
@@ -161,7 +224,7 @@ bool EdgeCollapse::run(std::size_t target, const Progress& progress) {
     mesh_.for_each_leaving(u, [&](std::uint32_t e) {
       if (!candidate(e, c)) return;
       heap_.push_back(c);
-      std::push_heap(heap_.begin(), heap_.end(), later);
+      std::push_heap(heap_.begin(), heap_.end(), Later());
     });
   }
   return limited;

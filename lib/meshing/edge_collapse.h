@@ -6,17 +6,22 @@
 #include "base/progress.h"
 #include "meshing/carried_points.h"
 #include "meshing/collapse_mesh.h"
+#include "meshing/measure_deviation.h"
 #include "meshing/quadric.h"
 
 namespace trephine {
 
 /// Edge collapses in the order of their quadric error. Every collapse keeps the surface a closed 2-manifold, turns no
-/// triangle over, makes none thinner than it must, and takes no carried point further than the limit. Points lie on the
-/// raster of step_mm. Sequential and deterministic.
+/// triangle over, makes none thinner than it must, and takes no carried point, nor a few samples of the triangles
+/// around it, further than the limit. Points lie on the raster of step_mm. The same result whatever the thread count.
+///
+/// A large mesh is first thinned in sweeps, each of which collapses cheap edges in the order of memory, with no
+/// triangle touched twice (so that no chain of collapses hangs together, if one has to be undone): far from the target
+/// the exact order matters little, and the heap's order costs cache misses at every step.
 class EdgeCollapse {
  public:
-  /// `input` must outlive this. limit_mm 0: no limit, and nothing is carried.
-  EdgeCollapse(const TriMesh& input, double limit_mm, double step_mm);
+  /// `input` and `meter` must outlive this. limit_mm 0: no limit, and nothing is carried.
+  EdgeCollapse(const TriMesh& input, const DeviationMeter& meter, double limit_mm, double step_mm);
 
   /// Collapses until at most target triangles are left, or no collapse is possible. Returns whether the limit was what
   /// kept an edge from collapsing.
@@ -35,19 +40,27 @@ class EdgeCollapse {
     std::uint32_t half_edge;
     std::uint32_t version;
   };
+  struct Later {
+    bool operator()(const Candidate& a, const Candidate& b) const {
+      return a.cost > b.cost || (a.cost == b.cost && a.half_edge > b.half_edge);
+    }
+  };
   enum class Outcome { done, shape, limit };
-  static bool later(const Candidate& a, const Candidate& b);
+  bool sweep(std::size_t floor, bool& limited);
+  bool samples_within();
   Vec3 place(std::uint32_t u, std::uint32_t v, double& cost) const;
   bool candidate(std::uint32_t half_edge, Candidate& c) const;
   Outcome attempt(std::uint32_t half_edge);
   bool keeps_shape(std::uint32_t u, std::uint32_t v, Vec3 at);
 
+  const DeviationMeter& meter_;
   CollapseMesh mesh_;
   double squared_limit_, step_;
   std::unique_ptr<CarriedPoints> carried_;
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> versions_;
   std::vector<char> locked_;
+  std::vector<std::uint32_t> near_;  ///< per live triangle a triangle of the input near it
   std::vector<Candidate> heap_;
   // What keeps_shape saw: the triangles that stay, with their corners after the collapse.
   std::vector<std::uint32_t> staying_;

@@ -6,155 +6,195 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "meshing/triangle_tree.h"
 
 namespace trephine {
 namespace {
 
 constexpr std::int64_t grain = 2048;
-
-struct Samples {
-  std::vector<std::vector<std::pair<float, float>>> pieces;  ///< distance and weight, per piece of the loop
-  std::vector<std::vector<std::uint32_t>> beyond;
-  explicit Samples(std::size_t count) : pieces((count + grain - 1) / grain), beyond(pieces.size()) {}
-};
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double mean_edge_mm(const TriMesh& mesh) {
   double sum = 0;
   for (const auto& t : mesh.triangles)
     for (int c = 0; c < 3; ++c) sum += norm(mesh.points_mm[t[c]] - mesh.points_mm[t[(c + 1) % 3]]);
-  return sum / (3.0 * mesh.triangles.size());
+  return sum / (3.0 * static_cast<double>(mesh.triangles.size()));
 }
 
-void add_to(DeviationSample& result, Samples& samples) {
-  std::vector<std::pair<float, float>> all;
-  for (auto& p : samples.pieces) {
-    all.insert(all.end(), p.begin(), p.end());
-    p = {};
-  }
-  double weight = 0, squares = 0;
-  for (const auto& s : all) {
-    weight += s.second;
-    squares += double(s.second) * s.first * s.first;
-    result.max_mm = std::max(result.max_mm, double(s.first));
-  }
-  result.rms_mm = std::max(result.rms_mm, std::sqrt(squares / weight));
-  std::sort(all.begin(), all.end());
-  double below = 0;
-  for (const auto& s : all) {
-    below += s.second;
-    if (below < 0.99 * weight) continue;
-    result.p99_mm = std::max(result.p99_mm, double(s.first));
-    break;
-  }
-  for (const auto& b : samples.beyond) result.beyond.insert(result.beyond.end(), b.begin(), b.end());
+double squared_to(const TriMesh& mesh, std::uint32_t triangle, Vec3 p) {
+  const auto& v = mesh.triangles[triangle];
+  const Vec3 d = p - closest_on_triangle(p, mesh.points_mm[v[0]], mesh.points_mm[v[1]], mesh.points_mm[v[2]]);
+  return dot(d, d);
 }
 
-/// Every point of the input, and the middle of every triangle, to the result.
-Samples forward(const TriMesh& input, const TriMesh& result, const TriangleTree& tree, double limit_mm,
-                const CarriedPoints* carried, const std::vector<std::uint32_t>& triangle_of, const Progress& progress) {
-  std::vector<std::uint32_t> result_of;  // carrier's triangle -> the result's
-  if (carried) {
-    result_of.assign(input.triangles.size(), CollapseMesh::none);
-    for (std::uint32_t t = 0; t < triangle_of.size(); ++t) result_of[triangle_of[t]] = t;
+/// Weighted figures of distances; the percentile by a histogram.
+class Gathering {
+ public:
+  explicit Gathering(double max_mm) : max_mm_(max_mm), bins_(65537, 0.0) {}
+  void add(float distance, double weight) {
+    weight_ += weight;
+    squares_ += weight * distance * distance;
+    bins_[static_cast<std::size_t>(max_mm_ > 0 ? distance / max_mm_ * 65536 : 0)] += weight;
   }
-  const double infinity = std::numeric_limits<double>::infinity();
-  const double limit2 = limit_mm > 0 ? limit_mm * limit_mm : infinity;
-  const auto to_triangle = [&](Vec3 p, std::uint32_t t) {
-    const auto& v = result.triangles[t];
-    const Vec3 d = p - closest_on_triangle(p, result.points_mm[v[0]], result.points_mm[v[1]], result.points_mm[v[2]]);
-    return dot(d, d);
-  };
-  Samples samples(input.triangles.size());
-  std::vector<char> first_use(3 * input.triangles.size(), 0);
-  {
-    std::vector<char> seen(input.points_mm.size(), 0);
-    for (std::size_t t = 0; t < input.triangles.size(); ++t)
-      for (int c = 0; c < 3; ++c) {
-        first_use[3 * t + c] = !seen[input.triangles[t][c]];
-        seen[input.triangles[t][c]] = 1;
-      }
-  }
-  parallel_for(0, static_cast<std::int64_t>(input.triangles.size()), grain, [&](std::int64_t from, std::int64_t to) {
-    progress.check();
-    auto& out = samples.pieces[from / grain];
-    const auto search = [&](Vec3 p, double bound2) {
-      std::uint32_t at = 0;
-      const double d2 = tree.squared_distance(p, bound2, &at);
-      if (d2 > limit2) samples.beyond[from / grain].push_back(at);
-      return d2;
-    };
-    for (std::int64_t t = from; t < to; ++t) {
-      const auto& v = input.triangles[t];
-      const Vec3 middle = (input.points_mm[v[0]] + input.points_mm[v[1]] + input.points_mm[v[2]]) / 3;
-      double middle2 = infinity;
-      for (int c = 0; c < 3; ++c) {
-        double d2 = carried ? carried->squared_distance(v[c]) : infinity;
-        if (carried) middle2 = std::min(middle2, to_triangle(middle, result_of[carried->carrier(v[c])]));
-        if (!first_use[3 * t + c]) continue;
-        if (d2 > limit2 || !carried) d2 = search(input.points_mm[v[c]], infinity);
-        out.emplace_back(static_cast<float>(std::sqrt(d2)), 1.0f);
-      }
-      if (middle2 > limit2 || !carried) middle2 = search(middle, infinity);
-      out.emplace_back(static_cast<float>(std::sqrt(middle2)), 1.0f);
+  void into(DeviationFigures& f) const {
+    if (!(weight_ > 0)) return;
+    f.rms_mm = std::max(f.rms_mm, std::sqrt(squares_ / weight_));
+    double below = 0;
+    for (std::size_t b = 0; b < bins_.size(); ++b) {
+      below += bins_[b];
+      if (below < 0.99 * weight_) continue;
+      f.p99_mm = std::max(f.p99_mm, std::min(max_mm_, (static_cast<double>(b) + 1) / 65536 * max_mm_));
+      return;
     }
-  });
-  return samples;
-}
+  }
 
-/// A raster over every triangle of the result, to the input.
-Samples backward(const TriMesh& input, const TriMesh& result, double limit_mm, const Progress& progress) {
-  const TriangleTree tree(input);
-  const double spacing = mean_edge_mm(input);
-  const double limit2 = limit_mm > 0 ? limit_mm * limit_mm : std::numeric_limits<double>::infinity();
-  Samples samples(result.triangles.size());
-  parallel_for(0, static_cast<std::int64_t>(result.triangles.size()), grain, [&](std::int64_t from, std::int64_t to) {
-    progress.check();
-    for (std::int64_t t = from; t < to; ++t) {
-      const auto& v = result.triangles[t];
-      const Vec3 a = result.points_mm[v[0]], b = result.points_mm[v[1]], c = result.points_mm[v[2]];
-      const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
-      const int n = static_cast<int>(std::clamp(std::ceil(longest / spacing), 1.0, 256.0));
-      const double area = norm(cross(b - a, c - a)) / 2;
-      const auto weight = static_cast<float>(area / ((n + 1) * (n + 2) / 2));
-      bool over = false;
-      Vec3 before;
-      double distance = std::numeric_limits<double>::infinity();
-      for (int i = 0; i <= n; ++i)
-        for (int j = 0; j <= n - i; ++j) {
-          const Vec3 p = a + (b - a) * (double(i) / n) + (c - a) * (double(j) / n);
-          // The distance cannot have grown by more than the way from the last sample.
-          const double bound = (distance + norm(p - before)) * (1 + 1e-9) + 1e-12 * longest;
-          const double d2 = tree.squared_distance(p, bound * bound);
-          distance = std::sqrt(d2);
-          before = p;
-          over |= d2 > limit2;
-          samples.pieces[from / grain].emplace_back(static_cast<float>(distance), weight);
-        }
-      if (over) samples.beyond[from / grain].push_back(static_cast<std::uint32_t>(t));
-    }
-  });
-  return samples;
-}
+ private:
+  double max_mm_, weight_ = 0, squares_ = 0;
+  std::vector<double> bins_;
+};
 
 }  // namespace
 
-DeviationSample measure_deviation(const TriMesh& input, const TriMesh& result, double limit_mm,
-                                  const CarriedPoints* carried, const std::vector<std::uint32_t>& triangle_of,
-                                  const Progress& progress) {
-  DeviationSample sample;
-  {
-    const TriangleTree tree(result);
-    Samples s = forward(input, result, tree, limit_mm, carried, triangle_of, progress);
-    add_to(sample, s);
+DeviationMeter::DeviationMeter(const TriMesh& input, double limit_mm)
+    : input_(input),
+      limit2_(limit_mm > 0 ? limit_mm * limit_mm : infinity),
+      spacing_(mean_edge_mm(input)),
+      tree_(input),
+      incidence_(input),
+      forward_(input.points_mm.size() + input.triangles.size()),
+      raster_of_(input.triangles.size(), CollapseMesh::none) {}
+
+/// Going from a triangle to its neighbours as long as that leads nearer: an upper bound of the squared distance.
+double DeviationMeter::downhill(Vec3 p, std::uint32_t& triangle) const {
+  double best = squared_to(input_, triangle, p);
+  for (bool better = true; better;) {
+    better = false;
+    const std::uint32_t centre = triangle;
+    for (const std::uint32_t v : input_.triangles[centre])
+      for (std::uint32_t n = incidence_.begin[v]; n < incidence_.begin[v + 1]; ++n) {
+        const std::uint32_t t = incidence_.triangle[n];
+        const double d2 = t == centre ? best : squared_to(input_, t, p);
+        if (d2 >= best) continue;
+        best = d2;
+        triangle = t;
+        better = true;
+      }
   }
-  progress.report(0.5);
-  Samples s = backward(input, result, limit_mm, progress);
-  add_to(sample, s);
-  std::sort(sample.beyond.begin(), sample.beyond.end());
-  sample.beyond.erase(std::unique(sample.beyond.begin(), sample.beyond.end()), sample.beyond.end());
+  return best;
+}
+
+double DeviationMeter::squared_distance(Vec3 p, std::uint32_t& near) const {
+  return tree_.squared_distance(p, downhill(p, near), &near);  // a good bound makes a short search
+}
+
+bool DeviationMeter::within(Vec3 p, std::uint32_t& near) const {
+  const double bound = downhill(p, near);
+  return bound <= limit2_ || tree_.squared_distance(p, bound, &near) <= limit2_;
+}
+
+void DeviationMeter::from_triangle(std::uint32_t raster, const std::array<Vec3, 3>& corners, std::uint32_t near) {
+  const Vec3 a = corners[0], ab = corners[1] - a, ac = corners[2] - a;
+  const double longest = std::max({norm(ab), norm(ac), norm(ac - ab)});
+  const int n = static_cast<int>(std::clamp(std::ceil(longest / spacing_), 1.0, 256.0));
+  Raster& r = rasters_[raster];
+  r.area = norm(cross(ab, ac)) / 2;
+  r.beyond = false;
+  r.distances.clear();
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n - i; ++j) {
+      const int k = i % 2 == 0 ? j : n - i - j;  // back and forth, so that each sample lies beside the last
+      const double d2 = squared_distance(a + ab * (double(i) / n) + ac * (double(k) / n), near);
+      r.beyond |= d2 > limit2_;
+      r.distances.push_back(static_cast<float>(std::sqrt(d2)));
+    }
+}
+
+void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
+                                const CarriedPoints* carried, std::vector<std::uint32_t>& beyond,
+                                const Progress& progress) {
+  const TriangleTree tree(plain);
+  std::vector<std::uint32_t> plain_of(carried ? input_.triangles.size() : 0);
+  if (carried)
+    for (std::uint32_t t = 0; t < triangle_of.size(); ++t) plain_of[triangle_of[t]] = t;
+  const auto points = static_cast<std::int64_t>(input_.points_mm.size());
+  std::vector<std::vector<std::uint32_t>> found((forward_.size() + grain - 1) / grain);
+  parallel_for(0, static_cast<std::int64_t>(forward_.size()), grain, [&](std::int64_t from, std::int64_t to) {
+    progress.check();
+    for (std::int64_t n = from; n < to; ++n) {
+      Vec3 p;
+      double d2 = infinity;
+      if (n < points) {
+        p = input_.points_mm[n];
+        if (carried) d2 = carried->squared_distance(static_cast<std::uint32_t>(n));
+      } else {
+        const auto& v = input_.triangles[n - points];
+        p = (input_.points_mm[v[0]] + input_.points_mm[v[1]] + input_.points_mm[v[2]]) / 3;
+        for (int c = 0; c < 3 && carried; ++c)
+          if (c == 0 || carried->carrier(v[c]) != carried->carrier(v[0]))
+            d2 = std::min(d2, squared_to(plain, plain_of[carried->carrier(v[c])], p));
+      }
+      if (!carried || d2 > limit2_) {
+        std::uint32_t at = 0;
+        d2 = tree.squared_distance(p, infinity, &at);
+        if (d2 > limit2_) found[from / grain].push_back(triangle_of[at]);
+      }
+      forward_[n] = static_cast<float>(std::sqrt(d2));
+    }
+  });
+  for (const auto& f : found) beyond.insert(beyond.end(), f.begin(), f.end());
+}
+
+std::vector<std::uint32_t> DeviationMeter::measure(const CollapseMesh& mesh, const TriMesh& plain,
+                                                   const std::vector<std::uint32_t>& triangle_of,
+                                                   const CarriedPoints* carried, const Progress& progress) {
+  std::vector<std::uint32_t> beyond;
+  from_input(plain, triangle_of, carried, beyond, progress);
+  progress.report(0.3);
+
+  std::vector<std::uint32_t> to_do;  // triangles of `plain` that are new or changed
+  live_.clear();
+  for (std::uint32_t t = 0; t < triangle_of.size(); ++t) {
+    std::uint32_t& raster = raster_of_[triangle_of[t]];
+    const std::uint32_t change = mesh.last_change(triangle_of[t]);
+    if (raster == CollapseMesh::none || rasters_[raster].measured_change != change) {
+      if (raster == CollapseMesh::none) {
+        raster = static_cast<std::uint32_t>(rasters_.size());
+        rasters_.emplace_back();
+      }
+      rasters_[raster].measured_change = change;
+      to_do.push_back(t);
+    }
+    live_.push_back(raster);
+  }
+  parallel_for(0, static_cast<std::int64_t>(to_do.size()), 256, [&](std::int64_t from, std::int64_t to) {
+    progress.check();
+    for (std::int64_t n = from; n < to; ++n) {
+      const auto& v = plain.triangles[to_do[n]];
+      const std::array<Vec3, 3> corners{plain.points_mm[v[0]], plain.points_mm[v[1]], plain.points_mm[v[2]]};
+      // The search starts where the triangle of the same number lay in the input: it is not far.
+      from_triangle(live_[to_do[n]], corners, triangle_of[to_do[n]]);
+    }
+  });
+  for (std::uint32_t t = 0; t < triangle_of.size(); ++t)
+    if (rasters_[live_[t]].beyond) beyond.push_back(triangle_of[t]);
+  std::sort(beyond.begin(), beyond.end());
+  beyond.erase(std::unique(beyond.begin(), beyond.end()), beyond.end());
   progress.report(1);
-  return sample;
+  return beyond;
+}
+
+DeviationFigures DeviationMeter::figures() const {
+  DeviationFigures f;
+  for (const float d : forward_) f.max_mm = std::max(f.max_mm, double(d));
+  for (const std::uint32_t r : live_)
+    for (const float d : rasters_[r].distances) f.max_mm = std::max(f.max_mm, double(d));
+  Gathering forward(f.max_mm), backward(f.max_mm);
+  for (const float d : forward_) forward.add(d, 1);
+  for (const std::uint32_t r : live_)
+    for (const float d : rasters_[r].distances)
+      backward.add(d, rasters_[r].area / static_cast<double>(rasters_[r].distances.size()));
+  forward.into(f);
+  backward.into(f);
+  return f;
 }
 
 }  // namespace trephine

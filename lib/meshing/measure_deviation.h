@@ -5,22 +5,61 @@
 
 #include "base/progress.h"
 #include "meshing/carried_points.h"
+#include "meshing/collapse_mesh.h"
+#include "meshing/triangle_tree.h"
+#include "surface/incidence.h"
 #include "surface/trimesh.h"
 
 namespace trephine {
 
 /// Sampled distances between two surfaces; rms and p99 are the larger of the two directions'.
-struct DeviationSample {
+struct DeviationFigures {
   double max_mm = 0, p99_mm = 0, rms_mm = 0;
-  std::vector<std::uint32_t> beyond;  ///< triangles of the result at samples beyond the limit, ascending, each once
 };
 
-/// From the input: its points and the middles of its triangles (`carried`, if given, spares most searches: its
-/// distances are upper bounds). From the result: its points and a raster over each triangle, not coarser than the
-/// input's mean edge. Both meshes must have the same origin; triangle_of maps the result's triangles to the carrier's,
-/// may be empty without.
-DeviationSample measure_deviation(const TriMesh& input, const TriMesh& result, double limit_mm,
-                                  const CarriedPoints* carried, const std::vector<std::uint32_t>& triangle_of,
-                                  const Progress& progress);
+/// Measures a collapsing mesh against its input, both ways. From the input: its points, and the middles of its
+/// triangles. From the mesh: a raster over each triangle, its corners among it, not coarser than the input's mean edge.
+/// A triangle that did not change since the last measurement is not measured again.
+class DeviationMeter {
+ public:
+  /// The input must outlive this. limit_mm 0: no limit.
+  DeviationMeter(const TriMesh& input, double limit_mm);
+
+  /// Measures the mesh, given also as a plain one with the map of its triangles. Returns the collapsing mesh's
+  /// triangles at samples beyond the limit, ascending. Distances of carried points are taken as they are carried (upper
+  /// bounds).
+  std::vector<std::uint32_t> measure(const CollapseMesh& mesh, const TriMesh& plain,
+                                     const std::vector<std::uint32_t>& triangle_of, const CarriedPoints* carried,
+                                     const Progress& progress);
+  /// The point lies within the limit of the input. `near`: a triangle of the input to start the search at; becomes the
+  /// one that was found.
+  bool within(Vec3 p, std::uint32_t& near) const;
+  double spacing_mm() const { return spacing_; }
+  /// Of the last measurement.
+  DeviationFigures figures() const;
+
+ private:
+  void from_input(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of, const CarriedPoints* carried,
+                  std::vector<std::uint32_t>& beyond, const Progress& progress);
+  void from_triangle(std::uint32_t t, const std::array<Vec3, 3>& corners, std::uint32_t near);
+  double downhill(Vec3 p, std::uint32_t& triangle) const;
+  double squared_distance(Vec3 p, std::uint32_t& near) const;
+
+  struct Raster {
+    std::uint32_t measured_change =
+        0;  ///< the collapse that had last changed the triangle, or none; live only if counted
+    std::vector<float> distances;
+    double area = 0;
+    bool beyond = false;
+  };
+  const TriMesh& input_;
+  double limit2_, spacing_;
+  TriangleTree tree_;
+  Incidence incidence_;
+  std::vector<float> forward_;
+  std::vector<Raster> rasters_;           ///< per triangle that is live
+  std::vector<std::uint32_t> raster_of_;  ///< the collapsing mesh's triangle -> its raster, or none
+  std::vector<std::uint32_t> live_;       ///< rasters of the last measurement
+};
 
 }  // namespace trephine
