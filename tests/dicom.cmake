@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 find_package(GDCM 3.0 REQUIRED)
 trephine_test(dicom dicom)
 # The tests make compressed files with GDCM; the library only decodes with it.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 if(TARGET trephine)
 # The program as its user meets it. Each script is a test.
 foreach(script bad_input same_bytes rerun)

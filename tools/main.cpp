@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "base/progress.h"
 #include "cli/command.h"
 #include "commands.h"
 
@@ -11,6 +10,5 @@ int main(int argc, char** argv) {
   program.summary = "turns CT series into patient models for surgical simulation";
   program.commands = {run_command(),    import_command(),  segment_command(), contour_command(), decimate_command(),
                       smooth_command(), normals_command(), measure_command(), phantom_command()};
-  install_signal_handlers();
   return run_program(program, argc, argv);
 }

@@ -75,6 +75,12 @@ std::string to_text(double v) {
   return std::string(buffer, r.ptr);
 }
 
+std::string grouped_text(long long number) {
+  std::string text = std::to_string(number);
+  for (std::size_t i = text.size(); i > 3 + (number < 0);) text.insert(i -= 3, ",");
+  return text;
+}
+
 std::optional<double> parse_number(std::string_view text) {
   if (!is_number(text, false)) return std::nullopt;
   return convert<double>(text);

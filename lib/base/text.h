@@ -9,6 +9,8 @@ namespace trephine {
 
 /// Numbers as text whatever the locale (std::to_chars, from_chars), the shortest form that reads back to the same value.
 std::string to_text(double v);
+/// 80000 as "80,000".
+std::string grouped_text(long long number);
 /// The whole text must be one finite decimal number ("1e-3" allowed; "010", "0x8", ".nan", "1,5", " 1" are not).
 std::optional<double> parse_number(std::string_view text);
 std::optional<long long> parse_integer(std::string_view text);

@@ -47,12 +47,6 @@ std::string duration_text(double seconds) {
   return std::to_string(s / 3600) + " h " + two(s / 60 % 60) + " min";
 }
 
-std::string grouped_text(long long number) {
-  std::string text = std::to_string(number);
-  for (std::size_t i = text.size(); i > 3 + (number < 0);) text.insert(i -= 3, ",");
-  return text;
-}
-
 struct ProgressDisplay::State {
   struct Stage {
     std::string name;

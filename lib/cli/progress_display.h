@@ -36,7 +36,5 @@ class ProgressDisplay {
 
 /// "8 s", "1 min 05 s", "2 h 03 min"
 std::string duration_text(double seconds);
-/// 80000 as "80,000", whatever the locale.
-std::string grouped_text(long long number);
 
 }  // namespace trephine

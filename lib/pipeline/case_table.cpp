@@ -5,24 +5,15 @@
 
 #include <algorithm>
 
+#include "base/text.h"
+
 namespace trephine {
-namespace {
-
-// 1495636 -> "1,495,636", without a locale.
-std::string grouped(std::int64_t n) {
-  std::string s = std::to_string(n);
-  for (int at = static_cast<int>(s.size()) - 3; at > 0; at -= 3) s.insert(static_cast<std::size_t>(at), ",");
-  return s;
-}
-
-}  // namespace
-
 std::string case_table(const std::vector<AnatomyResult>& anatomies) {
   std::vector<std::vector<std::string>> rows = {{"anatomy", "triangles", "after", "reduction", "MB", "after", "max mm",
                                                  "p99 mm", "RMS mm", "ml", "s", "stopped by"}};
   for (const AnatomyResult& a : anatomies) {
     const double kept = a.triangles_before ? double(a.triangles_after) / double(a.triangles_before) : 1;
-    rows.push_back({a.name, grouped(a.triangles_before), grouped(a.triangles_after),
+    rows.push_back({a.name, grouped_text(a.triangles_before), grouped_text(a.triangles_after),
                     fmt::format("{:.1f} %", 100 * (1 - kept)), fmt::format("{:.1f}", double(a.bytes_before) / 1e6),
                     fmt::format("{:.2f}", double(a.bytes_after) / 1e6), fmt::format("{:.3f}", a.deviation_max_mm),
                     fmt::format("{:.3f}", a.deviation_p99_mm), fmt::format("{:.3f}", a.deviation_rms_mm),
