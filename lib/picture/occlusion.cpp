@@ -44,7 +44,7 @@ float hidden_at(const SurfaceBuffer& b, int x, int y, const Offset* offsets, flo
     const float near = 1 - length2 / (radius_mm * radius_mm * 1.5f);
     if (!(near > 0) || !(length2 > 0)) continue;
     const float cosine = (v[0] * n[0] + v[1] * n[1] + v[2] * n[2]) / std::sqrt(length2);
-    sum += std::max(0.f, cosine - 0.12f) * near;
+    sum += std::max(0.f, cosine - 0.05f) * near;
   }
   return sum / sample_count;
 }
@@ -77,7 +77,7 @@ std::vector<float> openness(const SurfaceBuffer& b, const Camera& camera, double
             weights += 1;
           }
         const float hidden = weights > 0 ? sum / weights : raw[at];
-        out[at] = 1 - std::min(0.85f, hidden * 2.2f);
+        out[at] = 1 - std::min(0.85f, hidden * 6.0f);
       }
   });
   return out;

@@ -91,6 +91,39 @@ void draw_triangle(const Projected& s, std::uint32_t number, int x_end, int y_be
   }
 }
 
+constexpr std::int64_t grain = 1 << 14;
+
+void sort_into_bands(Projected& s, bool perspective, int rows) {
+  const auto& triangles = s.mesh->triangles;
+  constexpr std::uint16_t nowhere = 0xffff;
+  std::vector<std::uint16_t> first_band(triangles.size());
+  s.last_band.resize(triangles.size());
+  parallel_for(0, static_cast<std::int64_t>(triangles.size()), grain, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t t = from; t < to; ++t) {
+      const auto &a = s.points[triangles[t][0]], &b = s.points[triangles[t][1]], &c = s.points[triangles[t][2]];
+      const auto [low, high] = std::minmax({a.y, b.y, c.y});
+      const int first = std::max(0, low >> 8), last = std::min(rows - 1, high >> 8);
+      const bool behind = perspective && !(std::min({a.depth, b.depth, c.depth}) > 0);
+      first_band[t] = first > last || behind ? nowhere : static_cast<std::uint16_t>(first / band_rows);
+      s.last_band[t] = static_cast<std::uint16_t>(std::max(0, last) / band_rows);
+    }
+  });
+  s.band_begin.assign((rows + band_rows - 1) / band_rows + 1, 0);
+  const auto is_tall = [&](std::size_t t) { return s.last_band[t] > first_band[t] + 1; };
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    if (first_band[t] != nowhere && !is_tall(t)) ++s.band_begin[first_band[t] + 1];
+  for (std::size_t b = 1; b < s.band_begin.size(); ++b) s.band_begin[b] += s.band_begin[b - 1];
+  s.in_band.resize(s.band_begin.back());
+  std::vector<std::uint32_t> next(s.band_begin.begin(), s.band_begin.end() - 1);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (first_band[t] == nowhere) continue;
+    if (is_tall(t))
+      s.tall.push_back(static_cast<std::uint32_t>(t));
+    else
+      s.in_band[next[first_band[t]]++] = static_cast<std::uint32_t>(t);
+  }
+}
+
 }  // namespace
 
 Projected project(const TriMesh& mesh, const Camera& camera, int samples, int rows,
@@ -102,7 +135,6 @@ Projected project(const TriMesh& mesh, const Camera& camera, int samples, int ro
   std::vector<Vec3> own;
   if (mesh.normals.empty()) own = computed_normals(mesh);
   const auto& normals = mesh.normals.empty() ? own : mesh.normals;
-  constexpr std::int64_t grain = 1 << 14;
   parallel_for(0, static_cast<std::int64_t>(mesh.points_mm.size()), grain, [&](std::int64_t from, std::int64_t to) {
     for (std::int64_t i = from; i < to; ++i) {
       const Vec3 world = mesh.world_mm(i), c = camera.to_camera(world);
@@ -116,21 +148,7 @@ Projected project(const TriMesh& mesh, const Camera& camera, int samples, int ro
       out.normals[i] = {float(dot(n, camera.right)), float(dot(n, camera.up)), float(dot(n, camera.toward))};
     }
   });
-  const int last_row = rows - 1;
-  out.first_band.resize(mesh.triangles.size());
-  out.last_band.resize(mesh.triangles.size());
-  parallel_for(0, static_cast<std::int64_t>(mesh.triangles.size()), grain, [&](std::int64_t from, std::int64_t to) {
-    for (std::int64_t t = from; t < to; ++t) {
-      const auto& v = mesh.triangles[t];
-      const auto [low, high] = std::minmax({out.points[v[0]].y, out.points[v[1]].y, out.points[v[2]].y});
-      const int first = std::max(0, low >> 8), last = std::min(last_row, high >> 8);
-      const bool behind = camera.distance_mm > 0 &&
-                          !(std::min({out.points[v[0]].depth, out.points[v[1]].depth, out.points[v[2]].depth}) > 0);
-      const bool nowhere = first > last || behind;
-      out.first_band[t] = static_cast<std::uint16_t>(nowhere ? 1 : first / band_rows);
-      out.last_band[t] = static_cast<std::uint16_t>(nowhere ? 0 : last / band_rows);
-    }
-  });
+  sort_into_bands(out, camera.distance_mm > 0, rows);
   return out;
 }
 
@@ -138,10 +156,12 @@ void draw_band(const Projected& surface, int band, int width, int rows, bool cli
   const int begin = band * band_rows, end = std::min(rows, begin + band_rows);
   layer.depth.assign(std::size_t(width) * (end - begin), std::numeric_limits<float>::lowest());
   layer.triangle.assign(layer.depth.size(), Layer::none);
-  const auto count = static_cast<std::uint32_t>(surface.mesh->triangles.size());
-  for (std::uint32_t t = 0; t < count; ++t)
-    if (surface.first_band[t] <= band && band <= surface.last_band[t])
-      draw_triangle(surface, t, width, begin, end, clipped, layer);
+  for (const std::uint32_t t : surface.tall)
+    if (surface.last_band[t] >= band) draw_triangle(surface, t, width, begin, end, clipped, layer);
+  for (int b = std::max(0, band - 1); b <= band; ++b)
+    for (std::uint32_t i = surface.band_begin[b]; i < surface.band_begin[b + 1]; ++i)
+      if (surface.last_band[surface.in_band[i]] >= band)
+        draw_triangle(surface, surface.in_band[i], width, begin, end, clipped, layer);
 }
 
 std::array<double, 3> weights_at(const Projected& s, std::uint32_t triangle, int x, int y, bool perspective) {

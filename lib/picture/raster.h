@@ -17,7 +17,10 @@ struct Projected {
   std::vector<Point> points;
   std::vector<std::array<float, 3>> normals;  ///< camera coordinates, unit
   const TriMesh* mesh = nullptr;
-  std::vector<std::uint16_t> first_band, last_band;  ///< of each triangle; first > last: nowhere
+  /// The triangles whose first row lies in band b are in_band[band_begin[b]] up to band_begin[b + 1]; they end in it or
+  /// in the next one. Those that reach further are in `tall`.
+  std::vector<std::uint32_t> band_begin, in_band, tall;
+  std::vector<std::uint16_t> last_band;  ///< of each triangle
 };
 
 constexpr int band_rows = 32;

@@ -49,8 +49,8 @@ Light shaded(const Light& albedo, Vec3 n, Vec3 to_eye) {
   static const Vec3 key = direction(-0.45, 0.62, 0.64), fill = direction(0.80, 0.05, 0.45),
                     rim = direction(0.25, 0.55, -0.80);
   static const Vec3 sky{0, 1, 0};
-  const double diffuse = 0.72 * std::max(0.0, dot(n, key)) + 0.20 * std::max(0.0, dot(n, fill)) +
-                         0.12 * std::max(0.0, dot(n, rim)) + 0.22 + 0.08 * dot(n, sky);
+  const double diffuse = 0.70 * std::max(0.0, dot(n, key)) + 0.30 * std::max(0.0, dot(n, fill)) +
+                         0.12 * std::max(0.0, dot(n, rim)) + 0.26 + 0.08 * dot(n, sky);
   double shine = std::max(0.0, dot(n, normalized(key + to_eye)));
   for (int i = 0; i < 5; ++i) shine *= shine;
   Light out;
@@ -275,7 +275,7 @@ Image render_surfaces(const std::vector<SurfaceView>& surfaces, const RenderPara
   std::vector<float> reach;
   if (params.occlusion)
     reach = detail::openness(pixels.buffer, scene.camera,
-                             0.055 * std::min(params.width, params.height) / scene.camera.px_per_mm);
+                             0.08 * std::min(params.width, params.height) / scene.camera.px_per_mm);
   Image image(params.width, params.height);
   for (std::size_t i = 0; i < count; ++i)
     for (int c = 0; c < 3; ++c)

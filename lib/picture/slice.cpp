@@ -151,13 +151,11 @@ void draw_marks(Image& image, const SliceGeometry& g, const SliceParams& p, cons
   detail::draw_edge_letters(image, a.at_left, a.at_right, a.at_top, a.at_bottom, text_px * 1.25, ink, halo);
   detail::draw_scale_bar(image, g.mm_per_px, image.width * 0.25, text_px * 0.9, ink, halo);
   draw_legend(image, shapes, text_px);
-  const double line = text_px * 1.6;
-  draw_text(image, text_px, image.height - text_px - line,
-            std::string(a.name) + "  " + a.letter + " = " + rounded_text(p.position_mm) + " mm", text_px * 0.9, ink,
-            halo);
-  draw_text(image, text_px, image.height - text_px * 1.9,
-            "C " + rounded_text(p.window_center_hu) + "  W " + rounded_text(p.window_width_hu) + " HU", text_px * 0.9,
-            ink, halo);
+  const std::string place = std::string(a.name) + "  " + a.letter + " = " + rounded_text(p.position_mm) + " mm";
+  const std::string window = "C " + rounded_text(p.window_center_hu) + "  W " + rounded_text(p.window_width_hu) + " HU";
+  const double small = text_px * 0.9, last = image.height - text_px - small;
+  draw_text(image, text_px, last - small * 1.8, place, small, ink, halo);
+  draw_text(image, text_px, last, window, small, ink, halo);
 }
 
 }  // namespace

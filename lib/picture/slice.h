@@ -23,7 +23,7 @@ struct SliceParams {
   double window_center_hu = 40, window_width_hu = 400;
   int longer_side_px = 800;  ///< the picture's longer side; its pixels are square
   double line_width_px = 1.6;
-  double fill_opacity = 0.12;  ///< of the shapes' cross-sections; 0: lines only
+  double fill_opacity = 0.08;  ///< of the shapes' cross-sections; 0: lines only
   bool marks = true;           ///< orientation letters, scale bar, position, legend
 };
 

@@ -1,0 +1,1 @@
+trephine_test(cases cases)

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cases/case.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/write_file.h"
+#include "cases/glb.h"
+
+namespace trephine {
+namespace {
+
+namespace fs = std::filesystem;
+
+TriMesh tetrahedron() {
+  TriMesh m;
+  m.origin_mm = {10, 20, 30};
+  m.points_mm = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  m.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  return m;
+}
+
+CaseManifest sample_manifest() {
+  CaseManifest m;
+  m.case_token = "sample";
+  m.center_mm = {10, 20.5, -30.1};
+  CaseAnatomy a;
+  a.name = "skull";
+  a.colour_rgb = {0.93, 0.89, 0.78};
+  a.triangles = 4;
+  a.points = 4;
+  a.volume_ml = 0.1 + 0.2;
+  a.area_cm2 = 1e-7;
+  a.deviation = {0.25, 0.125, 1 / 3.0};
+  a.budget_asked_mm = 0.3;
+  a.budget_used_mm = 0.2;
+  a.figures = {{"stopped_by", std::string("max_deviation_mm")}, {"genus", std::int64_t{0}}, {"closed", true}};
+  m.anatomies = {a};
+  m.landmarks = {{"nasion", {0, -95, 10}, 0.9, "found"}};
+  m.targets = {{"foramen_right", {-5, 1, 2}, 0.8, "ventricles"}};
+  m.burr_holes = {{"kocher_right", {-30, -20, 80}, {0, 0, -1}, 14}};
+  m.face_policy = "keep";
+  m.face_reason = "a synthetic \"patient\"";
+  m.program_version = "trephine 0.1.0";
+  m.input_sha256 = sha256_of_bytes("input");
+  m.parameters = {{"skull.segment.lower_hu", 226.5},
+                  {"skull.decimate.target_triangles_count", std::int64_t{80000}},
+                  {"skull.segment.roi_min_mm", std::vector<double>{-1, 0.5, 1e6}}};
+  return m;
+}
+
+std::string slurp(const fs::path& f) {
+  const auto b = read_file(f);
+  return std::string(b.begin(), b.end());
+}
+
+void put(const fs::path& f, const std::string& bytes) { std::ofstream(f, std::ios::binary) << bytes; }
+
+class CaseTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("trephine-case-" + std::to_string(::getpid()) + "-" +
+                                           testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  // A published case of one surface; returns what was written.
+  CaseManifest publish() const {
+    CaseManifest m = sample_manifest();
+    GlbParams p;
+    p.name = "skull";
+    p.center_mm = m.center_mm;
+    m.files = {write_case_file(folder_, "meshes/skull", ".glb", make_glb(tetrahedron(), p))};
+    m.anatomies[0].file = m.files[0].name;
+    publish_case(folder_, m);
+    return m;
+  }
+  // "" where the case reads, else code and file.
+  std::string refusal() const {
+    try {
+      read_case(folder_);
+    } catch (const Error& e) {
+      return std::to_string(int(e.code())) + " " + fs::path(e.file()).lexically_relative(folder_).string();
+    }
+    return "";
+  }
+  fs::path folder_;
+};
+
+TEST(CaseJson, RoundTripIsExact) {
+  const CaseManifest m = sample_manifest();
+  const std::string json = to_json(m);
+  const CaseManifest back = parse_case_json(json);
+  EXPECT_EQ(to_json(back), json);
+  EXPECT_EQ(back.center_mm, m.center_mm);
+  EXPECT_EQ(back.anatomies[0].volume_ml, 0.1 + 0.2);
+  EXPECT_EQ(back.anatomies[0].deviation.rms_mm, 1 / 3.0);
+  EXPECT_EQ(back.anatomies[0].figures, m.anatomies[0].figures);
+  EXPECT_EQ(back.parameters, m.parameters);
+  EXPECT_EQ(back.landmarks[0].position_mm, m.landmarks[0].position_mm);
+  EXPECT_EQ(back.targets[0].anatomy, "ventricles");
+  EXPECT_EQ(back.burr_holes[0].diameter_mm, 14);
+  EXPECT_EQ(back.face_reason, m.face_reason);
+  EXPECT_NE(json.find("\"max\": 0.25"), std::string::npos);
+}
+
+TEST(CaseJson, TheOrderOfFilesIsTheirNames) {
+  CaseManifest m = sample_manifest(), n = m;
+  const CaseFile a{"meshes/a-0123456789abcdef.glb", sha256_of_bytes("a"), 1};
+  const CaseFile b{"meshes/b-0123456789abcdef.glb", sha256_of_bytes("b"), 1};
+  m.files = {a, b};
+  n.files = {b, a};
+  EXPECT_EQ(to_json(m), to_json(n));
+}
+
+TEST(CaseJson, EveryBitFlipAndTruncationIsRefused) {
+  const std::string json = to_json(sample_manifest());
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    EXPECT_THROW(parse_case_json(std::string_view(json).substr(0, i)), Error) << i;
+    for (int bit = 0; bit < 8; ++bit) {
+      std::string damaged = json;
+      damaged[i] = static_cast<char>(damaged[i] ^ (1 << bit));
+      EXPECT_THROW(parse_case_json(damaged), Error) << i;
+    }
+  }
+  EXPECT_THROW(parse_case_json(json + "\n"), Error);
+}
+
+TEST(CaseJson, Versions) {
+  CaseManifest m = sample_manifest();
+  m.version_minor = case_version_minor + 1;
+  EXPECT_EQ(parse_case_json(to_json(m)).version_minor, case_version_minor + 1);
+  m.version_major = case_version_major + 1;
+  try {
+    parse_case_json(to_json(m));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::bad_input);
+    EXPECT_NE(std::string(e.what()).find("2.1"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("1.0"), std::string::npos);
+  }
+}
+
+// `text` put into a valid case.json before its first anatomies, with the checksum that belongs to it.
+std::string edited(const std::string& from, const std::string& to) {
+  std::string json = to_json(sample_manifest());
+  json.replace(json.find(from), from.size(), to);
+  const auto tail = json.rfind(",\n \"checksum\"");
+  json.resize(tail);
+  return json + ",\n \"checksum\": \"" + sha256_of_bytes(json) + "\"\n}\n";
+}
+
+TEST(CaseJson, ANewerMinorVersionMayHoldMore) {
+  const CaseManifest m = parse_case_json(edited("\"case\":", "\"haptic\": {\"file\": [1, {}]},\n \"case\":"));
+  EXPECT_EQ(m.case_token, "sample");
+}
+
+TEST(CaseJson, HostileContentWithARightChecksumIsRefused) {
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {"\"sample\"", "\"../sample\""},
+           {"\"sample\"", "7"},
+           {"\"LPS\"", "\"RAS\""},
+           {"\"files\": []", "\"files\": {}, \"files\": 3"},
+           {"\"files\": []",
+            "\"files\": [{\"name\": \"../../etc/passwd\", \"sha256\": \"" + sha256_of_bytes("") + "\", \"bytes\": 1}]"},
+           {"\"files\": []",
+            "\"files\": [{\"name\": \"/etc/passwd\", \"sha256\": \"" + sha256_of_bytes("") + "\", \"bytes\": 1}]"},
+           {"\"files\": []",
+            "\"files\": [{\"name\": \"a/b/c\", \"sha256\": \"" + sha256_of_bytes("") + "\", \"bytes\": 1}]"},
+           {"\"files\": []", "\"files\": [{\"name\": \"a\", \"sha256\": \"x\", \"bytes\": 1}]"},
+           {"\"files\": []",
+            "\"files\": [{\"name\": \"a\", \"sha256\": \"" + sha256_of_bytes("") + "\", \"bytes\": -1}]"},
+           {"\"triangles\": 4", "\"triangles\": -4"},
+           {"\"triangles\": 4", "\"triangles\": 1e999"},
+           {"\"opacity\": 1.0", "\"opacity\": null"},
+           {"\"name\": \"skull\"", "\"name\": \"skull\", \"file\": \"meshes/none.glb\""},
+           {"\"frame\"", "\"frme\""}}) {
+    ASSERT_NE(to_json(sample_manifest()).find(from), std::string::npos) << from;
+    EXPECT_THROW(parse_case_json(edited(from, to)), Error) << to;
+  }
+}
+
+TEST(CaseJson, ContradictionsAreNotWritten) {
+  CaseManifest m = sample_manifest();
+  m.anatomies[0].volume_ml = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(to_json(m), Error);
+  m = sample_manifest();
+  m.anatomies[0].file = "meshes/none-0123456789abcdef.glb";
+  EXPECT_THROW(to_json(m), Error);
+  m = sample_manifest();
+  m.anatomies.push_back(m.anatomies[0]);
+  EXPECT_THROW(to_json(m), Error);
+  m = sample_manifest();
+  m.parameters.push_back(m.parameters[0]);
+  EXPECT_THROW(to_json(m), Error);
+  m = sample_manifest();
+  m.face_reason = "\xff\xfe";
+  EXPECT_THROW(to_json(m), Error);
+}
+
+TEST(CaseToken, OnlyWhatIsSafeAsAName) {
+  for (const char* good :
+       {"a", "0", "sample", "case-12_b", "a123456789012345678901234567890123456789012345678901234567890123"})
+    EXPECT_NO_THROW(validate_case_token(good, ExitCode::usage)) << good;
+  for (const char* bad : {"", "-a", "_a", "A", "a.b", "a/b", "..", "a b", "\xc3\xa4",
+                          "a1234567890123456789012345678901234567890123456789012345678901234"}) {
+    try {
+      validate_case_token(bad, ExitCode::bad_config);
+      ADD_FAILURE() << bad;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_config);
+    }
+  }
+}
+
+TEST_F(CaseTest, PublishedAndRead) {
+  const CaseManifest m = publish();
+  const CaseManifest back = read_case(folder_);
+  EXPECT_EQ(to_json(back), to_json(m));
+  ASSERT_EQ(back.files.size(), 1u);
+  EXPECT_EQ(back.files[0].name, "meshes/skull-" + back.files[0].sha256.substr(0, 16) + ".glb");
+  const GlbMesh mesh = read_glb(read_case_file(folder_, back.files[0]));
+  EXPECT_EQ(mesh.mesh.triangles, tetrahedron().triangles);
+  // Published again: the same bytes.
+  const std::string before = slurp(folder_ / "case.json");
+  publish();
+  EXPECT_EQ(slurp(folder_ / "case.json"), before);
+}
+
+TEST_F(CaseTest, EveryDamageNamesItsFile) {
+  const CaseManifest m = publish();
+  const fs::path glb = folder_ / m.files[0].name, json = folder_ / "case.json";
+  const std::string glb_bytes = slurp(glb), json_bytes = slurp(json);
+  for (const auto& [path, bytes] : {std::make_pair(glb, glb_bytes), std::make_pair(json, json_bytes)}) {
+    const std::string expected = "65 " + path.lexically_relative(folder_).string();
+    for (std::size_t i = 0; i < bytes.size(); i += 7) {
+      std::string damaged = bytes;
+      damaged[i] = static_cast<char>(damaged[i] ^ (1 << (i % 8)));
+      put(path, damaged);
+      EXPECT_EQ(refusal(), expected) << i;
+      put(path, bytes.substr(0, i));
+      EXPECT_EQ(refusal(), expected) << i;
+    }
+    put(path, bytes + "x");
+    EXPECT_EQ(refusal(), expected);
+    fs::remove(path);
+    EXPECT_EQ(refusal(), "66 " + path.lexically_relative(folder_).string());
+    put(path, bytes);
+    EXPECT_EQ(refusal(), "");
+  }
+}
+
+TEST_F(CaseTest, NothingIsPublishedWithoutItsFiles) {
+  CaseManifest m = publish();
+  const std::string before = slurp(folder_ / "case.json");
+  m.files[0].bytes += 1;
+  EXPECT_THROW(publish_case(folder_, m), Error);
+  m.files[0] = describe_case_file("meshes/skull", ".glb", "never written");
+  m.anatomies[0].file = m.files[0].name;
+  EXPECT_THROW(publish_case(folder_, m), Error);
+  EXPECT_EQ(slurp(folder_ / "case.json"), before);
+  EXPECT_EQ(refusal(), "");
+}
+
+TEST_F(CaseTest, DamagedContentIsWrittenAnew) {
+  const CaseManifest m = publish();
+  std::string damaged = slurp(folder_ / m.files[0].name);
+  damaged[100] = static_cast<char>(damaged[100] ^ 1);
+  put(folder_ / m.files[0].name, damaged);
+  EXPECT_NE(refusal(), "");
+  publish();
+  EXPECT_EQ(refusal(), "");
+}
+
+TEST_F(CaseTest, OldFilesStayUntilCollected) {
+  const CaseManifest m = publish();
+  const CaseFile old = write_case_file(folder_, "meshes/skull", ".glb", "an older surface");
+  put(folder_ / "notes.txt", "the user's own");
+  publish();
+  EXPECT_TRUE(fs::exists(folder_ / old.name));
+  EXPECT_EQ(remove_unnamed_case_files(folder_), 1);
+  EXPECT_FALSE(fs::exists(folder_ / old.name));
+  EXPECT_TRUE(fs::exists(folder_ / "notes.txt"));
+  EXPECT_EQ(to_json(read_case(folder_)), to_json(m));
+  EXPECT_THROW(write_case_file(folder_, "../skull", ".glb", "x"), Error);
+}
+
+}  // namespace
+}  // namespace trephine

@@ -1,0 +1,1 @@
+trephine_test(picture picture)
