@@ -107,4 +107,19 @@ S capsule(const Point<S>& p, const Vec3& a, const Vec3& b, double ra, double rb)
   return root(x * x + y * y + z * z + S(1e-12)) - (S(ra) + t * S(rb - ra));
 }
 
+/// A slab about the plane x = centre.x: elliptical in (y, z) with the semi-axes given, `half` thick on either side, its
+/// rim a half circle. Unlike a flat ellipsoid's formula it stays a distance inside.
+template <class S>
+S slab(const Point<S>& p, const Vec3& centre, double half, double ry, double rz) {
+  const Point<S> q = p - centre;
+  const double inner_y = ry - half, inner_z = rz - half;
+  const S a = q.y * S(1 / inner_y), b = q.z * S(1 / inner_z);
+  const S k0 = root(a * a + b * b + S(1e-6));
+  const S a1 = a * S(1 / inner_y), b1 = b * S(1 / inner_z);
+  const double r = std::min(inner_y, inner_z);
+  const S plan = k0 * (k0 - S(1.0)) / root(a1 * a1 + b1 * b1 + S(1e-6 / (r * r)));
+  const S beyond = greater(plan, S(0.0));
+  return root(beyond * beyond + q.x * q.x + S(1e-6)) - S(half);
+}
+
 }  // namespace trephine::phantom

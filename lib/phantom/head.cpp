@@ -21,16 +21,56 @@ Point<Dual> point(Vec3 p) {
 
 /// Newton's steps along the gradient onto the zero set; the normal there comes back too.
 Vec3 onto_surface(const Model& model, Anatomy anatomy, Vec3 x, Vec3& normal) {
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < 16; ++i) {
     const Dual f = model.solid(anatomy, point<Dual>(x));
     const Vec3 g{f.x, f.y, f.z};
     const double gg = dot(g, g);
-    if (!(gg > 1e-12)) break;
+    if (!(gg > 1e-4)) {  // on an axis or in a middle plane: any side will do
+      x += Vec3{0.011, 0.017, 0.013};
+      continue;
+    }
     normal = g / std::sqrt(gg);
     if (std::fabs(f.v) < 1e-6) break;
     x += g * (-f.v / gg);
   }
   return x;
+}
+
+/// From `start` onto the surface, then along it until p - x is normal to it: a nearest point, at least locally. Where
+/// the surface curves towards p a full step overshoots, and is halved.
+Vec3 foot_point(const Model& model, Anatomy anatomy, Vec3 p, Vec3 start) {
+  Vec3 normal;
+  Vec3 x = onto_surface(model, anatomy, start, normal);
+  double distance = norm(p - x), step = 1;
+  for (int i = 0; i < 24; ++i) {
+    const Vec3 r = p - x, along = r - normal * dot(r, normal);
+    if (norm(along) < 2e-4 * (1 + distance)) break;
+    bool nearer = false;
+    for (; step > 0.05 && !nearer; step *= nearer ? 1 : 0.5) {
+      Vec3 n = normal;
+      const Vec3 y = onto_surface(model, anatomy, x + along * step, n);
+      const double d = norm(p - y);
+      nearer = d < distance;
+      if (nearer) x = y, normal = n, distance = d;
+    }
+    if (!nearer) break;
+    step = std::min(1.0, 1.5 * step);
+  }
+  return x;
+}
+
+/// Directions to the corners, edges and faces of a cube.
+const std::array<Vec3, 26>& probes() {
+  static const std::array<Vec3, 26> directions = [] {
+    std::array<Vec3, 26> out;
+    std::size_t n = 0;
+    for (int x = -1; x <= 1; ++x)
+      for (int y = -1; y <= 1; ++y)
+        for (int z = -1; z <= 1; ++z)
+          if (x || y || z) out[n++] = normalized(Vec3{double(x), double(y), double(z)});
+    return out;
+  }();
+  return directions;
 }
 
 }  // namespace
@@ -62,26 +102,26 @@ double Head::implicit_mm(Anatomy anatomy, Vec3 p, Vec3& gradient) const {
 }
 
 Vec3 Head::project_mm(Anatomy anatomy, Vec3 p) const {
-  Vec3 normal;
-  Vec3 x = onto_surface(*model_, anatomy, p, normal);
-  double distance = norm(p - x), step = 1;
-  // Slide along the surface until p - x is normal to it. Where the surface curves towards p a full step overshoots:
-  // halve.
-  for (int i = 0; i < 16; ++i) {
-    const Vec3 r = p - x, along = r - normal * dot(r, normal);
-    if (norm(along) < 2e-4 * (1 + distance)) break;
-    bool nearer = false;
-    for (; step > 0.05 && !nearer; step *= nearer ? 1 : 0.5) {
-      Vec3 n = normal;
-      const Vec3 y = onto_surface(*model_, anatomy, x + along * step, n);
-      const double d = norm(p - y);
-      nearer = d < distance;
-      if (nearer) x = y, normal = n, distance = d;
+  Vec3 best = foot_point(*model_, anatomy, p, p);
+  // Is there surface nearer than the foot point found? Then the sign differs somewhere within that distance.
+  const bool inside = implicit_mm(anatomy, p) < 0;
+  for (int round = 0; round < 3; ++round) {
+    const double distance = norm(p - best);
+    if (distance < 0.2) break;
+    Vec3 start = p;
+    for (const Vec3& u : probes()) {
+      const Vec3 q = p + u * (0.97 * distance);
+      if ((implicit_mm(anatomy, q) < 0) != inside) {
+        start = q;
+        break;
+      }
     }
-    if (!nearer) break;
-    step = std::min(1.0, 1.5 * step);
+    if (start == p) break;
+    const Vec3 other = foot_point(*model_, anatomy, p, start);
+    if (!(norm(p - other) < distance)) break;
+    best = other;
   }
-  return x;
+  return best;
 }
 
 double Head::signed_distance_mm(Anatomy anatomy, Vec3 p) const {

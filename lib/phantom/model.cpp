@@ -73,7 +73,7 @@ Model::Model(const HeadParams& params) : clinical(params.level == Level::clinica
              node(17, 22, 62, 5.0),    node(24.5, 34, 55, 6.6), node(24.5, 48, 49, 4.0), node(22.5, 58, 47, 2.2)};
   temporal_horn = {lateral[5], node(31, 26, 44, 3.2), node(34, 8, 31, 2.5), node(33, -8, 26, 2.0)};
   // The third ventricle: a slit in the midline under the bodies, whose roof stays clear of theirs.
-  third_radii = {2.3 * third_scale, 13.5, 9.5};
+  third_radii = {2.2 * third_scale, 13.0, 9.5};
   third_centre = {0, -2, 61 - 5.0 * r - 3.2 - 9.5};
   thalamus_centre = {third_radii.x + 8.5, 4, third_centre.z + 1};
   monro_top = {{lateral[2].at.x - 0.25 * lateral[2].radius, -13.5, 61 - 0.72 * 5.0 * r}, monro_radius};

@@ -10,6 +10,9 @@ namespace trephine::phantom {
 /// Where the brain ends and the cord begins, model coordinates.
 constexpr double foramen_magnum_z = -27;
 
+/// With sulci the brain's function may change by up to this much a mm; all others by hardly more than 1.
+constexpr double sulcus_slope = 3.2;
+
 /// The anatomy's numbers, drawn once from parameters and seed, and its implicit functions. Everything is in model
 /// coordinates: mm, those of `Head` after `to_model`, a smooth warp that carries the individual's size and asymmetry.
 struct Model {

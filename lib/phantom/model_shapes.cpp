@@ -103,7 +103,7 @@ S Model::orbit(const Base<S>& b) const {
 
 template <class S>
 S Model::nasal(const Base<S>& b) const {
-  S f = ellipsoid(b.m, {6.5, -70, -6}, {5.2, 27, 19});
+  S f = slab(b.m, {6.6, -70, -6}, 4.9, 26, 18);
   f = smooth_union(f, capsule(b.m, {4.5, -46, -12}, {0, -26, -24}, 5.0, 7.0), 4);
   f = smooth_union(f, capsule(b.m, {0, -26, -24}, {0, -21, -42}, 7.0, 6.0), 4);
   f = smooth_union(f, ellipsoid(b.m, {6.5, -92, -9}, {4.6, 12, 11}), 3);
@@ -132,7 +132,7 @@ S Model::skin(const Base<S>& b) const {
   f = joined(f, 7, m, {0, -104, -2}, 40, [&] {
     S g = capsule(m, {0, -93, 24}, {0, -106 - 8 * nose, -10}, 5, 8.5);
     g = smooth_union(g, ellipsoid(m, {11.5, -102, -13}, {6.5, 9.5, 7.5}), 5);
-    return smooth_union(g, ellipsoid(m, {0, -100, -40}, {24, 10, 10}), 8);
+    return smooth_union(g, capsule(m, {0, -101, -40}, {16, -97, -40}, 9, 8), 8);
   });
   f = joined(f, 5, m, {32, -71, 17}, 17, [&] { return sphere(m, {32, -71, 17}, 16.2); });  // lids over the globe
   f = joined(f, 8, m, {76, 12, 4}, 44, [&] {
@@ -140,7 +140,7 @@ S Model::skin(const Base<S>& b) const {
     const double c = 0.91, s = 0.4146;
     const Point<S> q{(m.x - S(75.5)) * S(c) - (m.y - S(13)) * S(s), (m.x - S(75.5)) * S(s) + (m.y - S(13)) * S(c),
                      m.z - S(4)};
-    S g = ellipsoid(q, {0, 0, 0}, {4.6, 17.5, 31});
+    S g = slab(q, {0, 0, 0}, 3.8, 17, 30);
     g = smooth_intersection(g, -ellipsoid(q, {7, -3, 1}, {6.0, 11, 19}), 3);
     return smooth_union(g, ellipsoid(m, {72, -3, 0}, {5.5, 5, 7}), 4);
   });
@@ -149,9 +149,13 @@ S Model::skin(const Base<S>& b) const {
 
 template <class S>
 S Model::cisterns(const Base<S>& b) const {
-  S f = ellipsoid(b.m, {0, -14, 20}, {17, 9, 8});                             // suprasellar
-  f = smooth_union(f, ellipsoid(b.m, {0, 48, -12}, {13, 7, 10}), 3);          // magna
-  f = smooth_union(f, capsule(b.m, {0, 34, 34}, {13, 30, 30}, 4.0, 2.5), 3);  // quadrigeminal and ambient
+  // Basal, from the sella's region down to the dura and around the brainstem to the back; magna; quadrigeminal.
+  S f = ellipsoid(b.m, {0, -14, 18}, {16, 9, 9});
+  f = smooth_union(f, capsule(b.m, {0, -14, 14}, {0, -13, 0}, 10, 11), 4);
+  f = smooth_union(f, capsule(b.m, {13, -8, 14}, {17, 8, 20}, 2.6, 2.2), 3);
+  f = smooth_union(f, capsule(b.m, {17, 8, 20}, {13, 28, 30}, 2.2, 2.4), 2);
+  f = smooth_union(f, capsule(b.m, {13, 28, 30}, {0, 33, 33}, 2.4, 3.8), 2);
+  f = smooth_union(f, ellipsoid(b.m, {0, 50, -11}, {13, 8, 11}), 3);
   return f;
 }
 
@@ -162,6 +166,8 @@ S Model::brain(const Base<S>& b) const {
   S f = b.vault + gap;
   f = smooth_intersection(f, -cisterns(b), 2.0);
   if (clinical) f = smooth_intersection(f, -sulci(b), 1.0);
+  // At least 3 mm of brain around the ventricles, whatever sulci and cisterns say.
+  f = joined(f, 2, p, {0, 5, 45}, 80, [&] { return ventricles(p) - S(3.0); });
   const S stem =
       smooth_union(capsule(p, {0, 6, 30}, {0, 16, 4}, 11.5, 12.0), capsule(p, {0, 16, 4}, {0, 27, -26}, 9, 6.0), 6);
   f = smooth_union(f, stem, 3);
@@ -182,9 +188,12 @@ S Model::sulci(const Base<S>& b) const {
   const S wz = p.z + S(5.0) * sine(p.x * S(0.12) + S(phase[1])) + S(4.0) * sine(p.y * S(0.15) + S(phase[2]));
   const S g = sine(wx * S(0.21)) * sine(wy * S(0.21) + S(0.6)) + sine(wy * S(0.21)) * sine(wz * S(0.21) + S(0.6)) +
               sine(wz * S(0.21)) * sine(wx * S(0.21) + S(0.6));
-  const S sheet = magnitude(g) * S(4.0) - S(0.9);
+  const S sheet = magnitude(g) * S(sulcus_slope) - S(0.9);
   const S depth = -(b.vault + S(13.0));
-  return smooth_intersection(sheet, depth, 2.0);
+  const S convexity = smooth_intersection(sheet, depth, 2.0);
+  // The fissure between the hemispheres, down to the corpus callosum.
+  const S fissure = smooth_intersection(S(magnitude(shifted(p).x) - S(1.1)), S(-(b.vault + S(30.0))), 2.0);
+  return smooth_union(convexity, smooth_intersection(fissure, S(72.0) - p.z, 2.0), 1.0);
 }
 
 template <class S>
@@ -209,14 +218,14 @@ S Model::ventricles(const Point<S>& model) const {
         capsule(m, temporal_horn[i].at, temporal_horn[i + 1].at, temporal_horn[i].radius, temporal_horn[i + 1].radius),
         2.0);
   f = smooth_union(f, capsule(m, monro_top.at, monro_bottom.at, monro_top.radius, monro_bottom.radius), 1.2);
-  return smooth_union(f, ellipsoid(p, third_centre, third_radii), 1.5);
+  return smooth_union(f, slab(p, third_centre, third_radii.x, third_radii.y, third_radii.z), 1.5);
 }
 
 template <class S>
 S Model::passages(const Point<S>& model) const {
   const Point<S> p = shifted(model);
   const Vec3 start{0, third_centre.y + third_radii.y - 3.5, third_centre.z - 3};
-  S f = capsule(p, start, {0, 25, 14}, 1.0, 1.1);                                // aqueduct
+  S f = capsule(p, start, {0, 29, 9}, 1.0, 1.1);                                 // aqueduct
   f = smooth_union(f, ellipsoid(p, {0, 31, 4}, {7.5, 5, 11}), 2);                // fourth
   return smooth_union(f, capsule(p, {0, 33, -4}, {0, 45, -11}, 1.2, 1.2), 1.5);  // Magendie, to the cisterna magna
 }

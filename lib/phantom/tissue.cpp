@@ -17,18 +17,19 @@ constexpr double under_bone_mm = 1.4, table_mm = 1.8;
 /// The brush: paints a tissue and keeps the distance to the nearest edge seen.
 struct Brush {
   double width, hu = air, clearance = 1e3;
-  double cover(double f) {
-    clearance = std::min(clearance, std::fabs(f));
+  /// `slope`: how much f may change a mm, where that is clearly more than 1.
+  double cover(double f, double slope = 1) {
+    clearance = std::min(clearance, std::fabs(f) / slope);
     return clamped(0.5 - f / width, 0, 1);
   }
-  void paint(double tissue, double f) { hu += (tissue - hu) * cover(f); }
+  void paint(double tissue, double f, double slope = 1) { hu += (tissue - hu) * cover(f, slope); }
 };
 
 void paint_soft(Brush& b, const Model& model, const Model::Base<double>& base, double skin) {
   const PointD& m = base.m;
   b.paint(fat, skin + 1.6);
   double f = std::min(base.hull - 2.4, skin + 14);                    // galea and deep muscle
-  f = std::min(f, ellipsoid(m, {60, -24, 26}, {11, 31, 36}));         // temporal
+  f = std::min(f, slab(m, {61, -24, 26}, 9, 31, 36));                 // temporal
   f = std::min(f, capsule(m, {60, -44, -10}, {52, -32, -62}, 7, 8));  // masseter
   f = std::max(f, skin + 2.6);
   b.paint(muscle, f);
@@ -37,7 +38,7 @@ void paint_soft(Brush& b, const Model& model, const Model::Base<double>& base, d
     b.paint(fat, std::max(orbit - under_bone_mm, skin + 3.0));
     b.paint(muscle, std::min({capsule(m, {31, -68, 29}, {17, -44, 20}, 1.8, 1.6),
                               capsule(m, {31, -68, 5}, {17, -44, 14}, 1.8, 1.6),
-                              capsule(m, {44, -66, 17}, {19, -44, 17}, 1.8, 1.6),
+                              capsule(m, {41, -70, 17}, {20, -44, 17}, 1.6, 1.6),
                               capsule(m, {20, -66, 17}, {13, -44, 17}, 1.6, 1.5)}));
     b.paint(nerve, capsule(m, {31, -60, 17}, {16, -43, 17}, 2.2, 2.2));
     b.paint(muscle, sphere(m, {32, -71, 17}, 12.2));  // sclera
@@ -54,8 +55,9 @@ void paint_soft(Brush& b, const Model& model, const Model::Base<double>& base, d
 void paint_brain(Brush& b, const Model& model, const Model::Base<double>& base, double f) {
   const double brain = model.brain(base);
   b.paint(csf, f);
-  b.paint(grey, brain);
-  b.paint(white, brain + 3.0);
+  const double slope = model.clinical ? sulcus_slope : 1;
+  b.paint(grey, brain, slope);
+  b.paint(white, brain + 3.0, slope);
   // Deep grey: the thalami beside the third ventricle.
   const PointD p = model.shifted(base.p);
   b.paint(grey, ellipsoid(PointD{std::fabs(p.x), p.y, p.z}, model.thalamus_centre, {7, 12, 7}));
@@ -63,36 +65,41 @@ void paint_brain(Brush& b, const Model& model, const Model::Base<double>& base, 
   b.paint(csf, model.passages(base.p));
 }
 
+/// Coronal, sagittal and lambdoid sutures: wavy gaps of half a millimetre through the outer table and the diploe,
+/// closed in the inner table as in adults.
+double suture_distance(const Model::Base<double>& base) {
+  const PointD& m = base.m;
+  const double wiggle = 1.2 * std::sin(0.7 * (m.x + m.z));
+  const double coronal = std::fabs(m.y + 22 + 0.25 * (m.z - 110) + wiggle) / 1.7;
+  const double sagittal = std::max({std::fabs(base.p.x + 1.2 * std::sin(0.7 * m.y)) / 1.4, -22 - m.y, m.y - 62});
+  const double lambdoid = std::fabs(m.y - 62 + 0.45 * m.x + wiggle) / 2.0;
+  return std::max({std::min({coronal, sagittal, lambdoid}) - 0.2, 3.0 - base.vault, 35 - m.z});
+}
+
 /// Bone with all that is enclosed in it.
 void paint_bone(Brush& b, const Model& model, const Model::Base<double>& base, double bone) {
   const PointD& m = base.m;
-  b.paint(cortical, bone);
+  const double bone_cover = b.cover(bone);
   if (bone > b.width) return;
-  b.paint(diploe, bone + table_mm);
+  Brush inside{b.width, cortical, b.clearance};
+  inside.paint(diploe, bone + table_mm);
   const double wall = bone + 2.3;
   double sinus = std::min({ellipsoid(m, {11, -84, 42}, {10, 6, 11}), ellipsoid(m, {6.5, -21, -4}, {5, 10, 7}),
                            ellipsoid(m, {21, -66, -15}, {11, 16, 14})});
   sinus = std::max(sinus, wall);
-  b.paint(cortical, sinus - 1.2);
-  b.paint(cell, sinus);
+  inside.paint(cortical, sinus - 1.2);
+  inside.paint(cell, sinus);
   if (m.x > 40 && m.x < 72 && m.y > -2 && m.y < 36) {
     double cells = 1e3;
     for (const Model::Ball& ball : model.cells) cells = std::min(cells, sphere(base.p, ball.centre, ball.radius));
-    b.paint(cell, std::max(cells, wall));
+    inside.paint(cell, std::max(cells, wall));
   } else {
-    b.clearance = std::min(b.clearance, std::max({40 - m.x, m.x - 72, -2 - m.y, m.y - 36}));
+    inside.clearance = std::min(inside.clearance, std::max({40 - m.x, m.x - 72, -2 - m.y, m.y - 36}));
   }
-  // Sutures: coronal, sagittal and lambdoid, 0.4 mm wide; closed in the inner table, as in adults.
-  if (m.z > 35) {
-    const double wiggle = 1.5 * std::sin(0.9 * (m.x + m.z));
-    const double coronal = std::fabs(m.y + 22 + 0.25 * (m.z - 110) + wiggle);
-    const double sagittal = m.y > -22 && m.y < 62 ? std::fabs(base.p.x + 1.5 * std::sin(0.9 * m.y)) : 1e3;
-    const double lambdoid = std::fabs(m.y - 62 + 0.45 * m.x + wiggle) / 1.1;
-    const double seam = std::min({coronal, sagittal, lambdoid}) / 1.6;
-    b.paint(suture, std::max({seam - 0.2, 3.0 - base.vault, 35 - m.z}));
-  }
-  const double crown = model.teeth(m);
-  b.paint(tooth, std::max(crown, bone));
+  inside.paint(suture, suture_distance(base));
+  inside.paint(tooth, model.teeth(m));
+  b.clearance = inside.clearance;
+  b.hu += (inside.hu - b.hu) * bone_cover;
 }
 
 }  // namespace

@@ -167,7 +167,7 @@ TriMesh truth_mesh(const Head& head, Anatomy anatomy, const Bounds& box, double 
         x += g * (-f / std::max(1e-6, dot(g, g)));
         if (std::fabs(f) < 1e-7) break;
       }
-      if (norm(x - p) < 0.5 * step_mm && box_distance(box, x) <= 0) p = x;
+      if (norm(x - p) < 0.75 * step_mm && box_distance(box, x) <= 0) p = x;
     }
   });
   return mesh;

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gdcmImageReader.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <map>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/parallel.h"
+#include "base/write_file.h"
+#include "grid/nrrd.h"
+#include "meshio/vtp.h"
+#include "phantom/phantom.h"
+#include "scratch_folder.h"
+
+using namespace trephine;
+using namespace trephine::phantom;
+
+namespace {
+
+PhantomParams tiny() {
+  PhantomParams p;
+  p.scan.columns_count = 64;
+  p.scan.rows_count = 48;
+  p.scan.pixel_mm = 4;
+  p.scan.slices_count = 5;
+  p.scan.slice_step_mm = 30;
+  p.truth.mesh_step_mm = 4;
+  return p;
+}
+
+std::string text_of(const gdcm::DataSet& set, std::uint16_t group, std::uint16_t element) {
+  const gdcm::Tag tag(group, element);
+  if (!set.FindDataElement(tag) || !set.GetDataElement(tag).GetByteValue()) return "";
+  const gdcm::ByteValue& bytes = *set.GetDataElement(tag).GetByteValue();
+  std::string text(bytes.GetPointer(), bytes.GetLength());
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\0')) text.pop_back();
+  return text;
+}
+
+std::map<std::string, std::string> hashes_of(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> out;
+  for (const auto& e : std::filesystem::recursive_directory_iterator(folder))
+    if (e.is_regular_file()) out[e.path().lexically_relative(folder).string()] = sha256_of_file(e.path());
+  return out;
+}
+
+}  // namespace
+
+// GDCM reads back geometry and HU as they were, in each encoding.
+TEST(PhantomSeries, GdcmReadsItBack) {
+  struct Case {
+    Encoding encoding;
+    Pixels pixels;
+    std::int64_t intercept;
+  };
+  for (const Case& c :
+       {Case{Encoding::none, Pixels::signed_16, 0}, Case{Encoding::none, Pixels::unsigned_16, -2048},
+        Case{Encoding::rle, Pixels::signed_16, 100}, Case{Encoding::jpeg_ls, Pixels::unsigned_12, -1024},
+        Case{Encoding::jpeg_ls, Pixels::signed_16, 0}, Case{Encoding::jpeg_2000, Pixels::unsigned_16, -1024},
+        Case{Encoding::jpeg_2000, Pixels::signed_16, 0}}) {
+    ScratchFolder folder;
+    PhantomParams p = tiny();
+    p.scan.tilt_deg = 13.5;
+    p.scan.position = Position::feet_first_prone;
+    p.series = {c.encoding, c.pixels, c.intercept};
+    const Scan s = scan(Head(p.head), p.scan);
+    const std::uint64_t bytes = write_series(folder.path(), s, p.scan, p.series, identity_of(p));
+    std::uint64_t on_disk = 0;
+    for (int k = 0; k < 5; ++k) {
+      const auto file = folder.path() / ("slice_000" + std::to_string(k + 1) + ".dcm");
+      on_disk += std::filesystem::file_size(file);
+      gdcm::ImageReader reader;
+      reader.SetFileName(file.c_str());
+      ASSERT_TRUE(reader.Read());
+      const gdcm::Image& image = reader.GetImage();
+      const SlicePose& pose = s.slices[k];
+      for (int a = 0; a < 3; ++a) {
+        EXPECT_NEAR(image.GetOrigin(a), pose.origin_mm[a], 1e-8);
+        EXPECT_NEAR(image.GetDirectionCosines()[a], pose.row[a], 1e-12);
+        EXPECT_NEAR(image.GetDirectionCosines()[3 + a], pose.column[a], 1e-12);
+      }
+      EXPECT_EQ(image.GetSpacing(0), 4);
+      EXPECT_EQ(image.GetDimension(0), 64u);
+      EXPECT_EQ(image.GetDimension(1), 48u);
+      EXPECT_EQ(image.GetIntercept(), c.intercept);
+      EXPECT_EQ(image.GetSlope(), 1);
+      std::vector<std::int16_t> stored(64 * 48);
+      ASSERT_EQ(image.GetBufferLength(), stored.size() * 2);
+      ASSERT_TRUE(image.GetBuffer(reinterpret_cast<char*>(stored.data())));
+      for (std::size_t i = 0; i < stored.size(); ++i) {
+        const long value = c.pixels == Pixels::signed_16 ? stored[i] : static_cast<std::uint16_t>(stored[i]);
+        ASSERT_EQ(value + c.intercept, s.hu[k * stored.size() + i]) << "pixel " << i;
+      }
+      const gdcm::DataSet& set = reader.GetFile().GetDataSet();
+      EXPECT_EQ(text_of(set, 0x0008, 0x0016), "1.2.840.10008.5.1.4.1.1.2");
+      EXPECT_EQ(text_of(set, 0x0012, 0x0062), "YES");
+      EXPECT_EQ(text_of(set, 0x0018, 0x5100), "FFP");
+      EXPECT_EQ(text_of(set, 0x0018, 0x1120), "13.5");
+      const std::string uid = text_of(set, 0x0008, 0x0018);
+      EXPECT_EQ(uid.substr(0, 5), "2.25.");
+      EXPECT_LE(uid.size(), 64u);
+    }
+    EXPECT_EQ(bytes, on_disk);
+  }
+}
+
+TEST(PhantomSeries, PaddingIsNamedByItsTag) {
+  ScratchFolder folder;
+  PhantomParams p = tiny();
+  p.scan.round_field = true;
+  p.series = {Encoding::none, Pixels::signed_16, 0};
+  write_series(folder.path(), scan(Head(p.head), p.scan), p.scan, p.series, "x");
+  gdcm::ImageReader reader;
+  reader.SetFileName((folder.path() / "slice_0001.dcm").c_str());
+  ASSERT_TRUE(reader.Read());
+  const std::string padding = text_of(reader.GetFile().GetDataSet(), 0x0028, 0x0120);
+  ASSERT_EQ(padding.size(), 2u);
+  std::int16_t value;
+  std::memcpy(&value, padding.data(), 2);
+  EXPECT_EQ(value, -2000);
+}
+
+TEST(PhantomSeries, ValuesThatDoNotFitAreRefused) {
+  ScratchFolder folder;
+  PhantomParams p = tiny();
+  p.series = {Encoding::none, Pixels::unsigned_12, 0};
+  try {
+    write_series(folder.path(), scan(Head(p.head), p.scan), p.scan, p.series, "x");
+    FAIL() << "-1000 HU in an unsigned pixel with intercept 0";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::usage);
+  }
+}
+
+TEST(PhantomSeries, ShorterSeriesLeavesNoSliceOfALongerOne) {
+  ScratchFolder folder;
+  PhantomParams p = tiny();
+  write_series(folder.path(), scan(Head(p.head), p.scan), p.scan, p.series, "x");
+  p.scan.slices_count = 3;
+  write_series(folder.path(), scan(Head(p.head), p.scan), p.scan, p.series, "x");
+  EXPECT_EQ(hashes_of(folder.path()).size(), 3u);
+}
+
+// Everything that make_phantom writes is the same for the same parameters with 1 and 2 threads, and the truth can be
+// read back.
+TEST(PhantomTruth, SameFilesWhateverTheThreadsAndReadBack) {
+  ScratchFolder a, b;
+  PhantomParams p = tiny();
+  p.head.variant = Variant::hydrocephalic;
+  p.head.seed = 11;
+  p.scan.contents = Contents::head_with_fiducials;
+  set_thread_count(1);
+  const Report report = make_phantom(a.path() / "one", p);
+  set_thread_count(2);
+  make_phantom(b.path() / "elsewhere", p);
+  set_thread_count(0);
+  const auto files = hashes_of(a.path() / "one");
+  EXPECT_EQ(files, hashes_of(b.path() / "elsewhere"));
+  for (const char* name : {"truth/truth.json", "truth/labels.nrrd", "truth/skin.vtp", "truth/skull.vtp",
+                           "truth/brain.vtp", "truth/ventricles.vtp", "dicom/slice_0005.dcm"})
+    EXPECT_EQ(files.count(name), 1u) << name;
+  ASSERT_NE(report.find("brain_volume_ml"), nullptr);
+
+  const Truth truth = read_truth(a.path() / "one/truth/truth.json");
+  const Head head(p.head);
+  EXPECT_EQ(truth.head.params().variant, Variant::hydrocephalic);
+  EXPECT_EQ(truth.head.params().seed, 11);
+  EXPECT_EQ(truth.head.landmark("kocher_left"), head.landmark("kocher_left"));
+  EXPECT_EQ(truth.fiducials.size(), 12u);
+  for (const Anatomy anatomy : all_anatomies)
+    EXPECT_EQ(truth.head.implicit_mm(anatomy, {10, 20, 30}), head.implicit_mm(anatomy, {10, 20, 30}));
+
+  // Labels were made block by block: they are the head's own at every voxel.
+  const Mask labels = read_mask_nrrd(a.path() / "one/truth/labels.nrrd");
+  std::array<int, 6> counts{};
+  for (int k = 0; k < labels.size[2]; ++k)
+    for (int j = 0; j < labels.size[1]; ++j)
+      for (int i = 0; i < labels.size[0]; ++i) {
+        const std::uint8_t label = labels.at(i, j, k);
+        ASSERT_EQ(label, head.label(labels.to_world_mm({1.0 * i, 1.0 * j, 1.0 * k})));
+        ++counts[label];
+      }
+  for (const int c : counts) EXPECT_GT(c, 0);
+}
+
+TEST(PhantomTruth, WhatIsNoTruthIsRefused) {
+  ScratchFolder folder;
+  const auto code_of = [](const std::filesystem::path& file) {
+    try {
+      read_truth(file);
+    } catch (const Error& e) {
+      return e.code();
+    }
+    return ExitCode::ok;
+  };
+  EXPECT_EQ(code_of(folder.path() / "none.json"), ExitCode::no_input);
+  EXPECT_EQ(code_of(folder.write("a.json", "hello")), ExitCode::bad_input);
+  EXPECT_EQ(code_of(folder.write("b.json", "{}")), ExitCode::bad_input);
+  EXPECT_EQ(code_of(folder.write("c.json", "{\"trephine_phantom_truth\": 2}")), ExitCode::bad_input);
+  EXPECT_EQ(code_of(folder.write("d.json", "{\"trephine_phantom_truth\": 1, \"head\": {\"variant\": \"blue\"}}")),
+            ExitCode::bad_input);
+}
+
+// sample_dicom/ is what its preset makes, to the byte.
+TEST(PhantomSample, RegeneratesTheCommittedSeries) {
+  ScratchFolder folder;
+  const PhantomParams p = sample_phantom();
+  write_series(folder.path(), scan(Head(p.head), p.scan), p.scan, p.series, identity_of(p));
+  const std::filesystem::path committed = std::filesystem::path(TREPHINE_SOURCE_DIR) / "sample_dicom";
+  std::uint64_t total = 0;
+  for (const auto& e : std::filesystem::directory_iterator(committed)) total += e.file_size();
+  EXPECT_LE(total, 6u << 20);
+  EXPECT_EQ(hashes_of(folder.path()), hashes_of(committed));
+}
