@@ -509,6 +509,12 @@ TEST(DicomHu, BitsAboveTheStoredOnesAreNoValue) {
   EXPECT_TRUE(synthetic::same_volume(import_series(a.path(), {}).volume, import_series(b.path(), {}).volume));
 }
 
+TEST(DicomParams, AreDeclared) {
+  const ParameterSet& set = parameters_of<ImportParams>();
+  EXPECT_EQ(set.names(),
+            (std::vector<std::string>{"series", "modality", "gaps", "max_gap_mm", "clamp_low_hu", "clamp_high_hu"}));
+}
+
 TEST(DicomCancel, IsHeard) {
   const ScratchFolder folder;
   small().write(folder);

@@ -40,7 +40,7 @@ struct Plan {
 /// How many target slices a worker reads at once: a child is worth starting for some megabytes only, and what is under
 /// way must stay small beside the volume.
 int slab_size(const Series& series, const StackGeometry& g) {
-  constexpr std::int64_t least_bytes = 12 << 20, most_bytes = 128 << 20;
+  constexpr std::int64_t least_bytes = 8 << 20, most_bytes = 128 << 20;
   const FileHeader& h = *series.slices.front().header;
   const bool child = std::any_of(series.slices.begin(), series.slices.end(),
                                  [](const FrameRef& r) { return r.header->syntax->encoding != Encoding::native; });
