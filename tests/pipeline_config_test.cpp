@@ -82,6 +82,16 @@ TEST(Config, WhatWins) {
   EXPECT_EQ(decimation(read_case_config(set.config, overrides)).max_deviation_mm, 0.125);
 }
 
+TEST(Config, TheScenesDeviationIsDecimationsBudgetLessSmoothings) {
+  std::string smoothed = recipe;
+  smoothed.replace(smoothed.find("      - normals"), 0, "      - smooth: {max_displacement_mm: 0.25}\n");
+  const auto scene_with = [](const std::string& mm) {
+    return "trephine: 1\nanatomies: {skull: {max_deviation_mm: " + mm + "}}\n";
+  };
+  EXPECT_EQ(decimation(read_case_config(Files(head, smoothed, scene_with("1.25")).config)).max_deviation_mm, 1);
+  EXPECT_TRUE(has(faults(Files(head, smoothed, scene_with("0.25"))).at(0), "must exceed what smooth may move"));
+}
+
 TEST(Config, EveryFaultAtOnceWithItsPlaceAndTheNearestKey) {
   const Files files(
       head + "sereis: x\ncase: Has Blanks\nset: {skull.decimate.max_deviaton_mm: 1}\n",

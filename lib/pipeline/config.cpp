@@ -258,10 +258,22 @@ class Reader {
       const auto found = wanted.find(anatomy.name);
       if (found == wanted.end()) continue;
       out_.scene.push_back(found->second);
+      if (found->second.max_deviation_mm > 0) give_budget(file, tree, anatomy, found->second.max_deviation_mm);
       if (found->second.max_triangles > 0)
         set_if_there(anatomy, "decimate", "target_triangles_count", ParameterValue(found->second.max_triangles));
     }
     if (out_.scene.empty() && faults_.empty()) map.fault(tree, "anatomies", "the scene wants nothing");
+  }
+
+  // The deviation that the scene allows is shared out: smoothing keeps its bound, decimation gets the rest.
+  void give_budget(const fs::path& file, const YamlNode& tree, RecipeAnatomy& anatomy, double allowed_mm) {
+    double rest_mm = allowed_mm;
+    if (const RecipeStep* smooth = anatomy.find_step("smooth"))
+      if (const Parameter* p = smooth->params.set->find("max_displacement_mm"))
+        rest_mm -= std::get<double>(smooth->params.get(*p));
+    if (rest_mm > 0) return set_if_there(anatomy, "decimate", "max_deviation_mm", ParameterValue(rest_mm));
+    faults_.add(file, tree, "anatomies." + anatomy.name + ".max_deviation_mm",
+                to_text(allowed_mm) + ", must exceed what smooth may move the surface by, " + to_text(allowed_mm - rest_mm));
   }
 
   static void set_if_there(RecipeAnatomy& anatomy, const std::string& stage, const std::string& name,

@@ -46,7 +46,8 @@ double number(const Report& report, const char* name) {
 
 std::string text(const Report& report, const char* name) {
   const ParameterValue* v = report.find(name);
-  return v ? to_text(*v) : std::string();
+  const auto* s = v ? std::get_if<std::string>(v) : nullptr;
+  return s ? *s : std::string();
 }
 
 // Skin of a head is a face: it is published only where the scene says so, and why.
