@@ -15,6 +15,8 @@ namespace {
 
 /// After so many rounds of undoing, what is undone is no longer made up for elsewhere.
 constexpr int rounds_that_collapse = 12;
+/// Share of the bound that samples may use; the rest is for what lies between them.
+constexpr double sampled_share = 0.95;
 
 std::size_t target_count(const TriMesh& mesh, const DecimateParams& p) {
   const auto share = static_cast<std::int64_t>(std::ceil(p.keep_ratio * static_cast<double>(mesh.triangles.size())));
@@ -86,7 +88,7 @@ TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& repo
   if (target == 0 || input.triangles.size() <= target) {
     o.mesh = input;
   } else {
-    o = collapse_all(input, target, params.max_deviation_mm, progress);
+    o = collapse_all(input, target, sampled_share * params.max_deviation_mm, progress);
     if (o.mesh.triangles.size() > target) stopped_by = o.limited ? "deviation" : "validity";
   }
   const Validity v = check_validity(o.mesh, progress.part(0.9, 1));

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "base/parallel.h"
 
@@ -45,7 +44,7 @@ EdgeCollapse::EdgeCollapse(const TriMesh& input, const DeviationMeter& meter, do
   if (limit_mm > 0) {
     carried_ = std::make_unique<CarriedPoints>(input);
     near_.resize(input.triangles.size());
-    std::iota(near_.begin(), near_.end(), 0u);
+    for (std::size_t t = 0; t < near_.size(); ++t) near_[t] = input.triangles[t][0];
   }
   for (std::size_t t = 0; t < input.triangles.size(); ++t) {
     const Vec3 n = triangle_normal(input, t);
@@ -131,13 +130,15 @@ bool EdgeCollapse::keeps_shape(std::uint32_t u, std::uint32_t v, Vec3 at) {
 
 /// Of each triangle that is coarse beside the input: its middle, and that of its sides at the moved point.
 bool EdgeCollapse::samples_within() {
-  const double coarse = 2 * meter_.spacing_mm();
+  const double coarse = 2 * meter_.mean_edge_mm();
+  bool place_seen = false;
   for (std::size_t n = 0; n < corners_.size(); ++n) {
     const auto& [at, b, c] = corners_[n];
     if (dot(b - at, b - at) < coarse * coarse && dot(c - at, c - at) < coarse * coarse) continue;
     std::uint32_t& near = near_[staying_[n]];
-    if (!meter_.within((at + b + c) / 3, near) || !meter_.within((at + b) / 2, near) || !meter_.within(at, near))
-      return false;
+    if (!place_seen && !meter_.within(at, near)) return false;
+    place_seen = true;
+    if (!meter_.within((at + b) / 2, near) || !meter_.within((at + b + c) / 3, near)) return false;
   }
   return true;
 }

@@ -60,7 +60,7 @@ class EdgeCollapse {
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> versions_;
   std::vector<char> locked_;
-  std::vector<std::uint32_t> near_;  ///< per live triangle a triangle of the input near it
+  std::vector<std::uint32_t> near_;  ///< per live triangle a point of the input near it
   std::vector<Candidate> heap_;
   // What keeps_shape saw: the triangles that stay, with their corners after the collapse.
   std::vector<std::uint32_t> staying_;

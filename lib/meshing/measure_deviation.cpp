@@ -13,7 +13,7 @@ namespace {
 constexpr std::int64_t grain = 2048;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-double mean_edge_mm(const TriMesh& mesh) {
+double mean_edge_of(const TriMesh& mesh) {
   double sum = 0;
   for (const auto& t : mesh.triangles)
     for (int c = 0; c < 3; ++c) sum += norm(mesh.points_mm[t[c]] - mesh.points_mm[t[(c + 1) % 3]]);
@@ -57,38 +57,45 @@ class Gathering {
 DeviationMeter::DeviationMeter(const TriMesh& input, double limit_mm)
     : input_(input),
       limit2_(limit_mm > 0 ? limit_mm * limit_mm : infinity),
-      spacing_(mean_edge_mm(input)),
+      edge_(mean_edge_of(input)),
+      spacing_(limit_mm > 0 ? std::clamp(1.5 * limit_mm, edge_ / 4, edge_) : edge_),
       tree_(input),
       incidence_(input),
-      forward_(input.points_mm.size() + input.triangles.size()),
       raster_of_(input.triangles.size(), CollapseMesh::none) {}
 
-/// Going from a triangle to its neighbours as long as that leads nearer: an upper bound of the squared distance.
-double DeviationMeter::downhill(Vec3 p, std::uint32_t& triangle) const {
-  double best = squared_to(input_, triangle, p);
-  for (bool better = true; better;) {
-    better = false;
-    const std::uint32_t centre = triangle;
-    for (const std::uint32_t v : input_.triangles[centre])
-      for (std::uint32_t n = incidence_.begin[v]; n < incidence_.begin[v + 1]; ++n) {
-        const std::uint32_t t = incidence_.triangle[n];
-        const double d2 = t == centre ? best : squared_to(input_, t, p);
-        if (d2 >= best) continue;
-        best = d2;
-        triangle = t;
-        better = true;
-      }
+/// Going from a point to its neighbours as long as that leads nearer: an upper bound of the squared distance.
+double DeviationMeter::downhill(Vec3 place, std::uint32_t& near) const {
+  const auto squared = [&](std::uint32_t v) {
+    const Vec3 d = place - input_.points_mm[v];
+    return dot(d, d);
+  };
+  double best = squared(near);
+  for (std::uint32_t centre = CollapseMesh::none; centre != near;) {
+    centre = near;
+    for (std::uint32_t n = incidence_.begin[centre]; n < incidence_.begin[centre + 1]; ++n) {
+      const auto& t = input_.triangles[incidence_.triangle[n]];
+      const std::uint32_t v = t[0] == centre ? t[1] : t[1] == centre ? t[2] : t[0];
+      const double d2 = squared(v);
+      if (d2 >= best) continue;
+      best = d2;
+      near = v;
+    }
   }
+  for (std::uint32_t n = incidence_.begin[near]; n < incidence_.begin[near + 1]; ++n)
+    best = std::min(best, squared_to(input_, incidence_.triangle[n], place));
   return best;
 }
 
-double DeviationMeter::squared_distance(Vec3 p, std::uint32_t& near) const {
-  return tree_.squared_distance(p, downhill(p, near), &near);  // a good bound makes a short search
+double DeviationMeter::squared_distance(Vec3 place, std::uint32_t& near) const {
+  // A good bound makes a short search. It is the distance itself where the search finds nothing nearer.
+  std::uint32_t at = CollapseMesh::none;
+  const double d2 = tree_.squared_distance(place, downhill(place, near), &at);
+  if (at != CollapseMesh::none) near = input_.triangles[at][0];
+  return d2;
 }
 
-bool DeviationMeter::within(Vec3 p, std::uint32_t& near) const {
-  const double bound = downhill(p, near);
-  return bound <= limit2_ || tree_.squared_distance(p, bound, &near) <= limit2_;
+bool DeviationMeter::within(Vec3 place, std::uint32_t& near) const {
+  return downhill(place, near) <= limit2_ || squared_distance(place, near) <= limit2_;
 }
 
 void DeviationMeter::from_triangle(std::uint32_t raster, const std::array<Vec3, 3>& corners, std::uint32_t near) {
@@ -115,31 +122,41 @@ void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uin
   std::vector<std::uint32_t> plain_of(carried ? input_.triangles.size() : 0);
   if (carried)
     for (std::uint32_t t = 0; t < triangle_of.size(); ++t) plain_of[triangle_of[t]] = t;
-  const auto points = static_cast<std::int64_t>(input_.points_mm.size());
-  std::vector<std::vector<std::uint32_t>> found((forward_.size() + grain - 1) / grain);
-  parallel_for(0, static_cast<std::int64_t>(forward_.size()), grain, [&](std::int64_t from, std::int64_t to) {
+  const auto to_carrier = [&](Vec3 p, std::uint32_t v) { return squared_to(plain, plain_of[carried->carrier(v)], p); };
+  const auto triangles = static_cast<std::int64_t>(input_.triangles.size());
+  std::vector<std::vector<std::uint32_t>> found((triangles + grain - 1) / grain);
+  std::vector<std::vector<float>> distances(found.size());
+  // A triangle samples its middle, the middles of the sides that it runs upwards, and the points that it is the first
+  // to use.
+  parallel_for(0, triangles, grain, [&](std::int64_t from, std::int64_t to) {
     progress.check();
-    for (std::int64_t n = from; n < to; ++n) {
-      Vec3 p;
-      double d2 = infinity;
-      if (n < points) {
-        p = input_.points_mm[n];
-        if (carried) d2 = carried->squared_distance(static_cast<std::uint32_t>(n));
-      } else {
-        const auto& v = input_.triangles[n - points];
-        p = (input_.points_mm[v[0]] + input_.points_mm[v[1]] + input_.points_mm[v[2]]) / 3;
-        for (int c = 0; c < 3 && carried; ++c)
-          if (c == 0 || carried->carrier(v[c]) != carried->carrier(v[0]))
-            d2 = std::min(d2, squared_to(plain, plain_of[carried->carrier(v[c])], p));
-      }
+    const auto add = [&](Vec3 p, double d2) {
       if (!carried || d2 > limit2_) {
         std::uint32_t at = 0;
         d2 = tree.squared_distance(p, infinity, &at);
         if (d2 > limit2_) found[from / grain].push_back(triangle_of[at]);
       }
-      forward_[n] = static_cast<float>(std::sqrt(d2));
+      distances[from / grain].push_back(static_cast<float>(std::sqrt(d2)));
+    };
+    for (std::int64_t t = from; t < to; ++t) {
+      const auto& v = input_.triangles[t];
+      const Vec3 p[3] = {input_.points_mm[v[0]], input_.points_mm[v[1]], input_.points_mm[v[2]]};
+      const Vec3 middle = (p[0] + p[1] + p[2]) / 3;
+      double d2 = infinity;
+      for (int c = 0; c < 3 && carried; ++c)
+        if (c == 0 || carried->carrier(v[c]) != carried->carrier(v[0])) d2 = std::min(d2, to_carrier(middle, v[c]));
+      add(middle, d2);
+      for (int c = 0; c < 3; ++c) {
+        const std::uint32_t a = v[c], b = v[(c + 1) % 3];
+        if (incidence_.triangle[incidence_.begin[a]] == t) add(p[c], carried ? carried->squared_distance(a) : infinity);
+        if (a > b) continue;
+        const Vec3 half = (p[c] + p[(c + 1) % 3]) / 2;
+        add(half, carried ? std::min(to_carrier(half, a), to_carrier(half, b)) : infinity);
+      }
     }
   });
+  forward_.clear();
+  for (const auto& d : distances) forward_.insert(forward_.end(), d.begin(), d.end());
   for (const auto& f : found) beyond.insert(beyond.end(), f.begin(), f.end());
 }
 
@@ -165,13 +182,16 @@ std::vector<std::uint32_t> DeviationMeter::measure(const CollapseMesh& mesh, con
     }
     live_.push_back(raster);
   }
+  // Searches start at a point that the triangle carries, or where the triangle of the same number lay in the input.
+  std::vector<std::uint32_t> start(input_.triangles.size());
+  for (std::uint32_t t = 0; t < start.size(); ++t) start[t] = input_.triangles[t][0];
+  for (std::uint32_t p = 0; p < input_.points_mm.size() && carried; ++p) start[carried->carrier(p)] = p;
   parallel_for(0, static_cast<std::int64_t>(to_do.size()), 256, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     for (std::int64_t n = from; n < to; ++n) {
       const auto& v = plain.triangles[to_do[n]];
       const std::array<Vec3, 3> corners{plain.points_mm[v[0]], plain.points_mm[v[1]], plain.points_mm[v[2]]};
-      // The search starts where the triangle of the same number lay in the input: it is not far.
-      from_triangle(live_[to_do[n]], corners, triangle_of[to_do[n]]);
+      from_triangle(live_[to_do[n]], corners, start[triangle_of[to_do[n]]]);
     }
   });
   for (std::uint32_t t = 0; t < triangle_of.size(); ++t)

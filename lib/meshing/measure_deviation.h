@@ -33,8 +33,8 @@ class DeviationMeter {
                                      const Progress& progress);
   /// The point lies within the limit of the input. `near`: a triangle of the input to start the search at; becomes the
   /// one that was found.
-  bool within(Vec3 p, std::uint32_t& near) const;
-  double spacing_mm() const { return spacing_; }
+  bool within(Vec3 place, std::uint32_t& near) const;
+  double mean_edge_mm() const { return edge_; }
   /// Of the last measurement.
   DeviationFigures figures() const;
 
@@ -42,8 +42,8 @@ class DeviationMeter {
   void from_input(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of, const CarriedPoints* carried,
                   std::vector<std::uint32_t>& beyond, const Progress& progress);
   void from_triangle(std::uint32_t t, const std::array<Vec3, 3>& corners, std::uint32_t near);
-  double downhill(Vec3 p, std::uint32_t& triangle) const;
-  double squared_distance(Vec3 p, std::uint32_t& near) const;
+  double downhill(Vec3 place, std::uint32_t& near) const;
+  double squared_distance(Vec3 place, std::uint32_t& near) const;
 
   struct Raster {
     std::uint32_t measured_change =
@@ -53,7 +53,7 @@ class DeviationMeter {
     bool beyond = false;
   };
   const TriMesh& input_;
-  double limit2_, spacing_;
+  double limit2_, edge_, spacing_;
   TriangleTree tree_;
   Incidence incidence_;
   std::vector<float> forward_;

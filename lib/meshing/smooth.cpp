@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "meshing/normals.h"
 #include "meshing/validity.h"
 #include "surface/incidence.h"
 
@@ -102,6 +103,28 @@ void take_back(TriMesh& mesh, const TriMesh& original, std::vector<char>& held,
     }
 }
 
+/// Moves each point along its normal towards its target. What the volume loses is given back by an even offset, as far
+/// as the bound allows. Sliding along the surface would use up the bound where triangles are uneven, for nothing.
+void move_points(TriMesh& mesh, const TriMesh& original, const std::vector<Vec3>& target, double volume,
+                 double max_displacement_mm) {
+  TriMesh shape = original;
+  Report unused;
+  compute_normals(shape, NormalsParams(), unused);
+  const double step = float32_step_mm(original), area = area_mm2(original);
+  // The snap moves a point by less than a step; so the bound holds after it too.
+  const double limit = std::max(0.0, max_displacement_mm - step);
+  double offset = 0;
+  for (int round = 0; round < 4; ++round) {
+    for (std::size_t i = 0; i < target.size(); ++i) {
+      const Vec3 n = shape.normals[i], from = original.points_mm[i];
+      Vec3 p = from + n * std::clamp(dot(n, target[i] - from) + offset, -limit, limit);
+      for (int a = 0; a < 3; ++a) p[a] = std::nearbyint(p[a] / step) * step;
+      mesh.points_mm[i] = p;
+    }
+    offset += (volume - volume_mm3(mesh)) / area;
+  }
+}
+
 std::vector<std::uint32_t> faulty_triangles(const TriMesh& mesh, const Progress& progress) {
   std::vector<std::uint32_t> faults = degenerate_triangles(mesh);
   for (const auto& pair : self_intersections(mesh, progress)) faults.insert(faults.end(), pair.begin(), pair.end());
@@ -121,16 +144,7 @@ TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report,
   std::vector<char> held(mesh.points_mm.size(), 0);
   if (params.iterations_count > 0 && params.max_displacement_mm > 0) {
     const std::vector<Vec3> target = low_pass(original, params, progress.part(0.2, 0.6));
-    // The snap moves a point by at most half the diagonal of a step; so the bound holds after it too.
-    const double limit = std::max(0.0, params.max_displacement_mm - float32_step_mm(original));
-    for (std::size_t i = 0; i < target.size(); ++i) {
-      const Vec3 move = target[i] - original.points_mm[i];
-      const double length = norm(move);
-      mesh.points_mm[i] = original.points_mm[i] + (length > limit ? move * (limit / length) : move);
-    }
-    const double step = float32_step_mm(original);
-    for (Vec3& p : mesh.points_mm)
-      for (int a = 0; a < 3; ++a) p[a] = std::nearbyint(p[a] / step) * step;
+    move_points(mesh, original, target, volume, params.max_displacement_mm);
     for (int round = 0;; ++round) {
       const auto faults = faulty_triangles(mesh, progress.part(0.6, 0.9));
       if (faults.empty()) break;

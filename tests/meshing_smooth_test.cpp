@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Smoothing within its bound (M10), normals, and the validity check itself against meshes whose faults are known.
+#include "meshing/smooth.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "meshing/contour.h"
+#include "meshing/normals.h"
+#include "meshing/validity.h"
+#include "meshing_shapes.h"
+
+namespace trephine {
+namespace {
+
+using namespace shapes;
+
+TriMesh surface(const Field& f) {
+  ContourParams p;
+  p.min_component_mm3 = 0;
+  p.keep_cavities = true;
+  Report r;
+  return contour(f, p, r);
+}
+
+struct Result {
+  TriMesh mesh;
+  Report report;
+  double number(const char* name) const { return std::get<double>(*report.find(name)); }
+};
+
+Result smoothed(const TriMesh& m, std::int64_t iterations, double bound, double band = 0.1) {
+  SmoothParams p;
+  p.iterations_count = iterations;
+  p.max_displacement_mm = bound;
+  p.pass_band_ratio = band;
+  Result r;
+  r.mesh = smooth(m, p, r.report);
+  const Validity v = check_validity(r.mesh);
+  EXPECT_TRUE(v.valid()) << v.text();
+  EXPECT_TRUE(v.float32);
+  EXPECT_EQ(r.mesh.triangles, m.triangles);
+  for (std::size_t i = 0; i < m.points_mm.size(); ++i)
+    EXPECT_LE(norm(r.mesh.world_mm(i) - m.world_mm(i)), bound) << "point " << i;
+  return r;
+}
+
+/// A sphere of binary voxels: the stair-steps of 1.2 mm that smoothing is for.
+TriMesh stairs() {
+  Field f = sphere(40, 20);
+  for (float& v : f.voxels) v = v > 0 ? 0.5f : -0.5f;
+  return surface(f);
+}
+
+double roughness_mm(const TriMesh& m) {  // RMS against the radius 20
+  double s = 0;
+  for (std::size_t i = 0; i < m.points_mm.size(); ++i) s += std::pow(norm(m.world_mm(i)) - 20, 2);
+  return std::sqrt(s / double(m.points_mm.size()));
+}
+
+TEST(Smooth, AnyNumberOfIterations) {  // M10
+  const TriMesh m = stairs();
+  EXPECT_TRUE(smoothed(m, 0, 0.5).mesh.points_mm == m.points_mm);
+  for (const std::int64_t n : {1, 2, 10, 50, 10000}) {
+    const Result r = smoothed(m, n, 0.5);
+    EXPECT_LE(r.number("displacement_max_mm"), 0.5);
+    EXPECT_LT(std::abs(r.number("volume_change_percent")), 0.5) << n;
+  }
+}
+
+TEST(Smooth, TakesTheStairsAway) {
+  const TriMesh m = stairs();
+  const Result r = smoothed(m, 40, 1.0);
+  EXPECT_LT(roughness_mm(r.mesh), 0.5 * roughness_mm(m));
+}
+
+TEST(Smooth, LeavesASmoothSurfaceWhereItIs) {
+  const TriMesh m = surface(sphere(60, 20));
+  const Result r = smoothed(m, 20, 1.0);
+  EXPECT_LT(r.number("displacement_max_mm"), 0.08);
+  EXPECT_NEAR(volume_mm3(r.mesh) / (4.0 / 3 * M_PI * 8000), 1, 0.005);
+}
+
+TEST(Smooth, PointsAreHeldBackRatherThanCrossed) {
+  std::int64_t held = 0;
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    const Result r = smoothed(surface(noise(12, seed, 0.3, true)), 200, 3.0, 0.02);
+    held += std::get<std::int64_t>(*r.report.find("points_held_back_count"));
+  }
+  EXPECT_GT(held, 0);
+}
+
+TEST(Smooth, RefusesWhatIsNotFinite) {
+  TriMesh m = stairs();
+  m.points_mm[5].x = std::numeric_limits<double>::infinity();
+  SmoothParams p;
+  Report r;
+  try {
+    smooth(m, p, r);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::bad_input);
+    EXPECT_EQ(e.field(), "point 5");
+  }
+}
+
+TEST(Smooth, SameBytesWithAnyThreads) {
+  const TriMesh m = stairs();
+  set_thread_count(1);
+  const Result one = smoothed(m, 30, 0.3);
+  set_thread_count(2);
+  const Result two = smoothed(m, 30, 0.3);
+  set_thread_count(0);
+  EXPECT_TRUE(one.mesh.points_mm == two.mesh.points_mm);
+  EXPECT_EQ(one.report.figures, two.report.figures);
+}
+
+TEST(Normals, LookOutwardsAndKeepTheMesh) {
+  for (const NormalWeight weight : {NormalWeight::area, NormalWeight::angle}) {
+    TriMesh m = surface(sphere(40, 20));
+    const TriMesh before = m;
+    NormalsParams p;
+    p.weight = weight;
+    Report r;
+    compute_normals(m, p, r);
+    EXPECT_TRUE(m.points_mm == before.points_mm && m.triangles == before.triangles);
+    ASSERT_EQ(m.normals.size(), m.points_mm.size());
+    for (std::size_t i = 0; i < m.normals.size(); ++i) {
+      EXPECT_NEAR(norm(m.normals[i]), 1, 1e-12);
+      EXPECT_GT(dot(m.normals[i], normalized(m.world_mm(i))), 0.98);
+    }
+  }
+}
+
+TEST(Normals, AreNeverZero) {
+  TriMesh m;  // two triangles back to back, and a point of no triangle
+  m.points_mm = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 5, 5}};
+  m.triangles = {{0, 1, 2}, {0, 2, 1}};
+  Report r;
+  compute_normals(m, NormalsParams(), r);
+  for (const Vec3 n : m.normals) EXPECT_NEAR(norm(n), 1, 1e-12);
+  EXPECT_EQ(std::get<std::int64_t>(*r.find("normals_replaced_count")), 4);
+}
+
+TriMesh tetrahedron(Vec3 at, double size) {
+  TriMesh m;
+  m.points_mm = {at, at + Vec3{size, 0, 0}, at + Vec3{0, size, 0}, at + Vec3{0, 0, size}};
+  m.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  return m;
+}
+
+TriMesh together(const TriMesh& a, const TriMesh& b) {
+  TriMesh m = a;
+  const auto n = static_cast<std::uint32_t>(a.points_mm.size());
+  m.points_mm.insert(m.points_mm.end(), b.points_mm.begin(), b.points_mm.end());
+  for (const auto& t : b.triangles) m.triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
+  return m;
+}
+
+TEST(Validity, FindsIntersections) {
+  EXPECT_TRUE(check_validity(tetrahedron({}, 1)).valid());
+  EXPECT_TRUE(check_validity(together(tetrahedron({}, 1), tetrahedron({2, 0, 0}, 1))).valid());
+  EXPECT_TRUE(check_validity(together(tetrahedron({}, 9), tetrahedron({1, 1, 1}, 1))).valid());  // nested, apart
+  EXPECT_GT(check_validity(together(tetrahedron({}, 1), tetrahedron({0.3, 0.3, 0.3}, 1))).self_intersections, 0u);
+  // They only touch, in a point, and in a face.
+  EXPECT_GT(check_validity(together(tetrahedron({}, 1), tetrahedron({1, 0, 0}, 1))).self_intersections, 0u);
+  EXPECT_GT(check_validity(together(tetrahedron({}, 1), tetrahedron({0, 0, -1}, 1))).self_intersections, 0u);
+  // Gaps of one unit in the last place are gaps.
+  const double just_beside = std::nextafter(1.0, 2.0);
+  EXPECT_EQ(check_validity(together(tetrahedron({}, 1), tetrahedron({just_beside, 0, 0}, 1))).self_intersections, 0u);
+}
+
+TEST(Validity, FindsFoldsAtSharedEdgesAndPoints) {
+  TriMesh m = surface(sphere(12, 5));
+  ASSERT_TRUE(check_validity(m).valid());
+  // A point pulled across its ring of neighbours and through the far side.
+  const std::uint32_t v = m.triangles[40][0];
+  m.points_mm[v] = m.points_mm[v] * -1.2;
+  EXPECT_GT(check_validity(m).self_intersections, 0u);
+  // Two coplanar triangles on the same side of their common edge overlap.
+  TriMesh fold;
+  fold.points_mm = {{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {1, 2, 0}};
+  fold.triangles = {{0, 1, 2}, {1, 0, 3}};
+  EXPECT_EQ(self_intersections(fold).size(), 1u);
+  fold.points_mm[3] = {1, -2, 0};
+  EXPECT_EQ(self_intersections(fold).size(), 0u);
+  // Two triangles that share one point, one of which pierces the other.
+  TriMesh pierced;
+  pierced.points_mm = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, -1}, {1, 1, 1}};
+  pierced.triangles = {{0, 1, 2}, {0, 3, 4}};
+  EXPECT_EQ(self_intersections(pierced).size(), 1u);
+  EXPECT_EQ(self_intersections(pierced, {}, {1}).size(), 1u);
+}
+
+TEST(Validity, CountsDegenerateAndInsideOut) {
+  TriMesh flat = tetrahedron({}, 1);
+  flat.points_mm[3] = {0.5, 0.5, 0};
+  EXPECT_EQ(check_validity(flat).degenerate, 1u);
+  EXPECT_FALSE(check_validity(flat).valid());
+  TriMesh inward = tetrahedron({}, 1);
+  for (auto& t : inward.triangles) std::swap(t[0], t[1]);
+  EXPECT_EQ(check_validity(inward).text(), "looks inwards");
+  EXPECT_FALSE(check_validity(TriMesh()).valid());
+}
+
+TEST(Validity, SnappedPointsAreFloat32UnderEveryShift) {
+  TriMesh m = surface(sphere(20, 90, {0.1, 0.2, 0.3}));
+  ASSERT_TRUE(check_validity(m).float32);
+  for (const Vec3 shift : {Vec3{100, -250, 333}, Vec3{-17, 1, 640}})
+    for (const Vec3 p : m.points_mm)
+      for (int a = 0; a < 3; ++a) EXPECT_EQ(p[a] + shift[a], static_cast<float>(p[a] + shift[a]));
+}
+
+}  // namespace
+}  // namespace trephine
