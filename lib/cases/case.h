@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "base/exit_code.h"
-#include "base/exit_code.h"
 #include "base/report.h"
 #include "base/vec3.h"
 

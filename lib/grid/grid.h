@@ -64,6 +64,16 @@ struct Grid : Lattice {
   const T& at(int i, int j, int k) const { return voxels[index(i, j, k)]; }
 };
 
+/// The same lattice and the same samples (without this, Lattice's would compare the lattices alone).
+template <class T>
+bool operator==(const Grid<T>& a, const Grid<T>& b) {
+  return static_cast<const Lattice&>(a) == static_cast<const Lattice&>(b) && a.voxels == b.voxels;
+}
+template <class T>
+bool operator!=(const Grid<T>& a, const Grid<T>& b) {
+  return !(a == b);
+}
+
 template <class T>
 Grid<T> crop(const Grid<T>& grid, const Box& box);
 /// `grid` laid onto `lattice` (the same raster): cut off or filled up with `outside`.
