@@ -9,9 +9,10 @@
 
 namespace trephine {
 
-/// The bounded child process: danger (decoders with live asserts, foreign importers, booleans that crash or hang) runs in
-/// a spawned copy of this program with limits on memory, CPU and wall clock, core size 0 and no signal handlers of ours;
-/// the request and the result travel in shared memory. The parent always survives, kills what is left, and reports.
+/// The bounded child process: danger (decoders with live asserts, foreign importers, booleans that crash or hang) runs
+/// in a spawned copy of this program with limits on memory, CPU and wall clock, core size 0 and no signal handlers of
+/// ours; the request and the result travel in shared memory. The parent always survives, kills what is left, and
+/// reports.
 ///
 /// A worker is a function registered under a name at static initialization:
 ///   static const ChildWorker decode_worker("dicom-decode", [](ChildRequest& r) { ... });
@@ -55,8 +56,8 @@ class ChildResult {
 
 /// Runs the worker and waits. An Error that the worker throws arrives as the same Error (code, file, field, what).
 /// Throws Error 70 where the child dies, or exceeds a limit (the what says which: "killed by signal 6", "memory limit
-/// 512 MiB", "wall clock limit 60 s"); Cancelled where `progress` says so. No child outlives the call, nor a killed parent
-/// (PR_SET_PDEATHSIG).
+/// 512 MiB", "wall clock limit 60 s"); Cancelled where `progress` says so. No child outlives the call, nor a killed
+/// parent (PR_SET_PDEATHSIG).
 ChildResult run_child(const std::string& worker, std::string_view request, const ChildLimits& limits,
                       const Progress& progress = {});
 

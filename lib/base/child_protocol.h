@@ -9,14 +9,15 @@ namespace trephine {
 
 /// What parent and child of base/child.h agree on; for their two sources only.
 ///
-/// The child is started as `PROGRAM --trephine-child WORKER MEMORY_BYTES CPU_S PARENT_PID THREADS` with the request (memfd,
-/// sealed), the result (memfd, to be written) and the pipe of messages as the three descriptors below.
+/// The child is started as `PROGRAM --trephine-child WORKER MEMORY_BYTES CPU_S PARENT_PID THREADS` with the request
+/// (memfd, sealed), the result (memfd, to be written) and the pipe of messages as the three descriptors below.
 
 constexpr const char* child_argument = "--trephine-child";
 constexpr int child_request_fd = 3, child_result_fd = 4, child_pipe_fd = 5;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool built_with_sanitizer = true;  ///< its shadow needs terabytes of address space and a core that can be traced
+constexpr bool built_with_sanitizer =
+    true;  ///< its shadow needs terabytes of address space and a core that can be traced
 #else
 constexpr bool built_with_sanitizer = false;
 #endif
@@ -28,8 +29,8 @@ struct ChildMessage {
 };
 constexpr std::uint32_t child_message_limit = 1 << 20;
 
-/// An error's five parts (code, case, file, field, what), each with its length before it. Unpacking gives no parts where
-/// the bytes are not five parts.
+/// An error's five parts (code, case, file, field, what), each with its length before it. Unpacking gives no parts
+/// where the bytes are not five parts.
 std::string pack_child_error(const std::vector<std::string>& parts);
 std::vector<std::string> unpack_child_error(std::string_view bytes);
 

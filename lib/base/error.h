@@ -9,11 +9,11 @@
 
 namespace trephine {
 
-/// The one error type: who must act (the exit code), where (file; tag, field or stage), and what (value, limit or what to
-/// do). It is printed as one line, `trephine <tool>: <case token>: <file>: <field>: <what>`, empty parts left out.
+/// The one error type: who must act (the exit code), where (file; tag, field or stage), and what (value, limit or what
+/// to do). It is printed as one line, `trephine <tool>: <case token>: <file>: <field>: <what>`, empty parts left out.
 ///
-/// Whoever throws fills in what it knows; callers add the rest on the way up with `in_file`, `in_field`, `in_case`, which
-/// keep what is already there. No part may ever hold a patient's name, ID or UID.
+/// Whoever throws fills in what it knows; callers add the rest on the way up with `in_file`, `in_field`, `in_case`,
+/// which keep what is already there. No part may ever hold a patient's name, ID or UID.
 class Error : public std::runtime_error {
  public:
   Error(ExitCode code, std::string file, std::string field, const std::string& what);

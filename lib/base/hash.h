@@ -17,11 +17,11 @@ class Sha256 {
   Sha256(Sha256&&) noexcept;
   Sha256& operator=(Sha256&&) noexcept;
 
-  Sha256& bytes(const void* data, std::size_t size);           ///< raw, without a length
-  Sha256& text(std::string_view s);                            ///< with its length before it
-  Sha256& number(double v);                                    ///< the 8 bytes of its bit pattern; -0 as 0
+  Sha256& bytes(const void* data, std::size_t size);  ///< raw, without a length
+  Sha256& text(std::string_view s);                   ///< with its length before it
+  Sha256& number(double v);                           ///< the 8 bytes of its bit pattern; -0 as 0
   Sha256& integer(std::int64_t v);
-  std::string hex();                                           ///< 64 lower-case digits; the object is finished after it
+  std::string hex();  ///< 64 lower-case digits; the object is finished after it
 
  private:
   struct Context;

@@ -10,9 +10,9 @@ namespace trephine {
 void set_thread_count(int count);
 int thread_count();
 
-/// Calls body(from, to) for pieces of [begin, end) of at most `grain` items, on up to thread_count() threads. The pieces
-/// are the same whatever the thread count: a body that writes only its own items, or a result per piece, is deterministic.
-/// An exception of one piece is rethrown after all running pieces ended.
+/// Calls body(from, to) for pieces of [begin, end) of at most `grain` items, on up to thread_count() threads. The
+/// pieces are the same whatever the thread count: a body that writes only its own items, or a result per piece, is
+/// deterministic. An exception of one piece is rethrown after all running pieces ended.
 void parallel_for(std::int64_t begin, std::int64_t end, std::int64_t grain,
                   const std::function<void(std::int64_t from, std::int64_t to)>& body);
 

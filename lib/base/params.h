@@ -13,8 +13,8 @@
 
 namespace trephine {
 
-/// Parameters are declared once. An options struct lists its members in a static `describe` (a visitor over members; the
-/// default is the member's initializer and stands nowhere else):
+/// Parameters are declared once. An options struct lists its members in a static `describe` (a visitor over members;
+/// the default is the member's initializer and stands nowhere else):
 ///
 ///   struct DecimateParams {
 ///     double max_deviation_mm = 0.2;
@@ -24,8 +24,9 @@ namespace trephine {
 ///     }
 ///   };
 ///
-/// parameters_of<P>() turns that into a list of type-erased descriptors; the CLI flag (--max-deviation-mm), the YAML key,
-/// validation, help, reference page, JSON schema, completion and the manifest of effective values all come from it.
+/// parameters_of<P>() turns that into a list of type-erased descriptors; the CLI flag (--max-deviation-mm), the YAML
+/// key, validation, help, reference page, JSON schema, completion and the manifest of effective values all come from
+/// it.
 
 struct Range {
   double min = -std::numeric_limits<double>::infinity();
@@ -38,12 +39,12 @@ enum class ParameterKind { number, integer, flag, choice, text, numbers };
 using ParameterValue = std::variant<double, std::int64_t, bool, std::string, std::vector<double>>;
 
 struct Parameter {
-  std::string name;                   ///< snake_case, ends in its unit
-  std::string help;                   ///< one line
+  std::string name;  ///< snake_case, ends in its unit
+  std::string help;  ///< one line
   ParameterKind kind = ParameterKind::number;
-  Range range;                        ///< number, integer, numbers
-  std::vector<std::string> choices;   ///< choice
-  std::size_t count = 0;              ///< numbers: how many
+  Range range;                       ///< number, integer, numbers
+  std::vector<std::string> choices;  ///< choice
+  std::size_t count = 0;             ///< numbers: how many
   std::function<ParameterValue(const void* params)> get;
   std::function<void(void* params, const ParameterValue&)> set;  ///< the value must have passed parse_parameter
 };
@@ -72,28 +73,33 @@ class Collector {
   explicit Collector(ParameterSet& out) : out_(out) {}
 
   void number(double P::*m, const char* name, Range range, const char* help) {
-    add(name, help, ParameterKind::number, range,
-        [m](const P& p) { return ParameterValue(p.*m); }, [m](P& p, const ParameterValue& v) { p.*m = std::get<double>(v); });
+    add(
+        name, help, ParameterKind::number, range, [m](const P& p) { return ParameterValue(p.*m); },
+        [m](P& p, const ParameterValue& v) { p.*m = std::get<double>(v); });
   }
   template <class I>
   void integer(I P::*m, const char* name, Range range, const char* help) {
     range.min = std::max(range.min, static_cast<double>(std::numeric_limits<I>::lowest()));
     range.max = std::min(range.max, static_cast<double>(std::numeric_limits<I>::max()));
-    add(name, help, ParameterKind::integer, range,
+    add(
+        name, help, ParameterKind::integer, range,
         [m](const P& p) { return ParameterValue(static_cast<std::int64_t>(p.*m)); },
         [m](P& p, const ParameterValue& v) { p.*m = static_cast<I>(std::get<std::int64_t>(v)); });
   }
   void flag(bool P::*m, const char* name, const char* help) {
-    add(name, help, ParameterKind::flag, {},
-        [m](const P& p) { return ParameterValue(p.*m); }, [m](P& p, const ParameterValue& v) { p.*m = std::get<bool>(v); });
+    add(
+        name, help, ParameterKind::flag, {}, [m](const P& p) { return ParameterValue(p.*m); },
+        [m](P& p, const ParameterValue& v) { p.*m = std::get<bool>(v); });
   }
   void text(std::string P::*m, const char* name, const char* help) {
-    add(name, help, ParameterKind::text, {}, [m](const P& p) { return ParameterValue(p.*m); },
+    add(
+        name, help, ParameterKind::text, {}, [m](const P& p) { return ParameterValue(p.*m); },
         [m](P& p, const ParameterValue& v) { p.*m = std::get<std::string>(v); });
   }
   template <class E>
   void choice(E P::*m, const char* name, std::vector<std::pair<std::string, E>> choices, const char* help) {
-    auto& p = add(name, help, ParameterKind::choice, {},
+    auto& p = add(
+        name, help, ParameterKind::choice, {},
         [m, choices](const P& p) {
           for (const auto& c : choices)
             if (c.second == p.*m) return ParameterValue(c.first);
@@ -107,7 +113,8 @@ class Collector {
   }
   template <std::size_t N>
   void numbers(std::array<double, N> P::*m, const char* name, Range range, const char* help) {
-    auto& p = add(name, help, ParameterKind::numbers, range,
+    auto& p = add(
+        name, help, ParameterKind::numbers, range,
         [m](const P& p) { return ParameterValue(std::vector<double>((p.*m).begin(), (p.*m).end())); },
         [m](P& p, const ParameterValue& v) {
           const auto& items = std::get<std::vector<double>>(v);
@@ -155,7 +162,9 @@ struct AnyParams {
     return {&parameters_of<P>(), std::make_shared<P>(std::move(defaults))};
   }
   template <class P>
-  const P& as() const { return *static_cast<const P*>(object.get()); }
+  const P& as() const {
+    return *static_cast<const P*>(object.get());
+  }
   ParameterValue get(const Parameter& p) const { return p.get(object.get()); }
 };
 

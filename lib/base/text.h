@@ -7,7 +7,8 @@
 
 namespace trephine {
 
-/// Numbers as text whatever the locale (std::to_chars, from_chars), the shortest form that reads back to the same value.
+/// Numbers as text whatever the locale (std::to_chars, from_chars), the shortest form that reads back to the same
+/// value.
 std::string to_text(double v);
 /// 80000 as "80,000".
 std::string grouped_text(long long number);

@@ -11,8 +11,8 @@
 namespace trephine {
 
 /// Where the voxels of a volume lie: the lattice, without samples. Voxel (i, j, k)'s centre is
-/// origin_mm + direction * (i sx, j sy, k sz), DICOM patient LPS, mm. The direction is orthonormal and may be oblique or
-/// left-handed (determinant -1). i runs fastest in memory.
+/// origin_mm + direction * (i sx, j sy, k sz), DICOM patient LPS, mm. The direction is orthonormal and may be oblique
+/// or left-handed (determinant -1). i runs fastest in memory.
 struct Lattice {
   std::array<int, 3> size{0, 0, 0};
   Vec3 spacing_mm{1, 1, 1};
@@ -49,8 +49,9 @@ Box grown(const Box& box, int margin, const Lattice& lattice);
 /// The lattice of that part of `lattice`: the same voxel centres.
 Lattice cropped(const Lattice& lattice, const Box& box);
 
-/// Where the lattice `part` lies in `whole`: the box that it covers, in whole's indices, possibly beyond its ends. Throws
-/// Error 65 where the two are not the same raster (spacing, direction, or an offset that is not whole voxels, to 1e-3).
+/// Where the lattice `part` lies in `whole`: the box that it covers, in whole's indices, possibly beyond its ends.
+/// Throws Error 65 where the two are not the same raster (spacing, direction, or an offset that is not whole voxels, to
+/// 1e-3).
 Box place_in(const Lattice& part, const Lattice& whole);
 
 template <class T>
@@ -96,9 +97,9 @@ inline const Lattice& lattice_of(const HuVolume& v) {
 /// Binary mask (0 or 1) or labels.
 using Mask = Grid<std::uint8_t>;
 
-/// A sub-voxel description of one shape: positive inside, negative outside, its surface at 0, in arbitrary units that vary
-/// smoothly across the surface (HU, or mm). It may cover only the part of the volume's raster where the shape is; beyond
-/// its lattice is outside, unless the shape is cut there by the volume's edge. Every voxel is finite.
+/// A sub-voxel description of one shape: positive inside, negative outside, its surface at 0, in arbitrary units that
+/// vary smoothly across the surface (HU, or mm). It may cover only the part of the volume's raster where the shape is;
+/// beyond its lattice is outside, unless the shape is cut there by the volume's edge. Every voxel is finite.
 using Field = Grid<float>;
 
 }  // namespace trephine

@@ -9,11 +9,11 @@
 
 namespace trephine {
 
-/// NRRD 4 (teem.sourceforge.net/nrrd/format.html), 3 axes, one attached file, space left-posterior-superior, encoding raw
-/// or gzip, little endian. Only the fields that the format needs and the `keys` given are written: size, spacing, origin,
-/// direction and nothing of a patient. Where spacing times direction does not give both back to the last bit (oblique
-/// axes), the keys trephine-spacing and trephine-direction hold them apart; read_nrrd takes them and hides them, and
-/// ignores them where they no longer agree with the space directions.
+/// NRRD 4 (teem.sourceforge.net/nrrd/format.html), 3 axes, one attached file, space left-posterior-superior, encoding
+/// raw or gzip, little endian. Only the fields that the format needs and the `keys` given are written: size, spacing,
+/// origin, direction and nothing of a patient. Where spacing times direction does not give both back to the last bit
+/// (oblique axes), the keys trephine-spacing and trephine-direction hold them apart; read_nrrd takes them and hides
+/// them, and ignores them where they no longer agree with the space directions.
 using NrrdKeys = std::map<std::string, std::string>;
 enum class NrrdEncoding { raw, gzip };
 
@@ -31,9 +31,9 @@ struct Nrrd {
   NrrdKeys keys;
 };
 /// Reads what write_nrrd wrote and what 3D Slicer and ITK write of the same types (spaces LPS and RAS; int16, uint8,
-/// float, and uint16, int32, double converted where exact or to float). Throws 66; 65 naming the field: wrong dimension,
-/// sizes that disagree with the bytes there (checked before anything is allocated), spacing not positive and finite,
-/// directions not orthogonal, voxels not finite.
+/// float, and uint16, int32, double converted where exact or to float). Throws 66; 65 naming the field: wrong
+/// dimension, sizes that disagree with the bytes there (checked before anything is allocated), spacing not positive and
+/// finite, directions not orthogonal, voxels not finite.
 Nrrd read_nrrd(const std::filesystem::path& file);
 
 /// read_nrrd for a caller that needs HU, or a field; a mask is converted.

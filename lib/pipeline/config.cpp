@@ -272,8 +272,9 @@ class Reader {
       if (const Parameter* p = smooth->params.set->find("max_displacement_mm"))
         rest_mm -= std::get<double>(smooth->params.get(*p));
     if (rest_mm > 0) return set_if_there(anatomy, "decimate", "max_deviation_mm", ParameterValue(rest_mm));
-    faults_.add(file, tree, "anatomies." + anatomy.name + ".max_deviation_mm",
-                to_text(allowed_mm) + ", must exceed what smooth may move the surface by, " + to_text(allowed_mm - rest_mm));
+    faults_.add(
+        file, tree, "anatomies." + anatomy.name + ".max_deviation_mm",
+        to_text(allowed_mm) + ", must exceed what smooth may move the surface by, " + to_text(allowed_mm - rest_mm));
   }
 
   static void set_if_there(RecipeAnatomy& anatomy, const std::string& stage, const std::string& name,

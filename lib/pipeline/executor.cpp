@@ -210,6 +210,8 @@ class Executor {
       ImportResult imported = import_series(options_.series, node.params.as<ImportParams>(), progress);
       result.data = std::make_shared<const HuVolume>(std::move(imported.volume));
       result.report = std::move(imported.report);
+      // What else lay in the folder does not belong to the series, but who runs this should hear of it.
+      for (std::string& w : imported.folder.warnings) result.report.warn(std::move(w));
       return;
     }
     StageInputs inputs;

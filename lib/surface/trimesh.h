@@ -8,8 +8,9 @@
 
 namespace trephine {
 
-/// The plain indexed triangle mesh. Point i lies at origin_mm + points_mm[i] (DICOM patient LPS, mm): a local origin keeps
-/// the doubles, and float32 on export, precise far from the frame's. Triangles are counter-clockwise seen from outside.
+/// The plain indexed triangle mesh. Point i lies at origin_mm + points_mm[i] (DICOM patient LPS, mm): a local origin
+/// keeps the doubles, and float32 on export, precise far from the frame's. Triangles are counter-clockwise seen from
+/// outside.
 struct TriMesh {
   Vec3 origin_mm;
   std::vector<Vec3> points_mm;
@@ -32,15 +33,15 @@ void check_mesh(const TriMesh& mesh);
 /// Combinatorial facts, from the triangles alone; O(n log n), no geometry but the degenerate count.
 struct Topology {
   std::size_t points = 0, triangles = 0, edges = 0;
-  std::size_t boundary_edges = 0;       ///< used by one triangle
-  std::size_t nonmanifold_edges = 0;    ///< used by three or more
-  std::size_t misoriented_edges = 0;    ///< used twice in the same direction
-  std::size_t nonmanifold_points = 0;   ///< whose triangles form more than one fan
+  std::size_t boundary_edges = 0;      ///< used by one triangle
+  std::size_t nonmanifold_edges = 0;   ///< used by three or more
+  std::size_t misoriented_edges = 0;   ///< used twice in the same direction
+  std::size_t nonmanifold_points = 0;  ///< whose triangles form more than one fan
   std::size_t unused_points = 0;
-  std::size_t degenerate_triangles = 0; ///< repeated index, or area below 1e-12 mm^2
+  std::size_t degenerate_triangles = 0;  ///< repeated index, or area below 1e-12 mm^2
   std::size_t duplicate_triangles = 0;
   int components = 0;
-  long euler_characteristic = 0;        ///< V - E + F over used points
+  long euler_characteristic = 0;  ///< V - E + F over used points
   /// Sum of the genera of the components; only where closed and manifold, else -1.
   long genus = -1;
   bool closed() const { return boundary_edges == 0; }
@@ -57,10 +58,11 @@ Vec3 triangle_normal(const TriMesh& mesh, std::size_t triangle);  ///< not norma
 
 /// Removes points that no triangle uses, keeping the order.
 void drop_unused_points(TriMesh& mesh);
-/// For each triangle the number of its edge-connected component, 0 based in order of the first triangle; returns the count.
+/// For each triangle the number of its edge-connected component, 0 based in order of the first triangle; returns the
+/// count.
 int label_components(const TriMesh& mesh, std::vector<int>& component_of_triangle);
-/// Keeps the edge-connected components with at least that many mm^3 of (absolute) volume, the largest always. Returns how
-/// many went.
+/// Keeps the edge-connected components with at least that many mm^3 of (absolute) volume, the largest always. Returns
+/// how many went.
 int keep_large_components(TriMesh& mesh, double min_volume_mm3);
 
 }  // namespace trephine
