@@ -104,6 +104,15 @@ BitMask crop(const BitMask& mask, const Box& box) {
   });
 }
 
+BitMask placed(const BitMask& mask, const Lattice& lattice) {
+  const Box at = place_in(mask.lattice(), lattice);
+  return make_mask(lattice, [&](int j, int k, std::uint8_t* row) {
+    if (j < at.begin[1] || j >= at.end[1] || k < at.begin[2] || k >= at.end[2]) return;
+    for (int i = std::max(0, at.begin[0]); i < std::min(lattice.size[0], at.end[0]); ++i)
+      row[i] = mask.get(i - at.begin[0], j - at.begin[1], k - at.begin[2]);
+  });
+}
+
 namespace {
 
 /// out |= in shifted by n bits towards higher x (n > 0) or lower x (n < 0), |n| < 64.
@@ -188,8 +197,15 @@ BitMask eroded(const BitMask& mask, double radius_mm, const Progress& progress) 
 }
 
 BitMask closed(const BitMask& mask, double radius_mm, const Progress& progress) {
-  BitMask result = eroded(dilated(mask, radius_mm, progress), radius_mm, progress);
-  return result |= mask;
+  Lattice room = mask.lattice();
+  Vec3 corner;
+  for (int a = 0; a < 3; ++a) {
+    const int margin = int(std::ceil(radius_mm / room.spacing_mm[a])) + 1;
+    room.size[a] += 2 * margin;
+    corner[a] = -margin;
+  }
+  room.origin_mm = mask.lattice().to_world_mm(corner);
+  return placed(eroded(dilated(placed(mask, room), radius_mm, progress), radius_mm, progress), mask.lattice());
 }
 
 BitMask dilated_6(const BitMask& mask) {

@@ -50,6 +50,9 @@ BitMask positive(const Field& field, const Lattice& lattice);
 /// The part of the mask in `box`; the lattice is cropped(mask.lattice(), box).
 BitMask crop(const BitMask& mask, const Box& box);
 
+/// The mask moved to another lattice of the same raster; what lies beyond it is lost.
+BitMask placed(const BitMask& mask, const Lattice& lattice);
+
 /// All voxels whose centre is within radius_mm of a set one's (a ball in mm, whatever the spacing). A mask that is cut
 /// by the lattice's edge is treated as if the outside were background when dilated and foreground when eroded: edges
 /// neither grow nor wear off.

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
 #include "base/error.h"
 #include "segmentation/filters.h"
 #include "segmentation/methods.h"
@@ -12,7 +14,9 @@ constexpr double bone_blur_mm = 1.5;    ///< HU this near to bone are not believ
 constexpr double bone_margin_mm = 1.0;  ///< and the brain never comes nearer than this: dura and a film of CSF
 constexpr double default_open_mm = 2.5;
 constexpr double default_close_mm = 3.0;
-constexpr double default_fill_close_mm = 6.0;
+constexpr double default_fill_close_mm = 10.0;
+constexpr double inner_hu = 6;  ///< inside, tissue may be this much darker than at its surface (white matter, oedema)
+constexpr double peel_mm = 4;   ///< the surface's threshold works this deep
 constexpr double cut_sigma_mm = 1.5;
 constexpr double cut_scale_hu = 10;
 
@@ -32,6 +36,18 @@ Grid<float> soft_tissue(const HuView& hu, const Box& box, const BitMask& cavity,
 
 }  // namespace
 
+double tissue_shift_hu(const Grid<float>& soft, const BitMask& where, Report& report) {
+  constexpr double usual_hu = 30, most_hu = 15;
+  std::vector<float> values;
+  for (int k = 0; k < soft.size[2]; ++k)
+    for (int j = 0; j < soft.size[1]; ++j)
+      for (int i = (j + k) % 3; i < soft.size[0]; i += 3)
+        if (where.get(i, j, k)) values.push_back(soft.at(i, j, k));
+  const double middle = median(values, float(usual_hu));
+  report.add("tissue_hu", middle);
+  return std::clamp(middle - usual_hu, -most_hu, most_hu);
+}
+
 Field segment_brain(const HuView& hu, const SegmentMasks& masks, const SegmentParams& p, Report& report,
                     const Progress& progress) {
   BitMask bone = masks.skull ? positive(*masks.skull, hu.lattice()) : bone_of(hu);
@@ -50,11 +66,16 @@ Field segment_brain(const HuView& hu, const SegmentMasks& masks, const SegmentPa
   Field soft = soft_tissue(hu, box, cavity, near_bone, or_default(p.smoothing_sigma_mm, default_sigma_mm), progress);
   progress.report(0.6);
   cavity.remove(dilated(bone, bone_margin_mm, progress));
-  const float lower = float(p.lower_hu), upper = float(p.upper_hu);
-  BitMask tissue = make_mask(soft, [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < soft.size[0]; ++i) row[i] = soft.at(i, j, k) > lower && soft.at(i, j, k) < upper;
-  });
-  tissue &= cavity;
+  const double shift = p.edge == SegmentEdge::half_maximum ? tissue_shift_hu(soft, cavity, report) : 0;
+  const float lower = float(p.lower_hu + shift), upper = float(p.upper_hu);
+  report.add("lower_hu", double(lower));
+  const auto within = [&](float from) {
+    BitMask tissue = make_mask(soft, [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < soft.size[0]; ++i) row[i] = soft.at(i, j, k) > from && soft.at(i, j, k) < upper;
+    });
+    return tissue &= cavity;
+  };
+  const BitMask tissue = within(lower - float(inner_hu));
 
   // Bridges (vessels, dura, nerves) are cut; then the envelope: narrow sulci closed, ventricles filled.
   const double open_mm = or_default(p.open_mm, default_open_mm);
@@ -68,6 +89,12 @@ Field segment_brain(const HuView& hu, const SegmentMasks& masks, const SegmentPa
   filled &= cavity;
   shape |= filled;
   report.add("filled_ml", double(filled.count()) * hu.lattice().voxel_volume_mm3() / 1000);
+  // The surface at its own threshold: what is darker is peeled off from outside.
+  BitMask outside = shape, dark = within(lower);
+  outside.invert();
+  dark.invert();
+  shape.remove(grown_within(outside, dark, peel_mm, progress));
+  shape = largest(components(shape));
   progress.report(0.8);
   for (float& v : soft.voxels) v = std::min(v - lower, upper - v);
   report.add("cut_voxels_count", place_surface(soft, shape, cut_sigma_mm, cut_scale_hu, progress));

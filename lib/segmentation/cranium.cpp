@@ -15,6 +15,8 @@ constexpr double coarse_mm = 2;
 constexpr double least_core_mm = 15;     ///< the middle of a cranium lies at least this far from bone
 constexpr double least_enclosure = 0.6;  ///< and in this share of directions a ray from it meets bone
 constexpr double opening_mm = 2;
+constexpr double canal_mm = 13;   ///< the spinal canal is narrower than twice this, the foramen magnum about as wide
+constexpr double corner_mm = 10;  ///< how far corners (and the canal's beginning) reach beyond the balls of that radius
 
 struct Coarse {
   Lattice lattice;
@@ -156,6 +158,15 @@ BitMask cranial_cavity(const BitMask& bone, Report& report, const Progress& prog
   BitMask space = walls;
   space.invert();
   Mask labels = flood(to_bone, space, seeds_of(walls, to_bone), progress);
+  // The spinal canal: what lies farther than a corner from where a ball of canal_mm fits.
+  BitMask wide = make_mask(c.lattice, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < c.lattice.size[0]; ++i) row[i] = labels.at(i, j, k) == 1 && to_bone.at(i, j, k) >= canal_mm;
+  });
+  wide = dilated(largest(components(wide)), canal_mm + corner_mm, progress);
+  for (int k = 0; k < c.lattice.size[2]; ++k)
+    for (int j = 0; j < c.lattice.size[1]; ++j)
+      for (int i = 0; i < c.lattice.size[0]; ++i)
+        if (labels.at(i, j, k) == 1 && !wide.get(i, j, k)) labels.at(i, j, k) = 2;
   // Bone cells go to the nearer side, so that the border of the regions runs inside the bone.
   Grid<float> into_bone = distance_mm(space, progress);
   for (float& d : into_bone.voxels) d = std::max(0.f, 1000.f - d);

@@ -28,7 +28,8 @@ Mask flood(const Grid<float>& height, const BitMask& domain, const Mask& seeds, 
 
 /// Signed distance in mm to the field's zero crossing (positive inside), from the closest of its sub-voxel surface
 /// points, spread by vector sweeps (Danielsson, "Euclidean distance mapping", 1980: exact but for rare voxels, by a
-/// small share of a voxel). Exact to the surface points' own error, about 0.05 voxel.
+/// small share of a voxel). Beyond a voxel from the surface good to about 0.05 voxel; nearer, too large by up to a
+/// quarter of one. 1e6 where there is no surface.
 Grid<float> signed_distance_mm(const Field& field, const Progress& progress = {});
 
 /// The middle value of those collected; `otherwise` where there are none. Reorders the values.

@@ -27,9 +27,6 @@ Grid<float> crop(const HuView& hu, const Box& box);
 /// The box of voxels whose centres lie within the region of interest; throws Error 80 where there are none.
 Box region_of_interest(const Lattice& lattice, const SegmentParams& params);
 
-/// The mask moved to another lattice of the same raster; what lies beyond it is lost.
-BitMask placed(const BitMask& mask, const Lattice& lattice);
-
 struct FillRule {
   double close_mm = 0;
   double max_ml = 1000;
@@ -48,6 +45,10 @@ BitMask bone_of(const HuView& hu);
 /// The cranial cavity on the volume's lattice: not bone, inside. Throws Error 80 where no space enclosed by bone is
 /// found.
 BitMask cranial_cavity(const BitMask& bone, Report& report, const Progress& progress);
+
+/// HU of brain tissue differ between scanners by several units: by how much the middle value of `soft` over `where`
+/// lies above 30, the middle of a well calibrated scan of a brain; at most 15. Adds "tissue_hu".
+double tissue_shift_hu(const Grid<float>& soft, const BitMask& where, Report& report);
 
 Field segment_threshold(const HuView& hu, const SegmentMasks& masks, const SegmentParams& params, Report& report,
                         const Progress& progress);

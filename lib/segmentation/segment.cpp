@@ -49,15 +49,6 @@ Box region_of_interest(const Lattice& lattice, const SegmentParams& params) {
   return box;
 }
 
-BitMask placed(const BitMask& mask, const Lattice& lattice) {
-  const Box at = place_in(mask.lattice(), lattice);
-  return make_mask(lattice, [&](int j, int k, std::uint8_t* row) {
-    if (j < at.begin[1] || j >= at.end[1] || k < at.begin[2] || k >= at.end[2]) return;
-    for (int i = std::max(0, at.begin[0]); i < std::min(lattice.size[0], at.end[0]); ++i)
-      row[i] = mask.get(i - at.begin[0], j - at.begin[1], k - at.begin[2]);
-  });
-}
-
 BitMask holes(const BitMask& shape, const FillRule& rule, const Progress& progress) {
   BitMask free = shape;
   free.invert();

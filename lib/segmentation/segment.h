@@ -47,25 +47,31 @@ struct SegmentParams {
     v.number(&P::seed_lower_hu, "seed_lower_hu", Range{-100000, 100000},
              "Hysteresis: only pieces that hold a voxel of at least this HU.");
     v.choice(&P::edge, "edge", {{"fixed", SegmentEdge::fixed}, {"half_maximum", SegmentEdge::half_maximum}},
-             "Where the surface lies: at the threshold, or halfway between both sides of the edge as measured "
-             "(threshold: never below lower_hu; ventricles: one value for the case; brain: has no effect).");
+             "Where the surface lies: at the HU given, or halfway between both sides as measured (threshold: at every "
+             "place, never below lower_hu; brain, ventricles: HU given for a scan whose brain is at 30, and moved with "
+             "it).");
     v.number(&P::smoothing_sigma_mm, "smoothing_sigma_mm", Range{0, 5},
-             "Sigma of the Gaussian against noise before the thresholds; brain and ventricles use 1 where it is 0.");
+             "Sigma of the Gaussian against noise before the thresholds; where it is 0, brain uses 1, ventricles 1.1.");
     v.numbers(&P::roi_min_mm, "roi_min_mm", Range{-1e6, 1e6}, "Lower corner of the region of interest, LPS.");
     v.numbers(&P::roi_max_mm, "roi_max_mm", Range{-1e6, 1e6}, "Upper corner of the region of interest, LPS.");
     v.number(&P::open_mm, "open_mm", Range{0, 10},
-             "Parts that hang together only by bridges thinner than twice this are told apart (head and head holder).");
+             "Parts that hang together only by bridges thinner than twice this are told apart (head and head holder); "
+             "brain: "
+             "2.5 where it is 0.");
     v.choice(&P::components, "components", {{"all", SegmentComponents::all}, {"largest", SegmentComponents::largest}},
              "Which connected pieces to keep.");
     v.number(&P::min_component_ml, "min_component_ml", Range{0, 10000}, "Pieces smaller than this are dropped.");
-    v.number(&P::close_mm, "close_mm", Range{0, 30}, "Gaps narrower than twice this are closed.");
+    v.number(&P::close_mm, "close_mm", Range{0, 30},
+             "Gaps narrower than twice this are closed; brain: 3 where it is 0.");
     v.choice(&P::fill, "fill",
              {{"none", SegmentFill::none},
               {"cavities", SegmentFill::cavities},
               {"cavities_and_cut", SegmentFill::cavities_and_cut}},
              "Fill what the material encloses; cavities_and_cut: also what only one face of the volume cuts open.");
     v.number(&P::fill_close_mm, "fill_close_mm", Range{0, 30},
-             "Fill also cavities whose ways out are narrower than twice this; the outer surface stays where it is.");
+             "Fill also cavities whose ways out are narrower than twice this; the outer surface stays where it is; "
+             "brain: 10 "
+             "where it is 0.");
     v.number(&P::fill_max_ml, "fill_max_ml", Range{0, 10000}, "Cavities larger than this stay open.");
     v.number(&P::grow_mm, "grow_mm", Range{-20, 20},
              "Moves the surface outwards (or inwards, below 0) by this distance in the end; the field is then in mm.");
@@ -84,14 +90,18 @@ struct SegmentMasks {
 /// values beside the surface are HU against the threshold (so that partial volume places it within a voxel), or a
 /// smoothed cut where the mask ends inside material. No voxel is 0.
 ///
-/// threshold: window, masks, hysteresis, opening by pieces, components, closing, filling, in this order. With edge
-/// half_maximum the fixed threshold decides what is bone and the surface lies at half the contrast, which kernel blur
-/// moves far less (Hoffmann et al. call it FWHM thresholding). brain: the space in the skull is found on a 2 mm raster
-/// by a watershed on the distance to bone, so that every foramen is cut at its narrowest; inside it tissue brighter
-/// than CSF, opened, closed and filled: ventricles belong to it. ventricles: CSF deep inside the brain, parted from
-/// cisterns and sulci at the narrowest places by the same watershed. Brain and ventricles are a first unattended
-/// estimate: wide ways between ventricles and cisterns, blood or a tumour in them, and a skull with a large defect can
-/// mislead it. The report says what was found ("volume_ml", ...), and warns where it is implausible.
+/// - threshold: window, masks, hysteresis, opening by pieces, components, closing, filling, in this order. With edge
+///   half_maximum the fixed threshold decides what is bone and the surface lies at half the contrast, which kernel blur
+///   moves far less.
+/// - brain: the space in the skull is found on a 2 mm raster by a watershed on the distance to bone, so that every
+/// foramen
+///   is cut at its narrowest; inside it tissue brighter than CSF, opened, closed and filled: ventricles belong to it.
+/// - ventricles: CSF deep inside the brain (the lateral ones and the third), parted from cisterns, fourth ventricle and
+///   sulci at the narrowest places by the same watershed.
+///
+/// Brain and ventricles are a first unattended estimate for a head that lies straight to about 15 degrees: blood or a
+/// tumour in the ventricles, wide ways out of them, strong cupping and a skull with a large defect mislead it. The
+/// report says what was found ("volume_ml", ...), and warns where it is implausible.
 ///
 /// The result is the same bits whatever the thread count. Safe to call from several threads at a time.
 /// Throws Error 65 where a voxel is not finite, or a mask is of another raster; 64 where ventricles have no brain

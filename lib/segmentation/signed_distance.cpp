@@ -58,40 +58,42 @@ Grid<float> signed_distance_mm(const Field& field, const Progress& progress) {
   const Lattice& l = field;
   const Vec3 s = l.spacing_mm;
   Sweeper w{l, {}, std::vector<std::int32_t>(l.count(), -1), Grid<float>(l, 1e6f)};
-  // Surface points: where the field crosses 0 along the edges of the lattice, and, nearer to the foot of the
-  // perpendicular, one Newton step along the gradient from each voxel beside the surface.
-  const auto value = [&](int i, int j, int k) {
-    return double(
-        field.at(std::clamp(i, 0, l.size[0] - 1), std::clamp(j, 0, l.size[1] - 1), std::clamp(k, 0, l.size[2] - 1)));
+  // Surface points: where the field crosses 0 along the edges of each cell of the lattice, the middle of these, and the
+  // middles between the two. None lies off the surface by more than its sag within a cell.
+  const auto add = [&](Vec3 p) {
+    w.points.push_back({p.x * s.x, p.y * s.y, p.z * s.z});
+    const std::int32_t id = std::int32_t(w.points.size() - 1);
+    for (int corner = 0; corner < 8; ++corner) {
+      const int i = int(p.x) + (corner & 1), j = int(p.y) + (corner >> 1 & 1), k = int(p.z) + (corner >> 2);
+      if (l.contains(i, j, k)) w.offer(l.index(i, j, k), i, j, k, id);
+    }
   };
-  for (int k = 0; k < l.size[2]; ++k)
-    for (int j = 0; j < l.size[1]; ++j)
-      for (int i = 0; i < l.size[0]; ++i) {
-        const double f = field.at(i, j, k);
-        bool beside = false;
-        const std::size_t v = l.index(i, j, k);
+  for (int k = 0; k + 1 < l.size[2]; ++k)
+    for (int j = 0; j + 1 < l.size[1]; ++j)
+      for (int i = 0; i + 1 < l.size[0]; ++i) {
+        Vec3 crossing[12], middle;
+        int n = 0;
         for (int axis = 0; axis < 3; ++axis)
-          for (int side : {-1, 1}) {
-            const int n[3] = {i + (axis == 0) * side, j + (axis == 1) * side, k + (axis == 2) * side};
-            if (!l.contains(n[0], n[1], n[2])) continue;
-            const double g = field.at(n[0], n[1], n[2]);
+          for (int edge = 0; edge < 4; ++edge) {
+            Vec3 from{double(i), double(j), double(k)};
+            from[(axis + 1) % 3] += edge & 1;
+            from[(axis + 2) % 3] += edge >> 1;
+            Vec3 to = from;
+            to[axis] += 1;
+            const double f = field.at(int(from.x), int(from.y), int(from.z)),
+                         g = field.at(int(to.x), int(to.y), int(to.z));
             if ((f > 0) == (g > 0)) continue;
-            beside = true;
-            Vec3 p{i * s.x, j * s.y, k * s.z};
-            p[axis] += side * s[axis] * std::min(1.0, f / (f - g));
-            w.points.push_back(p);
-            w.offer(v, i, j, k, std::int32_t(w.points.size() - 1));
+            from[axis] += f / (f - g);
+            middle += from;
+            crossing[n++] = from;
           }
-        if (!beside) continue;
-        const Vec3 gradient{(value(i + 1, j, k) - value(i - 1, j, k)) / (2 * s.x),
-                            (value(i, j + 1, k) - value(i, j - 1, k)) / (2 * s.y),
-                            (value(i, j, k + 1) - value(i, j, k - 1)) / (2 * s.z)};
-        const double g2 = dot(gradient, gradient);
-        if (!(g2 > 0)) continue;
-        const Vec3 step = gradient * (-f / g2);
-        if (norm(step) > w.distance.voxels[v]) continue;
-        w.points.push_back(Vec3{i * s.x, j * s.y, k * s.z} + step);
-        w.offer(v, i, j, k, std::int32_t(w.points.size() - 1));
+        if (!n) continue;
+        middle = middle / n;
+        add(middle);
+        for (int c = 0; c < n; ++c) {
+          add(crossing[c]);
+          add(0.5 * (crossing[c] + middle));
+        }
       }
   for (int round = 0; round < 2; ++round) {
     w.sweep(1, progress);

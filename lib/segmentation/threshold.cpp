@@ -16,7 +16,8 @@ constexpr double brightest_bone_hu = 2000;  ///< enamel and metal count as this,
 constexpr double cut_sigma_mm = 1.0;
 constexpr double cut_scale_hu = 100;
 constexpr double rejected_piece_ml = 1;  ///< of an opened mask: smaller pieces are thin parts of the kept one (ears)
-constexpr double thin_part_ml = 15;      ///< and thin parts are at most this
+constexpr double plate_core_mm = 1;      ///< a thin part of at least twice this
+constexpr double plate_span_mm = 100;    ///< and this long, cut by the volume's edge, is a table or head holder
 
 /// What places the surface: HU above the lower threshold, or below the upper one where that is nearer. The thresholds
 /// are inclusive; on integers they are taken half a unit further out, so that no voxel is 0.
@@ -47,10 +48,18 @@ std::vector<char> chosen(const Components& c, const SegmentParams& p) {
   return keep;
 }
 
-/// Opening by pieces: what falls off when thin bridges are cut is dropped; what is merely thin stays.
+double span_mm(const Component& c, const Lattice& l) {
+  double span = 0;
+  for (int a = 0; a < 3; ++a) span = std::max(span, (c.box.end[a] - c.box.begin[a]) * l.spacing_mm[a]);
+  return span;
+}
+
+/// Opening by pieces: what falls off when bridges thinner than twice open_mm are cut is dropped, and so are thin plates
+/// that the volume cuts; other thin parts (ears, nose) stay. What touches both is parted at the narrowest place.
 BitMask opened_pieces(const BitMask& mask, const SegmentParams& p, const Progress& progress) {
+  const Lattice& l = mask.lattice();
+  const double voxel_ml = l.voxel_volume_mm3() / 1000;
   const Components cores = components(eroded(mask, p.open_mm, progress));
-  const double voxel_ml = mask.lattice().voxel_volume_mm3() / 1000;
   std::vector<char> keep = chosen(cores, p), drop(keep.size());
   for (std::size_t i = 0; i < keep.size(); ++i)
     drop[i] = !keep[i] && cores.list[i].voxels * voxel_ml >= rejected_piece_ml;
@@ -59,14 +68,37 @@ BitMask opened_pieces(const BitMask& mask, const SegmentParams& p, const Progres
   BitMask dropped = dilated(select(cores, drop), p.open_mm, progress);
   dropped &= mask;
   dropped.remove(kept);
+  BitMask thin = eroded(mask, std::min(plate_core_mm, p.open_mm / 2), progress);
+  thin.remove(kept).remove(dropped);
+  const Components plates = components(thin);
+  std::vector<char> is_plate;
+  for (const Component& c : plates.list) is_plate.push_back(c.faces > 0 && span_mm(c, l) >= plate_span_mm);
+  dropped |= select(plates, is_plate);
+  if (!dropped.any()) {
+    const Components all = components(mask);
+    return select(all, touching(all, kept));
+  }
+
   BitMask rest = mask;
-  rest.remove(kept).remove(dropped);
-  const Components thin = components(rest);
-  const auto beside_kept = touching(thin, dilated_6(kept)), beside_dropped = touching(thin, dilated_6(dropped));
-  std::vector<char> stays(thin.list.size());
-  for (std::size_t i = 0; i < stays.size(); ++i)
-    stays[i] = beside_kept[i] && !beside_dropped[i] && thin.list[i].voxels * voxel_ml <= thin_part_ml;
-  return kept |= select(thin, stays);
+  rest.remove(kept);
+  const Box box = grown(rest.bounds(), 1, l);
+  rest = crop(rest, box);
+  const BitMask core = crop(kept, box), other = crop(dropped, box);
+  BitMask outside = crop(mask, box);
+  outside.invert();
+  Mask seeds(rest.lattice());
+  for (int k = 0; k < seeds.size[2]; ++k)
+    for (int j = 0; j < seeds.size[1]; ++j)
+      for (int i = 0; i < seeds.size[0]; ++i) seeds.at(i, j, k) = core.get(i, j, k) ? 1 : other.get(i, j, k) ? 2 : 0;
+  // Of the kept part only the rim takes part.
+  BitMask domain = dilated_6(rest);
+  domain &= core;
+  domain |= rest;
+  const Mask labels = flood(distance_mm(outside, progress), domain, seeds, progress);
+  const BitMask mine = make_mask(labels, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < labels.size[0]; ++i) row[i] = labels.at(i, j, k) == 1;
+  });
+  return kept |= placed(mine, l);
 }
 
 }  // namespace

@@ -10,56 +10,90 @@
 namespace trephine::segmentation {
 namespace {
 
-constexpr double default_sigma_mm = 1.0;
+constexpr double default_sigma_mm = 1.1;
 constexpr double cistern_depth_mm = 8;  ///< CSF this near to the brain's surface is sulci and cisterns
-constexpr double core_depth_mm = 25;    ///< ventricles hold a core at least this deep,
-constexpr double core_radius_mm = 1.5;  ///< this wide,
-constexpr double core_ml = 0.05;        ///< this large,
-constexpr double core_below_mm = 10;    ///< and no lower than this under the brain's centre (the cisterns are)
-constexpr double speck_ml = 0.2;        ///< pieces of ventricle smaller than this are noise
+constexpr double core_ml = 0.02;        ///< ventricles hold a core at least this large in one of the boxes below
+
+constexpr double strict_hu = 4;   ///< what is connected is decided this much below the edge, lest oedema joins in,
+constexpr double regrow_mm = 2;   ///< and then grown to the edge by at most this
+constexpr double speck_ml = 0.2;  ///< pieces of ventricle smaller than this are noise
 constexpr double cut_sigma_mm = 1.0;
 constexpr double cut_scale_hu = 8;
 constexpr double edge_may_move_hu = 5;
+constexpr double edge_share = 0.54;  ///< of the contrast: a half, and what smoothing takes from a slender convex shape
 
 double or_default(double value, double otherwise) { return value > 0 ? value : otherwise; }
 
-/// Seeds for the watershed in the CSF: 1 in the cores of the ventricles, 2 near the brain's surface.
-Mask seeds_of(const BitMask& csf, const Grid<float>& depth, double centre_z_mm, const Progress& progress) {
+/// A box about the brain's centre, LPS, in an adult; heads lie straight to about 15 degrees.
+struct Place {
+  double radius_mm;  ///< of a ball that fits in
+  double depth_mm;   ///< under the brain's surface
+  Vec3 from, to;
+  bool holds(Vec3 p) const {
+    return p.x >= from.x && p.y >= from.y && p.z >= from.z && p.x <= to.x && p.y <= to.y && p.z <= to.z;
+  }
+};
+// Cysts, old defects and oedema mostly lie beside the first two.
+constexpr Place lateral_ventricles{1.5, 25, {-15, -70, -10}, {15, 70, 20}};
+constexpr Place third_ventricle{0.5, 12, {-12, -30, -18}, {12, 5, 5}};
+constexpr Place behind_the_third{0, 0, {-20, 11, -1000}, {20, 1000, -10}};    ///< quadrigeminal, cerebellar cisterns
+constexpr Place below_the_third{0, 0, {-20, -1000, -1000}, {20, 1000, -28}};  ///< fourth ventricle, basal cisterns
+
+/// Seeds for the watershed in the CSF: 1 in the cores of the ventricles, 2 in cisterns and near the brain's surface.
+Mask seeds_of(const BitMask& csf, const Grid<float>& depth, Vec3 centre_mm, const Progress& progress) {
   const Lattice& l = csf.lattice();
-  const BitMask deep = make_mask(l, [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < l.size[0]; ++i)
-      row[i] = depth.at(i, j, k) >= core_depth_mm &&
-               l.to_world_mm({double(i), double(j), double(k)}).z >= centre_z_mm - core_below_mm;
-  });
-  BitMask cores = eroded(csf, core_radius_mm, progress);
-  cores &= deep;
-  const Components pieces = components(cores);
-  std::vector<char> keep;
-  for (const Component& c : pieces.list) keep.push_back(c.voxels * l.voxel_volume_mm3() / 1000 >= core_ml);
-  cores = select(pieces, keep);
+  const auto from_centre = [&](int i, int j, int k) {
+    return l.to_world_mm({double(i), double(j), double(k)}) - centre_mm;
+  };
+  BitMask cores(l);
+  for (const Place& place : {lateral_ventricles, third_ventricle}) {
+    BitMask wide = eroded(csf, place.radius_mm, progress);
+    wide &= make_mask(l, [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < l.size[0]; ++i)
+        row[i] = depth.at(i, j, k) >= place.depth_mm && place.holds(from_centre(i, j, k));
+    });
+    const Components pieces = components(wide);
+    std::vector<char> keep;
+    for (const Component& c : pieces.list) keep.push_back(c.voxels * l.voxel_volume_mm3() / 1000 >= core_ml);
+    cores |= select(pieces, keep);
+  }
   Mask seeds(l);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
-      for (int i = 0; i < l.size[0]; ++i)
-        seeds.at(i, j, k) = cores.get(i, j, k) ? 1 : depth.at(i, j, k) < cistern_depth_mm ? 2 : 0;
+      for (int i = 0; i < l.size[0]; ++i) {
+        if (!csf.get(i, j, k)) continue;
+        const Vec3 p = from_centre(i, j, k);
+        const bool other =
+            depth.at(i, j, k) < cistern_depth_mm || behind_the_third.holds(p) || below_the_third.holds(p);
+        seeds.at(i, j, k) = cores.get(i, j, k) ? 1 : other ? 2 : 0;
+      }
   return seeds;
 }
 
-double centre_z_mm(const BitMask& brain) {
+Vec3 centre_of(const BitMask& brain) {
   const Lattice& l = brain.lattice();
-  double sum = 0;
+  Vec3 sum;
   std::size_t n = 0;
-  for (int k = 0; k < l.size[2]; k += 2)
-    for (int j = 0; j < l.size[1]; j += 4)
-      for (int i = 0; i < l.size[0]; i += 4)
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; j += 2)
+      for (int i = 0; i < l.size[0]; i += 2)
         if (brain.get(i, j, k)) {
-          sum += l.to_world_mm({double(i), double(j), double(k)}).z;
+          sum += {double(i), double(j), double(k)};
           ++n;
         }
-  return n ? sum / double(n) : 0;
+  return l.to_world_mm(sum / double(std::max<std::size_t>(n, 1)));
 }
 
-/// Halfway between the middle HU inside the shape and that of the tissue around it.
+/// The mean of the middle half: as robust as a median, finer than a unit on integers.
+double middle_of(std::vector<float>& v) {
+  const auto from = v.begin() + std::ptrdiff_t(v.size() / 4), to = v.begin() + std::ptrdiff_t(v.size() - v.size() / 4);
+  std::sort(v.begin(), v.end());
+  double sum = 0;
+  for (auto i = from; i < to; ++i) sum += *i;
+  return sum / double(to - from);
+}
+
+/// Halfway between the HU inside the shape and those of the tissue around it, as far as `otherwise` allows.
 double half_of_both_sides(const Grid<float>& hu, const BitMask& shape, const BitMask& brain, double otherwise,
                           const Progress& progress) {
   const BitMask inner = eroded(shape, 1.0, progress);
@@ -76,8 +110,8 @@ double half_of_both_sides(const Grid<float>& hu, const BitMask& shape, const Bit
           around.push_back(hu.at(i, j, k));
       }
   if (inside.size() < 100 || around.size() < 100) return otherwise;
-  const double half = 0.5 * (median(inside, 0) + median(around, 0));
-  return std::clamp(half, otherwise - edge_may_move_hu, otherwise + edge_may_move_hu);
+  const double low = middle_of(inside), high = middle_of(around);
+  return std::clamp(low + edge_share * (high - low), otherwise - edge_may_move_hu, otherwise + edge_may_move_hu);
 }
 
 }  // namespace
@@ -106,10 +140,12 @@ Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const Segm
   known &= brain;
   Field soft = masked_gaussian(raw, known, or_default(p.smoothing_sigma_mm, default_sigma_mm), 1000, 0.02, progress);
   progress.report(0.3);
-  double lower = p.lower_hu, upper = p.upper_hu;
-  const auto fluid = [&] {
+  const double shift = p.edge == SegmentEdge::half_maximum ? tissue_shift_hu(soft, brain, report) : 0;
+  const double lower = p.lower_hu + shift;
+  double upper = p.upper_hu + shift;
+  const auto fluid = [&](double below) {
     BitMask mask = make_mask(l, [&](int j, int k, std::uint8_t* row) {
-      for (int i = 0; i < l.size[0]; ++i) row[i] = soft.at(i, j, k) > lower && soft.at(i, j, k) < upper;
+      for (int i = 0; i < l.size[0]; ++i) row[i] = soft.at(i, j, k) > lower && soft.at(i, j, k) < below;
     });
     return mask &= allowed;
   };
@@ -117,12 +153,12 @@ Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const Segm
   BitMask outside = brain;
   outside.invert();
   const Grid<float> depth = distance_mm(outside, progress);
-  const double middle_z = centre_z_mm(brain);
+  const Vec3 centre_mm = centre_of(brain);
   const auto find = [&] {
-    const BitMask csf = fluid();
+    const BitMask csf = fluid(upper - strict_hu);
     BitMask other = csf;
     other.invert();
-    const Mask labels = flood(distance_mm(other, progress), csf, seeds_of(csf, depth, middle_z, progress), progress);
+    const Mask labels = flood(distance_mm(other, progress), csf, seeds_of(csf, depth, centre_mm, progress), progress);
     BitMask mine = make_mask(l, [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 1;
     });
@@ -130,7 +166,13 @@ Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const Segm
     std::vector<char> keep;
     for (const Component& c : pieces.list)
       keep.push_back(c.voxels * l.voxel_volume_mm3() / 1000 >= std::max(speck_ml, p.min_component_ml));
-    return select(pieces, keep);
+    mine = select(pieces, keep);
+    // Back to the edge, but not into the fluid of others.
+    BitMask free = fluid(upper);
+    free.remove(make_mask(l, [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 2;
+    }));
+    return grown_within(mine, free, regrow_mm, progress);
   };
   BitMask shape = find();
   progress.report(0.6);

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Brain and ventricles of an analytic head: nested ellipsoids with noise, a foramen magnum, a canal, a passage out.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "segmentation/segment.h"
+
+namespace trephine {
+namespace {
+
+double ellipsoid(Vec3 p, Vec3 at, Vec3 r) {  // < 1 inside
+  const Vec3 d = p - at;
+  return norm({d.x / r.x, d.y / r.y, d.z / r.z});
+}
+
+bool in_ventricles(Vec3 p) {
+  for (double side : {-1.0, 1.0})
+    if (ellipsoid(p, {side * 11, 0, 8}, {7, 27, 7}) < 1) return true;
+  return ellipsoid(p, {0, 0, -4}, {3, 13, 10}) < 1;
+}
+bool in_brain(Vec3 p) { return ellipsoid(p, {0, 0, 0}, {63, 78, 58}) < 1 && p.z > -50; }
+
+/// 1.0 x 1.0 x 2.0 mm, noise of `noise_hu`, all soft tissue `shift_hu` brighter than usual.
+Grid<std::int16_t> head(double noise_hu, double shift_hu = 0) {
+  Grid<std::int16_t> g;
+  static_cast<Lattice&>(g) = [] {
+    Lattice l;
+    l.size = {170, 200, 80};
+    l.spacing_mm = {1, 1, 2};
+    l.origin_mm = {-84.5, -99.5, -90};
+    return l;
+  }();
+  g.voxels.resize(g.count());
+  unsigned state = 3;
+  for (int k = 0; k < g.size[2]; ++k)
+    for (int j = 0; j < g.size[1]; ++j)
+      for (int i = 0; i < g.size[0]; ++i) {
+        const Vec3 p = g.to_world_mm({double(i), double(j), double(k)});
+        double hu = -1000;
+        const double inner = ellipsoid(p, {0, 0, 0}, {66, 81, 61}), outer = ellipsoid(p, {0, 0, 0}, {73, 88, 68});
+        const double canal = std::hypot(p.x, p.y - 20);
+        if (ellipsoid(p, {0, 0, 0}, {79, 94, 73}) < 1 || (p.z < -30 && std::hypot(p.x, p.y - 10) < 55)) hu = 40;
+        if (outer < 1) hu = 1200;
+        if (p.z < -55 && canal < 16) hu = canal < 11 ? 8 : 1200;  // vertebrae round the canal
+        if (inner < 1) hu = 8;
+        if (p.z < -50 && canal < 15 && outer < 1) hu = 8;  // foramen magnum
+        if (in_brain(p)) hu = 31;
+        if (in_ventricles(p)) hu = 8;
+        if (p.z < -10 && p.z > -70 && std::hypot(p.x, p.y - 14) < 1.0) hu = 8;  // a thin passage to the cisterns
+        if (hu > -500 && hu < 100) hu += shift_hu;
+        double noise = 0;
+        for (int n = 0; n < 12; ++n) {
+          state = state * 1664525u + 1013904223u;
+          noise += (state >> 8) / double(1u << 24) - 0.5;
+        }
+        g.at(i, j, k) = std::int16_t(std::lround(hu + noise_hu * noise));
+      }
+  return g;
+}
+
+template <class Truth>
+double dice(const Field& f, const Lattice& l, Truth&& truth) {
+  const Box at = place_in(f, l);
+  double both = 0, sum = 0;
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        const int a = i - at.begin[0], b = j - at.begin[1], c = k - at.begin[2];
+        const bool found = f.contains(a, b, c) && f.at(a, b, c) > 0;
+        const bool is = truth(l.to_world_mm({double(i), double(j), double(k)}));
+        both += found && is;
+        sum += int(found) + int(is);
+      }
+  return 2 * both / sum;
+}
+
+struct Anatomies {
+  Field skull, brain, ventricles;
+};
+
+Anatomies segment_head(const HuVolume& volume, const Progress& progress = {}) {
+  Anatomies a;
+  Report report;
+  SegmentParams p;
+  p.lower_hu = 226;
+  p.seed_lower_hu = 400;
+  p.edge = SegmentEdge::half_maximum;
+  p.min_component_ml = 1;
+  p.fill = SegmentFill::cavities;
+  p.fill_close_mm = 2;
+  p.fill_max_ml = 100;
+  a.skull = segment(volume, {}, p, report, progress);
+  p = {};
+  p.method = SegmentMethod::brain;
+  p.lower_hu = 22;
+  p.edge = SegmentEdge::half_maximum;
+  SegmentMasks masks;
+  masks.skull = &a.skull;
+  a.brain = segment(volume, masks, p, report, progress);
+  p = {};
+  p.method = SegmentMethod::ventricles;
+  p.lower_hu = -15;
+  p.upper_hu = 18.5;
+  p.edge = SegmentEdge::half_maximum;
+  masks = {};
+  masks.within = &a.brain;
+  a.ventricles = segment(volume, masks, p, report, progress);
+  return a;
+}
+
+TEST(SegmentHead, BrainAndVentriclesOfNestedEllipsoids) {
+  for (double shift : {0.0, -8.0}) {  // a scanner that is off by 8 HU
+    const auto volume = head(6, shift);
+    const Anatomies a = segment_head(volume);
+    EXPECT_GT(dice(a.brain, volume, [](Vec3 p) { return in_brain(p); }), 0.97) << shift;
+    EXPECT_GT(dice(a.ventricles, volume, [](Vec3 p) { return in_ventricles(p); }), 0.92) << shift;
+    const Vec3 cord = a.brain.to_index({0, 20, -85});
+    EXPECT_LT(cord.z, 0) << "the spinal canal is left out";
+  }
+}
+
+TEST(SegmentHead, WithoutASkullItFindsBoneItself) {
+  const auto volume = head(6);
+  SegmentParams p;
+  p.method = SegmentMethod::brain;
+  p.lower_hu = 22;
+  Report report;
+  const Field brain = segment(volume, {}, p, report);
+  EXPECT_GT(dice(brain, volume, [](Vec3 x) { return in_brain(x); }), 0.97);
+  ASSERT_NE(report.find("cranial_cavity_ml"), nullptr);
+}
+
+TEST(SegmentHead, TheSameBitsWithOneAndTwoThreadsAndAtTheSameTime) {
+  const HuVolume volume = head(6);
+  const int before = thread_count();
+  set_thread_count(1);
+  const Anatomies one = segment_head(volume);
+  set_thread_count(2);
+  const Anatomies two = segment_head(volume);
+  Anatomies beside;
+  std::thread other([&] { beside = segment_head(volume); });
+  const Anatomies again = segment_head(volume);
+  other.join();
+  set_thread_count(before);
+  for (const Anatomies* a : std::initializer_list<const Anatomies*>{&two, &beside, &again}) {
+    EXPECT_TRUE(a->skull.voxels == one.skull.voxels && a->skull.size == one.skull.size);
+    EXPECT_TRUE(a->brain.voxels == one.brain.voxels && a->brain.size == one.brain.size);
+    EXPECT_TRUE(a->ventricles.voxels == one.ventricles.voxels && a->ventricles.size == one.ventricles.size);
+  }
+}
+
+TEST(SegmentHead, CanBeCancelled) {
+  const HuVolume volume = head(6);
+  std::atomic<bool> cancel{true};
+  SegmentParams p;
+  p.lower_hu = 226;
+  Report report;
+  EXPECT_THROW(segment(volume, {}, p, report, Progress({}, &cancel)), Cancelled);
+}
+
+}  // namespace
+}  // namespace trephine

@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Segment by threshold: where the surface lies, what each parameter keeps and drops, what is refused.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "segmentation/segment.h"
+
+namespace trephine {
+namespace {
+
+Lattice lattice(int nx, int ny, int nz, Vec3 spacing = {0.5, 0.5, 1.0}) {
+  Lattice l;
+  l.size = {nx, ny, nz};
+  l.spacing_mm = spacing;
+  l.origin_mm = {-0.5 * (nx - 1) * spacing.x, -0.5 * (ny - 1) * spacing.y, -0.5 * (nz - 1) * spacing.z};
+  return l;
+}
+
+/// A volume sampled from f(world), float or rounded to int16.
+template <class F>
+Grid<float> sampled(const Lattice& l, F&& f) {
+  Grid<float> g(l);
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) g.at(i, j, k) = float(f(l.to_world_mm({double(i), double(j), double(k)})));
+  return g;
+}
+Grid<std::int16_t> rounded(const Grid<float>& g) {
+  Grid<std::int16_t> out(g);
+  for (std::size_t v = 0; v < g.count(); ++v) out.voxels[v] = std::int16_t(std::lround(g.voxels[v]));
+  return out;
+}
+
+/// A ball of radius R convolved with a Gaussian, 0 to 1 (closed form).
+double blurred_ball(double r, double R, double sigma) {
+  r = std::max(r, 1e-9);
+  const double a = std::sqrt(2.0) * sigma;
+  return 0.5 * (std::erf((R - r) / a) + std::erf((R + r) / a)) -
+         sigma / (r * std::sqrt(2 * M_PI)) *
+             (std::exp(-(R - r) * (R - r) / (a * a)) - std::exp(-(R + r) * (R + r) / (a * a)));
+}
+
+/// Calls f(world position) for each crossing of the field along its lattice's edges.
+template <class F>
+void for_crossings(const Field& field, F&& f) {
+  for (int k = 0; k < field.size[2]; ++k)
+    for (int j = 0; j < field.size[1]; ++j)
+      for (int i = 0; i < field.size[0]; ++i)
+        for (int a = 0; a < 3; ++a) {
+          const int n[3] = {i + (a == 0), j + (a == 1), k + (a == 2)};
+          if (!field.contains(n[0], n[1], n[2])) continue;
+          const double u = field.at(i, j, k), v = field.at(n[0], n[1], n[2]);
+          if ((u > 0) == (v > 0)) continue;
+          Vec3 p{double(i), double(j), double(k)};
+          p[a] += u / (u - v);
+          f(field.to_world_mm(p));
+        }
+}
+struct Deviation {
+  double mean = 0, rms = 0, max = 0;
+  int count = 0;
+};
+template <class Distance>
+Deviation deviation(const Field& field, Distance&& distance) {
+  Deviation d;
+  for_crossings(field, [&](Vec3 p) {
+    const double e = distance(p);
+    d.mean += e;
+    d.rms += e * e;
+    d.max = std::max(d.max, std::abs(e));
+    ++d.count;
+  });
+  d.mean /= d.count;
+  d.rms = std::sqrt(d.rms / d.count);
+  return d;
+}
+
+Field run(const HuVolume& volume, const SegmentParams& params, const SegmentMasks& masks = {}) {
+  Report report;
+  Field field = segment(volume, masks, params, report);
+  for (float f : field.voxels) EXPECT_TRUE(std::isfinite(f) && f != 0);
+  return field;
+}
+std::size_t inside(const Field& f) {
+  std::size_t n = 0;
+  for (float v : f.voxels) n += v > 0;
+  return n;
+}
+bool holds(const Field& f, Vec3 world) {
+  const Vec3 p = f.to_index(world);
+  const int i = int(std::lround(p.x)), j = int(std::lround(p.y)), k = int(std::lround(p.z));
+  return f.contains(i, j, k) && f.at(i, j, k) > 0;
+}
+ExitCode code_of(const HuVolume& volume, const SegmentParams& params, std::string* what = nullptr,
+                 const SegmentMasks& masks = {}) {
+  Report report;
+  try {
+    segment(volume, masks, params, report);
+  } catch (const Error& e) {
+    if (what) *what = e.what();
+    return e.code();
+  }
+  return ExitCode::ok;
+}
+
+TEST(SegmentThreshold, ABlurredSphereLiesWherePartialVolumeSays) {
+  const double R = 9.3, sigma = 0.5;
+  const Vec3 centre{0.13, -0.21, 0.37};
+  const auto hu = [&](Vec3 p) { return -1000 + 1040 * blurred_ball(norm(p - centre), R, sigma); };
+  SegmentParams p;
+  p.lower_hu = -480;
+  // Where a ball's blurred image is at half its height: within it by sigma^2 / R.
+  const double radius = R - sigma * sigma / R;
+  const auto d =
+      deviation(run(rounded(sampled(lattice(60, 60, 32), hu)), p), [&](Vec3 x) { return norm(x - centre) - radius; });
+  EXPECT_LT(std::abs(d.mean), 0.01);  // a twentieth of the smaller voxel side
+  EXPECT_LT(d.rms, 0.05);
+  EXPECT_LT(d.max, 0.15);
+}
+
+TEST(SegmentThreshold, HalfMaximumUndoesTheBiasOfALowThresholdAndKeepsThinBone) {
+  const double sigma = 0.5;
+  // A table of bone 1400 HU, 4 mm thick, in soft tissue of 40 HU.
+  const auto thick = [&](Vec3 p) {
+    return 40 + 1360 * (blurred_ball(norm(p), 14, sigma) - blurred_ball(norm(p), 10, sigma));
+  };
+  SegmentParams p;
+  p.lower_hu = 226;
+  const HuVolume volume = rounded(sampled(lattice(76, 76, 38), thick));
+  const auto off = [](Vec3 x) { return std::abs(norm(x) - 12) - 2; };
+  const auto fixed = deviation(run(volume, p), off);
+  p.edge = SegmentEdge::half_maximum;
+  const auto half = deviation(run(volume, p), off);
+  EXPECT_GT(fixed.mean, 0.3) << "what the half maximum is for";
+  EXPECT_LT(std::abs(half.mean), 0.05);
+  EXPECT_LT(half.rms, 0.08);
+
+  // A lamella of 0.5 mm: thinner than the blur, its peak half of the bone's.
+  const auto thin = [&](Vec3 x) {
+    return 40 + 1360 * (blurred_ball(norm(x), 12.25, sigma) - blurred_ball(norm(x), 11.75, sigma));
+  };
+  const Field lamella = run(rounded(sampled(lattice(76, 76, 38), thin)), p);
+  for (double t = 0; t < 6.2; t += 0.1) EXPECT_TRUE(holds(lamella, {12 * std::cos(t), 12 * std::sin(t), 0.5})) << t;
+}
+
+TEST(SegmentThreshold, FilledBoneKeepsItsOuterSurface) {
+  const double sigma = 0.4;
+  // Two tables of 1.8 mm around 400 HU, a cell of air inside, all of it filled: one solid with one surface.
+  const auto hu = [&](Vec3 p) {
+    const double r = norm(p);
+    const double cell = blurred_ball(norm(p - Vec3{4, 0, 0}), 2.5, sigma);
+    return 40 + 1360 * blurred_ball(r, 13, sigma) - 1000 * blurred_ball(r, 11.2, sigma) - 1300 * cell;
+  };
+  SegmentParams p;
+  p.lower_hu = 226;
+  p.edge = SegmentEdge::half_maximum;
+  p.fill = SegmentFill::cavities;
+  p.fill_close_mm = 2;
+  const auto d = deviation(run(rounded(sampled(lattice(70, 70, 36), hu)), p), [&](Vec3 x) { return norm(x) - 13; });
+  EXPECT_LT(std::abs(d.mean), 0.08);
+  EXPECT_LT(d.max, 0.4) << "no crossing inside";
+}
+
+TEST(SegmentThreshold, ACutThroughMaterialIsNoStaircase) {
+  // A mask whose plane is oblique to the lattice cuts a block of one HU.
+  const Lattice l = lattice(50, 50, 25);
+  const Grid<float> block = sampled(l, [](Vec3 p) {
+    return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < 9.2 ? 300.0 : 0.0;
+  });
+  const Vec3 normal = normalized({1, 0.4, 0.25});
+  const Field half = sampled(l, [&](Vec3 p) { return dot(p, normal) < 0 ? 1.0 : -1.0; });
+  SegmentParams p;
+  p.lower_hu = 150;
+  SegmentMasks masks;
+  masks.within = &half;
+  const Field f = run(block, p, masks);
+  double rms = 0;
+  int n = 0;
+  for_crossings(f, [&](Vec3 x) {
+    if (std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}) > 6) return;
+    rms += std::pow(dot(x, normal), 2);
+    ++n;
+  });
+  ASSERT_GT(n, 100);
+  EXPECT_LT(std::sqrt(rms / n), 0.12);  // a bare staircase has 0.2 and more
+  EXPECT_FALSE(holds(f, {5, 0, 0}));
+  EXPECT_TRUE(holds(f, {-5, 0, 0}));
+  masks.within = nullptr;
+  masks.without = &half;
+  EXPECT_TRUE(holds(run(block, p, masks), {5, 0, 0}));
+}
+
+/// Cubes of 4 mm half width with their HU, in 0.
+struct Cube {
+  Vec3 at;
+  double half, hu;
+};
+Grid<std::int16_t> cubes(const std::vector<Cube>& list, const Lattice& l) {
+  return rounded(sampled(l, [&](Vec3 p) {
+    double hu = 0;
+    for (const Cube& c : list) {
+      const Vec3 d = p - c.at;
+      if (std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) <= c.half) hu = c.hu;
+    }
+    return hu;
+  }));
+}
+
+TEST(SegmentThreshold, HysteresisKeepsOnlyPiecesWithASeed) {
+  const auto v = cubes({{{-8, 0, 0}, 3, 250}, {{8, 0, 0}, 3, 250}, {{8, 0, 0}, 1, 500}}, lattice(60, 30, 16));
+  SegmentParams p;
+  p.lower_hu = 226;
+  EXPECT_TRUE(holds(run(v, p), {-8, 0, 0.5}));
+  p.seed_lower_hu = 400;
+  const Field f = run(v, p);
+  EXPECT_FALSE(holds(f, {-8, 0, 0.5}));
+  EXPECT_TRUE(holds(f, {8, 0, 0.5}));
+  EXPECT_LT(f.size[0], 22) << "cropped to what is left";
+}
+
+TEST(SegmentThreshold, UpperLimitComponentsAndSizes) {
+  const auto v = cubes({{{-9, 0, 0}, 4, 300}, {{1, 0, 0}, 2, 300}, {{9, 0, 0}, 3, 900}}, lattice(70, 30, 16));
+  SegmentParams p;
+  p.lower_hu = 226;
+  p.upper_hu = 600;
+  Field f = run(v, p);
+  EXPECT_TRUE(holds(f, {-9, 0, 0.5}) && holds(f, {1, 0, 0.5}) && !holds(f, {9, 0, 0.5}));
+  p.min_component_ml = 0.2;
+  f = run(v, p);
+  EXPECT_TRUE(holds(f, {-9, 0, 0.5}) && !holds(f, {1, 0, 0.5}));
+  p.min_component_ml = 0;
+  p.upper_hu = 100000;
+  p.components = SegmentComponents::largest;
+  f = run(v, p);
+  EXPECT_TRUE(holds(f, {-9, 0, 0.5}) && !holds(f, {1, 0, 0.5}) && !holds(f, {9, 0, 0.5}));
+  EXPECT_EQ(inside(f), 16u * 16 * 8);
+}
+
+TEST(SegmentThreshold, OpeningPartsTheHolderAndKeepsTheEar) {
+  // A head (ball), an ear (plate of 2 mm, 12 mm out), a holder (plate of 4 mm through the volume) that the head
+  // touches.
+  const Lattice l = lattice(130, 150, 120, {1, 1, 1});
+  const auto hu = [](Vec3 p) {
+    const bool head = norm(p) < 45;
+    const bool ear = std::abs(p.y) < 1.2 && p.x > 40 && p.x < 57 && std::abs(p.z) < 10;
+    const bool holder = p.y > 45.5 && p.y < 49.6;
+    const bool pad = std::hypot(p.x, p.z) < 2 && p.y > 40 && p.y < 47;
+    return head || ear || holder || pad ? 40.0 : -1000.0;
+  };
+  SegmentParams p;
+  p.lower_hu = -475;
+  p.components = SegmentComponents::largest;
+  const HuVolume volume = rounded(sampled(l, hu));
+  EXPECT_TRUE(holds(run(volume, p), {30, 47.5, 30})) << "without opening the holder hangs on";
+  p.open_mm = 3;
+  const Field f = run(volume, p);
+  EXPECT_FALSE(holds(f, {30, 47.5, 30}));
+  EXPECT_FALSE(holds(f, {8, 47.5, 0}));
+  EXPECT_TRUE(holds(f, {0, 40, 0}));
+  EXPECT_TRUE(holds(f, {55, 0, 0.5}));
+}
+
+TEST(SegmentThreshold, RegionOfInterestInMillimetres) {
+  const auto v = cubes({{{0, 0, 0}, 8, 300}}, lattice(60, 60, 30));
+  SegmentParams p;
+  p.lower_hu = 226;
+  p.roi_min_mm = {-4, -100, -100};
+  p.roi_max_mm = {100, 3, 100};
+  const Field f = run(v, p);
+  EXPECT_TRUE(holds(f, {-3, 2, 0.5}));
+  EXPECT_FALSE(holds(f, {-5, 2, 0.5}));
+  EXPECT_FALSE(holds(f, {-3, 4, 0.5}));
+  p.roi_min_mm = {500, 500, 500};
+  p.roi_max_mm = {600, 600, 600};
+  EXPECT_EQ(code_of(v, p), ExitCode::quality);
+}
+
+TEST(SegmentThreshold, FieldIsCroppedOnTheVolumesRaster) {
+  const Lattice l = lattice(60, 50, 30);
+  const auto v = cubes({{{5, -2, 1}, 3, 300}}, l);
+  SegmentParams p;
+  p.lower_hu = 226;
+  const Field f = run(v, p);
+  const Box at = place_in(f, l);  // throws where it is not the same raster
+  std::size_t n = 0;
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        const int a = i - at.begin[0], b = j - at.begin[1], c = k - at.begin[2];
+        const bool in = f.contains(a, b, c) && f.at(a, b, c) > 0;
+        ASSERT_EQ(in, v.at(i, j, k) > 226);
+        if (!in) continue;
+        ++n;
+        EXPECT_TRUE(a >= 2 && b >= 2 && c >= 2 && a < f.size[0] - 2 && b < f.size[1] - 2 && c < f.size[2] - 2);
+      }
+  EXPECT_GT(n, 0u);
+  EXPECT_LE(f.count(), n * 5);
+}
+
+TEST(SegmentThreshold, GrowMovesTheSurfaceByMillimetres) {
+  const auto hu = [&](Vec3 p) { return 1000 * blurred_ball(norm(p), 8, 0.5); };
+  SegmentParams p;
+  p.lower_hu = 500;
+  const HuVolume volume = sampled(lattice(64, 64, 32), hu);
+  for (double grow : {-2.0, 1.5, 3.0}) {
+    p.grow_mm = grow;
+    const auto d = deviation(run(volume, p), [&](Vec3 x) { return norm(x) - 8 - grow; });
+    EXPECT_LT(std::abs(d.mean), 0.1) << grow;
+    EXPECT_LT(d.max, 0.25) << grow;
+  }
+}
+
+TEST(SegmentThreshold, SmoothingTakesNoiseAway) {
+  unsigned state = 5;
+  const auto hu = [&](Vec3 p) {
+    double noise = 0;
+    for (int n = 0; n < 12; ++n) {
+      state = state * 1664525u + 1013904223u;
+      noise += (state >> 8) / double(1u << 24) - 0.5;
+    }
+    return (norm(p) < 8 ? 30.0 : 8.0) + 12 * noise;
+  };
+  SegmentParams p;
+  p.lower_hu = 19;
+  p.components = SegmentComponents::largest;
+  p.smoothing_sigma_mm = 1;
+  const auto d = deviation(run(sampled(lattice(60, 60, 30), hu), p), [](Vec3 x) { return norm(x) - 8; });
+  EXPECT_LT(std::abs(d.mean), 0.15);
+  EXPECT_LT(d.rms, 0.4);
+}
+
+TEST(SegmentThreshold, RefusesWhatIsNoShape) {
+  const Lattice l = lattice(20, 20, 10);
+  SegmentParams p;
+  p.lower_hu = 226;
+  std::string what;
+  EXPECT_EQ(code_of(Grid<std::int16_t>(l, 0), p, &what), ExitCode::quality);
+  EXPECT_NE(what.find("0 of 4000 voxels"), std::string::npos) << what;
+  EXPECT_EQ(code_of(Grid<std::int16_t>(l, 300), p, &what), ExitCode::quality);
+  EXPECT_NE(what.find("4000"), std::string::npos) << what;
+  Grid<std::int16_t> slice(l, 0);
+  for (int j = 5; j < 15; ++j)
+    for (int i = 5; i < 15; ++i) slice.at(i, j, 4) = 300;
+  EXPECT_EQ(code_of(slice, p, &what), ExitCode::quality);
+  EXPECT_NE(what.find("single slice: 100 voxels"), std::string::npos) << what;
+  for (float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    Grid<float> g(l, 300);
+    g.at(3, 3, 3) = bad;
+    EXPECT_EQ(code_of(g, p), ExitCode::bad_input);
+  }
+  p.upper_hu = 100;
+  EXPECT_EQ(code_of(Grid<std::int16_t>(l, 300), p), ExitCode::usage);
+  // A mask of another raster.
+  p.upper_hu = 100000;
+  const Field other(lattice(20, 20, 10, {0.6, 0.5, 1}), 1.f);
+  SegmentMasks masks;
+  masks.within = &other;
+  EXPECT_EQ(code_of(slice, p, nullptr, masks), ExitCode::bad_input);
+  // Neither a skull nor a brain in it.
+  p.method = SegmentMethod::brain;
+  EXPECT_EQ(code_of(slice, p), ExitCode::quality);
+  p.method = SegmentMethod::ventricles;
+  EXPECT_EQ(code_of(slice, p), ExitCode::usage);
+}
+
+}  // namespace
+}  // namespace trephine
