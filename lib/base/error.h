@@ -57,6 +57,17 @@ auto with_field(const std::string& field, F&& f) {
   }
 }
 
+/// The same for the file.
+template <class F>
+auto with_file(const std::string& file, F&& f) {
+  try {
+    return std::forward<F>(f)();
+  } catch (Error& e) {
+    e.in_file(file);
+    throw;
+  }
+}
+
 /// Thrown by Progress when the user cancelled; not an Error, so that nothing mistakes it for one and goes on.
 struct Cancelled {};
 

@@ -293,22 +293,26 @@ Report describe(const Series& series, const Plan& plan, const HuCounts& counts, 
 
 ImportResult import_series(const std::filesystem::path& folder_or_file, const ImportParams& params,
                            const Progress& progress) {
-  const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.2));
-  const Series& series = choose(catalogue, params.series);
-  const Plan plan = make_plan(series, params);
-  ImportResult result;
-  HuCounts counts;
-  result.volume = read_volume(plan, counts, progress.part(0.2, 0.95));
-  result.report = describe(series, plan, counts, result.volume);
-  result.folder = describe_rest(catalogue, series);
-  result.input_sha256 = hash_of_series(series, progress.part(0.95, 1));
-  return result;
+  return with_file(folder_or_file.string(), [&] {
+    const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.2));
+    const Series& series = choose(catalogue, params.series);
+    const Plan plan = make_plan(series, params);
+    ImportResult result;
+    HuCounts counts;
+    result.volume = read_volume(plan, counts, progress.part(0.2, 0.95));
+    result.report = describe(series, plan, counts, result.volume);
+    result.folder = describe_rest(catalogue, series);
+    result.input_sha256 = hash_of_series(series, progress.part(0.95, 1));
+    return result;
+  });
 }
 
 std::string hash_of_series_input(const std::filesystem::path& folder_or_file, const ImportParams& params,
                                  const Progress& progress) {
-  const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.5));
-  return hash_of_series(choose(catalogue, params.series), progress.part(0.5, 1));
+  return with_file(folder_or_file.string(), [&] {
+    const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.5));
+    return hash_of_series(choose(catalogue, params.series), progress.part(0.5, 1));
+  });
 }
 
 std::vector<SeriesSummary> list_series(const std::filesystem::path& folder_or_file, const ImportParams& params,

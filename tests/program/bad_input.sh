@@ -13,7 +13,7 @@ expect 65 'trephine run: .*DICOM' "${run[@]}" "$config" --series "$work/empty" -
 expect 66 'trephine run: .*missing.yaml' "${run[@]}" "$work/missing.yaml" --out "$work/out"
 expect 64 'trephine run: .*series' "${run[@]}" "$config" --out "$work/out"
 expect 64 '--serie.*--series' "${run[@]}" "$config" --serie "$work/empty" --out "$work/out"
-expect 64 'outt' "$TREPHINE" contour --outt x
+expect 64 '--sett: unknown flag; did you mean --set' "${run[@]}" "$config" --out "$work/out" --sett a
 
 mkdir "$work/configs"
 printf 'trephine: 1\npipeline: p.yaml\nscene: s.yaml\ncaes: x\n' >"$work/configs/c.yaml"
