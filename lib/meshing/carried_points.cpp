@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "meshing/carried_points.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "meshing/triangle_tree.h"
@@ -46,6 +47,7 @@ void CarriedPoints::gather(const CollapseMesh& mesh, std::uint32_t u, std::uint3
 
 bool CarriedPoints::assign(const std::vector<std::array<Vec3, 3>>& corners, double squared_limit) {
   assigned_.clear();
+  farthest_ = 0;
   for (const std::uint32_t point : gathered_) {
     const Vec3 p = input_.points_mm[point];
     double best = std::numeric_limits<double>::infinity();
@@ -57,6 +59,7 @@ bool CarriedPoints::assign(const std::vector<std::array<Vec3, 3>>& corners, doub
       where = n;
     }
     if (!(best <= squared_limit)) return false;
+    farthest_ = std::max(farthest_, best);
     assigned_.emplace_back(where, static_cast<float>(best));
   }
   return true;

@@ -20,6 +20,8 @@ class CarriedPoints {
   /// Finds for each of them the nearest of the triangles given by their corners; false as soon as one lies beyond the
   /// limit.
   bool assign(const std::vector<std::array<Vec3, 3>>& corners, double squared_limit);
+  /// The largest squared distance that assign found.
+  double farthest() const { return farthest_; }
   /// Lets triangles[n] carry what was assigned to corners[n]. The mesh must still be as it was when they were gathered.
   void commit(const CollapseMesh& mesh, std::uint32_t u, std::uint32_t v, const std::vector<std::uint32_t>& triangles);
 
@@ -30,6 +32,7 @@ class CarriedPoints {
   const TriMesh& input_;
   std::vector<std::uint32_t> first_, next_, carrier_;
   std::vector<float> squared_distance_;
+  double farthest_ = 0;
   std::vector<std::uint32_t> gathered_;
   std::vector<std::pair<std::uint32_t, float>> assigned_;
 };

@@ -16,7 +16,7 @@ namespace {
 /// After so many rounds of undoing, what is undone is no longer made up for elsewhere.
 constexpr int rounds_that_collapse = 12;
 /// Share of the bound that samples may use; the rest is for what lies between them.
-constexpr double sampled_share = 0.95;
+constexpr double sampled_share = 0.9;
 
 std::size_t target_count(const TriMesh& mesh, const DecimateParams& p) {
   const auto share = static_cast<std::int64_t>(std::ceil(p.keep_ratio * static_cast<double>(mesh.triangles.size())));

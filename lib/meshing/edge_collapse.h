@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <memory>
 #include <vector>
 
 #include "base/progress.h"
@@ -20,7 +19,7 @@ namespace trephine {
 /// the exact order matters little, and the heap's order costs cache misses at every step.
 class EdgeCollapse {
  public:
-  /// `input` and `meter` must outlive this. limit_mm 0: no limit, and nothing is carried.
+  /// `input` and `meter` must outlive this. limit_mm 0: no limit.
   EdgeCollapse(const TriMesh& input, const DeviationMeter& meter, double limit_mm, double step_mm);
 
   /// Collapses until at most target triangles are left, or no collapse is possible. Returns whether the limit was what
@@ -32,7 +31,7 @@ class EdgeCollapse {
   std::size_t undo(const std::vector<std::uint32_t>& triangles);
 
   const CollapseMesh& mesh() const { return mesh_; }
-  const CarriedPoints* carried() const { return carried_.get(); }
+  const CarriedPoints& carried() const { return carried_; }
 
  private:
   struct Candidate {
@@ -56,7 +55,7 @@ class EdgeCollapse {
   const DeviationMeter& meter_;
   CollapseMesh mesh_;
   double squared_limit_, step_;
-  std::unique_ptr<CarriedPoints> carried_;
+  CarriedPoints carried_;
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> versions_;
   std::vector<char> locked_;

@@ -59,6 +59,7 @@ DeviationMeter::DeviationMeter(const TriMesh& input, double limit_mm)
       limit2_(limit_mm > 0 ? limit_mm * limit_mm : infinity),
       edge_(mean_edge_of(input)),
       spacing_(limit_mm > 0 ? std::clamp(1.5 * limit_mm, edge_ / 4, edge_) : edge_),
+      exact_beyond2_(limit_mm > 0 ? limit2_ / 4 : edge_ * edge_ / 1024),
       tree_(input),
       incidence_(input),
       raster_of_(input.triangles.size(), CollapseMesh::none) {}
@@ -87,42 +88,52 @@ double DeviationMeter::downhill(Vec3 place, std::uint32_t& near) const {
 }
 
 double DeviationMeter::squared_distance(Vec3 place, std::uint32_t& near) const {
-  // A good bound makes a short search. It is the distance itself where the search finds nothing nearer.
+  const double bound = downhill(place, near);
+  if (bound <= exact_beyond2_) return bound;
   std::uint32_t at = CollapseMesh::none;
-  const double d2 = tree_.squared_distance(place, downhill(place, near), &at);
+  const double d2 = tree_.squared_distance(place, bound, &at);
   if (at != CollapseMesh::none) near = input_.triangles[at][0];
   return d2;
 }
 
-bool DeviationMeter::within(Vec3 place, std::uint32_t& near) const {
-  return downhill(place, near) <= limit2_ || squared_distance(place, near) <= limit2_;
-}
-
-void DeviationMeter::from_triangle(std::uint32_t raster, const std::array<Vec3, 3>& corners, std::uint32_t near) {
+/// Calls visit(place) over the raster, back and forth, so that each lies beside the last, until it returns false.
+template <class Visit>
+void DeviationMeter::for_each_sample(const std::array<Vec3, 3>& corners, Visit&& visit) const {
   const Vec3 a = corners[0], ab = corners[1] - a, ac = corners[2] - a;
   const double longest = std::max({norm(ab), norm(ac), norm(ac - ab)});
   const int n = static_cast<int>(std::clamp(std::ceil(longest / spacing_), 1.0, 256.0));
-  Raster& r = rasters_[raster];
-  r.area = norm(cross(ab, ac)) / 2;
-  r.beyond = false;
-  r.distances.clear();
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= n - i; ++j) {
-      const int k = i % 2 == 0 ? j : n - i - j;  // back and forth, so that each sample lies beside the last
-      const double d2 = squared_distance(a + ab * (double(i) / n) + ac * (double(k) / n), near);
-      r.beyond |= d2 > limit2_;
-      r.distances.push_back(static_cast<float>(std::sqrt(d2)));
+      const int k = i % 2 == 0 ? j : n - i - j;
+      if (!visit(a + ab * (double(i) / n) + ac * (double(k) / n))) return;
     }
 }
 
+bool DeviationMeter::within(const std::array<Vec3, 3>& corners, std::uint32_t& near) const {
+  bool good = true;
+  for_each_sample(corners, [&](Vec3 p) { return good = squared_distance(p, near) <= limit2_; });
+  return good;
+}
+
+void DeviationMeter::from_triangle(std::uint32_t raster, const std::array<Vec3, 3>& corners, std::uint32_t near) {
+  Raster& r = rasters_[raster];
+  r.area = norm(cross(corners[1] - corners[0], corners[2] - corners[0])) / 2;
+  r.beyond = false;
+  r.distances.clear();
+  for_each_sample(corners, [&](Vec3 p) {
+    const double d2 = squared_distance(p, near);
+    r.beyond |= d2 > limit2_;
+    r.distances.push_back(static_cast<float>(std::sqrt(d2)));
+    return true;
+  });
+}
+
 void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
-                                const CarriedPoints* carried, std::vector<std::uint32_t>& beyond,
+                                const CarriedPoints& carried, std::vector<std::uint32_t>& beyond,
                                 const Progress& progress) {
   const TriangleTree tree(plain);
-  std::vector<std::uint32_t> plain_of(carried ? input_.triangles.size() : 0);
-  if (carried)
-    for (std::uint32_t t = 0; t < triangle_of.size(); ++t) plain_of[triangle_of[t]] = t;
-  const auto to_carrier = [&](Vec3 p, std::uint32_t v) { return squared_to(plain, plain_of[carried->carrier(v)], p); };
+  std::vector<std::uint32_t> plain_of(input_.triangles.size());
+  for (std::uint32_t t = 0; t < triangle_of.size(); ++t) plain_of[triangle_of[t]] = t;
   const auto triangles = static_cast<std::int64_t>(input_.triangles.size());
   std::vector<std::vector<std::uint32_t>> found((triangles + grain - 1) / grain);
   std::vector<std::vector<float>> distances(found.size());
@@ -130,29 +141,40 @@ void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uin
   // to use.
   parallel_for(0, triangles, grain, [&](std::int64_t from, std::int64_t to) {
     progress.check();
-    const auto add = [&](Vec3 p, double d2) {
-      if (!carried || d2 > limit2_) {
-        std::uint32_t at = 0;
-        d2 = tree.squared_distance(p, infinity, &at);
-        if (d2 > limit2_) found[from / grain].push_back(triangle_of[at]);
+    const auto add = [&](Vec3 p, double bound, std::uint32_t carrier) {
+      if (bound * bound > exact_beyond2_) {
+        std::uint32_t at = plain_of[carrier];  // stays where nothing is nearer
+        bound = std::sqrt(tree.squared_distance(p, bound * bound, &at));
+        if (bound * bound > limit2_) found[from / grain].push_back(triangle_of[at]);
       }
-      distances[from / grain].push_back(static_cast<float>(std::sqrt(d2)));
+      distances[from / grain].push_back(static_cast<float>(bound));
     };
     for (std::int64_t t = from; t < to; ++t) {
       const auto& v = input_.triangles[t];
-      const Vec3 p[3] = {input_.points_mm[v[0]], input_.points_mm[v[1]], input_.points_mm[v[2]]};
-      const Vec3 middle = (p[0] + p[1] + p[2]) / 3;
-      double d2 = infinity;
-      for (int c = 0; c < 3 && carried; ++c)
-        if (c == 0 || carried->carrier(v[c]) != carried->carrier(v[0])) d2 = std::min(d2, to_carrier(middle, v[c]));
-      add(middle, d2);
+      Vec3 p[3];
+      std::uint32_t carrier[3];
+      double d[3];
       for (int c = 0; c < 3; ++c) {
-        const std::uint32_t a = v[c], b = v[(c + 1) % 3];
-        if (incidence_.triangle[incidence_.begin[a]] == t) add(p[c], carried ? carried->squared_distance(a) : infinity);
-        if (a > b) continue;
-        const Vec3 half = (p[c] + p[(c + 1) % 3]) / 2;
-        add(half, carried ? std::min(to_carrier(half, a), to_carrier(half, b)) : infinity);
+        p[c] = input_.points_mm[v[c]];
+        carrier[c] = carried.carrier(v[c]);
+        d[c] = std::sqrt(carried.squared_distance(v[c]));
       }
+      // The distance to one triangle is a convex function: between points of one carrier it is at most their mean.
+      const auto between = [&](Vec3 place, int a, int b) {
+        if (carrier[a] == carrier[b]) return (d[a] + d[b]) / 2;
+        return std::sqrt(
+            std::min(squared_to(plain, plain_of[carrier[a]], place), squared_to(plain, plain_of[carrier[b]], place)));
+      };
+      for (int c = 0; c < 3; ++c) {
+        if (incidence_.triangle[incidence_.begin[v[c]]] == t) add(p[c], d[c], carrier[c]);
+        const int e = (c + 1) % 3;
+        if (v[c] < v[e]) add((p[c] + p[e]) / 2, between((p[c] + p[e]) / 2, c, e), carrier[c]);
+      }
+      const Vec3 middle = (p[0] + p[1] + p[2]) / 3;
+      if (carrier[0] == carrier[1] && carrier[1] == carrier[2])
+        add(middle, (d[0] + d[1] + d[2]) / 3, carrier[0]);
+      else
+        add(middle, std::min(between(middle, 0, 1), between(middle, 1, 2)), carrier[0]);
     }
   });
   forward_.clear();
@@ -162,7 +184,7 @@ void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uin
 
 std::vector<std::uint32_t> DeviationMeter::measure(const CollapseMesh& mesh, const TriMesh& plain,
                                                    const std::vector<std::uint32_t>& triangle_of,
-                                                   const CarriedPoints* carried, const Progress& progress) {
+                                                   const CarriedPoints& carried, const Progress& progress) {
   std::vector<std::uint32_t> beyond;
   from_input(plain, triangle_of, carried, beyond, progress);
   progress.report(0.3);
@@ -185,7 +207,7 @@ std::vector<std::uint32_t> DeviationMeter::measure(const CollapseMesh& mesh, con
   // Searches start at a point that the triangle carries, or where the triangle of the same number lay in the input.
   std::vector<std::uint32_t> start(input_.triangles.size());
   for (std::uint32_t t = 0; t < start.size(); ++t) start[t] = input_.triangles[t][0];
-  for (std::uint32_t p = 0; p < input_.points_mm.size() && carried; ++p) start[carried->carrier(p)] = p;
+  for (std::uint32_t p = 0; p < input_.points_mm.size(); ++p) start[carried.carrier(p)] = p;
   parallel_for(0, static_cast<std::int64_t>(to_do.size()), 256, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     for (std::int64_t n = from; n < to; ++n) {

@@ -26,34 +26,36 @@ class DeviationMeter {
   DeviationMeter(const TriMesh& input, double limit_mm);
 
   /// Measures the mesh, given also as a plain one with the map of its triangles. Returns the collapsing mesh's
-  /// triangles at samples beyond the limit, ascending. Distances of carried points are taken as they are carried (upper
-  /// bounds).
+  /// triangles at samples beyond the limit, ascending. Distances are upper bounds, from what carries a point or from
+  /// the triangles around the nearest point; they are exact where they exceed half the limit (without one: 1/32
+  /// of the mean edge).
   std::vector<std::uint32_t> measure(const CollapseMesh& mesh, const TriMesh& plain,
-                                     const std::vector<std::uint32_t>& triangle_of, const CarriedPoints* carried,
+                                     const std::vector<std::uint32_t>& triangle_of, const CarriedPoints& carried,
                                      const Progress& progress);
-  /// The point lies within the limit of the input. `near`: a triangle of the input to start the search at; becomes the
-  /// one that was found.
-  bool within(Vec3 place, std::uint32_t& near) const;
+  /// The raster over the triangle lies within the limit of the input. `near`: a point of the input to start the search
+  /// at; becomes one near the triangle.
+  bool within(const std::array<Vec3, 3>& corners, std::uint32_t& near) const;
   double mean_edge_mm() const { return edge_; }
   /// Of the last measurement.
   DeviationFigures figures() const;
 
  private:
-  void from_input(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of, const CarriedPoints* carried,
+  template <class Visit>
+  void for_each_sample(const std::array<Vec3, 3>& corners, Visit&& visit) const;
+  void from_input(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of, const CarriedPoints& carried,
                   std::vector<std::uint32_t>& beyond, const Progress& progress);
   void from_triangle(std::uint32_t t, const std::array<Vec3, 3>& corners, std::uint32_t near);
   double downhill(Vec3 place, std::uint32_t& near) const;
   double squared_distance(Vec3 place, std::uint32_t& near) const;
 
   struct Raster {
-    std::uint32_t measured_change =
-        0;  ///< the collapse that had last changed the triangle, or none; live only if counted
+    std::uint32_t measured_change = 0;  ///< the collapse that had last changed the triangle, or none
     std::vector<float> distances;
     double area = 0;
     bool beyond = false;
   };
   const TriMesh& input_;
-  double limit2_, edge_, spacing_;
+  double limit2_, edge_, spacing_, exact_beyond2_;
   TriangleTree tree_;
   Incidence incidence_;
   std::vector<float> forward_;

@@ -19,7 +19,8 @@ struct SmoothParams {
     v.integer(&P::iterations_count, "iterations_count", Range{0, 100000},
               "Degree of the filter; 0 leaves the mesh as it is.");
     v.number(&P::pass_band_ratio, "pass_band_ratio", Range{1e-4, 2},
-             "Highest frequency of the mesh that passes: 2 passes all; 1 takes the unevenness of a decimated surface away, 0.1 smooths a dense one visibly.");
+             "Highest frequency of the mesh that passes: 2 passes all; 1 takes the unevenness of a decimated surface "
+             "away, 0.1 smooths a dense one visibly.");
     v.number(&P::max_displacement_mm, "max_displacement_mm", Range{0, 1e6}, "No point moves further than this.");
   }
 };
