@@ -229,28 +229,46 @@ bool EdgeCollapse::run(std::size_t target, const Progress& progress) {
 
 std::size_t EdgeCollapse::undo(const std::vector<std::uint32_t>& triangles) {
   std::size_t count = 0;
-  for (const std::uint32_t t : triangles) {
-    const std::uint32_t collapse = mesh_.live_triangle(t) ? mesh_.last_change(t) : CollapseMesh::none;
-    if (collapse == CollapseMesh::none) continue;
-    mesh_.undo(collapse, [&](std::uint32_t u, std::uint32_t v) {
-      ++count;
-      locked_[u] = locked_[v] = 1;
-      staying_.clear();
-      corners_.clear();
-      const auto take = [&](std::uint32_t triangle) {
-        const auto& p = mesh_.triangle(triangle);
-        staying_.push_back(triangle);
-        corners_.push_back({mesh_.point_mm(p[0]), mesh_.point_mm(p[1]), mesh_.point_mm(p[2])});
-      };
-      mesh_.for_each_leaving(u, [&](std::uint32_t e) { take(e / 3); });
-      mesh_.for_each_leaving(v, [&](std::uint32_t e) {
-        if (mesh_.to(e) != u && mesh_.to(CollapseMesh::next(e)) != u) take(e / 3);
-      });
-      carried_.gather(mesh_, u, v);
-      carried_.assign(corners_, std::numeric_limits<double>::infinity());
-      carried_.commit(mesh_, u, v, staying_);
+  for (std::vector<std::uint32_t> at = triangles; !at.empty() && count == 0; at = widened(at))
+    for (const std::uint32_t t : at) count += undo_at(t);
+  return count;
+}
+
+/// With the triangles around the corners of these; none where that adds nothing.
+std::vector<std::uint32_t> EdgeCollapse::widened(const std::vector<std::uint32_t>& triangles) const {
+  std::vector<std::uint32_t> more = triangles;
+  for (const std::uint32_t t : triangles)
+    if (mesh_.live_triangle(t))
+      for (const std::uint32_t v : mesh_.triangle(t))
+        mesh_.for_each_leaving(v, [&](std::uint32_t e) { more.push_back(e / 3); });
+  std::sort(more.begin(), more.end());
+  more.erase(std::unique(more.begin(), more.end()), more.end());
+  if (more.size() <= triangles.size()) more.clear();
+  return more;
+}
+
+std::size_t EdgeCollapse::undo_at(std::uint32_t t) {
+  std::size_t count = 0;
+  const std::uint32_t collapse = mesh_.live_triangle(t) ? mesh_.last_change(t) : CollapseMesh::none;
+  if (collapse == CollapseMesh::none) return 0;
+  mesh_.undo(collapse, [&](std::uint32_t u, std::uint32_t v) {
+    ++count;
+    locked_[u] = locked_[v] = 1;
+    staying_.clear();
+    corners_.clear();
+    const auto take = [&](std::uint32_t triangle) {
+      const auto& p = mesh_.triangle(triangle);
+      staying_.push_back(triangle);
+      corners_.push_back({mesh_.point_mm(p[0]), mesh_.point_mm(p[1]), mesh_.point_mm(p[2])});
+    };
+    mesh_.for_each_leaving(u, [&](std::uint32_t e) { take(e / 3); });
+    mesh_.for_each_leaving(v, [&](std::uint32_t e) {
+      if (mesh_.to(e) != u && mesh_.to(CollapseMesh::next(e)) != u) take(e / 3);
     });
-  }
+    carried_.gather(mesh_, u, v);
+    carried_.assign(corners_, std::numeric_limits<double>::infinity());
+    carried_.commit(mesh_, u, v, staying_);
+  });
   return count;
 }
 

@@ -26,8 +26,8 @@ class EdgeCollapse {
   /// kept an edge from collapsing.
   bool run(std::size_t target, const Progress& progress);
 
-  /// Undoes what last changed these triangles (and what depends on it) and locks the points there. Returns how many
-  /// collapses went.
+  /// Undoes what last changed these triangles, or the nearest around them that were changed, with what depends on it,
+  /// and locks the points there. Returns how many collapses went; 0 only where there is none on these components.
   std::size_t undo(const std::vector<std::uint32_t>& triangles);
 
   const CollapseMesh& mesh() const { return mesh_; }
@@ -47,6 +47,8 @@ class EdgeCollapse {
   enum class Outcome { done, shape, limit };
   bool sweep(std::size_t floor, bool& limited);
   bool samples_within();
+  std::size_t undo_at(std::uint32_t triangle);
+  std::vector<std::uint32_t> widened(const std::vector<std::uint32_t>& triangles) const;
   Vec3 place(std::uint32_t u, std::uint32_t v, double& cost) const;
   bool candidate(std::uint32_t half_edge, Candidate& c) const;
   Outcome attempt(std::uint32_t half_edge);

@@ -141,11 +141,10 @@ void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uin
   // to use.
   parallel_for(0, triangles, grain, [&](std::int64_t from, std::int64_t to) {
     progress.check();
-    const auto add = [&](Vec3 p, double bound, std::uint32_t carrier) {
+    const auto add = [&](Vec3 p, double bound, const std::uint32_t(&carrier)[3]) {
       if (bound * bound > exact_beyond2_) {
-        std::uint32_t at = plain_of[carrier];  // stays where nothing is nearer
-        bound = std::sqrt(tree.squared_distance(p, bound * bound, &at));
-        if (bound * bound > limit2_) found[from / grain].push_back(triangle_of[at]);
+        bound = std::sqrt(tree.squared_distance(p, bound * bound));
+        if (bound * bound > limit2_) found[from / grain].insert(found[from / grain].end(), carrier, carrier + 3);
       }
       distances[from / grain].push_back(static_cast<float>(bound));
     };
@@ -166,15 +165,15 @@ void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uin
             std::min(squared_to(plain, plain_of[carrier[a]], place), squared_to(plain, plain_of[carrier[b]], place)));
       };
       for (int c = 0; c < 3; ++c) {
-        if (incidence_.triangle[incidence_.begin[v[c]]] == t) add(p[c], d[c], carrier[c]);
+        if (incidence_.triangle[incidence_.begin[v[c]]] == t) add(p[c], d[c], carrier);
         const int e = (c + 1) % 3;
-        if (v[c] < v[e]) add((p[c] + p[e]) / 2, between((p[c] + p[e]) / 2, c, e), carrier[c]);
+        if (v[c] < v[e]) add((p[c] + p[e]) / 2, between((p[c] + p[e]) / 2, c, e), carrier);
       }
       const Vec3 middle = (p[0] + p[1] + p[2]) / 3;
       if (carrier[0] == carrier[1] && carrier[1] == carrier[2])
-        add(middle, (d[0] + d[1] + d[2]) / 3, carrier[0]);
+        add(middle, (d[0] + d[1] + d[2]) / 3, carrier);
       else
-        add(middle, std::min(between(middle, 0, 1), between(middle, 1, 2)), carrier[0]);
+        add(middle, std::min(between(middle, 0, 1), between(middle, 1, 2)), carrier);
     }
   });
   forward_.clear();

@@ -26,9 +26,9 @@ class DeviationMeter {
   DeviationMeter(const TriMesh& input, double limit_mm);
 
   /// Measures the mesh, given also as a plain one with the map of its triangles. Returns the collapsing mesh's
-  /// triangles at samples beyond the limit, ascending. Distances are upper bounds, from what carries a point or from
-  /// the triangles around the nearest point; they are exact where they exceed half the limit (without one: 1/32
-  /// of the mean edge).
+  /// triangles at samples beyond the limit, or that carry the points beside them, ascending. Distances are upper
+  /// bounds, from what carries a point or from the triangles around the nearest point; they are exact where they exceed
+  /// half the limit (without one: 1/32 of the mean edge).
   std::vector<std::uint32_t> measure(const CollapseMesh& mesh, const TriMesh& plain,
                                      const std::vector<std::uint32_t>& triangle_of, const CarriedPoints& carried,
                                      const Progress& progress);
