@@ -17,7 +17,14 @@ expect() {
   grep -Eq -- "$pattern" "$work/stderr" || { cat "$work/stderr" >&2; fail "stderr does not match '$pattern': $*"; }
 }
 
-# The case's bytes: case.json and every file that it names.
+# The case's bytes: case.json and every file that it names, each of which must be there and whole.
 case_digest() {
-  (cd "$1" && sha256sum case.json meshes/* | sha256sum)
+  python3 - "$1" <<'PY'
+import hashlib, json, pathlib, sys
+case = pathlib.Path(sys.argv[1])
+manifest = (case / "case.json").read_bytes()
+for f in json.loads(manifest)["files"]:
+    assert hashlib.sha256((case / f["name"]).read_bytes()).hexdigest() == f["sha256"], f["name"]
+print(hashlib.sha256(manifest).hexdigest())
+PY
 }
