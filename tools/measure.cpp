@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "metrics/measure.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "commands.h"
 #include "grid/nrrd.h"
@@ -12,13 +14,24 @@ namespace trephine {
 namespace {
 
 struct LabelParams {
-  int label = 0;
+  int label = 0, last_label = 0;
   template <class V>
   static void describe(V& v) {
-    v.integer(&LabelParams::label, "label", Range{0, 255},
+    using P = LabelParams;
+    v.integer(&P::label, "label", Range{0, 255},
               "With --labels: the label to compare with; 0: every voxel that is not 0.");
+    v.integer(&P::last_label, "last_label", Range{0, 255},
+              "With --label: every label from that one to this, together; 0: that one alone.");
   }
 };
+
+// The voxels of the labels asked for, as 1.
+Mask selected(Mask labels, const LabelParams& params) {
+  const int first = params.label ? params.label : 1;
+  const int last = !params.label ? 255 : std::max(params.label, params.last_label);
+  for (std::uint8_t& v : labels.voxels) v = v >= first && v <= last;
+  return labels;
+}
 
 // Where the scan ends the surface is capped, and nothing is known of the cap's truth: it is left out.
 constexpr double cap_margin_mm = 3;
@@ -86,8 +99,8 @@ Command measure_command() {
       const auto& params = parsed.params<MeasureParams>();
       if (parsed.has("truth")) return measure_against_truth(parsed, mesh, progress);
       if (parsed.has("labels")) {
-        const Mask labels = read_mask_nrrd(parsed.path("labels"));
-        return measure_surface(mesh, LabelReference{&labels, parsed.params<LabelParams>().label}, params, progress);
+        const Mask labels = selected(read_mask_nrrd(parsed.path("labels")), parsed.params<LabelParams>());
+        return measure_surface(mesh, LabelReference{&labels, 0}, params, progress);
       }
       if (!parsed.has("reference")) return measure_surface(mesh, {}, params, progress);
       const TriMesh reference = read_vtp(parsed.path("reference"));

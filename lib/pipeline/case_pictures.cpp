@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/write_file.h"
 #include "picture/image.h"
@@ -26,7 +27,7 @@ Bounds bounds_of_all(const std::vector<PictureAnatomy>& anatomies) {
   return all;
 }
 
-Image shaded(const std::vector<SurfaceView>& views, View from, const std::string& title, const Bounds& frame,
+Image shaded(const std::vector<SurfaceView>& views, View from, const std::string& title, std::optional<Bounds> frame,
              const Progress& progress, std::optional<ClipPlane> clip = {}) {
   RenderParams params;
   params.view = from;
@@ -86,10 +87,9 @@ void write_case_pictures(const std::filesystem::path& folder, const HuVolume& vo
 
   for (const PictureAnatomy& a : anatomies) {
     const std::vector<SurfaceView> one{{a.surface, a.colour_rgb, 1}};
-    const Bounds own = bounds_of(*a.surface);
     std::vector<Image> sides;
     for (const View v : {View::oblique_left, View::oblique_right, View::front, View::left, View::back, View::top})
-      sides.push_back(shaded(one, v, a.name, own, progress));
+      sides.push_back(shaded(one, v, a.name, {}, progress));
     overview.push_back(sides[0]);
     write_file(folder / (a.name + ".png"), encode_png(contact_sheet(sides, 3)));
   }
