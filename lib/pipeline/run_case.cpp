@@ -59,6 +59,15 @@ void require_face_policy(const CaseConfig& config) {
                   wanted.name + " shows the patient's face; the scene must say `face: {policy: keep, reason: ...}`");
 }
 
+// A folder that this run made goes again where the run fails: nothing is left behind that looks like a case.
+struct NewFolder {
+  fs::path folder;
+  ~NewFolder() {
+    std::error_code ignored;
+    if (!folder.empty()) fs::remove_all(folder, ignored);
+  }
+};
+
 // What a run's results are collected in on the way to the case.
 struct Run {
   explicit Run(const RunRequest& r) : request(r) {}
@@ -115,7 +124,9 @@ void add_budget(const Run& run, const RecipeAnatomy& recipe, CaseAnatomy& out) {
   }
 }
 
-void finish_anatomy(Run& run, std::size_t index, const fs::path& folder) {
+// Fills the anatomy's part of the manifest; the bytes of its GLB are returned, not yet written: an anatomy after it may
+// still be refused.
+std::string finish_anatomy(Run& run, std::size_t index) {
   const Graph::Anatomy& nodes = run.graph.anatomies[index];
   const RecipeAnatomy& recipe = *run.config.find_anatomy(nodes.name);
   const TriMesh& surface = run.mesh(nodes.surface);
@@ -126,7 +137,7 @@ void finish_anatomy(Run& run, std::size_t index, const fs::path& folder) {
   glb.name = nodes.name;
   glb.colour_rgb = recipe.colour_rgb;
   glb.opacity = recipe.opacity_ratio;
-  const std::string bytes = make_glb(surface, glb);
+  std::string bytes = make_glb(surface, glb);
   // What is published is float32 about the case's centre: the invariant must hold for that, not for our doubles.
   require_valid(read_glb(std::string_view(bytes)).mesh);
 
@@ -167,11 +178,12 @@ void finish_anatomy(Run& run, std::size_t index, const fs::path& folder) {
   for (const SceneAnatomy& limit : run.config.scene)
     if (limit.name == nodes.name) hold_against_limits(limit, result);
 
-  const CaseFile file = write_case_file(folder, "meshes/" + nodes.name, ".glb", bytes);
+  const CaseFile file = describe_case_file("meshes/" + nodes.name, ".glb", bytes);
   out.file = file.name;
   run.manifest.files.push_back(file);
   run.manifest.anatomies.push_back(std::move(out));
   run.anatomies.push_back(result);
+  return bytes;
 }
 
 void fill_provenance(Run& run, const std::string& input_hash) {
@@ -228,8 +240,10 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
 
     const fs::path folder = request.library / token;
     make_output_folder(request.library);
+    const bool is_new = !fs::exists(folder);
     make_output_folder(folder);
     const CaseLock lock(folder);
+    NewFolder cleanup{is_new ? folder : fs::path()};
     for (const fs::path& f : {folder, folder / "meshes", folder / "report"}) remove_stale_temporaries(f);
     if (!request.keep.empty()) make_output_folder(request.keep);
     const StageCache cache(!request.params.use_cache ? fs::path()
@@ -244,13 +258,16 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     run.results = execute(run.graph, wanted_nodes(run.graph, request.params.pictures), execution, observer);
 
     const Progress cancelled({}, &cancel_requested());
-    make_output_folder(folder / "meshes");
     run.manifest.center_mm = center_of(run);
     fill_provenance(run, input_hash);
+    std::vector<std::string> glbs;
     for (std::size_t i = 0; i < run.graph.anatomies.size(); ++i) {
       cancelled.check();
-      finish_anatomy(run, i, folder);
+      glbs.push_back(finish_anatomy(run, i));
     }
+    make_output_folder(folder / "meshes");
+    for (std::size_t i = 0; i < glbs.size(); ++i)
+      write_case_file(folder, "meshes/" + run.graph.anatomies[i].name, ".glb", glbs[i]);
     for (const std::string& w : run.at(0).report.warnings) run.warnings.push_back("import: " + w);
 
     // The pictures come before case.json, so that a case that is there has them; they are not part of its bytes.
@@ -266,6 +283,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     }
     cancelled.check();
     publish_case(folder, run.manifest);
+    cleanup.folder.clear();
     cache.shrink_to(static_cast<std::uint64_t>(request.params.cache_limit_mb) * 1'000'000);
 
     RunResult result;

@@ -53,6 +53,14 @@ done
 "$TREPHINE" run "$config" --out "$out" --quiet
 find "$out" -name '.trephine-tmp-*' | grep . && fail "temporary files are left"
 
+# A first run that is stopped leaves no folder that looks like a case.
+"$TREPHINE" run "$config" --out "$work/new" --quiet --no-use-cache 2>/dev/null &
+pid=$!
+sleep 1
+kill -INT "$pid"
+code=0; wait "$pid" || code=$?
+[[ $code == 130 && ! -e $work/new/sample ]] || fail "Ctrl-C ($code) left a case's folder"
+
 # Two at once: one works, the other is told so.
 "$TREPHINE" run "$config" --out "$out" --quiet --no-use-cache &
 sleep 1
