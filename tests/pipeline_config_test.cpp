@@ -153,6 +153,8 @@ TEST(Config, PortsNameAnEarlierAnatomysStage) {
   EXPECT_TRUE(has(faults(Files(head, wrong)).at(0), "brain.contour, must be the field of an anatomy before this one"));
   std::string unfinished = "trephine: 1\nanatomies:\n  skull:\n    stages: [segment]\n";
   EXPECT_TRUE(has(faults(Files(head, unfinished)).at(0), "must end in a surface"));
+  const std::string empty = "trephine: 1\nanatomies:\n  skull:\n    stages: []\n";
+  EXPECT_TRUE(has(faults(Files(head, empty)).at(0), "must end in a surface"));
 }
 
 TEST(Graph, HoldsOnlyWhatTheSceneDemands) {

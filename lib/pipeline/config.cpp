@@ -186,7 +186,7 @@ class Reader {
                     std::string("works on a ") + to_text(step.type->ports[0].kind) + " but gets a " + to_text(fed));
       anatomy.steps.push_back(std::move(step));
     }
-    if (!anatomy.steps.empty() && anatomy.steps.back().type->output != DataKind::mesh)
+    if (anatomy.steps.empty() || anatomy.steps.back().type->output != DataKind::mesh)
       faults_.add(file, list, where + ".stages", "must end in a surface");
   }
 

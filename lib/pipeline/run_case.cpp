@@ -59,12 +59,20 @@ void require_face_policy(const CaseConfig& config) {
                   wanted.name + " shows the patient's face; the scene must say `face: {policy: keep, reason: ...}`");
 }
 
-// A folder that this run made goes again where the run fails: nothing is left behind that looks like a case.
-struct NewFolder {
+// A case folder in which nothing was ever published goes again where the run fails: nothing is left behind that looks
+// like a case. Made and destroyed under the case's lock, for only there it is certain that no other run publishes.
+struct UnpublishedFolder {
+  explicit UnpublishedFolder(const fs::path& f) : folder(f) {}
   fs::path folder;
-  ~NewFolder() {
+  ~UnpublishedFolder() {
     std::error_code ignored;
-    if (!folder.empty()) fs::remove_all(folder, ignored);
+    if (fs::exists(folder / "case.json", ignored)) return;
+    // Only what a run of ours makes; a file of somebody else's keeps the folder.
+    for (const char* ours : {"meshes", "report"}) fs::remove_all(folder / ours, ignored);
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+      if (entry.path().filename() != ".lock") return;
+    fs::remove(folder / ".lock", ignored);
+    fs::remove(folder, ignored);
   }
 };
 
@@ -240,10 +248,9 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
 
     const fs::path folder = request.library / token;
     make_output_folder(request.library);
-    const bool is_new = !fs::exists(folder);
     make_output_folder(folder);
     const CaseLock lock(folder);
-    NewFolder cleanup{is_new ? folder : fs::path()};
+    const UnpublishedFolder cleanup(folder);
     for (const fs::path& f : {folder, folder / "meshes", folder / "report"}) remove_stale_temporaries(f);
     if (!request.keep.empty()) make_output_folder(request.keep);
     const StageCache cache(!request.params.use_cache ? fs::path()
@@ -283,7 +290,6 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     }
     cancelled.check();
     publish_case(folder, run.manifest);
-    cleanup.folder.clear();
     cache.shrink_to(static_cast<std::uint64_t>(request.params.cache_limit_mb) * 1'000'000);
 
     RunResult result;

@@ -16,9 +16,11 @@ namespace fs = std::filesystem;
 
 StageCache::StageCache(fs::path folder) : folder_(std::move(folder)) {
   if (folder_.empty()) return;
-  make_output_folder(folder_);
   std::error_code ignored;
-  fs::permissions(folder_, fs::perms::owner_all, ignored);
+  // Only a folder of our own making is closed to others: what the user names may be shared, /tmp even.
+  const bool is_new = !fs::exists(folder_, ignored);
+  make_output_folder(folder_);
+  if (is_new) fs::permissions(folder_, fs::perms::owner_all, ignored);
   remove_stale_temporaries(folder_);
 }
 
