@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "metrics/deviation.h"
-#include "metrics_shapes.h"
+#include "surface_shapes.h"
 
 namespace trephine {
 namespace {

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "metrics/measure.h"
 #include "metrics/quality.h"
-#include "metrics_shapes.h"
+#include "surface_shapes.h"
 
 namespace trephine {
 namespace {

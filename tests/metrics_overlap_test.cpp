@@ -7,7 +7,8 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "metrics/overlap.h"
-#include "metrics_shapes.h"
+#include "surface/inside.h"
+#include "surface_shapes.h"
 
 namespace trephine {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "metrics/point_to_mesh.h"
+#include "surface/point_to_mesh.h"
 
 namespace trephine {
 namespace {

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 #include "base/params.h"
 #include "base/progress.h"
+#include "surface/distance_function.h"
 #include "surface/trimesh.h"
 
 namespace trephine {
-
-/// Distance to a surface that is known: positive outside, negative inside, at a world point. Called from several
-/// threads.
-using DistanceFunction = std::function<double(Vec3 world_mm)>;
 
 struct DeviationParams {
   int sample_count = 200000;

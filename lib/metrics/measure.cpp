@@ -10,6 +10,7 @@
 #include "meshing/validity.h"
 #include "metrics/overlap.h"
 #include "metrics/quality.h"
+#include "surface/inside.h"
 
 namespace trephine {
 namespace {

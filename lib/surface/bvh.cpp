@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Build: binary splits by the surface area heuristic over refs that move (upper levels one after another, the subtrees
 // below in parallel), then pairs of levels are merged into nodes of four. Query: nearest child first, boxes in float.
-#include "metrics/bvh.h"
+#include "surface/bvh.h"
 
 #include <algorithm>
 #include <array>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Inside of metrics: a bounding volume hierarchy over a mesh's triangles for nearest-point queries.
+// A bounding volume hierarchy over a mesh's triangles for nearest-point queries.
 #include <cstdint>
 #include <vector>
 
 #include "base/progress.h"
-#include "metrics/point_triangle.h"
+#include "surface/point_triangle.h"
 #include "surface/trimesh.h"
 
 namespace trephine {

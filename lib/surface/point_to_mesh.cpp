@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "metrics/point_to_mesh.h"
+#include "surface/point_to_mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "metrics/bvh.h"
+#include "surface/bvh.h"
 #include "surface/incidence.h"
 
 namespace trephine {

@@ -8,9 +8,9 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "metrics/point_to_mesh.h"
-#include "metrics/point_triangle.h"
-#include "metrics_shapes.h"
+#include "surface/point_to_mesh.h"
+#include "surface/point_triangle.h"
+#include "surface_shapes.h"
 
 namespace trephine {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "metrics/point_triangle.h"
+#include "surface/point_triangle.h"
 
 #include <algorithm>
 
