@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "voxel/haptic_volume.h"
+
+namespace trephine {
+
+/// A haptic volume as NRRD (int16, raw, LPS; 3D Slicer opens it) whose keys say what the values mean:
+///   trephine-haptic  {"version": 1, "encoding": "occupancy", "shapes": [{"name", "number", "window": [low, high]}]}
+/// Hardness is a second file of its own. The bytes are the same for the same volume.
+std::string encode_haptic(const HapticVolume& volume);
+std::string encode_hardness(const HapticVolume& volume);
+
+/// The simulator's reader: bounds everything by the bytes that are there, then check_haptic_volume. `hardness` may be
+/// empty. Throws Error 65 naming the field.
+HapticVolume decode_haptic(std::string_view bytes, std::string_view hardness = {});
+
+/// The same through files. write: 73, 74; read: 66, 65.
+void write_haptic(const std::filesystem::path& file, const HapticVolume& volume);
+HapticVolume read_haptic(const std::filesystem::path& file);
+
+}  // namespace trephine

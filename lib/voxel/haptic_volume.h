@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "grid/grid.h"
+
+namespace trephine {
+
+/// The haptic volume: what the hand feels. One int16 a voxel says which shape fills it and how much of it, so that one
+/// lookup serves any number of shapes (the dissertation, chapter 3). Beyond its lattice is EMPTY.
+///
+/// Encoding `occupancy`: a voxel is EMPTY (0), or
+///   1000 n + o          shape n fills o / 255 of it (o 1 to 255); the rest belongs to the other shape that has a voxel
+///                       among its 26 neighbours (the one with most occupancy there, then the lower number), or to
+///                       nobody where there is none
+///   1000 n + 300 + o    the same, and the rest is EMPTY whatever the neighbours: where something was cut away, or
+///                       where air meets two shapes
+/// with n 1 to 32. Every other value belongs to no shape. The surface of a shape lies where its occupancy is 1/2.
+///
+/// Encoding `hu`: the voxels are a CT's HU, and a shape is a window of them; windows are disjoint, at most 32. It
+/// saturates at air: towards HU below every window the surface is where the HU cross the window's low end; where
+/// windows meet it lies between the voxels.
+///
+/// Raw values must never be interpolated or subtracted: decode the occupancy of one shape first (voxel/decode.h).
+constexpr std::int16_t haptic_empty = 0;
+constexpr int haptic_base_step = 1000, haptic_bare_offset = 300, haptic_full = 255, haptic_max_shapes = 32;
+
+enum class HapticEncoding { occupancy, hu };
+
+struct HapticShape {
+  std::string name;                                    ///< the anatomy's: a-z, 0-9, _
+  int number = 1;                                      ///< 1 to 32, unique
+  std::int16_t window_low = 1001, window_high = 1555;  ///< raw values that are its own, both ends included
+};
+
+struct HapticVolume {
+  HapticEncoding encoding = HapticEncoding::occupancy;
+  Grid<std::int16_t> voxels;
+  std::vector<HapticShape> shapes;  ///< by ascending number
+  Mask hardness;  ///< empty, or on the same lattice: 0 softest to 255 hardest, of whatever shape fills the voxel
+
+  const HapticShape* find_shape(const std::string& name) const;
+};
+
+/// The windows that encoding `occupancy` gives to shape `number`.
+HapticShape occupancy_shape(const std::string& name, int number);
+
+/// Throws Error 65 naming the field unless numbers, names and windows are as said above, every voxel of encoding
+/// `occupancy` is EMPTY or has a value of a declared shape, spacing is positive and finite, and hardness fits.
+void check_haptic_volume(const HapticVolume& volume);
+
+}  // namespace trephine

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+#include "surface/trimesh.h"
+#include "voxel/haptic_volume.h"
+
+namespace trephine {
+
+/// One shape of the volume to be made. Earlier shapes of a list have precedence: what they fill is not a later one's.
+struct VoxelizeShape {
+  std::string name;
+  const TriMesh* surface = nullptr;  ///< closed: the undecimated surface of the shape's field
+  /// Nothing of this shape within clear_mm of `clear_of` (a surface), except where a shape before it stands: the liquor
+  /// between brain and skull is not the scalp. Null: no such rule.
+  const TriMesh* clear_of = nullptr;
+  double clear_mm = 0;
+};
+
+struct VoxelizeParams {
+  std::array<double, 3> spacing_mm{0.8, 0.8, 0.8};
+  double max_voxels_millions = 200;
+  template <class V>
+  static void describe(V& v) {
+    using P = VoxelizeParams;
+    v.numbers(&P::spacing_mm, "spacing_mm", Range{0.05, 10}, "Voxel size along the scan's own axes.");
+    v.number(&P::max_voxels_millions, "max_voxels_millions", Range{0.001, 2000},
+             "More voxels than this, in millions, are refused.");
+  }
+};
+
+/// The lattice along `direction` (the scan's) whose voxels cover the box `region_mm` (world bounds). Voxel centres lie
+/// on whole multiples of the spacing from `anchor_mm`, so that a larger region has the same voxels. Throws 78 (field
+/// haptic.spacing_mm) where it would exceed max_voxels_millions.
+Lattice haptic_lattice(const Bounds& region_mm, const Mat3& direction, Vec3 anchor_mm, const VoxelizeParams& params);
+
+/// Shapes numbered 1.. in the order given. The occupancy of a voxel follows the signed distance of its centre to the
+/// surface, so that its 1/2 lies on the surface to a fraction of a voxel under trilinear interpolation (bias and RMS
+/// are in docs/accuracy.md). The report: per shape volume_ml, voxels_count, and overlap_ml that went to shapes before
+/// it. The same bytes whatever the thread count. Throws 65 where a surface is not closed; 80 where a shape has no voxel
+/// in the region; Cancelled.
+HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& shapes, Report& report,
+                      const Progress& progress = {});
+
+/// A shape as a window of HU, both ends included.
+struct HuWindow {
+  std::string name;
+  std::int16_t low_hu = 0, high_hu = 0;
+};
+/// A raw CT as a haptic volume: the HU resampled onto the lattice (trilinear; beyond the scan -1024), rounded and
+/// clamped to int16 (counted in the report). Throws 78 where windows overlap or are empty.
+HapticVolume voxelize_hu(const HuVolume& volume, const Lattice& lattice, const std::vector<HuWindow>& windows,
+                         Report& report, const Progress& progress = {});
+
+/// The hardness volume: 0 at low_hu and below, 255 at high_hu and above, of the HU at each voxel (cortical against
+/// cancellous bone).
+Mask haptic_hardness(const HuVolume& volume, const Lattice& lattice, double low_hu, double high_hu,
+                     const Progress& progress = {});
+
+}  // namespace trephine
