@@ -17,6 +17,7 @@ namespace {
 const char* const recipe = R"(trephine: 1
 anatomies:
   skull:
+    shows_face: false
     stages:
       - segment: {lower_hu: 226}
       - contour
@@ -24,6 +25,7 @@ anatomies:
       - normals
   brain:
     colour_rgb: [0.9, 0.7, 0.7]
+    shows_face: false
     stages:
       - segment: {method: brain, skull: skull.segment}
       - contour
@@ -47,13 +49,14 @@ struct Files {
 const std::string head = "trephine: 1\npipeline: recipe.yaml\nscene: scene.yaml\n";
 
 // The lines that the user would see, without the scratch folder's name.
-std::vector<std::string> faults(const Files& files, const ConfigOverrides& overrides = {}) {
+std::vector<std::string> faults(const Files& files, const ConfigOverrides& overrides = {},
+                                ExitCode code = ExitCode::bad_config) {
   std::vector<std::string> lines;
   try {
     read_case_config(files.config, overrides);
   } catch (const ErrorList& e) {
     for (const Error& one : e.all()) {
-      EXPECT_EQ(one.code(), ExitCode::bad_config);
+      EXPECT_EQ(one.code(), code);
       std::string line = one.line("");
       const std::string prefix = ": " + files.folder.path().string() + "/";
       lines.push_back(line.rfind(prefix, 0) == 0 ? line.substr(prefix.size()) : line);
@@ -90,6 +93,22 @@ TEST(Config, TheScenesDeviationIsDecimationsBudgetLessSmoothings) {
   };
   EXPECT_EQ(decimation(read_case_config(Files(head, smoothed, scene_with("1.25")).config)).max_deviation_mm, 1);
   EXPECT_TRUE(has(faults(Files(head, smoothed, scene_with("0.25"))).at(0), "must exceed what smooth may move"));
+
+  // What smoothing may take counts as it is in force at last; a bound that decimation was given by path stays.
+  const auto after = [&](const std::string& set, std::vector<std::string> flags = {}) {
+    ConfigOverrides overrides;
+    overrides.set = std::move(flags);
+    return decimation(read_case_config(Files(head + set, smoothed, scene_with("1.25")).config, overrides))
+        .max_deviation_mm;
+  };
+  EXPECT_EQ(after("set: {skull.smooth.max_displacement_mm: 0.5}\n"), 0.75);
+  EXPECT_EQ(after("set: {skull.smooth.max_displacement_mm: 0.5}\n", {"skull.smooth.max_displacement_mm=0.75"}), 0.5);
+  EXPECT_EQ(after("set: {skull.smooth.max_displacement_mm: 0.5, skull.decimate.max_deviation_mm: 1}\n"), 1);
+  EXPECT_EQ(after("", {"skull.decimate.max_deviation_mm=2"}), 2);
+  const Files greedy(head + "set: {skull.smooth.max_displacement_mm: 1.25}\n", smoothed, scene_with("1.25"));
+  const auto refused = faults(greedy);
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_TRUE(has(refused[0], "scene.yaml:2") && has(refused[0], "must exceed what smooth may move")) << refused[0];
 }
 
 TEST(Config, EveryFaultAtOnceWithItsPlaceAndTheNearestKey) {
@@ -131,6 +150,72 @@ TEST(Config, WhatYamlWouldLetThrough) {
   EXPECT_TRUE(has(faults(Files("")).at(0), "must hold keys and values"));
 }
 
+TEST(Config, TextThatIsNotUtf8AndTagsAnywhereAreRefused) {
+  const auto one = [](const std::string& extra) { return faults(Files(head + extra)).at(0); };
+  EXPECT_TRUE(has(one("case: a\nseries: b\xff\n"), "case.yaml:5:10: is not UTF-8"));
+  EXPECT_TRUE(has(one("case: \xc0\xaf\n"), "is not UTF-8")) << "overlong";
+  EXPECT_TRUE(has(one("case: \xed\xa0\x80\n"), "is not UTF-8")) << "a surrogate";
+  EXPECT_TRUE(has(one("case: \xf4\x90\x80\x80\n"), "is not UTF-8")) << "above U+10FFFF";
+  EXPECT_TRUE(has(one("case: \xe2\x82"), "is not UTF-8")) << "cut short";
+  EXPECT_TRUE(faults(Files(head + "# \xc3\xbc \xe2\x82\xac \xf0\x9f\xa7\xa0\n")).empty());
+  EXPECT_TRUE(has(one("case: !str x\n"), "tags"));
+  EXPECT_TRUE(has(one("set: !!map {a: b}\n"), "tags"));
+  EXPECT_TRUE(has(one("landmarks: {nasion: !point [1, 2, 3]}\n"), "tags"));
+}
+
+TEST(Config, FaultsOfAllFilesJoinAlsoWhereOneCannotBeParsed) {
+  const auto lines = faults(Files(head + "sereis: x\n", "trephine: [\n", "trephine: 1\ntrephine: 1\n"));
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_TRUE(has(lines[0], "case.yaml:4:1: sereis"));
+  EXPECT_TRUE(has(lines[1], "recipe.yaml:") && has(lines[1], "is not YAML"));
+  EXPECT_TRUE(has(lines[2], "scene.yaml:2:1: trephine: the key is repeated"));
+  const Files files("trephine: 1\npipeline: recipe.yaml\nscene: nowhere.yaml\nsereis: x\n");
+  try {
+    read_case_config(files.config);
+    FAIL() << "no error";
+  } catch (const ErrorList& e) {
+    ASSERT_EQ(e.all().size(), 2u);
+    EXPECT_EQ(e.all()[1].code(), ExitCode::no_input);
+  }
+}
+
+TEST(Config, ARecipeSaysOfEveryAnatomyWhetherItShowsAFace) {
+  std::string silent = recipe;
+  silent.erase(silent.find("    shows_face: false\n"), 22);
+  EXPECT_TRUE(has(faults(Files(head, silent)).at(0), "anatomies.skull.shows_face: is missing"));
+  const std::string blank = "face: {policy: keep, reason: '  '}\n";
+  EXPECT_TRUE(has(faults(Files(head, recipe, scene + blank)).at(0), "scene.yaml:4:30: face.reason: is blank"));
+}
+
+TEST(Config, ACountIsAWholeNumber) {
+  const auto one = [](const std::string& count) {
+    return faults(Files(head, recipe, "trephine: 1\nanatomies: {skull: {max_triangles: " + count + "}}\n")).at(0);
+  };
+  EXPECT_TRUE(has(one("1000.5"), "max_triangles: 1000.5, must be a whole number from 4 to 100,000,000"));
+  EXPECT_TRUE(has(one("3"), "must be a whole number"));
+}
+
+TEST(Config, OverridesReachTheImportAndTheirFaultsAreUsage) {
+  const auto with = [](std::vector<std::string> set) {
+    ConfigOverrides overrides;
+    overrides.set = std::move(set);
+    return overrides;
+  };
+  const Files files(head);
+  EXPECT_EQ(read_case_config(files.config, with({"import.series=s1"})).import.series, "s1");
+  const Files in_file(head + "set: {import.max_gap_mm: 5}\n");
+  EXPECT_EQ(read_case_config(in_file.config).import.max_gap_mm, 5);
+  const auto one = [&](const std::string& set) {
+    const auto lines = faults(files, with({set}), ExitCode::usage);
+    return lines.size() == 1 ? lines[0] : "not one line";
+  };
+  EXPECT_EQ(one("skull.decimate.max_deviation_mm"),
+            ": --set: skull.decimate.max_deviation_mm, must be anatomy.stage.parameter=value");
+  EXPECT_EQ(one("skull.decimate.max_deviaton_mm=1"),
+            ": --set skull.decimate.max_deviaton_mm: no such parameter, did you mean skull.decimate.max_deviation_mm?");
+  EXPECT_TRUE(has(one("import.max_gap_mm=x"), ": --set import.max_gap_mm: x, "));
+}
+
 TEST(Config, PathsStayUnderTheRoot) {
   ScratchFolder other;
   const auto refused = faults(Files(head + "series: " + other.path().string() + "\n"));
@@ -151,9 +236,9 @@ TEST(Config, PortsNameAnEarlierAnatomysStage) {
   std::string wrong = recipe;
   wrong.replace(wrong.find("skull.segment"), 13, "brain.contour");
   EXPECT_TRUE(has(faults(Files(head, wrong)).at(0), "brain.contour, must be the field of an anatomy before this one"));
-  std::string unfinished = "trephine: 1\nanatomies:\n  skull:\n    stages: [segment]\n";
+  std::string unfinished = "trephine: 1\nanatomies:\n  skull:\n    shows_face: false\n    stages: [segment]\n";
   EXPECT_TRUE(has(faults(Files(head, unfinished)).at(0), "must end in a surface"));
-  const std::string empty = "trephine: 1\nanatomies:\n  skull:\n    stages: []\n";
+  const std::string empty = "trephine: 1\nanatomies:\n  skull:\n    shows_face: false\n    stages: []\n";
   EXPECT_TRUE(has(faults(Files(head, empty)).at(0), "must end in a surface"));
 }
 

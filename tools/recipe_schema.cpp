@@ -38,7 +38,7 @@ std::string recipe_schema() {
                          {"opacity_ratio", share},
                          {"shows_face", {{"type", "boolean"}}},
                          {"stages", {{"type", "array"}, {"items", {{"anyOf", std::move(steps)}}}}}});
-  anatomy["required"] = {"stages"};
+  anatomy["required"] = {"shows_face", "stages"};
   Json schema = object({{"trephine", {{"const", 1}}},
                         {"anatomies", {{"type", "object"}, {"additionalProperties", std::move(anatomy)}}}});
   schema["required"] = {"trephine", "anatomies"};

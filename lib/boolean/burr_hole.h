@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "base/report.h"
 #include "boolean/cutter.h"
 #include "surface/trimesh.h"
 

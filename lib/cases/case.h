@@ -17,7 +17,7 @@ namespace trephine {
 /// The case package: a folder with case.json and what it names; docs/case-package.md specifies it for other programs.
 /// Positions are DICOM patient LPS, mm.
 
-constexpr int case_version_major = 1, case_version_minor = 0;
+constexpr int case_version_major = 1, case_version_minor = 1;
 
 /// A figure by name, in the order of insertion: numbers finite.
 using CaseValues = std::vector<std::pair<std::string, ParameterValue>>;
@@ -57,6 +57,54 @@ struct CaseBurrHole {
   Vec3 position_mm;
   Vec3 direction;  ///< unit, into the head
   double diameter_mm = 0;
+  std::vector<std::string> cut;  ///< anatomies whose surface and haptic shape it is cut from; since 1.1
+  CaseValues figures;  ///< bone_thickness_mm, "skull.removed_mesh_mm3", "skull.removed_haptic_mm3", ...; since 1.1
+};
+
+/// What one side of a shape's surface does to the tool. A front face is met from outside, a back face from inside.
+struct CaseFace {
+  bool touchable = true;
+  double stiffness_n_per_mm = 0, damping_n_s_per_mm = 0;
+  double static_friction_ratio = 0, dynamic_friction_ratio = 0;
+  double pop_through_n = 0;  ///< the force above which the tool enters; 0: never
+};
+
+struct CaseMaterial {
+  std::string name;
+  std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};  ///< sRGB, of what is displayed from the haptic volume
+  CaseFace front, back;
+  double drag_n_s_per_mm = 0;           ///< on the tip inside
+  double shaft_friction_n_per_mm = 0;   ///< per mm of shaft inside
+  double removal_energy_j_per_mm3 = 0;  ///< what a drill must spend; 0: it cannot be drilled
+};
+
+/// How far what is felt lies from what is seen: along the normals of the displayed surface within the haptic region,
+/// positive where the felt one lies outside.
+struct CaseMismatch {
+  double bias_mm = 0, rms_mm = 0, p99_mm = 0, max_mm = 0;
+  double missed_ratio = 0;  ///< share of the samples beside which nothing is felt
+  std::uint64_t samples = 0;
+};
+
+struct CaseShape {
+  std::string name;  ///< the anatomy's
+  int number = 1;
+  std::int16_t window_low = 0, window_high = 0;  ///< raw values that are its own
+  CaseMaterial material;
+  bool cuttable = false;
+  std::string displayed = "surface";  ///< from its GLB; "haptic": from the volume
+  double volume_ml = 0;
+  CaseMismatch mismatch;  ///< samples 0 where it is displayed from the volume: none by construction
+};
+
+/// The haptic volume (voxel/haptic_volume.h); since 1.1.
+struct CaseHaptic {
+  std::string file;           ///< one of the manifest's files; empty: the case has none
+  std::string hardness_file;  ///< may be empty
+  std::string encoding = "occupancy";
+  std::array<int, 3> size{0, 0, 0};
+  Vec3 spacing_mm{1, 1, 1};
+  std::vector<CaseShape> shapes;  ///< by ascending number
 };
 
 struct CaseFile {
@@ -73,6 +121,7 @@ struct CaseManifest {
   std::vector<CaseLandmark> landmarks;
   std::vector<CaseTarget> targets;
   std::vector<CaseBurrHole> burr_holes;
+  CaseHaptic haptic;
   std::string face_policy = "keep", face_reason;
   std::string program_version;  ///< "trephine 0.1.0"
   std::string input_sha256;     ///< of what was read, without identifiers

@@ -17,7 +17,7 @@ namespace {
 template <class F>
 void with_source(const FileHeader& h, F&& f) {
   try {
-    ByteSource source(h.file);
+    ByteSource source(h.origin);
     f(source);
   } catch (const std::system_error&) {
     lost(h);
@@ -52,6 +52,30 @@ void read_frames(const std::vector<FrameRef>& frames, const FrameSink& sink, con
     });
     sink(i, buffer.data());
   }
+}
+
+std::string stream_of_frame(const FrameRef& ref) {
+  const FileHeader& h = *ref.header;
+  std::string stream;
+  const auto [from, to] = h.frame_fragments[static_cast<std::size_t>(ref.frame)];
+  with_source(h, [&](ByteSource& source) {
+    for (std::size_t i = from; i < to; ++i) {
+      const Fragment& f = h.fragments[i];
+      const std::size_t at = stream.size();
+      if (f.offset > source.size() || f.length > source.size() - f.offset) lost(h);
+      stream.resize(at + f.length);
+      if (!source.read(f.offset, stream.data() + at, f.length)) lost(h);
+    }
+  });
+  return stream;
+}
+
+void check_frame_stream(const FrameRef& ref) {
+  const FileHeader& h = *ref.header;
+  const std::string what =
+      check_codestream(h.syntax->encoding, stream_of_frame(ref), h.columns, h.rows, h.bits_allocated);
+  if (!what.empty())
+    throw Error(ExitCode::bad_input, h.name, tag_name(h.pixels.tag), std::string(h.syntax->name) + ": " + what);
 }
 
 std::string hash_of_frame(const FrameRef& ref) {

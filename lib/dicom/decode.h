@@ -34,6 +34,12 @@ void decode_in_child(const std::vector<FrameRef>& frames, const FrameSink& sink,
 /// bytes there.
 std::string check_codestream(Encoding encoding, std::string_view stream, int columns, int rows, int bits_allocated);
 
+/// The compressed bytes of a frame. Throws as read_frames.
+std::string stream_of_frame(const FrameRef& frame);
+
+/// Throws what read_frames would throw of a compressed frame that check_codestream refuses; does not decode.
+void check_frame_stream(const FrameRef& frame);
+
 /// Adds what a slice's import depends on to a hash: its tags and its pixel bytes as stored.
 std::string hash_of_frame(const FrameRef& frame);
 

@@ -14,61 +14,36 @@
 #include "base/child.h"
 #include "base/error.h"
 #include "dicom/decode.h"
+#include "dicom/packing.h"
 
 namespace trephine::dicom {
 namespace {
 
 constexpr const char* worker_name = "dicom-decode";
 
-// The request: for each frame its file, shape and fragments, as 8-byte numbers and texts with their length.
-class Packer {
- public:
-  void number(std::uint64_t v) { bytes_.append(reinterpret_cast<const char*>(&v), sizeof v); }
-  void text(const std::string& s) {
-    number(s.size());
-    bytes_ += s;
-  }
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
-};
-
-class Unpacker {
- public:
-  explicit Unpacker(std::string_view bytes) : bytes_(bytes) {}
-  std::uint64_t number() {
-    std::uint64_t v = 0;
-    std::memcpy(&v, take(sizeof v).data(), sizeof v);
-    return v;
-  }
-  std::string text() { return std::string(take(number())); }
-
- private:
-  std::string_view take(std::uint64_t count) {
-    if (count > bytes_.size()) throw Error(ExitCode::internal, "", worker_name, "a bad request");
-    const std::string_view s = bytes_.substr(0, count);
-    bytes_.remove_prefix(count);
-    return s;
-  }
-  std::string_view bytes_;
-};
-
+// The request: for each frame its shape and either its file and where the fragments lie in it, or, of an archive's
+// member, the stream itself; as 8-byte numbers and texts with their length.
 struct Job {
-  std::string file, name, syntax;
+  std::string name, syntax, file;
   int columns = 0, rows = 0, bits_allocated = 0, bits_stored = 0;
   bool is_signed = false;
   std::vector<Fragment> fragments;
+  std::string stream;  ///< where file is empty
 };
 
 void pack(const FrameRef& ref, Packer& p) {
   const FileHeader& h = *ref.header;
-  p.text(std::filesystem::absolute(h.file).string());
   p.text(h.name);
   p.text(h.syntax->uid);
   for (const int v : {h.columns, h.rows, h.bits_allocated, h.bits_stored, int{h.is_signed}})
     p.number(static_cast<std::uint64_t>(v));
   const auto [from, to] = h.frame_fragments[static_cast<std::size_t>(ref.frame)];
+  if (h.origin.in_memory) {
+    p.text("");
+    p.text(stream_of_frame(ref));
+    return;
+  }
+  p.text(std::filesystem::absolute(h.origin.file).string());
   p.number(to - from);
   for (std::size_t i = from; i < to; ++i) {
     p.number(h.fragments[i].offset);
@@ -78,14 +53,18 @@ void pack(const FrameRef& ref, Packer& p) {
 
 Job unpack(Unpacker& u) {
   Job j;
-  j.file = u.text();
-  j.name = u.text();
-  j.syntax = u.text();
+  j.name = std::string(u.text());
+  j.syntax = std::string(u.text());
   j.columns = static_cast<int>(u.number());
   j.rows = static_cast<int>(u.number());
   j.bits_allocated = static_cast<int>(u.number());
   j.bits_stored = static_cast<int>(u.number());
   j.is_signed = u.number() != 0;
+  j.file = std::string(u.text());
+  if (j.file.empty()) {
+    j.stream = std::string(u.text());
+    return j;
+  }
   for (std::uint64_t n = u.number(); n > 0; --n) {
     Fragment f;
     f.offset = u.number();
@@ -100,10 +79,11 @@ Job unpack(Unpacker& u) {
               std::string(find_transfer_syntax(j.syntax)->name) + ": " + what);
 }
 
-std::vector<char> read_stream(const Job& j) {
-  std::vector<char> stream;
+std::string read_stream(Job& j) {
+  if (j.file.empty()) return std::move(j.stream);
+  std::string stream;
   try {
-    const ByteSource source(j.file);
+    const ByteSource source{std::filesystem::path(j.file)};
     for (const Fragment& f : j.fragments) {
       const std::size_t at = stream.size();
       if (f.offset > source.size() || f.length > source.size() - f.offset) bad_stream(j, "the file shrank meanwhile");
@@ -116,11 +96,11 @@ std::vector<char> read_stream(const Job& j) {
   return stream;
 }
 
-std::vector<char> decode(const Job& j) {
-  const std::vector<char> stream = read_stream(j);
+std::vector<char> decode(Job& j) {
+  const std::string stream = read_stream(j);
   const TransferSyntax& syntax = *find_transfer_syntax(j.syntax);
-  const std::string fault =
-      check_codestream(syntax.encoding, {stream.data(), stream.size()}, j.columns, j.rows, j.bits_allocated);
+  if (stream.size() > 0xfffffffe) bad_stream(j, "larger than 4 GiB");
+  const std::string fault = check_codestream(syntax.encoding, stream, j.columns, j.rows, j.bits_allocated);
   if (!fault.empty()) bad_stream(j, fault);
 
   gdcm::Image image;
@@ -161,7 +141,7 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
   const std::uint64_t count = in.number();
   for (std::uint64_t i = 0; i < count; ++i) {
     request.report(static_cast<double>(i) / static_cast<double>(count));
-    const Job job = unpack(in);
+    Job job = unpack(in);
     const std::vector<char> out = decode(job);
     request.write(out.data(), out.size());
   }

@@ -8,13 +8,19 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <system_error>
 
 namespace trephine::dicom {
 
-ByteSource::ByteSource(const std::filesystem::path& file) {
+ByteSource::ByteSource(const Origin& origin) {
+  if (origin.in_memory) {
+    memory_ = origin.bytes.data();
+    size_ = origin.bytes.size();
+    return;
+  }
   // O_NONBLOCK: a FIFO must not block the scan.
-  fd_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  fd_ = ::open(origin.file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd_ < 0) throw std::system_error(errno, std::generic_category());
   struct stat st {};
   if (::fstat(fd_, &st) != 0 || !S_ISREG(st.st_mode)) {
@@ -30,6 +36,12 @@ ByteSource::~ByteSource() {
 
 bool ByteSource::read(std::uint64_t offset, void* out, std::size_t count) const {
   auto* p = static_cast<char*>(out);
+  if (count == 0) return true;
+  if (fd_ < 0) {
+    if (offset > size_ || count > size_ - offset) return false;
+    std::memcpy(p, memory_ + offset, count);
+    return true;
+  }
   while (count > 0) {
     const ssize_t n = ::pread(fd_, p, count, static_cast<off_t>(offset));
     if (n < 0 && errno == EINTR) continue;
@@ -43,6 +55,7 @@ bool ByteSource::read(std::uint64_t offset, void* out, std::size_t count) const 
 
 const std::uint8_t* ByteSource::get(std::uint64_t offset, std::size_t count) {
   if (count > max_value || offset > size_ || count > size_ - offset) return nullptr;
+  if (fd_ < 0) return reinterpret_cast<const std::uint8_t*>(memory_) + offset;
   if (offset < window_begin_ || offset + count > window_begin_ + window_count_) {
     // Most headers fit in the first window; later ones are read where a large value was skipped.
     constexpr std::size_t usual = 8 * 1024;

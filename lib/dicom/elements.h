@@ -4,9 +4,27 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace trephine::dicom {
+
+/// Where a file's bytes are: on disk, or in memory, which must outlive what is read from it.
+struct Origin {
+  std::filesystem::path file;
+  std::string_view bytes;
+  bool in_memory = false;
+
+  Origin() = default;
+  Origin(std::filesystem::path f) : file(std::move(f)) {}  // NOLINT: a path is one
+  static Origin memory(std::string_view bytes) {
+    Origin o;
+    o.bytes = bytes;
+    o.in_memory = true;
+    return o;
+  }
+};
 
 /// A file read by position through a small window; never more than max_value bytes at once in memory.
 class ByteSource {
@@ -14,7 +32,7 @@ class ByteSource {
   static constexpr std::size_t max_value = 64 * 1024;
 
   /// Throws std::system_error where the file cannot be opened or is not a regular file.
-  explicit ByteSource(const std::filesystem::path& file);
+  explicit ByteSource(const Origin& origin);
   ~ByteSource();
   ByteSource(const ByteSource&) = delete;
   ByteSource& operator=(const ByteSource&) = delete;
@@ -27,6 +45,7 @@ class ByteSource {
 
  private:
   int fd_ = -1;
+  const char* memory_ = nullptr;  ///< instead of fd_
   std::uint64_t size_ = 0, window_begin_ = 0;
   std::vector<std::uint8_t> window_;
   std::size_t window_count_ = 0;

@@ -80,7 +80,7 @@ struct RawFrame {
 
 class HeaderReader {
  public:
-  explicit HeaderReader(const std::filesystem::path& file) : source_(file) { h_.file = file; }
+  explicit HeaderReader(const Origin& origin) : source_(origin) { h_.origin = origin; }
 
   FileHeader read() {
     if (source_.size() == 0) throw WalkFault{"", "an empty file, not a DICOM file"};
@@ -319,6 +319,15 @@ class HeaderReader {
         h_.frame_fragments.push_back({from, at});
       }
     }
+    // No codec of ours makes an image larger than that; what would be read at once stays bounded by the image.
+    const std::uint64_t most = 4 * h_.frame_bytes() + (1 << 20);
+    for (const auto& [from, to] : h_.frame_fragments) {
+      std::uint64_t stream = 0;
+      for (std::size_t i = from; i < to; ++i) stream += h_.fragments[i].length;
+      if (stream > most)
+        return fault(t_pixels,
+                     fmt::format("{} compressed bytes for a frame of {} bytes", stream, h_.frame_bytes()));
+    }
   }
 
   void check_frames() {
@@ -434,6 +443,6 @@ bool FileHeader::has_geometry() const {
   return false;
 }
 
-FileHeader read_header(const std::filesystem::path& file) { return HeaderReader(file).read(); }
+FileHeader read_header(const Origin& origin) { return HeaderReader(origin).read(); }
 
 }  // namespace trephine::dicom

@@ -30,8 +30,8 @@ struct Frame {
 
 /// What a file says that the import depends on, from its raw tags.
 struct FileHeader {
-  std::filesystem::path file;
-  std::string name;  ///< relative to the folder given, for messages
+  Origin origin;
+  std::string name;  ///< relative to the folder or archive given, for messages
 
   const TransferSyntax* syntax = nullptr;
   const SopClass* sop_class = nullptr;  ///< null: unknown or absent
@@ -65,6 +65,6 @@ struct FileHeader {
 
 /// Reads and checks a file's header. Throws WalkFault where it is no DICOM file or broken before its pixel data; what
 /// is wrong with its values is listed in faults.
-FileHeader read_header(const std::filesystem::path& file);
+FileHeader read_header(const Origin& origin);
 
 }  // namespace trephine::dicom

@@ -308,10 +308,12 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
 }
 
 std::string hash_of_series_input(const std::filesystem::path& folder_or_file, const ImportParams& params,
-                                 const Progress& progress) {
+                                 const Progress& progress, Report* folder) {
   return with_file(folder_or_file.string(), [&] {
     const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.5));
-    return hash_of_series(choose(catalogue, params.series), progress.part(0.5, 1));
+    const Series& series = choose(catalogue, params.series);
+    if (folder) *folder = describe_rest(catalogue, series);
+    return hash_of_series(series, progress.part(0.5, 1));
   });
 }
 

@@ -83,9 +83,9 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
 
 /// SHA-256 of what the import of that series depends on (tags of geometry and HU, pixel bytes as stored), without
 /// decoding. Not of file names, order, folder, names, IDs, dates or UIDs; nor of params, but for the choice of the
-/// series. Throws as import_series does up to the decoding.
+/// series. `folder`, where given, becomes ImportResult::folder. Throws as import_series does up to the decoding.
 std::string hash_of_series_input(const std::filesystem::path& folder_or_file, const ImportParams& params,
-                                 const Progress& progress = {});
+                                 const Progress& progress = {}, Report* folder = nullptr);
 
 /// Every series found, the usable ones first. Throws 66.
 std::vector<SeriesSummary> list_series(const std::filesystem::path& folder_or_file, const ImportParams& params = {},

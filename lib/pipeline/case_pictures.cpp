@@ -5,7 +5,6 @@
 #include <cmath>
 #include <optional>
 
-#include "base/write_file.h"
 #include "picture/image.h"
 #include "picture/render.h"
 #include "picture/slice.h"
@@ -70,9 +69,10 @@ Vec3 point_of_interest(const std::vector<PictureAnatomy>& anatomies) {
 
 }  // namespace
 
-void write_case_pictures(const std::filesystem::path& folder, const HuVolume& volume,
-                         const std::vector<PictureAnatomy>& anatomies, const Progress& progress) {
-  if (anatomies.empty()) return;
+std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
+                                            const Progress& progress) {
+  if (anatomies.empty()) return {};
+  std::vector<CasePicture> pictures;
   const Bounds frame = bounds_of_all(anatomies);
   const Vec3 focus = point_of_interest(anatomies);
   std::vector<Image> overview;
@@ -91,7 +91,7 @@ void write_case_pictures(const std::filesystem::path& folder, const HuVolume& vo
     for (const View v : {View::oblique_left, View::oblique_right, View::front, View::left, View::back, View::top})
       sides.push_back(shaded(one, v, a.name, {}, progress));
     overview.push_back(sides[0]);
-    write_file(folder / (a.name + ".png"), encode_png(contact_sheet(sides, 3)));
+    pictures.push_back({a.name + ".png", encode_png(contact_sheet(sides, 3))});
   }
 
   std::vector<OverlayShape> shapes;
@@ -116,9 +116,10 @@ void write_case_pictures(const std::filesystem::path& folder, const HuVolume& vo
     }
     params.position_mm = std::clamp(focus[axis], range[0], range[1]);
     overview.push_back(slice_overlay(volume, params, shapes));
-    write_file(folder / (std::string(names[p]) + ".png"), encode_png(contact_sheet(images, 3)));
+    pictures.push_back({std::string(names[p]) + ".png", encode_png(contact_sheet(images, 3))});
   }
-  write_file(folder / "overview.png", encode_png(contact_sheet(overview, 3)));
+  pictures.push_back({"overview.png", encode_png(contact_sheet(overview, 3))});
+  return pictures;
 }
 
 }  // namespace trephine

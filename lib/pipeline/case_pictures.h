@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -18,10 +17,15 @@ struct PictureAnatomy {
   double opacity = 1;
 };
 
-/// What a technician looks at before a case is used, as PNG through the checked writer: overview.png (all of it on a
-/// page), <anatomy>.png (one surface from several sides), axial.png, coronal.png, sagittal.png (the CT with the
-/// surfaces' exact cuts). The same bytes for the same input.
-void write_case_pictures(const std::filesystem::path& folder, const HuVolume& volume,
-                         const std::vector<PictureAnatomy>& anatomies, const Progress& progress = {});
+struct CasePicture {
+  std::string name;  ///< overview.png
+  std::string png;   ///< the file's bytes
+};
+
+/// What a technician looks at before a case is used: overview.png (all of it on a page), <anatomy>.png (one surface
+/// from several sides), axial.png, coronal.png, sagittal.png (the CT with the surfaces' exact cuts). In memory, so that
+/// they can be written when nothing can fail any more. The same bytes for the same input.
+std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
+                                            const Progress& progress = {});
 
 }  // namespace trephine

@@ -2,6 +2,8 @@
 #include "pipeline/config.h"
 
 #include <algorithm>
+#include <optional>
+#include <set>
 
 #include "base/text.h"
 #include "pipeline/yaml_document.h"
@@ -52,22 +54,45 @@ class Reader {
     out_.series = path_value(map, config_, "series", tree);
     if (!overrides_.series.empty()) out_.series = overrides_.series;
     const fs::path pipeline = required_file(map, "pipeline", tree), scene = required_file(map, "scene", tree);
-    AnyParams import = AnyParams::make<ImportParams>();
-    if (const YamlNode* node = map.map("import")) read_params(config_, *node, "import", import, {}, nullptr);
-    out_.import = import.as<ImportParams>();
+    if (const YamlNode* node = map.map("import")) read_params(config_, *node, "import", import_, {}, nullptr);
     read_landmarks(map);
     const YamlNode* set = map.map("set");
     map.finish();
     if (!pipeline.empty()) read_recipe(pipeline);
-    if (!scene.empty() && !pipeline.empty()) read_scene(scene);
-    if (set && !pipeline.empty())
-      for (const auto& [key, value] : set->entries) set_by_path(config_, key, value);
+    if (!scene.empty()) read_scene(scene);
+    if (set)
+      for (const auto& [key, value] : set->entries)
+        if (const std::string fault = set_by_path(key.text, value); !fault.empty())
+          faults_.add(config_, has_path(key.text) ? value : key, "set." + key.text, fault);
     for (const std::string& text : overrides_.set) set_from_text(text);
+    // Last, for what smoothing takes of it may just have been set.
+    for (const Budget& budget : budgets_) give(budget);
+    out_.import = import_.as<ImportParams>();
     faults_.raise();
     return std::move(out_);
   }
 
  private:
+  // The deviation that the scene allows an anatomy, and where it says so.
+  struct Budget {
+    fs::path file;
+    YamlNode at;
+    std::string anatomy;
+    double allowed_mm;
+  };
+
+  // Nothing where the file cannot be read: its faults join the others'.
+  std::optional<YamlNode> tree_of(const fs::path& file) {
+    try {
+      return read_yaml(file);
+    } catch (const ErrorList& e) {
+      for (const Error& one : e.all()) faults_.add(one);
+    } catch (const Error& e) {
+      faults_.add(e);
+    }
+    return {};
+  }
+
   void check_version(MapReader& map, const YamlNode& tree) {
     const YamlNode* node = map.any("trephine");
     if (!node || node->text != "1")
@@ -106,14 +131,17 @@ class Reader {
     MapReader map(file, node, where, faults_);
     for (const Parameter& p : params.set->parameters)
       if (const YamlNode* value = map.any(p.name))
-        set_parameter(params, p, file, *value, where + "." + p.name, faults_);
+        if (const std::string fault = set_parameter(params, p, *value); !fault.empty())
+          faults_.add(file, *value, where + "." + p.name, fault);
     for (const Port& port : ports)
       if (const auto source = map.text(port.name)) (*sources)[port.name] = *source;
     map.finish();
   }
 
   void read_recipe(const fs::path& file) {
-    const YamlNode tree = read_yaml(file);
+    const auto read = tree_of(file);
+    if (!read) return;
+    const YamlNode& tree = *read;
     MapReader map(file, tree, "", faults_);
     check_version(map, tree);
     const YamlNode* anatomies = map.map("anatomies");
@@ -133,10 +161,11 @@ class Reader {
       if (const auto rgb = body.numbers("colour_rgb", 3, {0, 1}))
         anatomy.colour_rgb = {(*rgb)[0], (*rgb)[1], (*rgb)[2]};
       anatomy.opacity_ratio = body.number("opacity_ratio", {0.05, 1}).value_or(anatomy.opacity_ratio);
-      if (const auto text = body.text("shows_face")) {
-        if (*text != "true" && *text != "false") body.fault(node, "shows_face", *text + ", must be true or false");
-        anatomy.shows_face = *text == "true";
-      }
+      // Without a default: a recipe that forgets it must not publish a face.
+      const auto face = body.required(body.text("shows_face"), "shows_face");
+      if (!face.empty() && face != "true" && face != "false")
+        body.fault(*node.find("shows_face"), "shows_face", face + ", must be true or false");
+      anatomy.shows_face = face != "false";
       if (const YamlNode* steps = body.list("stages")) read_steps(file, *steps, where, anatomy);
       if (!node.find("stages")) body.fault(node, "stages", "is missing");
       body.finish();
@@ -216,7 +245,10 @@ class Reader {
   }
 
   void read_scene(const fs::path& file) {
-    const YamlNode tree = read_yaml(file);
+    const auto read = tree_of(file);
+    // Without a recipe nobody knows which anatomies there are: what the scene says of them is not judged.
+    if (!read || out_.anatomies.empty()) return;
+    const YamlNode& tree = *read;
     MapReader map(file, tree, "", faults_);
     check_version(map, tree);
     if (const YamlNode* face = map.map("face")) {
@@ -225,6 +257,8 @@ class Reader {
       out_.face_reason = body.required(body.text("reason"), "reason");
       if (!out_.face.empty() && out_.face != "keep")
         body.fault(*face, "policy", out_.face + ", must be keep (crop and deface are not built yet)");
+      if (!out_.face_reason.empty() && out_.face_reason.find_first_not_of(" \t\r\n") == std::string::npos)
+        body.fault(*face->find("reason"), "reason", "is blank: why may the case show the patient's face?");
       body.finish();
     }
     std::vector<std::string> known;
@@ -245,7 +279,7 @@ class Reader {
         if (node.kind == YamlNode::Kind::map) {
           MapReader body(file, node, "anatomies." + key.text, faults_);
           a.max_deviation_mm = body.number("max_deviation_mm", {0.01, 100}).value_or(0);
-          a.max_triangles = static_cast<std::int64_t>(body.number("max_triangles", {4, 1e8}).value_or(0));
+          a.max_triangles = body.integer("max_triangles", {4, 1e8}).value_or(0);
           body.finish();
         } else if (node.kind != YamlNode::Kind::null) {
           map.fault(node, "anatomies." + key.text, "must hold keys and values");
@@ -258,23 +292,28 @@ class Reader {
       const auto found = wanted.find(anatomy.name);
       if (found == wanted.end()) continue;
       out_.scene.push_back(found->second);
-      if (found->second.max_deviation_mm > 0) give_budget(file, tree, anatomy, found->second.max_deviation_mm);
+      if (found->second.max_deviation_mm > 0)
+        budgets_.push_back({file, *anatomies->find(anatomy.name), anatomy.name, found->second.max_deviation_mm});
       if (found->second.max_triangles > 0)
         set_if_there(anatomy, "decimate", "target_triangles_count", ParameterValue(found->second.max_triangles));
     }
     if (out_.scene.empty() && faults_.empty()) map.fault(tree, "anatomies", "the scene wants nothing");
   }
 
-  // The deviation that the scene allows is shared out: smoothing keeps its bound, decimation gets the rest.
-  void give_budget(const fs::path& file, const YamlNode& tree, RecipeAnatomy& anatomy, double allowed_mm) {
-    double rest_mm = allowed_mm;
+  // The deviation that the scene allows is shared out: smoothing keeps its bound, decimation gets the rest, unless it
+  // was given its own by path.
+  void give(const Budget& budget) {
+    if (paths_set_.count(budget.anatomy + ".decimate.max_deviation_mm")) return;
+    RecipeAnatomy& anatomy = *std::find_if(out_.anatomies.begin(), out_.anatomies.end(),
+                                           [&](const RecipeAnatomy& a) { return a.name == budget.anatomy; });
+    double rest_mm = budget.allowed_mm;
     if (const RecipeStep* smooth = anatomy.find_step("smooth"))
       if (const Parameter* p = smooth->params.set->find("max_displacement_mm"))
         rest_mm -= std::get<double>(smooth->params.get(*p));
     if (rest_mm > 0) return set_if_there(anatomy, "decimate", "max_deviation_mm", ParameterValue(rest_mm));
-    faults_.add(
-        file, tree, "anatomies." + anatomy.name + ".max_deviation_mm",
-        to_text(allowed_mm) + ", must exceed what smooth may move the surface by, " + to_text(allowed_mm - rest_mm));
+    faults_.add(budget.file, budget.at, "anatomies." + anatomy.name + ".max_deviation_mm",
+                to_text(budget.allowed_mm) + ", must exceed what smooth may move the surface by, " +
+                    to_text(budget.allowed_mm - rest_mm));
   }
 
   static void set_if_there(RecipeAnatomy& anatomy, const std::string& stage, const std::string& name,
@@ -284,27 +323,47 @@ class Reader {
         if (const Parameter* p = step.params.set->find(name)) p->set(step.params.object.get(), value);
   }
 
-  // "anatomy.stage.parameter".
-  void set_by_path(const fs::path& file, const YamlNode& key, const YamlNode& value) {
-    std::vector<std::string> known;
+  // What a path leads to: "import.series", "skull.decimate.max_deviation_mm".
+  struct Target {
+    AnyParams* params = nullptr;
+    const Parameter* parameter = nullptr;
+  };
+
+  std::map<std::string, Target> targets() {
+    std::map<std::string, Target> all;
+    for (const Parameter& p : import_.set->parameters) all["import." + p.name] = {&import_, &p};
     for (RecipeAnatomy& anatomy : out_.anatomies)
       for (RecipeStep& step : anatomy.steps)
-        for (const Parameter& p : step.params.set->parameters) {
-          known.push_back(anatomy.name + "." + step.type->name + "." + p.name);
-          if (known.back() == key.text) return set_parameter(step.params, p, file, value, "set." + key.text, faults_);
-        }
-    const std::string near = nearest_name(key.text, known);
-    faults_.add(
-        file, key, "set." + key.text,
-        "no such parameter" + (near.empty() ? ", a path is anatomy.stage.parameter" : ", did you mean " + near + "?"));
+        for (const Parameter& p : step.params.set->parameters)
+          all[anatomy.name + "." + step.type->name + "." + p.name] = {&step.params, &p};
+    return all;
+  }
+
+  bool has_path(const std::string& path) { return targets().count(path) > 0; }
+
+  // Returns the fault. Where the recipe could not be read, nothing is known of its paths.
+  std::string set_by_path(const std::string& path, const YamlNode& value) {
+    const auto all = targets();
+    if (const auto found = all.find(path); found != all.end()) {
+      paths_set_.insert(path);
+      return set_parameter(*found->second.params, *found->second.parameter, value);
+    }
+    if (out_.anatomies.empty()) return "";
+    std::vector<std::string> known;
+    for (const auto& target : all) known.push_back(target.first);
+    const std::string near = nearest_name(path, known);
+    return "no such parameter" +
+           (near.empty() ? ", a path is anatomy.stage.parameter or import.parameter" : ", did you mean " + near + "?");
   }
 
   void set_from_text(const std::string& text) {
     const std::size_t equals = text.find('=');
-    YamlNode key, value;
-    key.text = text.substr(0, equals);
+    if (equals == std::string::npos)
+      return faults_.add(Error(ExitCode::usage, "", "--set", text + ", must be anatomy.stage.parameter=value"));
+    const std::string path = text.substr(0, equals);
+    YamlNode value;
     value.kind = YamlNode::Kind::scalar;
-    if (equals != std::string::npos) value.text = text.substr(equals + 1);
+    value.text = text.substr(equals + 1);
     if (value.text.size() > 1 && value.text.front() == '[' && value.text.back() == ']') {
       value.kind = YamlNode::Kind::list;
       std::string items = value.text.substr(1, value.text.size() - 2);
@@ -318,7 +377,8 @@ class Reader {
         at = comma == std::string::npos ? comma : comma + 1;
       }
     }
-    set_by_path("--set", key, value);
+    if (const std::string fault = set_by_path(path, value); !fault.empty())
+      faults_.add(Error(ExitCode::usage, "", "--set " + path, fault));
   }
 
   const fs::path config_;
@@ -326,6 +386,9 @@ class Reader {
   std::vector<fs::path> roots_;
   ConfigFaults faults_;
   CaseConfig out_;
+  AnyParams import_ = AnyParams::make<ImportParams>();
+  std::vector<Budget> budgets_;
+  std::set<std::string> paths_set_;
 };
 
 }  // namespace

@@ -51,13 +51,14 @@ struct CaseConfig {
 struct ConfigOverrides {
   std::filesystem::path series;  ///< from the command line, not bound to the root
   std::string case_token;
-  std::vector<std::string> set;              ///< "skull.decimate.max_deviation_mm=0.2"
+  std::vector<std::string> set;              ///< "skull.decimate.max_deviation_mm=0.2", "import.series=s1"
   std::vector<std::filesystem::path> roots;  ///< folders beside the root that paths in the files may lead to
 };
 
-/// Reads the case's YAML and the recipe and the scene that it names (design.md, "YAML"). Order of what wins: the
-/// default, the recipe, the scene's limits, the case's `set`, the overrides. Throws ErrorList (78) with every fault of
-/// all three files at once, file:line:column each; 66 where a file is missing.
+/// Reads the case's YAML and the recipe and the scene that it names. Order of what wins: the default, the recipe, the
+/// scene's limits, the case's `set`, the overrides; decimation's share of the scene's deviation is what the smoothing
+/// that is in force at last leaves of it. Throws ErrorList with every fault of all three files and the overrides at
+/// once: 78 with file:line:column, 66 for a file that is missing, 64 for an override; the first one's code counts.
 CaseConfig read_case_config(const std::filesystem::path& file, const ConfigOverrides& overrides = {});
 
 }  // namespace trephine

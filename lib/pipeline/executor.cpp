@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "base/parallel.h"
 #include "stages/data_files.h"
 
@@ -54,10 +55,12 @@ class Executor {
       demand(w);
       ++tasks_[w].readers;  // the caller
     }
-    for (std::size_t i = 0; i < tasks_.size(); ++i)
-      if (tasks_[i].unknown) demand(static_cast<int>(i));
-    for (std::size_t i = 0; i < tasks_.size(); ++i)
+    // From the last: when a node's turn comes, all who read it have been counted, and what nobody reads is let go.
+    for (std::size_t i = tasks_.size(); i-- > 0;) {
+      const bool kept = !options_.keep.empty() && graph.nodes[i].output != DataKind::nothing;
+      if (tasks_[i].unknown || kept) demand(static_cast<int>(i));
       if (tasks_[i].readers == 0) results_[i].data = {};
+    }
     // The more that waits for a node, the earlier it runs.
     for (std::size_t i = graph.nodes.size(); i-- > 0;)
       if (tasks_[i].needed && !tasks_[i].done)
@@ -66,10 +69,10 @@ class Executor {
   }
 
   std::vector<NodeResult> run() {
-    std::vector<std::thread> threads;
-    const int count = std::max(1, thread_count());
-    for (int i = 0; i < count; ++i) threads.emplace_back([this] { work(); });
     {
+      Workers workers(*this);
+      const auto count = std::min(static_cast<std::size_t>(std::max(1, thread_count())), tasks_.size());
+      for (std::size_t i = 0; i < count; ++i) workers.threads.emplace_back([this] { work(); });
       std::unique_lock<std::mutex> lock(mutex_);
       while (!all_done() && !(stop_ && running_ == 0)) {
         wake_.wait_for(lock, std::chrono::milliseconds(100));
@@ -77,8 +80,6 @@ class Executor {
       }
       finished_ = true;
     }
-    wake_.notify_all();
-    for (std::thread& t : threads) t.join();
     for (const Task& t : tasks_)
       if (t.error) std::rethrow_exception(t.error);
     if (stop_) throw Cancelled{};
@@ -90,6 +91,21 @@ class Executor {
     bool unknown = false, needed = false, started = false, done = false;
     int readers = 0, urgency = 0;
     std::exception_ptr error;
+  };
+
+  // Stopped and joined however the scope is left: by the end of the work, or because a thread could not be made.
+  struct Workers {
+    explicit Workers(Executor& e) : executor(e) {}
+    ~Workers() {
+      {
+        const std::lock_guard<std::mutex> lock(executor.mutex_);
+        if (!executor.finished_) executor.stop_ = true;
+      }
+      executor.wake_.notify_all();
+      for (std::thread& t : threads) t.join();
+    }
+    Executor& executor;
+    std::vector<std::thread> threads;
   };
 
   void demand(int i) {
@@ -190,10 +206,20 @@ class Executor {
     with_field(node.name, [&] { compute(node, result); });
     result.state = NodeResult::State::computed;
     result.seconds = seconds_since(start);
-    if (options_.cache)
+    store(node, result);
+    finish_output(i, "computed");
+  }
+
+  // The cache only saves time: a case does not fail because its disk is full.
+  void store(const Node& node, const NodeResult& result) {
+    if (!options_.cache || cache_failed_) return;
+    try {
       options_.cache->store(node.key, node.output,
                             worth_storing(result.data, result.seconds) ? result.data : StageData{}, result.report);
-    finish_output(i, "computed");
+    } catch (const Error& e) {
+      if (!cache_failed_.exchange(true))
+        log_warning("the cache keeps nothing more of this run: " + e.file() + ": " + e.what());
+    }
   }
 
   void finish_output(int i, const char* how) {
@@ -208,10 +234,11 @@ class Executor {
     const Progress progress([this, &node](double f) { observer_.progressed(node.name, f); }, &stop_);
     if (!node.type) {
       ImportResult imported = import_series(options_.series, node.params.as<ImportParams>(), progress);
+      // Under the key of what was there before it would be found for ever after.
+      if (imported.input_sha256 != options_.input_sha256)
+        throw Error(ExitCode::bad_input, options_.series.string(), "", "the series changed while it was read");
       result.data = std::make_shared<const HuVolume>(std::move(imported.volume));
       result.report = std::move(imported.report);
-      // What else lay in the folder does not belong to the series, but who runs this should hear of it.
-      for (std::string& w : imported.folder.warnings) result.report.warn(std::move(w));
       return;
     }
     StageInputs inputs;
@@ -226,7 +253,7 @@ class Executor {
   std::vector<Task> tasks_;
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false}, cache_failed_{false};
   bool finished_ = false;
   int running_ = 0;
 };

@@ -34,7 +34,7 @@ const char* to_text(NodeResult::State state) {
 
 }  // namespace
 
-std::string run_json(const Graph& graph, const std::vector<NodeResult>& results,
+std::string run_json(const Graph& graph, const std::vector<NodeResult>& results, const Report& folder,
                      const std::vector<AnatomyResult>& anatomies, const std::vector<std::string>& warnings,
                      double wall_s) {
   Json json;
@@ -55,6 +55,7 @@ std::string run_json(const Graph& graph, const std::vector<NodeResult>& results,
                                  {"volume_ml", a.volume_ml},
                                  {"seconds", a.seconds},
                                  {"stopped_by", a.stopped_by}};
+  json["folder"] = Json::parse(report_json(folder));
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     Json& stage = json["stages"][graph.nodes[i].name];
     stage["state"] = to_text(results[i].state);

@@ -17,6 +17,33 @@ namespace {
 constexpr std::uint64_t max_file_bytes = 1 << 20;
 constexpr std::size_t max_depth = 32;
 
+// Where the text stops being UTF-8 (RFC 3629: no overlong forms, no surrogates, nothing above U+10FFFF), else npos.
+std::size_t find_bad_utf8(const std::string& text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    const std::size_t length = lead < 0x80   ? 1
+                               : lead < 0xc2 ? 0
+                               : lead < 0xe0 ? 2
+                               : lead < 0xf0 ? 3
+                               : lead < 0xf5 ? 4
+                                             : 0;
+    if (length == 0 || i + length > text.size()) return i;
+    for (std::size_t k = 1; k < length; ++k) {
+      const auto next = static_cast<unsigned char>(text[i + k]);
+      unsigned low = 0x80, high = 0xbf;
+      if (k == 1) {
+        if (lead == 0xe0) low = 0xa0;
+        if (lead == 0xed) high = 0x9f;
+        if (lead == 0xf0) low = 0x90;
+        if (lead == 0xf4) high = 0x8f;
+      }
+      if (next < low || next > high) return i;
+    }
+    i += length;
+  }
+  return std::string::npos;
+}
+
 std::string position(const std::filesystem::path& file, int line, int column) {
   return file.string() + ":" + std::to_string(line) + ":" + std::to_string(column);
 }
@@ -41,20 +68,21 @@ class TreeBuilder : public YAML::EventHandler {
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
-    if (!tag.empty() && tag != "?" && tag != "!")
-      refuse(file_, mark.line + 1, mark.column + 1, "tags (!name) are not allowed");
+    if (tag != "!") refuse_tag(mark, tag);
     YamlNode node = make(mark, YamlNode::Kind::scalar, value, anchor);
     // A plain null or ~ is no value; a quoted one (tag "!") is the text.
     if (tag != "!" && (value == "null" || value == "~")) node = make(mark, YamlNode::Kind::null, "", anchor);
     add(std::move(node));
   }
-  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
+    refuse_tag(mark, tag);
     push(make(mark, YamlNode::Kind::list, "", anchor));
   }
   void OnSequenceEnd() override { pop(); }
-  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                   YAML::EmitterStyle::value) override {
+    refuse_tag(mark, tag);
     push(make(mark, YamlNode::Kind::map, "", anchor));
   }
   void OnMapEnd() override { pop(); }
@@ -65,6 +93,9 @@ class TreeBuilder : public YAML::EventHandler {
     bool has_key = false;
   };
 
+  void refuse_tag(const YAML::Mark& mark, const std::string& tag) {
+    if (!tag.empty() && tag != "?") refuse(file_, mark.line + 1, mark.column + 1, "tags (!name) are not allowed");
+  }
   YamlNode make(const YAML::Mark& mark, YamlNode::Kind kind, const std::string& text, YAML::anchor_t anchor) {
     if (anchor) refuse(file_, mark.line + 1, mark.column + 1, "anchors (&name) are not allowed");
     YamlNode node;
@@ -143,6 +174,12 @@ YamlNode read_yaml(const std::filesystem::path& file) {
     refuse(file, 1 + static_cast<int>(std::count(text.begin(), bad, '\n')), 1,
            "holds a control character: not a text file");
 
+  if (const std::size_t at = find_bad_utf8(text); at != std::string::npos) {
+    const auto line_start = static_cast<std::ptrdiff_t>(at == 0 ? 0 : text.rfind('\n', at - 1) + 1);
+    refuse(file, 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n')),
+           1 + static_cast<int>(static_cast<std::ptrdiff_t>(at) - line_start), "is not UTF-8 text");
+  }
+
   YamlNode root;
   ConfigFaults faults;
   try {
@@ -216,6 +253,17 @@ std::optional<double> MapReader::number(const std::string& key, Range range) {
   return {};
 }
 
+std::optional<std::int64_t> MapReader::integer(const std::string& key, Range range) {
+  const YamlNode* node = any(key);
+  if (!node) return {};
+  const auto value = node->kind == YamlNode::Kind::scalar ? parse_integer(node->text) : std::nullopt;
+  if (value && double(*value) >= range.min && double(*value) <= range.max) return *value;
+  fault(*node, key,
+        (node->text.empty() ? "" : node->text + ", ") + "must be a whole number from " +
+            grouped_text(static_cast<long long>(range.min)) + " to " + grouped_text(static_cast<long long>(range.max)));
+  return {};
+}
+
 std::optional<std::vector<double>> MapReader::numbers(const std::string& key, std::size_t count, Range range) {
   const YamlNode* node = any(key);
   if (!node) return {};
@@ -231,8 +279,7 @@ std::optional<std::vector<double>> MapReader::numbers(const std::string& key, st
   return {};
 }
 
-void set_parameter(AnyParams& params, const Parameter& parameter, const std::filesystem::path& file,
-                   const YamlNode& value, const std::string& where, ConfigFaults& faults) {
+std::string set_parameter(AnyParams& params, const Parameter& parameter, const YamlNode& value) {
   std::vector<std::string> items;
   std::string shown;
   const bool is_list = value.kind == YamlNode::Kind::list;
@@ -244,10 +291,9 @@ void set_parameter(AnyParams& params, const Parameter& parameter, const std::fil
     fault = describe_parameter(parameter, parameter.get(params.object.get())) + " is expected";
   else
     fault = parse_parameter(parameter, items, parsed);
-  if (fault.empty())
-    parameter.set(params.object.get(), parsed);
-  else
-    faults.add(file, value, where, (shown.empty() ? "" : shown + ", ") + fault);
+  if (!fault.empty()) return (shown.empty() ? "" : shown + ", ") + fault;
+  parameter.set(params.object.get(), parsed);
+  return "";
 }
 
 }  // namespace trephine

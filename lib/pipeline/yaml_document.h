@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -57,6 +58,7 @@ class MapReader {
   std::optional<std::string> text(const std::string& key);
   std::optional<double> number(const std::string& key, Range range);
   std::optional<std::vector<double>> numbers(const std::string& key, std::size_t count, Range range);
+  std::optional<std::int64_t> integer(const std::string& key, Range range);
   /// A fault where the key is absent.
   template <class T>
   T required(std::optional<T> value, const std::string& key) {
@@ -75,8 +77,8 @@ class MapReader {
   std::vector<std::string> known_;
 };
 
-/// Sets one parameter from a YAML value (a scalar, or a list of scalars). A fault is added where it does not fit.
-void set_parameter(AnyParams& params, const Parameter& parameter, const std::filesystem::path& file,
-                   const YamlNode& value, const std::string& where, ConfigFaults& faults);
+/// Sets one parameter from a YAML value (a scalar, or a list of scalars). Returns what is wrong where it does not fit,
+/// else nothing.
+std::string set_parameter(AnyParams& params, const Parameter& parameter, const YamlNode& value);
 
 }  // namespace trephine
