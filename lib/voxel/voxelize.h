@@ -25,11 +25,21 @@ struct VoxelizeShape {
 
 struct VoxelizeParams {
   std::array<double, 3> spacing_mm{0.8, 0.8, 0.8};
+  double margin_mm = 10;
+  std::array<double, 3> region_min_mm{-1e6, -1e6, -1e6}, region_max_mm{1e6, 1e6, 1e6};
+  double hardness_low_hu = 0, hardness_high_hu = 0;
   double max_voxels_millions = 200;
   template <class V>
   static void describe(V& v) {
     using P = VoxelizeParams;
     v.numbers(&P::spacing_mm, "spacing_mm", Range{0.05, 10}, "Voxel size along the scan's own axes.");
+    v.number(&P::margin_mm, "margin_mm", Range{0, 1000},
+             "The region is the box of the shape it is of (or of all shapes), and this much more on every side.");
+    v.numbers(&P::region_min_mm, "region_min_mm", Range{-1e6, 1e6}, "Lower corner that the region may not pass, LPS.");
+    v.numbers(&P::region_max_mm, "region_max_mm", Range{-1e6, 1e6}, "Upper corner that the region may not pass, LPS.");
+    v.number(&P::hardness_low_hu, "hardness_low_hu", Range{-32768, 32767},
+             "HU of the softest material; with hardness_high_hu above it a hardness volume is made.");
+    v.number(&P::hardness_high_hu, "hardness_high_hu", Range{-32768, 32767}, "HU of the hardest material.");
     v.number(&P::max_voxels_millions, "max_voxels_millions", Range{0.001, 2000},
              "More voxels than this, in millions, are refused.");
   }

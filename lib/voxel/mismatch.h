@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstddef>
+
+#include "base/params.h"
+#include "base/progress.h"
+#include "surface/trimesh.h"
+#include "voxel/haptic_volume.h"
+
+namespace trephine {
+
+struct MismatchParams {
+  int sample_count = 50000;
+  double reach_mm = 3;
+  template <class V>
+  static void describe(V& v) {
+    using P = MismatchParams;
+    v.integer(&P::sample_count, "sample_count", Range{100, 100000000}, "Points on the displayed surface.");
+    v.number(&P::reach_mm, "reach_mm", Range{0.01, 100}, "How far along the normal the felt surface is looked for.");
+  }
+};
+
+/// Offsets along the displayed surface's normals, positive where the felt surface lies outside of it.
+struct Mismatch {
+  double bias_mm = 0, rms_mm = 0, p99_mm = 0, max_mm = 0;  ///< of the samples that found it; p99 and max absolute
+  double missed_ratio = 0;                                 ///< share of the samples that did not
+  std::size_t samples = 0;                                 ///< those within the volume by at least a voxel
+};
+
+/// For points spread evenly over the displayed surface (closed or not; the same whatever the thread count), where along
+/// the triangle's normal the shape's trilinear occupancy crosses 1/2 nearest to the point, within reach_mm. Throws 65
+/// as check_mesh does.
+Mismatch measure_mismatch(const TriMesh& displayed, const HapticVolume& volume, const HapticShape& shape,
+                          const MismatchParams& params = {}, const Progress& progress = {});
+
+}  // namespace trephine
