@@ -231,8 +231,15 @@ TEST_F(Cli, HelpAndVersion) {
   EXPECT_EQ(run({"--version"}), 0);
   EXPECT_EQ(stdout_, "prog 1.2.3\n");
   EXPECT_EQ(run({"--help"}), 0);
-  EXPECT_NE(stdout_.find("  reduce  Reduce a surface\n"), std::string::npos) << stdout_;
-  EXPECT_EQ(stdout_.find("completion"), std::string::npos);
+  EXPECT_NE(stdout_.find("  reduce      Reduce a surface\n"), std::string::npos) << stdout_;
+  EXPECT_NE(stdout_.find("  completion  prints"), std::string::npos) << stdout_;
+  EXPECT_EQ(stdout_.find("Write the reference pages"), std::string::npos);
+  EXPECT_EQ(run({"help"}), 0);
+  EXPECT_NE(stdout_.find("Usage: prog COMMAND"), std::string::npos);
+  EXPECT_EQ(run({"help", "reduce"}), 0);
+  EXPECT_NE(stdout_.find("Usage: prog reduce CONFIG"), std::string::npos);
+  EXPECT_EQ(run({"help", "redcue"}), 64);
+  EXPECT_EQ(run({"help", "reduce", "x"}), 64);
   EXPECT_EQ(run({"reduce", "--wrong", "--help"}), 0);
   for (const char* part : {"Usage: prog reduce CONFIG [--series FOLDER] --out FILE [--set TEXT]... [parameters]\n",
                            "A paragraph.\n\nAnother one.\n",

@@ -46,7 +46,22 @@ Argument file_argument(const char* name, const char* help) {
 phantom::Anatomy anatomy_named(const std::string& name) {
   for (const phantom::Anatomy a : phantom::all_anatomies)
     if (name == phantom::name_of(a)) return a;
-  throw Error(ExitCode::usage, "", "--truth", "needs --anatomy: which of the truth's anatomies the surface is");
+  throw Error(ExitCode::usage, "", "--anatomy",
+              "is needed with --truth: which of the truth's anatomies the surface is");
+}
+
+// A flag that would be overlooked in silence is refused.
+void check_flags(const ParsedCommand& parsed) {
+  if (parsed.has("reference") + parsed.has("labels") + parsed.has("truth") > 1)
+    throw Error(ExitCode::usage, "", "--reference, --labels, --truth", "at most one of them can be given");
+  if (parsed.has("anatomy") && !parsed.has("truth"))
+    throw Error(ExitCode::usage, "", "--anatomy", "is of the truth, give --truth too");
+  for (const char* label : {"label", "last_label"})
+    if (parsed.given.count(label) && !parsed.has("labels"))
+      throw Error(ExitCode::usage, "", label == std::string("label") ? "--label" : "--last-label",
+                  "is one of the labels, give --labels too");
+  if (parsed.given.count("last_label") && !parsed.given.count("label"))
+    throw Error(ExitCode::usage, "", "--last-label", "ends a range, give --label, where it begins, too");
 }
 
 Report measure_against_truth(const ParsedCommand& parsed, const TriMesh& surface, const Progress& progress) {
@@ -92,9 +107,9 @@ Command measure_command() {
                  report_argument()};
   c.groups = {{"Parameters", stage.make_params}, ParameterGroup::of<LabelParams>("Labels")};
   c.run = [](const ParsedCommand& parsed) {
-    if (parsed.has("reference") + parsed.has("labels") + parsed.has("truth") > 1)
-      throw Error(ExitCode::usage, "", "--reference, --labels, --truth", "at most one of them can be given");
+    check_flags(parsed);
     run_with_report(parsed, [&](const Progress& progress) {
+      if (parsed.has("truth")) anatomy_named(parsed.text("anatomy"));
       const TriMesh mesh = read_vtp(parsed.path("surface"));
       const auto& params = parsed.params<MeasureParams>();
       if (parsed.has("truth")) return measure_against_truth(parsed, mesh, progress);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cstdio>
 
-#include "base/log.h"
 #include "base/write_file.h"
 #include "cli/progress_display.h"
 #include "commands.h"
@@ -52,7 +51,7 @@ Command run_command() {
   config.positional = config.required = true;
   Argument out = argument("out", Kind::out_folder, "Library: the folder in which the case's folder is made.");
   out.required = true;
-  Argument set = argument("set", Kind::text, "Override anatomy.stage.parameter=value.");
+  Argument set = argument("set", Kind::text, "Override anatomy.stage.parameter=value, or import.parameter=value.");
   Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
   set.repeated = root.repeated = true;
   c.arguments = {config,
@@ -74,15 +73,15 @@ Command run_command() {
     request.params = parsed.params<RunParams>();
     request.keep = parsed.path("keep");
     request.cache = parsed.path("cache");
+    request.json = parsed.path("json");
     request.program_version = TREPHINE_VERSION;
     RunResult result;
     {
       DisplayObserver observer(parsed.quiet);
       result = run_case(request, observer);
     }
-    for (const std::string& w : result.warnings) log_warning(w);
-    if (parsed.has("json")) write_file(parsed.path("json"), result.json);
     if (!parsed.quiet) std::printf("\n%s\n%s\n", result.table.c_str(), (result.case_folder / "case.json").c_str());
+    if (parsed.has("json")) write_file(parsed.path("json"), result.json);
     return ExitCode::ok;
   };
   return c;

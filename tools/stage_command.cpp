@@ -26,10 +26,11 @@ void run_with_report(const ParsedCommand& parsed, const std::function<Report(con
     report = work(display.start(parsed.command->name));
     display.finish(parsed.command->name, "");
   }
-  if (parsed.has("report")) write_file(parsed.path("report"), report_json(report));
+  const std::string json = report_json(report);
   for (const std::string& w : report.warnings) log_warning(w);
   report.warnings.clear();
   if (!parsed.quiet) std::fputs(report_text(report).c_str(), stdout);
+  if (parsed.has("report")) write_file(parsed.path("report"), json);
 }
 
 Command make_stage_command(const StageType& stage, std::vector<std::string> examples) {

@@ -158,11 +158,13 @@ CaseFile write_case_file(const std::filesystem::path& case_folder, const std::st
                          const std::string& extension, std::string_view bytes);
 
 /// Renames case.json into place, last: before it the old case is whole, after it the new one. Throws 70 where a file
-/// that the manifest names is not there with its size; 73 and 74. Files of the old case stay (a reader may be in them).
+/// that the manifest names is not there with its size; 73 and 74. Files of the old case stay until
+/// remove_unnamed_case_files.
 void publish_case(const std::filesystem::path& case_folder, const CaseManifest& manifest);
 
 /// Removes files with a content name that case.json does not name, and temporaries of dead processes; returns how many.
-/// Only where no reader of an older case and no other run on this case is under way: `library gc`.
+/// Under the case's lock only, for another run may be about to name them. A reader of the older case that loses a file
+/// gets the 66 of read_case or read_case_file, which names it; it reads case.json again.
 int remove_unnamed_case_files(const std::filesystem::path& case_folder);
 
 }  // namespace trephine

@@ -107,8 +107,8 @@ struct Program {
 
 /// A program's main: runs a bounded child if asked, parses, runs the command, prints errors (a line each on stderr) and
 /// returns the exit code: an Error's own; 64 for the command line, every fault of which is named at once; 130 where the
-/// user cancelled; 74 where stdout could not be written; 70 for what nobody expected. Adds the commands `reference
-/// --out DIR` (writes reference_pages) and `completion bash`, which are not shown.
+/// user cancelled; 74 where stdout could not be written; 70 for what nobody expected. Adds `help [COMMAND]`, the
+/// command `completion bash`, and `reference --out DIR` (writes reference_pages), which is not shown.
 int run_program(Program program, int argc, char** argv);
 
 /// Reads a command's own words (after its name). Throws ErrorList (64) with all faults, then ErrorList (66, 73) for

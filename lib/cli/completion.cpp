@@ -40,7 +40,7 @@ std::string argument_action(const Argument& a) {
 }  // namespace
 
 std::string bash_completion(const Program& program) {
-  std::vector<std::string> commands = {"--help", "--version"};
+  std::vector<std::string> commands = {"--help", "--version", "help"};
   std::string values, flags;
   for (const Command& c : program.commands) {
     if (c.hidden) continue;

@@ -59,7 +59,8 @@ std::string program_help(const Program& program) {
   for (const Command& c : program.commands)
     if (!c.hidden) text += "  " + c.name + std::string(width + 2 - c.name.size(), ' ') + c.summary + "\n";
   text += "\n" + entry("--help", help_help) + entry("--version", version_help);
-  return text + "\n" + program.name + " COMMAND --help shows what a command takes.\n";
+  return text + "\n" + program.name + " COMMAND --help, or " + program.name +
+         " help COMMAND, shows what a command takes.\n";
 }
 
 std::string command_help(const Program& program, const Command& command) {

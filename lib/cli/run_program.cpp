@@ -33,8 +33,9 @@ void add_own_commands(Program& program) {
   };
   Command completion;
   completion.name = "completion";
-  completion.summary = "Print the script for a shell's completion";
-  completion.hidden = true;
+  completion.summary = "prints the script for bash's completion";
+  completion.description = "Completes commands, flags and the values of flags that have choices.";
+  completion.examples = {"eval \"$(" + program.name + " completion bash)\""};
   completion.arguments = {{"shell", Argument::Kind::choice, "Which shell.", true, true, false, {"bash"}}};
   completion.run = [&program](const ParsedCommand&) {
     std::cout << bash_completion(program);
@@ -45,7 +46,7 @@ void add_own_commands(Program& program) {
 }
 
 const Command& find_command(const Program& program, const std::string& name) {
-  std::vector<std::string> known = {"--help", "--version"};
+  std::vector<std::string> known = {"--help", "--version", "help"};
   for (const Command& c : program.commands) {
     if (c.name == name) return c;
     if (!c.hidden) known.push_back(c.name);
@@ -61,6 +62,12 @@ ExitCode run(const Program& program, const std::vector<std::string>& words, std:
     throw Error(ExitCode::usage, "", "", "a command is needed; " + program.name + " --help lists them");
   if (words[0] == "--help" || words[0] == "-h") {
     std::cout << program_help(program);
+    return ExitCode::ok;
+  }
+  if (words[0] == "help") {
+    who += " help";
+    if (words.size() > 2) throw Error(ExitCode::usage, "", words[2], "is one word too many");
+    std::cout << (words.size() == 1 ? program_help(program) : command_help(program, find_command(program, words[1])));
     return ExitCode::ok;
   }
   if (words[0] == "--version") {

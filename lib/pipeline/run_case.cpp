@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <random>
-#include <set>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -66,7 +65,8 @@ struct UnpublishedFolder {
   fs::path folder;
   ~UnpublishedFolder() {
     std::error_code ignored;
-    if (fs::exists(folder / "case.json", ignored)) return;
+    // Where the disk does not say whether there is a case, there may be one.
+    if (fs::symlink_status(folder / "case.json", ignored).type() != fs::file_type::not_found) return;
     // Only what a run of ours makes; a file of somebody else's keeps the folder.
     for (const char* ours : {"meshes", "report"}) fs::remove_all(folder / ours, ignored);
     for (const auto& entry : fs::directory_iterator(folder, ignored))
@@ -76,6 +76,37 @@ struct UnpublishedFolder {
   }
 };
 
+// Folders that the run makes and leaves empty, for it failed, go again.
+class NewFolders {
+ public:
+  ~NewFolders() {
+    std::error_code ignored;
+    for (auto f = missing_.rbegin(); f != missing_.rend(); ++f)
+      fs::remove(*f, ignored);  // not where something is in it
+  }
+  // Before it is made.
+  void expect(const fs::path& folder) {
+    std::vector<fs::path> missing;
+    std::error_code error;
+    for (fs::path f = fs::absolute(folder).lexically_normal();
+         f.has_relative_path() && fs::status(f, error).type() == fs::file_type::not_found; f = f.parent_path())
+      missing.push_back(f);
+    missing_.insert(missing_.end(), missing.rbegin(), missing.rend());
+  }
+
+ private:
+  std::vector<fs::path> missing_;
+};
+
+// A case's folder holds the case and nothing else: what the user asks for beside it goes elsewhere.
+void require_outside(const fs::path& case_folder, const fs::path& output, const char* flag) {
+  if (output.empty()) return;
+  const fs::path inside =
+      fs::weakly_canonical(fs::absolute(output)).lexically_relative(fs::weakly_canonical(fs::absolute(case_folder)));
+  if (inside.empty() || *inside.begin() == "..") return;
+  throw Error(ExitCode::usage, output.string(), flag, "lies in the case's own folder, choose another");
+}
+
 // What a run's results are collected in on the way to the case.
 struct Run {
   explicit Run(const RunRequest& r) : request(r) {}
@@ -83,6 +114,7 @@ struct Run {
   CaseConfig config;
   Graph graph;
   std::vector<NodeResult> results;
+  Report folder;  // what else lay in the series' folder
   CaseManifest manifest;
   std::vector<AnatomyResult> anatomies;
   std::vector<std::string> warnings;
@@ -180,8 +212,6 @@ std::string finish_anatomy(Run& run, std::size_t index) {
     result.seconds += run.at(node).seconds;
     for (const auto& f : run.at(node).report.figures)
       out.figures.emplace_back(step.type->name + "." + f.first, f.second);
-    for (const std::string& w : run.at(node).report.warnings)
-      run.warnings.push_back(nodes.name + "." + step.type->name + ": " + w);
   }
   for (const SceneAnatomy& limit : run.config.scene)
     if (limit.name == nodes.name) hold_against_limits(limit, result);
@@ -224,6 +254,61 @@ Vec3 center_of(const Run& run) {
   return {std::round(c.x), std::round(c.y), std::round(c.z)};
 }
 
+std::string hash_input(Run& run, const Progress& cancelled) {
+  try {
+    return hash_of_series_input(run.config.series, run.config.import, cancelled, &run.folder);
+  } catch (const Error& e) {
+    if (e.code() != ExitCode::usage) throw;
+    throw Error(e.code(), e.file(), e.field(), std::string(e.what()) + "; --set import.series=s1 chooses the first");
+  }
+}
+
+// Of every stage that the case needs, published or not, and before anything is refused: they may say why it will be.
+void tell_warnings(Run& run) {
+  for (const std::string& w : run.folder.warnings) run.warnings.push_back("import: " + w);
+  for (std::size_t i = 0; i < run.graph.nodes.size(); ++i)
+    for (const std::string& w : run.results[i].report.warnings)
+      run.warnings.push_back(run.graph.nodes[i].name + ": " + w);
+  for (const std::string& w : run.warnings) log_warning(run.config.case_token + ": " + w);
+}
+
+std::vector<CasePicture> make_pictures(const Run& run, const Progress& cancelled) {
+  std::vector<PictureAnatomy> shown;
+  for (const Graph::Anatomy& a : run.graph.anatomies) {
+    const RecipeAnatomy& recipe = *run.config.find_anatomy(a.name);
+    shown.push_back({a.name, &run.mesh(a.surface), recipe.colour_rgb, recipe.opacity_ratio});
+  }
+  return make_case_pictures(*std::get<std::shared_ptr<const HuVolume>>(run.at(0).data), shown, cancelled);
+}
+
+// Pictures of an older state of the case would be taken for this one's.
+void remove_other_pictures(const fs::path& folder, const std::vector<CasePicture>& pictures) {
+  std::error_code ignored;
+  std::vector<fs::path> others;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().extension() == ".png" && std::none_of(pictures.begin(), pictures.end(), [&](const CasePicture& p) {
+          return entry.path().filename() == p.name;
+        }))
+      others.push_back(entry.path());
+  for (const fs::path& f : others) fs::remove(f, ignored);
+}
+
+// Everything is made and may be published: from here on nothing but the disk can stop it. The pictures are not part of
+// the case's bytes; they are written last before case.json, so that both change at nearly the same moment.
+void publish(const Run& run, const fs::path& folder, const std::vector<std::string>& glbs,
+             const std::vector<CasePicture>& pictures) {
+  for (std::size_t i = 0; i < glbs.size(); ++i)
+    write_case_file(folder, "meshes/" + run.graph.anatomies[i].name, ".glb", glbs[i]);
+  for (const CasePicture& p : pictures) write_file(folder / "report" / p.name, p.png);
+  publish_case(folder, run.manifest);
+  remove_other_pictures(folder / "report", pictures);
+  try {
+    remove_unnamed_case_files(folder);
+  } catch (const std::exception& e) {  // the case is published, whatever is left beside it
+    log_warning(run.config.case_token + ": files of the older case are left: " + e.what());
+  }
+}
+
 }  // namespace
 
 RunResult run_case(const RunRequest& request, RunObserver& observer) {
@@ -241,55 +326,49 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
   if (run.config.case_token.empty()) run.config.case_token = random_token();
   const std::string token = run.config.case_token;
   try {
-    require_face_policy(run.config);
-    const std::string input_hash =
-        hash_of_series_input(run.config.series, run.config.import, Progress({}, &cancel_requested()));
-    run.graph = make_graph(run.config, input_hash);
-
     const fs::path folder = request.library / token;
+    const fs::path cache_folder = !request.params.use_cache ? fs::path()
+                                  : request.cache.empty()   ? request.library / ".trephine-cache"
+                                                            : request.cache;
+    require_outside(folder, request.keep, "--keep");
+    require_outside(folder, request.cache, "--cache");
+    require_outside(folder, request.json, "--json");
+    require_face_policy(run.config);
+
+    NewFolders new_folders;
+    for (const fs::path& f : {request.library, cache_folder, request.keep})
+      if (!f.empty()) new_folders.expect(f);
     make_output_folder(request.library);
     make_output_folder(folder);
     const CaseLock lock(folder);
     const UnpublishedFolder cleanup(folder);
+    make_output_folder(folder / "meshes");
+    if (request.params.pictures) make_output_folder(folder / "report");
     for (const fs::path& f : {folder, folder / "meshes", folder / "report"}) remove_stale_temporaries(f);
     if (!request.keep.empty()) make_output_folder(request.keep);
-    const StageCache cache(!request.params.use_cache ? fs::path()
-                           : request.cache.empty()   ? request.library / ".trephine-cache"
-                                                     : request.cache);
+    const StageCache cache(cache_folder);
 
+    const Progress cancelled({}, &cancel_requested());
     ExecuteOptions execution;
     execution.series = run.config.series;
+    execution.input_sha256 = hash_input(run, cancelled);
     execution.keep = request.keep;
     execution.cache = &cache;
     execution.cancel = &cancel_requested();
+    run.graph = make_graph(run.config, execution.input_sha256);
     run.results = execute(run.graph, wanted_nodes(run.graph, request.params.pictures), execution, observer);
+    tell_warnings(run);
 
-    const Progress cancelled({}, &cancel_requested());
     run.manifest.center_mm = center_of(run);
-    fill_provenance(run, input_hash);
+    fill_provenance(run, execution.input_sha256);
     std::vector<std::string> glbs;
     for (std::size_t i = 0; i < run.graph.anatomies.size(); ++i) {
       cancelled.check();
       glbs.push_back(finish_anatomy(run, i));
     }
-    make_output_folder(folder / "meshes");
-    for (std::size_t i = 0; i < glbs.size(); ++i)
-      write_case_file(folder, "meshes/" + run.graph.anatomies[i].name, ".glb", glbs[i]);
-    for (const std::string& w : run.at(0).report.warnings) run.warnings.push_back("import: " + w);
-
-    // The pictures come before case.json, so that a case that is there has them; they are not part of its bytes.
-    if (request.params.pictures) {
-      make_output_folder(folder / "report");
-      std::vector<PictureAnatomy> shown;
-      for (const Graph::Anatomy& a : run.graph.anatomies) {
-        const RecipeAnatomy& recipe = *run.config.find_anatomy(a.name);
-        shown.push_back({a.name, &run.mesh(a.surface), recipe.colour_rgb, recipe.opacity_ratio});
-      }
-      write_case_pictures(folder / "report", *std::get<std::shared_ptr<const HuVolume>>(run.at(0).data), shown,
-                          cancelled);
-    }
+    const auto pictures = request.params.pictures ? make_pictures(run, cancelled) : std::vector<CasePicture>{};
     cancelled.check();
-    publish_case(folder, run.manifest);
+    publish(run, folder, glbs, pictures);
     cache.shrink_to(static_cast<std::uint64_t>(request.params.cache_limit_mb) * 1'000'000);
 
     RunResult result;
@@ -298,7 +377,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     result.anatomies = run.anatomies;
     result.warnings = run.warnings;
     result.table = case_table(run.anatomies);
-    result.json = run_json(run.graph, run.results, run.anatomies, run.warnings,
+    result.json = run_json(run.graph, run.results, run.folder, run.anatomies, run.warnings,
                            std::chrono::duration<double>(Clock::now() - start).count());
     write_file(folder / "run.json", result.json);
     return result;

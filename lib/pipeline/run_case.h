@@ -40,6 +40,7 @@ struct RunRequest {
   RunParams params;
   std::filesystem::path keep;   ///< intermediates of every stage go here as files; empty: not
   std::filesystem::path cache;  ///< empty: <library>/.trephine-cache
+  std::filesystem::path json;   ///< where the caller will write RunResult::json; empty: nowhere
   std::string program_version;
 };
 
@@ -47,15 +48,17 @@ struct RunResult {
   std::filesystem::path case_folder;
   std::string case_token;
   std::vector<AnatomyResult> anatomies;
-  std::vector<std::string> warnings;
-  std::string json;   ///< the same as run.json: stages with times and reports, memory, load
-  std::string table;  ///< for a person
+  std::vector<std::string> warnings;  ///< logged already
+  std::string json;                   ///< the same as run.json: stages with times and reports, memory, load
+  std::string table;                  ///< for a person
 };
 
-/// Builds one case, idempotently: afterwards the library holds the old case or the new one. Reads the configuration,
-/// checks that the library can be written (73) and the face policy (81) before any work, computes what the scene
-/// demands, holds the results against the scene's limits (80), and publishes. 75 where another run builds the same
-/// case.
+/// Builds one case, idempotently: afterwards the library holds the old case or the new one. Before any work it reads
+/// the configuration, refuses outputs of its own inside the case's folder (64), checks the face policy (81), makes and
+/// checks the folders (73) and takes the case's lock (75 where another run builds the same case). Then it computes what
+/// the scene demands, logs every stage's warnings, holds the results against the scene's limits (80), and publishes.
+/// Pictures of the run before and files that case.json no longer names are removed afterwards: who is still reading the
+/// older case may get a 66 that names such a file, and reads case.json again.
 RunResult run_case(const RunRequest& request, RunObserver& observer);
 
 }  // namespace trephine
