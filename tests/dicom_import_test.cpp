@@ -344,7 +344,7 @@ TEST(DicomSeries, AChoiceIsAskedFor) {
   EXPECT_EQ(lattice_of(import_series(folder.path(), p).volume).size[2], 9);
   p.series = "s3";
   EXPECT_EQ(outcome(folder.path(), p).code, 64);
-  const auto list = list_series(folder.path());
+  const auto list = list_series(folder.path()).series;
   ASSERT_EQ(list.size(), 2u);
   EXPECT_TRUE(list[0].usable && list[1].usable);
 }

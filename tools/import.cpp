@@ -1,38 +1,86 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "dicom/import.h"
+
+#include <cstdio>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/write_file.h"
+#include "cli/progress_display.h"
 #include "commands.h"
 #include "stage_command.h"
 #include "stages/data_files.h"
 
 namespace trephine {
 
+namespace {
+
+struct ListParams {
+  bool list = false;
+  template <class V>
+  static void describe(V& v) {
+    v.flag(&ListParams::list, "list", "Read nothing; say which series there are, and what import would make of each.");
+  }
+};
+
+void check_usage(const ParsedCommand& parsed) {
+  const bool list = parsed.params<ListParams>().list;
+  const auto contradicts = [](const char* field, const char* what) { throw Error(ExitCode::usage, "", field, what); };
+  if (!list && !parsed.has("output")) contradicts("output", "is needed: give --output FILE.nrrd, or --list");
+  if (list && parsed.has("output")) contradicts("output", "contradicts --list, which reads no volume");
+  if (list && parsed.has("report")) contradicts("report", "contradicts --list: give --json");
+  if (!list && parsed.has("json")) contradicts("json", "is for --list: give --report");
+}
+
+ExitCode list(const ParsedCommand& parsed) {
+  SeriesList found;
+  {
+    ProgressDisplay display(parsed.quiet);
+    found = list_series(parsed.path("input"), parsed.params<ImportParams>(), display.start("list"));
+    display.finish("list", "");
+  }
+  if (parsed.has("json")) write_file(parsed.path("json"), list_json(found));
+  for (const std::string& w : found.folder.warnings) log_warning(w);
+  if (!parsed.quiet || !parsed.has("json")) std::fputs(list_text(found).c_str(), stdout);
+  return ExitCode::ok;
+}
+
+}  // namespace
+
 Command import_command() {
   Command c;
   c.name = "import";
-  c.summary = "reads a CT series from a DICOM folder into a volume in HU";
+  c.summary = "reads a CT series from a DICOM folder or ZIP archive into a volume in HU";
   c.description =
-      "Slices are ordered and placed by their positions, HU are computed slice by slice, a tilted gantry and uneven "
+      "With --list it only says which series there are and whether each is usable, usable after rectification, or "
+      "refused and why. Else it reads one: slices are ordered and placed by their positions, HU are computed slice by "
+      "slice, a tilted gantry and uneven "
       "spacing "
       "are rectified by resampling, padding becomes air. What cannot be read rightly is refused, naming file and tag. "
       "Names, "
       "IDs and UIDs of the patient go nowhere.";
-  c.examples = {"trephine import DICOM-FOLDER --output head.nrrd",
+  c.examples = {"trephine import DICOM-FOLDER --list", "trephine import DICOM-FOLDER-OR-ZIP --output head.nrrd",
                 "trephine import DICOM-FOLDER --series s2 --gaps interpolate --output head.nrrd"};
   Argument from;
-  from.name = "folder";
+  from.name = "input";
   from.kind = Argument::Kind::in_path;
-  from.help = "Folder (searched five levels deep) with the series.";
+  from.help = "Folder (searched five levels deep), ZIP archive or file with the series.";
   from.required = from.positional = true;
   Argument to;
   to.name = "output";
   to.kind = Argument::Kind::out_file;
-  to.help = "Where the volume goes (.nrrd).";
-  to.required = true;
-  c.arguments = {from, to, report_argument()};
-  c.groups = {ParameterGroup::of<ImportParams>("Parameters")};
+  to.help = "Where the volume goes (.nrrd); needed but with --list.";
+  Argument json;
+  json.name = "json";
+  json.kind = Argument::Kind::out_file;
+  json.help = "With --list: write the table as JSON.";
+  c.arguments = {from, to, report_argument(), json};
+  c.groups = {ParameterGroup::of<ImportParams>("Parameters"), ParameterGroup::of<ListParams>("Listing")};
   c.run = [](const ParsedCommand& parsed) {
+    check_usage(parsed);
+    if (parsed.params<ListParams>().list) return list(parsed);
     run_with_report(parsed, [&](const Progress& progress) {
-      ImportResult result = import_series(parsed.path("folder"), parsed.params<ImportParams>(), progress);
+      ImportResult result = import_series(parsed.path("input"), parsed.params<ImportParams>(), progress);
       save_data(parsed.path("output"), std::make_shared<const HuVolume>(std::move(result.volume)));
       Report all = std::move(result.report);
       for (auto& f : result.folder.figures) all.figures.push_back(std::move(f));

@@ -161,7 +161,14 @@ void add_series(Group& group, ModalityPolicy modality, std::vector<Series>& out)
   }
 }
 
-void read_headers(const std::vector<fs::path>& files, const fs::path& root, Catalogue& c, const Progress& progress) {
+/// A file to look into, and its name in messages.
+struct Input {
+  Origin origin;
+  std::string name;
+  bool is_candidate = true;  ///< an archive's member that does not begin as DICOM was not even kept
+};
+
+void read_headers(const std::vector<Input>& files, Catalogue& c, const Progress& progress) {
   std::vector<FileHeader> headers(files.size());
   std::vector<WalkFault> faults(files.size());
   std::vector<char> good(files.size(), 0);
@@ -169,7 +176,8 @@ void read_headers(const std::vector<fs::path>& files, const fs::path& root, Cata
     progress.report(static_cast<double>(from) / static_cast<double>(files.size()));
     for (auto i = static_cast<std::size_t>(from); i < static_cast<std::size_t>(to); ++i) {
       try {
-        headers[i] = read_header(files[i]);
+        if (!files[i].is_candidate) throw WalkFault{"", "not a DICOM file"};
+        headers[i] = read_header(files[i].origin);
         good[i] = 1;
       } catch (const WalkFault& f) {
         faults[i] = f;
@@ -179,13 +187,11 @@ void read_headers(const std::vector<fs::path>& files, const fs::path& root, Cata
     }
   });
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const std::string name =
-        c.is_single_file ? files[i].filename().string() : files[i].lexically_relative(root).string();
     if (good[i]) {
-      headers[i].name = name;
+      headers[i].name = files[i].name;
       c.headers.push_back(std::move(headers[i]));
     } else {
-      c.broken.push_back({name, faults[i].field, faults[i].what, !faults[i].field.empty()});
+      c.broken.push_back({files[i].name, faults[i].field, faults[i].what, !faults[i].field.empty()});
     }
   }
 }
@@ -223,15 +229,25 @@ Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Pr
   std::error_code ec;
   const fs::file_status status = fs::status(folder_or_file, ec);
   if (!fs::exists(status)) throw Error(ExitCode::no_input, folder_or_file.string(), "", "no such file or folder");
-  std::vector<fs::path> files;
+  std::vector<Input> files;
+  Progress rest = progress;
   if (fs::is_directory(status)) {
-    list_files(folder_or_file, 0, files, c);
+    std::vector<fs::path> paths;
+    list_files(folder_or_file, 0, paths, c);
+    for (const fs::path& p : paths) files.push_back({p, p.lexically_relative(folder_or_file).string()});
+  } else if (is_zip(folder_or_file)) {
+    c.archive = read_archive(folder_or_file, progress.part(0, 0.8));
+    rest = progress.part(0.8, 1);
+    c.hidden = c.archive.hidden;
+    c.links = c.archive.links;
+    for (const Archive::Member& m : c.archive.members)
+      files.push_back({Origin::memory(m.bytes), m.name, m.is_candidate});
   } else {
     c.is_single_file = true;
-    files.push_back(folder_or_file);
+    files.push_back({folder_or_file, folder_or_file.filename().string()});
   }
   c.files = static_cast<int>(files.size());
-  read_headers(files, folder_or_file, c, progress);
+  read_headers(files, c, rest);
 
   std::map<std::tuple<std::string, std::string, bool>, Group> groups;
   for (const FileHeader& h : c.headers) {
@@ -301,11 +317,11 @@ const Series& choose(const Catalogue& c, const std::string& token) {
   throw Error(ExitCode::bad_input, "", "series", fmt::format("no DICOM image among {} files", c.files));
 }
 
-Report describe_rest(const Catalogue& c, const Series& chosen) {
+Report describe_rest(const Catalogue& c, const Series* chosen) {
   Report r;
   int others = 0, refused = 0, other_files = 0;
   for (const Series& s : c.series) {
-    if (&s == &chosen) continue;
+    if (&s == chosen) continue;
     ++others;
     refused += !s.refusal.empty() && s.is_ct;
     other_files += s.summary.size[2];
@@ -313,13 +329,16 @@ Report describe_rest(const Catalogue& c, const Series& chosen) {
   int not_dicom = 0, cut_short = 0;
   for (const auto& b : c.broken) (b.is_dicom ? cut_short : not_dicom) += 1;
   r.add("files_count", c.files);
-  r.add("other_series_count", others);
-  r.add("other_series_slices_count", other_files);
+  if (chosen) {
+    r.add("other_series_count", others);
+    r.add("other_series_slices_count", other_files);
+  }
   r.add("localizers_count", c.localizers);
   r.add("images_without_geometry_count", c.without_geometry);
   r.add("skipped_not_dicom_count", not_dicom);
   r.add("skipped_broken_count", cut_short);
   r.add("skipped_hidden_count", c.hidden);
+  if (c.links > 0) r.add("skipped_links_count", c.links);
   if (cut_short > 0)
     r.warn(fmt::format(
         "{} DICOM files are broken before their pixel data and were left out; the first: {}: {}", cut_short,
@@ -334,7 +353,7 @@ Report describe_rest(const Catalogue& c, const Series& chosen) {
           return std::string();
         }()));
   for (const Series& s : c.series)
-    if (&s != &chosen && s.is_ct && !s.refusal.empty())
+    if (chosen && &s != chosen && s.is_ct && !s.refusal.empty())
       r.warn("not used: " + s.summary.line() + ": " + s.summary.verdict);
   return r;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "dicom/archive.h"
 #include "dicom/decode.h"
 #include "dicom/geometry.h"
 #include "dicom/header.h"
@@ -22,12 +23,13 @@ struct Series {
   std::string refusal_file, refusal_field, refusal;  ///< why it is not usable; `refusal` empty: usable
 };
 
-/// A folder's files, grouped. Not copyable: series point into `headers`.
+/// The files of a folder or an archive, grouped. Not copyable: series point into `headers`.
 struct Catalogue {
   Catalogue() = default;
   Catalogue(Catalogue&&) = default;
   Catalogue(const Catalogue&) = delete;
 
+  Archive archive;  ///< holds the bytes that the headers of an archive's members point to
   std::vector<FileHeader> headers;
   std::vector<Series> series;  ///< usable ones first, then CT, then larger ones; tokens by this order
   struct Broken {
@@ -35,17 +37,18 @@ struct Catalogue {
     bool is_dicom;  ///< it began as one
   };
   std::vector<Broken> broken;  ///< files that are no DICOM or end before their pixel data
-  int files = 0, hidden = 0, without_geometry = 0, localizers = 0;
+  int files = 0, hidden = 0, links = 0, without_geometry = 0, localizers = 0;
   bool is_single_file = false;
 };
 
-/// Searches a folder five levels deep, or takes one file. Throws Error 66.
+/// Searches a folder five levels deep (a DICOMDIR in it is no image and no index either: the files themselves say what
+/// they are), or a ZIP archive, or takes one file. Throws Error 66; of an archive, what read_archive throws.
 Catalogue scan(const std::filesystem::path& folder_or_file, ModalityPolicy modality, const Progress& progress);
 
 /// The series asked for, or the only usable one. Throws Error 64 listing them, 65 saying why none is usable.
 const Series& choose(const Catalogue& catalogue, const std::string& token);
 
-/// What else lay in the folder, for ImportResult::folder.
-Report describe_rest(const Catalogue& catalogue, const Series& chosen);
+/// What else lay in the folder, for ImportResult::folder; `chosen` null: whatever is not a series.
+Report describe_rest(const Catalogue& catalogue, const Series* chosen);
 
 }  // namespace trephine::dicom

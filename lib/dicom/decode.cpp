@@ -54,6 +54,11 @@ void read_frames(const std::vector<FrameRef>& frames, const FrameSink& sink, con
   }
 }
 
+void different_duplicates(const FileHeader& h) {
+  throw Error(ExitCode::bad_input, h.name, tag_name(make_tag(0x0020, 0x0032)),
+              "two slices at one position with different pixels");
+}
+
 std::string stream_of_frame(const FrameRef& ref) {
   const FileHeader& h = *ref.header;
   std::string stream;

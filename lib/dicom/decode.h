@@ -34,6 +34,9 @@ void decode_in_child(const std::vector<FrameRef>& frames, const FrameSink& sink,
 /// bytes there.
 std::string check_codestream(Encoding encoding, std::string_view stream, int columns, int rows, int bits_allocated);
 
+/// Throws Error 65: two slices at one position have different pixels.
+[[noreturn]] void different_duplicates(const FileHeader& header);
+
 /// The compressed bytes of a frame. Throws as read_frames.
 std::string stream_of_frame(const FrameRef& frame);
 

@@ -325,8 +325,7 @@ class HeaderReader {
       std::uint64_t stream = 0;
       for (std::size_t i = from; i < to; ++i) stream += h_.fragments[i].length;
       if (stream > most)
-        return fault(t_pixels,
-                     fmt::format("{} compressed bytes for a frame of {} bytes", stream, h_.frame_bytes()));
+        return fault(t_pixels, fmt::format("{} compressed bytes for a frame of {} bytes", stream, h_.frame_bytes()));
     }
   }
 

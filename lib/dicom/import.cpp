@@ -120,9 +120,7 @@ void read_levels(const Plan& plan, const Plan::Slab& slab, std::vector<HuCounts>
     }
     other.resize(pixels);
     mapper.apply(rule, stored, pixels, other.data(), counts);
-    if (std::memcmp(other.data(), last, pixels * sizeof(T)) != 0)
-      throw Error(ExitCode::bad_input, frames[i].header->name, tag_name(make_tag(0x0020, 0x0032)),
-                  "two slices at one position with different pixels");
+    if (std::memcmp(other.data(), last, pixels * sizeof(T)) != 0) different_duplicates(*frames[i].header);
     if (p.member + 1 == static_cast<int>(members.size())) take.done(p.level, last);
   };
   // Compressed and uncompressed files may stand side by side: read in runs of one kind.
@@ -301,7 +299,7 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
     HuCounts counts;
     result.volume = read_volume(plan, counts, progress.part(0.2, 0.95));
     result.report = describe(series, plan, counts, result.volume);
-    result.folder = describe_rest(catalogue, series);
+    result.folder = describe_rest(catalogue, &series);
     result.input_sha256 = hash_of_series(series, progress.part(0.95, 1));
     return result;
   });
@@ -312,29 +310,9 @@ std::string hash_of_series_input(const std::filesystem::path& folder_or_file, co
   return with_file(folder_or_file.string(), [&] {
     const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.5));
     const Series& series = choose(catalogue, params.series);
-    if (folder) *folder = describe_rest(catalogue, series);
+    if (folder) *folder = describe_rest(catalogue, &series);
     return hash_of_series(series, progress.part(0.5, 1));
   });
-}
-
-std::vector<SeriesSummary> list_series(const std::filesystem::path& folder_or_file, const ImportParams& params,
-                                       const Progress& progress) {
-  const Catalogue catalogue = scan(folder_or_file, params.modality, progress);
-  std::vector<SeriesSummary> out;
-  for (const Series& s : catalogue.series) {
-    SeriesSummary summary = s.summary;
-    if (summary.usable) {
-      try {
-        const StackGeometry g = analyse_stack(s.stack, params.gaps, params.max_gap_mm);
-        if (g.resampled) summary.verdict = "usable, resampled for " + g.reason;
-      } catch (const Error& e) {
-        summary.usable = false;
-        summary.verdict = e.field() + ": " + e.what();
-      }
-    }
-    out.push_back(std::move(summary));
-  }
-  return out;
 }
 
 }  // namespace trephine

@@ -50,8 +50,13 @@ struct SeriesSummary {
   std::string image_type;            ///< known words only, joined by '/'
   bool contrast = false;
   std::string transfer_syntax;  ///< name
+  std::string orientation;  ///< "axial HFS": plane of the slices (oblique: 30 degrees or more off), how the patient lay
+  double tilt_deg = 0;      ///< positive where the slices shift towards rising rows while rising along the normal
+  double smallest_step_mm = 0, largest_gap_mm = 0;
+  int missing_slices = 0, duplicates = 0;  ///< steps over missing slices; files at a position that another has
   bool usable = false;
-  std::string verdict;  ///< "usable", or why not
+  std::string rectified_for;  ///< what import mends by resampling: "tilt", "uneven spacing", ...; empty: nothing
+  std::string verdict;        ///< "usable", "usable, rectified: tilt", or "refused: FIELD: why", as import says it
 
   std::string line() const;  ///< "s1-512x512x108: CT, 0.479 x 0.479 x 1.5 mm, kernel H40s, ..."
 };
@@ -63,7 +68,7 @@ struct ImportResult {
   std::string input_sha256;  ///< hash_of_series_input of what was read
 };
 
-/// Reads one series of a folder (searched five levels deep), or of one file, into HU.
+/// Reads one series of a folder (searched five levels deep), of a ZIP archive, or of one file, into HU.
 ///
 /// Geometry and HU come from raw tags that this module reads and checks itself; slices are ordered by their positions
 /// along the normal. The volume is the stored one, HU exact, where the positions form an upright uniform stack: steps
@@ -76,6 +81,9 @@ struct ImportResult {
 /// Padding (by its tag) becomes air, -1000 HU. int16 where slope and intercept of every slice are integers and all
 /// values fit (resampled values are rounded to whole HU), else float32.
 ///
+/// A ZIP archive is uncompressed in a bounded child into shared memory, nothing of it to disk: it needs as much memory
+/// as its images have bytes, beside the volume.
+///
 /// Throws Error 66 (folder missing or unreadable), 64 (several series and no choice: lists them), 65 (bad data: file
 /// and tag), 70 (the decoding child died), Cancelled. File names in errors are relative to `folder_or_file`.
 ImportResult import_series(const std::filesystem::path& folder_or_file, const ImportParams& params,
@@ -87,8 +95,20 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
 std::string hash_of_series_input(const std::filesystem::path& folder_or_file, const ImportParams& params,
                                  const Progress& progress = {}, Report* folder = nullptr);
 
-/// Every series found, the usable ones first. Throws 66.
-std::vector<SeriesSummary> list_series(const std::filesystem::path& folder_or_file, const ImportParams& params = {},
-                                       const Progress& progress = {});
+/// All that a folder holds.
+struct SeriesList {
+  std::vector<SeriesSummary> series;  ///< the usable ones first
+  Report folder;                      ///< what else lay there
+};
+
+/// The series found, with the verdict that import_series would give of each when it is chosen. Nothing is decoded: of a
+/// compressed stream only its own header, end and RLE counts are looked at, so that damage within it shows on import
+/// only, as does whether compressed files at one position differ. Throws 66; 65 of an archive that is not read.
+SeriesList list_series(const std::filesystem::path& folder_or_file, const ImportParams& params = {},
+                       const Progress& progress = {});
+
+/// A table for a terminal, a line a series, and what else lay in the folder; the same as JSON.
+std::string list_text(const SeriesList& list);
+std::string list_json(const SeriesList& list);
 
 }  // namespace trephine
