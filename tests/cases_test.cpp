@@ -44,7 +44,12 @@ CaseManifest sample_manifest() {
   m.anatomies = {a};
   m.landmarks = {{"nasion", {0, -95, 10}, 0.9, "found"}};
   m.targets = {{"foramen_right", {-5, 1, 2}, 0.8, "ventricles"}};
-  m.burr_holes = {{"kocher_right", {-30, -20, 80}, {0, 0, -1}, 14}};
+  m.burr_holes = {{"kocher_right",
+                   {-30, -20, 80},
+                   {0, 0, -1},
+                   14,
+                   {"skull"},
+                   {{"bone_thickness_mm", 6.25}, {"skull.removed_haptic_mm3", 900.5}}}};
   m.face_policy = "keep";
   m.face_reason = "a synthetic \"patient\"";
   m.program_version = "trephine 0.1.0";
@@ -52,6 +57,42 @@ CaseManifest sample_manifest() {
   m.parameters = {{"skull.segment.lower_hu", 226.5},
                   {"skull.decimate.target_triangles_count", std::int64_t{80000}},
                   {"skull.segment.roi_min_mm", std::vector<double>{-1, 0.5, 1e6}}};
+  return m;
+}
+
+// With everything that a case of 1.1 can hold.
+CaseManifest full_manifest() {
+  CaseManifest m = sample_manifest();
+  CaseShape skin, skull;
+  skin.name = "skin";
+  skin.number = 1;
+  skin.window_low = 1001;
+  skin.window_high = 1555;
+  skin.material.name = "scalp";
+  skin.material.front = {true, 0.5, 0.001, 0.3, 0.2, 2.5};
+  skin.material.drag_n_s_per_mm = 0.01;
+  skin.displayed = "haptic";
+  skin.cuttable = true;
+  skull.name = "skull";
+  skull.number = 3;
+  skull.window_low = 3001;
+  skull.window_high = 3555;
+  skull.material.name = "bone";
+  skull.material.back.touchable = false;
+  skull.material.removal_energy_j_per_mm3 = 0.05;
+  skull.volume_ml = 512.25;
+  skull.mismatch = {0.01, 0.1, 0.25, 0.5, 0.001, 70000};
+  m.files = {{"haptic-0123456789abcdef.nrrd", sha256_of_bytes("h"), 12345},
+             {"hardness-0123456789abcdef.nrrd", sha256_of_bytes("d"), 1234},
+             {"meshes/skull-0123456789abcdef.glb", sha256_of_bytes("g"), 123}};
+  m.anatomies[0].file = m.files[2].name;
+  m.haptic.file = m.files[0].name;
+  m.haptic.hardness_file = m.files[1].name;
+  m.haptic.encoding = "occupancy";
+  m.haptic.size = {10, 20, 30};
+  m.haptic.spacing_mm = {0.5, 0.5, 1};
+  m.haptic.shapes = {skin, skull};
+  m.burr_holes[0].cut = {"skull", "skin"};
   return m;
 }
 
@@ -111,6 +152,34 @@ TEST(CaseJson, RoundTripIsExact) {
   EXPECT_NE(json.find("\"max\": 0.25"), std::string::npos);
 }
 
+TEST(CaseJson, TheHapticPartRoundTripsExactly) {
+  const CaseManifest m = full_manifest();
+  const std::string json = to_json(m);
+  const CaseManifest back = parse_case_json(json);
+  EXPECT_EQ(to_json(back), json);
+  EXPECT_EQ(back.haptic.file, m.haptic.file);
+  EXPECT_EQ(back.haptic.hardness_file, m.haptic.hardness_file);
+  EXPECT_EQ(back.haptic.size, m.haptic.size);
+  EXPECT_EQ(back.haptic.spacing_mm, m.haptic.spacing_mm);
+  ASSERT_EQ(back.haptic.shapes.size(), 2u);
+  const CaseShape &skin = back.haptic.shapes[0], &skull = back.haptic.shapes[1];
+  EXPECT_EQ(skin.displayed, "haptic");
+  EXPECT_TRUE(skin.cuttable);
+  EXPECT_EQ(skin.material.front.pop_through_n, 2.5);
+  EXPECT_EQ(skin.material.front.dynamic_friction_ratio, 0.2);
+  EXPECT_EQ(skin.material.drag_n_s_per_mm, 0.01);
+  EXPECT_EQ(skin.mismatch.samples, 0u);
+  EXPECT_EQ(skull.number, 3);
+  EXPECT_EQ(skull.window_high, 3555);
+  EXPECT_FALSE(skull.material.back.touchable);
+  EXPECT_EQ(skull.material.removal_energy_j_per_mm3, 0.05);
+  EXPECT_EQ(skull.volume_ml, 512.25);
+  EXPECT_EQ(skull.mismatch.samples, 70000u);
+  EXPECT_EQ(skull.mismatch.missed_ratio, 0.001);
+  EXPECT_EQ(back.burr_holes[0].cut, m.burr_holes[0].cut);
+  EXPECT_EQ(back.burr_holes[0].figures, m.burr_holes[0].figures);
+}
+
 TEST(CaseJson, TheOrderOfFilesIsTheirNames) {
   CaseManifest m = sample_manifest(), n = m;
   const CaseFile a{"meshes/a-0123456789abcdef.glb", sha256_of_bytes("a"), 1};
@@ -143,14 +212,14 @@ TEST(CaseJson, Versions) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
-    EXPECT_NE(std::string(e.what()).find("2.1"), std::string::npos);
-    EXPECT_NE(std::string(e.what()).find("1.0"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("version 2.2"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("version 1.1"), std::string::npos);
   }
 }
 
 // `text` put into a valid case.json before its first anatomies, with the checksum that belongs to it.
-std::string edited(const std::string& from, const std::string& to) {
-  std::string json = to_json(sample_manifest());
+std::string edited(const std::string& from, const std::string& to, const CaseManifest& m = sample_manifest()) {
+  std::string json = to_json(m);
   json.replace(json.find(from), from.size(), to);
   const auto tail = json.rfind(",\n \"checksum\"");
   json.resize(tail);
@@ -158,8 +227,21 @@ std::string edited(const std::string& from, const std::string& to) {
 }
 
 TEST(CaseJson, ANewerMinorVersionMayHoldMore) {
-  const CaseManifest m = parse_case_json(edited("\"case\":", "\"haptic\": {\"file\": [1, {}]},\n \"case\":"));
+  const CaseManifest m = parse_case_json(edited("\"case\":", "\"dose\": {\"file\": [1, {}]},\n \"case\":"));
   EXPECT_EQ(m.case_token, "sample");
+}
+
+TEST(CaseJson, AnOlderMinorVersionMayHoldLess) {
+  // As 1.0 wrote it: no haptic part, no `cut` or `figures` of a burr hole.
+  CaseManifest older = sample_manifest();
+  older.version_minor = 0;
+  older.burr_holes[0].cut.clear();
+  older.burr_holes[0].figures.clear();
+  const CaseManifest m = parse_case_json(edited(",\n   \"cut\": []", "", older));
+  EXPECT_EQ(m.version_minor, 0);
+  EXPECT_TRUE(m.haptic.file.empty());
+  EXPECT_TRUE(m.burr_holes[0].cut.empty());
+  EXPECT_EQ(m.burr_holes[0].diameter_mm, 14);
 }
 
 TEST(CaseJson, HostileContentWithARightChecksumIsRefused) {
@@ -185,6 +267,69 @@ TEST(CaseJson, HostileContentWithARightChecksumIsRefused) {
     ASSERT_NE(to_json(sample_manifest()).find(from), std::string::npos) << from;
     EXPECT_THROW(parse_case_json(edited(from, to)), Error) << to;
   }
+}
+
+TEST(CaseJson, EveryFaultOfTheHapticPartIsNamed) {
+  const auto field_of = [](const std::string& from, const std::string& to) -> std::string {
+    EXPECT_NE(to_json(full_manifest()).find(from), std::string::npos) << from;
+    try {
+      parse_case_json(edited(from, to, full_manifest()));
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_input) << to;
+      return e.field();
+    }
+    return "loaded";
+  };
+  const std::string haptic_file = "\"file\": \"haptic-0123456789abcdef.nrrd\"";
+  for (const auto& [from, to, field] : std::vector<std::array<std::string, 3>>{
+           {haptic_file, "\"file\": \"other-0123456789abcdef.nrrd\"", "haptic"},
+           {haptic_file, "\"file\": \"\"", "haptic.file"},
+           {haptic_file, "\"fill\": 1", "haptic.file"},
+           {"\"encoding\": \"occupancy\"", "\"encoding\": \"octree\"", "haptic.encoding"},
+           {"\"encoding\": \"occupancy\"", "\"encoding\": 1", "haptic.encoding"},
+           {"   10,\n   20,\n   30", "   10,\n   20", "haptic.size"},
+           {"   10,\n   20,\n   30", "   10,\n   20,\n   0", "haptic.size[2]"},
+           {"   10,\n   20,\n   30", "   10,\n   20,\n   -30", "haptic.size[2]"},
+           {"   10,\n   20,\n   30", "   10,\n   20,\n   70000", "haptic.size"},
+           {"   10,\n   20,\n   30", "   10,\n   20,\n   18446744073709551615", "haptic.size[2]"},
+           {"   10,\n   20,\n   30", "   10,\n   20,\n   30.5", "haptic.size[2]"},
+           {"   0.5,\n   0.5,\n   1.0", "   0.5,\n   0.5,\n   0.0", "haptic.spacing_mm"},
+           {"   0.5,\n   0.5,\n   1.0", "   0.5,\n   0.5,\n   1e999", "json"},
+           {"   0.5,\n   0.5,\n   1.0", "   0.5,\n   0.5,\n   null", "haptic.spacing_mm[2]"},
+           {"\"number\": 3", "\"number\": 1", "haptic.shapes.skull.number"},
+           {"\"number\": 3", "\"number\": 0", "haptic.shapes[1].number"},
+           {"\"number\": 3", "\"number\": 33", "haptic.shapes.skull.number"},
+           {"     3001,\n     3555", "     1555,\n     3555", "haptic.shapes.skull.window"},
+           {"     3001,\n     3555", "     3555,\n     3001", "haptic.shapes.skull.window"},
+           {"     3001,\n     3555", "     3001,\n     40000", "haptic.shapes[1].window[1]"},
+           {"\"name\": \"skin\"", "\"name\": \"skull\"", "haptic.shapes"},
+           {"\"name\": \"skin\"", "\"name\": \"../skin\"", "haptic.shapes"},
+           {"\"displayed\": \"haptic\"", "\"displayed\": \"surface\"", "haptic.shapes.skin.displayed"},
+           {"\"displayed\": \"haptic\"", "\"displayed\": \"both\"", "haptic.shapes.skin.displayed"},
+           {"\"cuttable\": true", "\"cuttable\": 1", "haptic.shapes[0].cuttable"},
+           {"\"stiffness_n_per_mm\": 0.5", "\"stiffness_n_per_mm\": -0.5", "haptic.shapes.skin.material.front"},
+           {"\"static_friction_ratio\": 0.3", "\"static_friction_ratio\": 11", "haptic.shapes.skin.material.front"},
+           {"\"pop_through_n\": 2.5", "\"pop_thru\": 2", "haptic.shapes[0].material.front.pop_through_n"},
+           {"\"missed_ratio\": 0.001", "\"missed_ratio\": 1.001", "haptic.shapes.skull.mismatch.missed_ratio"},
+           {"\"samples\": 70000", "\"samples\": -1", "haptic.shapes[1].mismatch.samples"},
+           {"    \"skull\",\n    \"skin\"", "    \"skull\",\n    \"dura\"", "burr_holes.kocher_right.cut"},
+           {"\"diameter_mm\": 14.0", "\"diameter_mm\": 0", "burr_holes.kocher_right.diameter_mm"},
+           {"    0.0,\n    0.0,\n    -1.0", "    0.0,\n    0.0,\n    -1.1", "burr_holes.kocher_right.direction"},
+           {"\"confidence\": 0.9", "\"confidence\": 1.9", "landmarks.nasion.confidence"},
+           {"\"opacity\": 1.0", "\"opacity\": 2", "anatomies.skull.opacity"}})
+    EXPECT_EQ(field_of(from, to), field) << to;
+}
+
+TEST(CaseJson, WhatWouldTakeMuchMemoryOrTimeIsRefused) {
+  const auto refused = [](const std::string& text) {
+    EXPECT_THROW(parse_case_json(edited("\"case\":", "\"more\": " + text + ",\n \"case\":")), Error);
+  };
+  refused(std::string(100000, '[') + std::string(100000, ']'));
+  std::string keys = "{", values = "[";
+  for (int i = 0; i < 100000; ++i) keys += "\"k" + std::to_string(i) + "\":0,";
+  for (int i = 0; i < 1000000; ++i) values += "0,";
+  refused(keys + "\"k\":0}");
+  refused(values + "0]");
 }
 
 TEST(CaseJson, ContradictionsAreNotWritten) {

@@ -3,72 +3,23 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/write_file.h"
 #include "cases/glb.h"
 #include "cases/glb_layout.h"
+#include "cases/json_at.h"
 
 namespace trephine {
 namespace {
 
-using Json = nlohmann::json;
+using At = detail::JsonAt;
 constexpr std::size_t most_json_bytes = 1 << 16;
 constexpr int gltf_uint16 = 5123, gltf_uint32 = 5125, gltf_float = 5126, gltf_triangles = 4;
 
 [[noreturn]] void refuse(const std::string& field, const std::string& what) {
-  throw Error(ExitCode::bad_input, "", "glb: " + field, what);
+  throw Error(ExitCode::bad_input, "", "glb." + field, what);
 }
-
-// One JSON value with the way that led to it, so that a refusal names it.
-class At {
- public:
-  At(const Json& value, std::string path) : value_(value), path_(std::move(path)) {}
-  At operator[](const char* key) const {
-    const Json* v = find(key);
-    if (!v) refuse(path_ + key, "missing");
-    return {*v, path_ + key + "."};
-  }
-  bool has(const char* key) const { return find(key) != nullptr; }
-  /// The only item of a list.
-  At only() const {
-    if (!value_.is_array() || value_.size() != 1) refuse(name(), "must hold one item");
-    return {value_[0], path_};
-  }
-  At item(std::size_t i) const {
-    if (!value_.is_array() || i >= value_.size()) refuse(name(), "has no item " + std::to_string(i));
-    return {value_[i], name() + "[" + std::to_string(i) + "]."};
-  }
-  std::uint64_t count(std::uint64_t most) const {
-    if (!value_.is_number_unsigned() || value_.get<std::uint64_t>() > most) refuse(name(), "is not a count");
-    return value_.get<std::uint64_t>();
-  }
-  double number() const {
-    if (!value_.is_number() || !std::isfinite(value_.get<double>())) refuse(name(), "is not a finite number");
-    return value_.get<double>();
-  }
-  std::string text() const {
-    if (!value_.is_string()) refuse(name(), "is not a text");
-    return value_.get<std::string>();
-  }
-  std::vector<double> numbers(std::size_t n) const {
-    if (!value_.is_array() || value_.size() != n) refuse(name(), "must be " + std::to_string(n) + " numbers");
-    std::vector<double> out;
-    for (std::size_t i = 0; i < n; ++i) out.push_back(item(i).number());
-    return out;
-  }
-  std::string name() const { return path_.empty() ? "json" : path_.substr(0, path_.size() - 1); }
-
- private:
-  const Json* find(const char* key) const {
-    if (!value_.is_object()) refuse(name(), "is not an object");
-    const auto found = value_.find(key);
-    return found == value_.end() ? nullptr : &*found;
-  }
-  const Json& value_;
-  std::string path_;
-};
 
 std::uint32_t le32(std::string_view bytes, std::size_t at) {
   std::uint32_t v;
@@ -106,17 +57,17 @@ struct View {
 View view_of(const At& root, std::uint64_t index, const char* type, std::uint64_t component, std::uint64_t size,
              std::string_view binary) {
   const At accessor = root["accessors"].item(index);
-  if (accessor["type"].text() != type) refuse(accessor.name() + ".type", std::string("must be ") + type);
+  if (accessor["type"].text() != type) accessor["type"].refuse(std::string("must be ") + type);
   if (accessor["componentType"].count(65535) != component)
-    refuse(accessor.name() + ".componentType", "must be " + std::to_string(component));
+    accessor["componentType"].refuse("must be " + std::to_string(component));
   for (const char* key : {"sparse", "byteOffset", "normalized"})
-    if (accessor.has(key)) refuse(accessor.name() + "." + key, "is not supported");
+    if (accessor.has(key)) accessor[key].refuse("is not supported");
   const At view = root["bufferViews"].item(accessor["bufferView"].count(1 << 16));
-  if (view["buffer"].count(0) != 0 || view.has("byteStride")) refuse(view.name(), "must be packed, in buffer 0");
+  if (view["buffer"].count(0) != 0 || view.has("byteStride")) view.refuse("must be packed, in buffer 0");
   const std::uint64_t offset = view.has("byteOffset") ? view["byteOffset"].count(binary.size()) : 0;
   const std::uint64_t length = view["byteLength"].count(binary.size() - offset);
   const std::uint64_t count = accessor["count"].count(length / size);
-  if (offset % 4 != 0 || count * size != length) refuse(view.name(), "does not hold what the accessor says");
+  if (offset % 4 != 0 || count * size != length) view.refuse("does not hold what the accessor says");
   return {binary.data() + offset, count};
 }
 
@@ -153,13 +104,13 @@ void check_bounds(const At& accessor, const std::vector<Vec3>& points) {
     }
   const auto min = accessor["min"].numbers(3), max = accessor["max"].numbers(3);
   for (int c = 0; c < 3; ++c)
-    if (min[c] != least[c] || max[c] != most[c]) refuse(accessor.name(), "min or max is not that of the vertices");
+    if (min[c] != least[c] || max[c] != most[c]) accessor.refuse("min or max is not that of the vertices");
 }
 
 double srgb_of_linear(double v) { return v <= 0.0031308 ? v * 12.92 : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
 
-GlbMesh mesh_of(const Json& json, std::string_view binary) {
-  const At root(json, "");
+GlbMesh mesh_of(const detail::Json& json, std::string_view binary) {
+  const At root(json, "glb");
   if (root["asset"]["version"].text() != "2.0") refuse("asset.version", "must be 2.0");
   if (root.has("extensionsRequired")) refuse("extensionsRequired", "is not supported");
   const At buffer = root["buffers"].only();
@@ -214,13 +165,7 @@ GlbMesh mesh_of(const Json& json, std::string_view binary) {
 
 GlbMesh read_glb(std::string_view bytes) {
   const Chunks chunks = chunks_of(bytes);
-  Json json;
-  try {
-    json = Json::parse(chunks.json.begin(), chunks.json.end());
-  } catch (const Json::exception&) {
-    refuse("json", "is damaged");
-  }
-  return mesh_of(json, chunks.binary);
+  return mesh_of(with_field("glb", [&] { return detail::parse_json(chunks.json); }), chunks.binary);
 }
 
 GlbMesh read_glb_file(const std::filesystem::path& file) {

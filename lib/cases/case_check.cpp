@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <set>
+
+#include "base/error.h"
+#include "cases/case_names.h"
+#include "cases/case_parts.h"
+#include "voxel/haptic_volume.h"
+
+namespace trephine::detail {
+namespace {
+
+[[noreturn]] void contradiction(const std::string& field, const std::string& what) {
+  throw Error(ExitCode::internal, "case.json", field, what);
+}
+
+// False for NaN.
+void check_range(double v, double least, double most, const std::string& field, const char* what) {
+  if (!(v >= least && v <= most)) contradiction(field, what);
+}
+
+constexpr double huge = 1e12;
+
+void check_not_negative(std::initializer_list<double> values, const std::string& field) {
+  for (const double v : values) check_range(v, 0, huge, field, "a number must be 0 or more, and finite");
+}
+
+void check_finite(std::initializer_list<double> values, const std::string& field) {
+  for (const double v : values) check_range(v, -huge, huge, field, "a number is not finite");
+}
+
+void check_point(Vec3 p, const std::string& field) { check_finite({p.x, p.y, p.z}, field); }
+
+void check_colour(const std::array<double, 3>& rgb, const std::string& field) {
+  for (const double c : rgb) check_range(c, 0, 1, field, "colours lie between 0 and 1");
+}
+
+void check_choice(const std::string& value, std::initializer_list<const char*> known, const std::string& field) {
+  if (std::any_of(known.begin(), known.end(), [&](const char* k) { return value == k; })) return;
+  std::string all;
+  for (const char* k : known) all += (all.empty() ? "" : ", ") + std::string(k);
+  contradiction(field, "'" + value.substr(0, 80) + "' is none of " + all);
+}
+
+void check_unique(std::set<std::string>& seen, const std::string& name, const std::string& field) {
+  if (name.empty()) contradiction(field, "a name is empty");
+  if (!seen.insert(name).second) contradiction(field, "'" + name + "' is named twice");
+}
+
+std::set<std::string> check_files(const CaseManifest& m) {
+  std::set<std::string> names;
+  for (const auto& f : m.files) {
+    if (!is_case_file_name(f.name)) contradiction("files", "'" + f.name + "' is no name for a file of a case");
+    if (!is_sha256(f.sha256)) contradiction("files." + f.name, "has no SHA-256");
+    check_unique(names, f.name, "files");
+  }
+  return names;
+}
+
+void check_anatomies(const CaseManifest& m, const std::set<std::string>& files) {
+  std::set<std::string> names;
+  for (const auto& a : m.anatomies) {
+    check_unique(names, a.name, "anatomies");
+    const std::string at = "anatomies." + a.name;
+    if (!a.file.empty() && !files.count(a.file)) contradiction(at, "'" + a.file + "' is not in files");
+    check_colour(a.colour_rgb, at + ".colour_rgb");
+    check_range(a.opacity, 0, 1, at + ".opacity", "lies between 0 and 1");
+    check_finite({a.volume_ml}, at + ".volume_ml");
+    check_not_negative({a.area_cm2}, at + ".area_cm2");
+    check_not_negative({a.deviation.max_mm, a.deviation.p99_mm, a.deviation.rms_mm}, at + ".deviation_mm");
+    check_not_negative({a.budget_asked_mm, a.budget_used_mm}, at + ".budget_mm");
+  }
+}
+
+void check_face(const CaseFace& f, const std::string& at) {
+  check_not_negative({f.stiffness_n_per_mm, f.damping_n_s_per_mm, f.pop_through_n}, at);
+  for (const double ratio : {f.static_friction_ratio, f.dynamic_friction_ratio})
+    check_range(ratio, 0, 10, at, "a friction ratio lies between 0 and 10");
+}
+
+void check_material(const CaseMaterial& m, const std::string& at) {
+  check_colour(m.colour_rgb, at + ".colour_rgb");
+  check_face(m.front, at + ".front");
+  check_face(m.back, at + ".back");
+  check_not_negative({m.drag_n_s_per_mm, m.shaft_friction_n_per_mm, m.removal_energy_j_per_mm3}, at);
+}
+
+bool is_shape_name(const std::string& name) {
+  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+void check_shape(const CaseShape& s, const CaseManifest& m) {
+  const std::string at = "haptic.shapes." + s.name;
+  if (!is_shape_name(s.name)) contradiction("haptic.shapes", "a name is not made of a-z, 0-9 and _");
+  check_range(s.number, 1, haptic_max_shapes, at + ".number", "must be a whole number from 1 to 32");
+  if (s.window_low > s.window_high) contradiction(at + ".window", "its low end is above its high end");
+  check_choice(s.displayed, {"surface", "haptic"}, at + ".displayed");
+  const CaseAnatomy* anatomy = m.find_anatomy(s.name);
+  if (s.displayed == "surface" && (!anatomy || anatomy->file.empty()))
+    contradiction(at + ".displayed", "'surface', but no anatomy of that name has a file");
+  check_not_negative({s.volume_ml}, at + ".volume_ml");
+  check_material(s.material, at + ".material");
+  const CaseMismatch& d = s.mismatch;
+  check_finite({d.bias_mm}, at + ".mismatch");
+  check_not_negative({d.rms_mm, d.p99_mm, d.max_mm}, at + ".mismatch");
+  check_range(d.missed_ratio, 0, 1, at + ".mismatch.missed_ratio", "lies between 0 and 1");
+}
+
+void check_windows(const std::vector<CaseShape>& shapes) {
+  auto by_window = shapes;
+  std::sort(by_window.begin(), by_window.end(),
+            [](const CaseShape& a, const CaseShape& b) { return a.window_low < b.window_low; });
+  for (std::size_t i = 1; i < by_window.size(); ++i)
+    if (by_window[i].window_low <= by_window[i - 1].window_high)
+      contradiction("haptic.shapes." + by_window[i].name + ".window",
+                    "overlaps that of '" + by_window[i - 1].name + "'");
+}
+
+void check_haptic(const CaseManifest& m, const std::set<std::string>& files) {
+  const CaseHaptic& h = m.haptic;
+  if (h.file.empty()) {
+    if (!h.shapes.empty() || !h.hardness_file.empty()) contradiction("haptic.file", "is missing");
+    return;
+  }
+  for (const std::string& f : {h.file, h.hardness_file})
+    if (!f.empty() && !files.count(f)) contradiction("haptic", "'" + f + "' is not in files");
+  check_choice(h.encoding, {"occupancy", "hu"}, "haptic.encoding");
+  for (int i = 0; i < 3; ++i) {
+    check_range(h.size[i], 1, 65535, "haptic.size", "lies between 1 and 65535");
+    check_range(h.spacing_mm[i], 1e-6, 1e6, "haptic.spacing_mm", "must be above 0 and finite");
+  }
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < h.shapes.size(); ++i) {
+    check_unique(names, h.shapes[i].name, "haptic.shapes");
+    if (i > 0 && h.shapes[i].number <= h.shapes[i - 1].number)
+      contradiction("haptic.shapes." + h.shapes[i].name + ".number", "numbers must be unique and ascend");
+    check_shape(h.shapes[i], m);
+  }
+  check_windows(h.shapes);
+}
+
+void check_places(const CaseManifest& m) {
+  std::set<std::string> landmarks, targets, holes;
+  for (const auto& l : m.landmarks) {
+    check_unique(landmarks, l.name, "landmarks");
+    check_point(l.position_mm, "landmarks." + l.name);
+    check_range(l.confidence, 0, 1, "landmarks." + l.name + ".confidence", "lies between 0 and 1");
+  }
+  for (const auto& t : m.targets) {
+    check_unique(targets, t.name, "targets");
+    check_point(t.position_mm, "targets." + t.name);
+    check_range(t.confidence, 0, 1, "targets." + t.name + ".confidence", "lies between 0 and 1");
+  }
+  for (const auto& b : m.burr_holes) {
+    const std::string at = "burr_holes." + b.name;
+    check_unique(holes, b.name, "burr_holes");
+    check_point(b.position_mm, at);
+    check_range(norm(b.direction), 1 - 1e-6, 1 + 1e-6, at + ".direction", "is not of length 1");
+    check_range(b.diameter_mm, 1e-6, 1e6, at + ".diameter_mm", "must be above 0 and finite");
+    for (const std::string& name : b.cut)
+      if (!m.find_anatomy(name) && std::none_of(m.haptic.shapes.begin(), m.haptic.shapes.end(),
+                                                [&](const CaseShape& s) { return s.name == name; }))
+        contradiction(at + ".cut", "'" + name + "' is neither an anatomy nor a haptic shape");
+  }
+}
+
+}  // namespace
+
+void check_manifest(const CaseManifest& m) {
+  const std::set<std::string> files = check_files(m);
+  check_point(m.center_mm, "center_mm");
+  check_anatomies(m, files);
+  check_haptic(m, files);
+  check_places(m);
+}
+
+}  // namespace trephine::detail
