@@ -25,10 +25,11 @@ struct Cutter {
   /// on straight above the entry.
   double above_mm = 20, depth_mm = 20;
   std::shared_ptr<const TriMesh> mesh;  ///< closed, valid
+  std::string mesh_file;                ///< where it comes from; only carried through JSON
 };
 
-/// Throws Error with that code naming the field: radii and lengths positive and finite and at most 1e4 mm, direction of
-/// unit length, mesh closed and valid.
+/// Throws Error with that code naming the field: radii and lengths 0.001 to 1e4 mm (end_radius_mm and above_mm may be
+/// 0; a cone's radius at its outer end, too), direction of unit length, mesh closed and valid.
 void check_cutter(const Cutter& cutter, ExitCode code);
 
 Bounds bounds_of(const Cutter& cutter);
@@ -39,11 +40,12 @@ double volume_mm3(const Cutter& cutter);  ///< exact (mesh: of its polyhedron)
 DistanceFunction distance_to(const Cutter& cutter);
 
 /// Its surface as a closed, valid mesh whose volume is the exact one to 1e-3 (the rings lie so that the polyhedron has
-/// the circle's area), with no point further than max_deviation_mm from it. Deterministic.
+/// the circle's area), with no point further than max_deviation_mm from it. Deterministic. Throws 80 where that would
+/// take more than about 300,000 facets.
 TriMesh mesh_of(const Cutter& cutter, double max_deviation_mm = 0.02);
 
-/// Cutters as JSON (kind, name, units in the names), and back; a mesh cutter names its file. Throws 65 naming the
-/// field.
+/// Cutters as JSON (kind, name, units in the names), and back. A mesh cutter names its file, which whoever parses has
+/// to read: `mesh` is null. Throws 65 naming the field.
 std::string cutters_json(const std::vector<Cutter>& cutters);
 std::vector<Cutter> parse_cutters_json(const std::string& json);
 
