@@ -3,4 +3,4 @@ find_package(GDCM 3.0 REQUIRED)
 trephine_test(dicom dicom)
 # The tests make compressed files with GDCM; the library only decodes with it.
 target_include_directories(dicom_test SYSTEM PRIVATE ${GDCM_INCLUDE_DIRS})
-target_link_libraries(dicom_test PRIVATE gdcmMSFF gdcmDSED gdcmCommon)
+target_link_libraries(dicom_test PRIVATE gdcmMSFF gdcmDSED gdcmCommon ZLIB::ZLIB)

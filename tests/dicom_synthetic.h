@@ -74,6 +74,25 @@ inline std::string file_bytes(const DataSet& d, const std::string& syntax = "1.2
   return std::string(128, '\0') + "DICM" + length.bytes() + meta.bytes() + d.bytes(syntax != "1.2.840.10008.1.2");
 }
 
+/// 16-bit words as RLE, each byte plane one segment of literal runs of one: PS3.5 annex G.
+inline std::string rle_stream(const std::string& words) {
+  std::string high, low;
+  for (std::size_t i = 0; i + 1 < words.size(); i += 2) {
+    low += std::string(1, '\0') + words[i];
+    high += std::string(1, '\0') + words[i + 1];
+  }
+  std::string stream = little(2, 4) + little(64, 4) + little(64 + high.size(), 4);
+  stream.resize(64, '\0');
+  return stream + high + low;
+}
+
+/// A compressed frame as pixel data: an empty offset table, one fragment, the end.
+inline DataSet::Value encapsulated(std::string stream) {
+  if (stream.size() % 2) stream += '\0';
+  const auto item = [](const std::string& bytes) { return little(0xe000fffe, 4) + little(bytes.size(), 4) + bytes; };
+  return {"OB", item("") + item(stream) + little(0xe0ddfffe, 4) + little(0, 4), 0xffffffff};
+}
+
 /// Gaussian blobs on a background: their centroids are known.
 struct Blob {
   Vec3 centre_mm;

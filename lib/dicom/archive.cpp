@@ -95,7 +95,8 @@ class Unzipper {
  private:
   zip_stat_t stat(zip_t* zip, std::uint64_t i) {
     zip_stat_t s;
-    constexpr zip_uint64_t needed = ZIP_STAT_NAME | ZIP_STAT_SIZE | ZIP_STAT_COMP_METHOD | ZIP_STAT_ENCRYPTION_METHOD;
+    constexpr zip_uint64_t needed =
+        ZIP_STAT_NAME | ZIP_STAT_SIZE | ZIP_STAT_COMP_SIZE | ZIP_STAT_COMP_METHOD | ZIP_STAT_ENCRYPTION_METHOD;
     if (zip_stat_index(zip, i, 0, &s) != 0 || (s.valid & needed) != needed) refuse("its directory is damaged");
     return s;
   }
@@ -119,7 +120,10 @@ class Unzipper {
     }
     std::array<char, 1 << 18> buffer{};
     std::size_t have = read(member.get(), buffer.data(), std::min<std::uint64_t>(buffer.size(), s.size));
-    if (!begins_as_dicom({buffer.data(), have})) return put(Kind::other, name.text, 0);
+    if (!begins_as_dicom({buffer.data(), have})) {
+      check_foreign(member.get(), s, have);
+      return put(Kind::other, name.text, 0);
+    }
     if (s.size > limits_.member_bytes)
       refuse(fmt::format("a member of {} bytes, at most {} are read", s.size, limits_.member_bytes));
     taken_ += s.size;
@@ -135,6 +139,17 @@ class Unzipper {
     }
     // Its end is where libzip compares the checksum; a byte more would be a size that lies.
     if (read(member.get(), buffer.data(), 1) != 0) refuse("a member is damaged: longer than its size");
+  }
+
+  /// Damage must not make a slice look like a foreign file and vanish: what is about as large as one is inflated to its
+  /// checksum.
+  void check_foreign(zip_file_t* member, const zip_stat_t& s, std::uint64_t have) {
+    constexpr std::uint64_t most = 64 << 20, most_of_all = std::uint64_t{2} << 30;
+    if (s.size > most || s.size / limits_.ratio > s.comp_size || checked_ > most_of_all) return;
+    checked_ += s.size;
+    std::array<char, 1 << 16> buffer{};
+    while (const std::size_t n = read(member, buffer.data(), buffer.size())) have += n;
+    if (have != s.size) refuse("a member is damaged: its size is wrong");
   }
 
   std::size_t read(zip_file_t* member, char* to, std::uint64_t count) {
@@ -159,7 +174,7 @@ class Unzipper {
   ChildRequest& request_;
   const std::string file_;
   const ArchiveLimits limits_;
-  std::uint64_t archive_bytes_ = 0, taken_ = 0;
+  std::uint64_t archive_bytes_ = 0, taken_ = 0, checked_ = 0;
 };
 
 const ChildWorker worker(worker_name, [](ChildRequest& request) {
