@@ -8,7 +8,9 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "base/parallel.h"
+#include "dicom/import.h"
 #include "pipeline/executor.h"
 #include "scratch_folder.h"
 
@@ -182,6 +184,72 @@ TEST(Executor, TakesFromTheCacheWhatIsThereAndWhole) {
   cache.shrink_to(0);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "cache"));
   EXPECT_EQ(run(log), 6);
+}
+
+TEST(Executor, KeepsEveryOutputAlsoOfWhatTheCacheLetsItSkip) {
+  ScratchFolder folder;
+  const StageCache cache(folder.path() / "cache");
+  for (const char* run : {"cold", "warm"}) {
+    ExecuteOptions options;
+    options.cache = &cache;
+    options.keep = folder.path() / run;
+    std::filesystem::create_directory(options.keep);
+    Fixture f;
+    f.stage_seconds = 0.01;
+    const int a = f.add("a", {}), b = f.add("b", {a}), last = f.add("last", {b});
+    Silent silent;
+    const auto results = execute(f.graph, {last}, options, silent);
+    EXPECT_EQ(x_of(results[size_t(last)]), 6);
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(results[size_t(a)].data)) << "nobody reads it any more";
+    for (const char* name : {"a.vtp", "b.vtp", "last.vtp"})
+      EXPECT_TRUE(std::filesystem::exists(options.keep / name)) << run << " " << name;
+  }
+}
+
+TEST(Executor, GoesOnWithoutACacheThatCannotStore) {
+  ScratchFolder folder;
+  const StageCache cache(folder.path() / "cache");
+  std::filesystem::remove_all(folder.path() / "cache");
+  folder.write("cache", "a file");
+  ExecuteOptions options;
+  options.cache = &cache;
+  Fixture f;
+  f.stage_seconds = 0.01;
+  const int a = f.add("a", {}), last = f.add("last", {a});
+  std::vector<std::string> lines;
+  const LogSink before = set_log_sink([&](const std::string& line) { lines.push_back(line); });
+  Silent silent;
+  const auto results = execute(f.graph, {last}, options, silent);
+  set_log_sink(before);
+  EXPECT_EQ(x_of(results[size_t(last)]), 3);
+  ASSERT_EQ(lines.size(), 1u) << "told once";
+  EXPECT_NE(lines[0].find("the cache keeps nothing more of this run"), std::string::npos) << lines[0];
+}
+
+TEST(Executor, ASeriesThatChangedSinceItWasHashedIsRefusedAndNotCached) {
+  ScratchFolder folder;
+  const StageCache cache(folder.path() / "cache");
+  Graph graph;
+  Node import;
+  import.name = "import";
+  import.params = AnyParams::make<ImportParams>();
+  import.key = std::string(64, 'a');
+  graph.nodes.push_back(std::move(import));
+  ExecuteOptions options;
+  options.series = std::filesystem::path(TREPHINE_SOURCE_DIR) / "sample_dicom";
+  options.cache = &cache;
+  options.input_sha256 = std::string(64, '0');
+  Silent silent;
+  try {
+    execute(graph, {0}, options, silent);
+    FAIL() << "no error";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::bad_input);
+    EXPECT_STREQ(e.what(), "the series changed while it was read");
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "cache"));
+  options.input_sha256 = hash_of_series_input(options.series, {});
+  EXPECT_NO_THROW(execute(graph, {0}, options, silent));
 }
 
 TEST(Executor, KeepsEveryOutputWhereAsked) {

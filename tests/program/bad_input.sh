@@ -13,7 +13,10 @@ expect 65 'trephine run: .*DICOM' "${run[@]}" "$config" --series "$work/empty" -
 expect 66 'trephine run: .*missing.yaml' "${run[@]}" "$work/missing.yaml" --out "$work/out"
 expect 64 'trephine run: .*series' "${run[@]}" "$config" --out "$work/out"
 expect 64 '--serie.*--series' "${run[@]}" "$config" --serie "$work/empty" --out "$work/out"
+expect 64 '--set: skull.smooth, must be' "${run[@]}" "$config" --series "$SOURCE/sample_dicom" --out "$work/out" --set skull.smooth
 expect 64 '--sett: unknown flag; did you mean --set' "${run[@]}" "$config" --out "$work/out" --sett a
+
+[[ ! -e $work/out ]] || fail "a run that was refused left a folder"
 
 mkdir "$work/configs"
 printf 'trephine: 1\npipeline: p.yaml\nscene: s.yaml\ncaes: x\n' >"$work/configs/c.yaml"
@@ -39,6 +42,19 @@ expect 80 'trephine run: sample: skull.segment: .*voxel' "${run[@]}" "$SOURCE/co
 sed '/^face:/d' "$work/configs/s.yaml" >"$work/configs/faceless.yaml"
 printf 'trephine: 1\npipeline: p.yaml\nscene: faceless.yaml\n' >"$work/configs/c.yaml"
 expect 81 'trephine run: .*face' "${run[@]}" "$work/configs/c.yaml" --series "$SOURCE/sample_dicom" --out "$work/out"
+
+# A recipe that does not say whether an anatomy shows a face, and a scene with a broken line: both are named.
+sed '/shows_face: true/d' "$SOURCE/pipelines/ventriculostomy.yaml" >"$work/configs/p.yaml"
+expect 78 'p.yaml:5:5: anatomies.skin.shows_face: is missing' "${run[@]}" "$work/configs/c.yaml" \
+  --series "$SOURCE/sample_dicom" --out "$work/out"
+
+# Flags of measure that would be overlooked, and help.
+echo >"$work/file.vtp"
+expect 64 '--anatomy: is needed with --truth' "$TREPHINE" measure "$work/file.vtp" --truth "$work/file.vtp"
+expect 64 '--anatomy: is of the truth' "$TREPHINE" measure "$work/file.vtp" --anatomy skull
+expect 64 '--label: .*--labels' "$TREPHINE" measure "$work/file.vtp" --label 3
+"$TREPHINE" help run | grep -q 'Usage: trephine run' || fail "trephine help run"
+"$TREPHINE" --help | grep -q completion || fail "--help does not list completion"
 
 find "$work" -name '.trephine-tmp-*' | grep . && fail "temporary files are left"
 echo ok
