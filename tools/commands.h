@@ -14,5 +14,6 @@ Command smooth_command();
 Command normals_command();
 Command measure_command();
 Command run_command();
+Command export_command();
 
 }  // namespace trephine

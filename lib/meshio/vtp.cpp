@@ -4,6 +4,7 @@
 #include <vtkCellArray.h>
 #include <vtkDoubleArray.h>
 #include <vtkFieldData.h>
+#include <vtkFloatArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -12,6 +13,7 @@
 #include <vtkStringArray.h>
 #include <vtkTypeInt32Array.h>
 #include <vtkTypeInt64Array.h>
+#include <vtkUnsignedCharArray.h>
 #include <vtkXMLPolyDataWriter.h>
 
 #include <cstring>
@@ -22,6 +24,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/write_file.h"
+#include "meshio/vtp_encode.h"
 #include "meshio/vtp_parse.h"
 
 namespace trephine {
@@ -74,6 +77,37 @@ vtkSmartPointer<vtkCellArray> cells_of(const TriMesh& mesh) {
   return cells;
 }
 
+void add_text(vtkPolyData* data, const char* name, const std::string& text) {
+  vtkNew<vtkStringArray> array;
+  array->SetName(name);
+  array->InsertNextValue(text);
+  data->GetFieldData()->AddArray(array);
+}
+
+void add_extras(vtkPolyData* data, const VtpExtras& extras) {
+  if (!extras.name.empty()) {
+    add_text(data, "UNIT", "mm");
+    add_text(data, "name", extras.name);
+  }
+  if (extras.point_rgb) {
+    vtkNew<vtkUnsignedCharArray> rgb;
+    rgb->SetName("RGB");
+    rgb->SetNumberOfComponents(3);
+    rgb->SetNumberOfTuples(data->GetNumberOfPoints());
+    for (int c = 0; c < 3; ++c) rgb->FillTypedComponent(c, (*extras.point_rgb)[c]);
+    data->GetPointData()->SetScalars(rgb);
+  }
+  if (!extras.texture.empty()) {
+    vtkNew<vtkFloatArray> uv;
+    uv->SetName("TextureCoordinates");
+    uv->SetNumberOfComponents(2);
+    uv->SetNumberOfTuples(vtkIdType(extras.texture.size()));
+    for (std::size_t i = 0; i < extras.texture.size(); ++i)
+      for (int c = 0; c < 2; ++c) uv->SetTypedComponent(vtkIdType(i), c, float(extras.texture[i][c]));
+    data->GetPointData()->SetTCoords(uv);
+  }
+}
+
 // A mesh as plain bytes, from the child to its parent.
 struct MeshSizes {
   Vec3 origin_mm;
@@ -119,8 +153,7 @@ bool ends_as_xml(std::string_view bytes) {
 
 }  // namespace
 
-void write_vtp(const std::filesystem::path& file, const TriMesh& mesh) {
-  with_field("surface", [&] { check_mesh(mesh); });
+std::string encode_vtp(const TriMesh& mesh, const VtpExtras& extras) {
   vtkObject::GlobalWarningDisplayOff();
   std::vector<Vec3> world(mesh.points_mm.size());
   bool exact = true;
@@ -138,11 +171,9 @@ void write_vtp(const std::filesystem::path& file, const TriMesh& mesh) {
   data->SetPolys(narrow ? cells_of<vtkTypeInt32Array>(mesh) : cells_of<vtkTypeInt64Array>(mesh));
   if (!mesh.normals.empty()) data->GetPointData()->SetNormals(vectors("Normals", mesh.normals));
   if (!exact) data->GetPointData()->AddArray(vectors(vtp_local_name, mesh.points_mm));
-  vtkNew<vtkStringArray> space;
-  space->SetName(vtp_space_name);
-  space->InsertNextValue("LPS");
-  data->GetFieldData()->AddArray(space);
+  add_text(data, vtp_space_name, "LPS");
   data->GetFieldData()->AddArray(vectors(vtp_origin_name, {mesh.origin_mm}));
+  add_extras(data, extras);
 
   vtkNew<vtkXMLPolyDataWriter> writer;
   writer->SetInputData(data);
@@ -157,10 +188,15 @@ void write_vtp(const std::filesystem::path& file, const TriMesh& mesh) {
   writer->EncodeAppendedDataOff();
   writer->SetCompressorTypeToNone();
   if (!writer->Write() || writer->GetErrorCode() != 0)
-    throw Error(ExitCode::internal, file.string(), "", "VTK could not write the surface");
+    throw Error(ExitCode::internal, "", "", "VTK could not write the surface");
   std::string bytes = writer->GetOutputString();
   bytes += trailer_of(bytes);
-  write_file(file, bytes);
+  return bytes;
+}
+
+void write_vtp(const std::filesystem::path& file, const TriMesh& mesh) {
+  with_field("surface", [&] { check_mesh(mesh); });
+  write_file(file, with_file(file.string(), [&] { return encode_vtp(mesh); }));
 }
 
 TriMesh read_vtp(const std::filesystem::path& file) {

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshio/read_mesh.h"
+
+#include <algorithm>
+#include <cctype>
+#include <optional>
+#include <string_view>
+
+#include "base/error.h"
+#include "base/write_file.h"
+#include "cases/glb.h"
+#include "meshing/validity.h"
+#include "meshio/foreign.h"
+#include "meshio/vtp.h"
+
+namespace trephine {
+namespace {
+
+struct Extension {
+  const char* text;
+  ForeignReader reader;
+};
+constexpr Extension extensions[] = {
+    {".stl", ForeignReader::assimp_stl}, {".ply", ForeignReader::assimp_ply}, {".obj", ForeignReader::assimp_obj},
+    {".vtp", ForeignReader::vtk_xml},    {".vtk", ForeignReader::vtk_legacy}, {".glb", ForeignReader::assimp_glb},
+};
+
+ForeignReader reader_for(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  std::string known;
+  for (const Extension& e : extensions) {
+    if (extension == e.text) return e.reader;
+    known += std::string(known.empty() ? "" : " ") + e.text;
+  }
+  throw Error(ExitCode::usage, file.string(), "", "no surface file known by its extension: " + known);
+}
+
+// What Slicer says in STL's header, PLY's and OBJ's comments and legacy VTK's title.
+bool says_ras(ForeignReader reader, std::string_view bytes) {
+  std::string_view head = bytes.substr(0, reader == ForeignReader::assimp_stl ? 80 : 4096);
+  if (reader == ForeignReader::assimp_ply) head = head.substr(0, head.find("end_header"));
+  if (reader == ForeignReader::vtk_legacy) head = head.substr(0, head.find("DATASET"));
+  if (reader == ForeignReader::assimp_obj) head = head.substr(0, head.find("\nv "));
+  return head.find("SPACE=RAS") != std::string_view::npos;
+}
+
+TriMesh joined(std::vector<ForeignSurface>&& surfaces) {
+  TriMesh mesh;
+  for (ForeignSurface& s : surfaces) {
+    const std::size_t base = mesh.points_mm.size();
+    if (base + s.points.size() > 0xffffffffu) throw Error(ExitCode::bad_input, "", "", "too many points");
+    mesh.points_mm.insert(mesh.points_mm.end(), s.points.begin(), s.points.end());
+    for (const auto& t : s.triangles)
+      mesh.triangles.push_back({std::uint32_t(base + t[0]), std::uint32_t(base + t[1]), std::uint32_t(base + t[2])});
+    s = {};
+  }
+  return mesh;
+}
+
+// Sorted, so that the kept point is the first of its kind whatever the order of equal ones. Returns how many went.
+std::size_t merge_points(TriMesh& mesh) {
+  std::vector<std::uint32_t> order(mesh.points_mm.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = std::uint32_t(i);
+  const auto less = [&](std::uint32_t a, std::uint32_t b) {
+    const Vec3 p = mesh.points_mm[a], q = mesh.points_mm[b];
+    if (p.x != q.x) return p.x < q.x;
+    if (p.y != q.y) return p.y < q.y;
+    if (p.z != q.z) return p.z < q.z;
+    return a < b;
+  };
+  std::sort(order.begin(), order.end(), less);
+  std::vector<std::uint32_t> kept(order.size());
+  std::size_t merged = 0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const bool same = i > 0 && mesh.points_mm[order[i]] == mesh.points_mm[order[i - 1]];
+    kept[order[i]] = same ? kept[order[i - 1]] : order[i];
+    merged += same;
+  }
+  for (auto& t : mesh.triangles)
+    for (std::uint32_t& p : t) p = kept[p];
+  return merged;
+}
+
+std::size_t drop_sideless(TriMesh& mesh) {
+  const std::size_t before = mesh.triangles.size();
+  mesh.triangles.erase(std::remove_if(mesh.triangles.begin(), mesh.triangles.end(),
+                                      [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }),
+                       mesh.triangles.end());
+  return before - mesh.triangles.size();
+}
+
+std::optional<TriMesh> own_glb(std::string_view bytes) {
+  try {
+    return read_glb(bytes).mesh;
+  } catch (const Error& e) {
+    if (e.code() != ExitCode::bad_input) throw;
+    return {};
+  }
+}
+
+TriMesh foreign_mesh(ForeignReader reader, std::string_view bytes, const ReadMeshLimits& limits,
+                     const Progress& progress) {
+  ChildLimits child = foreign_limits(bytes.size());
+  if (limits.max_s > 0) child.cpu_s = child.wall_s = limits.max_s;
+  TriMesh mesh;
+  try {
+    mesh = joined(read_foreign(reader, bytes, "", child, progress));
+  } catch (const Error& e) {
+    // Only the bytes can have killed it.
+    if (e.code() != ExitCode::internal) throw;
+    throw Error(ExitCode::bad_input, "", "", std::string("damaged, or too much for its reader: ") + e.what());
+  }
+  if (reader == ForeignReader::assimp_glb)
+    for (Vec3& p : mesh.points_mm) p = {1000 * p.x, -1000 * p.z, 1000 * p.y};
+  if (says_ras(reader, bytes))
+    for (Vec3& p : mesh.points_mm) p = {-p.x, -p.y, p.z};
+  return mesh;
+}
+
+}  // namespace
+
+const std::vector<std::string>& readable_mesh_extensions() {
+  static const std::vector<std::string> all = [] {
+    std::vector<std::string> v;
+    for (const Extension& e : extensions) v.emplace_back(e.text);
+    return v;
+  }();
+  return all;
+}
+
+TriMesh read_mesh_file(const std::filesystem::path& file, Report& report, const ReadMeshLimits& limits,
+                       const Progress& progress) {
+  return with_file(file.string(), [&] {
+    const ForeignReader reader = reader_for(file);
+    TriMesh mesh;
+    bool ours = false;
+    if (reader == ForeignReader::vtk_xml) {
+      std::error_code unknown;
+      if (const auto size = std::filesystem::file_size(file, unknown); !unknown && size > limits.max_bytes)
+        throw Error(ExitCode::bad_input, "", "", "has more than " + std::to_string(limits.max_bytes) + " bytes");
+      try {
+        mesh = read_vtp(file);
+      } catch (const Error& e) {
+        if (e.code() != ExitCode::internal) throw;
+        throw Error(ExitCode::bad_input, "", "", std::string("damaged, or too much for its reader: ") + e.what());
+      }
+    } else {
+      const std::vector<char> read = read_file(file, limits.max_bytes);
+      const std::string_view bytes(read.data(), read.size());
+      if (bytes.empty()) throw Error(ExitCode::bad_input, "", "", "the file is empty");
+      std::optional<TriMesh> own;
+      if (reader == ForeignReader::assimp_glb) own = own_glb(bytes);
+      ours = own.has_value();
+      mesh = ours ? std::move(*own) : foreign_mesh(reader, bytes, limits, progress);
+    }
+    std::size_t merged = 0, dropped = 0;
+    if (!ours && !topology_of(mesh).closed()) {
+      merged = merge_points(mesh);
+      if (merged > 0) mesh.normals.clear();  // of a point's several sides
+    }
+    if (!ours) dropped = drop_sideless(mesh);
+    if (mesh.triangles.empty()) throw Error(ExitCode::bad_input, "", "", "holds no triangle");
+    drop_unused_points(mesh);
+    if (!ours && reader != ForeignReader::vtk_xml) centre_origin(mesh);
+    check_mesh(mesh);
+    report.add("triangles_count", mesh.triangles.size());
+    report.add("points_merged", merged);
+    report.add("triangles_dropped", dropped);
+    report.add("closed", topology_of(mesh).closed());
+    return mesh;
+  });
+}
+
+}  // namespace trephine

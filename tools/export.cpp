@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <list>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "base/write_file.h"
+#include "cases/case.h"
+#include "cases/glb.h"
+#include "commands.h"
+#include "meshio/export_mesh.h"
+#include "meshio/label_map.h"
+#include "meshio/read_mesh.h"
+#include "stage_command.h"
+
+namespace trephine {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* labels_format = "seg.nrrd";
+
+struct ExportParams {
+  std::string name;
+  bool together = false;
+  std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};
+  double opacity = 1;
+  template <class V>
+  static void describe(V& v) {
+    using P = ExportParams;
+    v.text(&P::name, "name",
+           "Name of a surface from a file, of the one file of --together, or of the labels; empty: the input's, or "
+           "labels.");
+    v.flag(&P::together, "together", "All anatomies in one file (obj, wrl and x3d hold several).");
+    v.numbers(&P::colour_rgb, "colour_rgb", Range{0, 1},
+              "Colour (sRGB) of a surface from a file; a case knows its own.");
+    v.number(&P::opacity, "opacity", Range{0, 1}, "Opacity of a surface from a file, where the format has one.");
+  }
+};
+
+// "a,b" given once or more.
+std::vector<std::string> items_of(const ParsedCommand& parsed, const std::string& argument) {
+  std::vector<std::string> items;
+  for (const std::string& text : parsed.all(argument)) {
+    std::size_t from = 0;
+    for (std::size_t comma; (comma = text.find(',', from)) != std::string::npos; from = comma + 1)
+      items.push_back(text.substr(from, comma - from));
+    items.push_back(text.substr(from));
+  }
+  return items;
+}
+
+[[noreturn]] void usage(const std::string& field, const std::string& what) {
+  throw Error(ExitCode::usage, "", field, what);
+}
+
+[[noreturn]] void unknown(const std::string& field, const std::string& name, const std::vector<std::string>& known) {
+  const std::string near = nearest_name(name, known);
+  std::string all;
+  for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
+  usage(field, name + (near.empty() ? ": must be one of " + all : ": did you mean " + near + "?"));
+}
+
+void check_name(const std::string& field, const std::string& name) {
+  bool good = !name.empty() && name.size() <= 64 && name[0] != '.';
+  for (const char c : name)
+    good = good && ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+                    c == '-' || c == '.');
+  if (!good) usage(field, name + ": must be 1 to 64 letters, digits, _, - or .");
+}
+
+struct Formats {
+  std::vector<ExportFormat> surfaces;
+  bool labels = false;
+};
+
+Formats formats_of(const ParsedCommand& parsed) {
+  std::vector<std::string> known;
+  for (const ExportFormat f : all_export_formats()) known.push_back(name_of(f));
+  known.push_back(labels_format);
+  Formats formats;
+  for (const std::string& name : items_of(parsed, "format")) {
+    const auto found = find_export_format(name);
+    if (name == labels_format)
+      formats.labels = true;
+    else if (!found)
+      unknown("--format", name, known);
+    else if (std::find(formats.surfaces.begin(), formats.surfaces.end(), *found) == formats.surfaces.end())
+      formats.surfaces.push_back(*found);
+  }
+  return formats;
+}
+
+// What is to be exported; the meshes stay where they are.
+struct Input {
+  std::list<TriMesh> meshes;
+  std::vector<ExportSurface> surfaces;
+  CaseManifest manifest;  ///< of a case
+};
+
+void load_case_surfaces(const fs::path& folder, const std::vector<std::string>& wanted, Input& input, Report& report,
+                        const Progress& progress) {
+  input.manifest = read_case(folder);
+  std::vector<std::string> known;
+  for (const CaseAnatomy& a : input.manifest.anatomies) known.push_back(a.name);
+  for (const std::string& name : wanted)
+    if (!input.manifest.find_anatomy(name)) unknown("--anatomy", name, known);
+  for (const CaseAnatomy& a : input.manifest.anatomies) {
+    progress.check();
+    const bool named = std::find(wanted.begin(), wanted.end(), a.name) != wanted.end();
+    if (!wanted.empty() && !named) continue;
+    if (a.file.empty()) {
+      const std::string what = "the case holds no surface of it; it is displayed from the haptic volume";
+      if (named) throw Error(ExitCode::bad_input, folder.string(), a.name, what);
+      report.warn(a.name + ": " + what);
+      continue;
+    }
+    const std::string bytes = read_case_file(folder, *input.manifest.find_file(a.file));
+    input.meshes.push_back(with_file(a.file, [&] { return read_glb(bytes).mesh; }));
+    input.surfaces.push_back({&input.meshes.back(), a.name, a.colour_rgb, a.opacity, false});
+  }
+}
+
+void load_file_surface(const fs::path& file, const ExportParams& params, Input& input, const Progress& progress) {
+  const std::string name = params.name.empty() ? file.stem().string() : params.name;
+  check_name("--name", name);
+  Report ignored;
+  input.meshes.push_back(read_mesh_file(file, ignored, {}, progress));
+  input.surfaces.push_back({&input.meshes.back(), name, params.colour_rgb, params.opacity, false});
+}
+
+Input load_input(const ParsedCommand& parsed, Report& report, const Progress& progress) {
+  Input input;
+  if (!parsed.has("input")) return input;
+  const fs::path path = parsed.path("input");
+  const auto wanted = items_of(parsed, "anatomy");
+  if (fs::is_directory(path)) {
+    load_case_surfaces(path, wanted, input, report, progress);
+  } else {
+    if (!wanted.empty()) usage("--anatomy", "is for a case; a file holds one surface");
+    load_file_surface(path, parsed.params<ExportParams>(), input, progress);
+  }
+  std::vector<std::string> names;
+  for (const ExportSurface& s : input.surfaces) names.push_back(s.name);
+  for (const std::string& name : items_of(parsed, "texture_coordinates")) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) unknown("--texture-coordinates", name, names);
+    input.surfaces[std::size_t(found - names.begin())].texture_coordinates = true;
+  }
+  return input;
+}
+
+// Encodes, has another program read it, and keeps the bytes for the end: nothing is written before all is well.
+void export_one(ExportFormat format, const std::vector<ExportSurface>& surfaces, const std::string& stem,
+                std::vector<ExportFile>& files, Report& report, const Progress& progress) {
+  auto made = encode_surfaces(format, surfaces, stem, progress.part(0, 0.5));
+  const ExportCheck check = verify_export(format, surfaces, made, progress.part(0.5, 1));
+  const std::string name = made.back().name;
+  report.add(name + ".triangles_count", check.triangles);
+  report.add(name + ".bytes", made.back().bytes.size());
+  report.add(name + ".reread_by", check.read_by);
+  report.add(name + ".reread_difference_mm", check.largest_difference_mm);
+  for (ExportFile& f : made) files.push_back(std::move(f));
+}
+
+std::vector<ExportFile> export_surfaces(const Input& input, const std::vector<ExportFormat>& formats,
+                                        const ExportParams& params, const std::string& together_name, Report& report,
+                                        const Progress& progress) {
+  std::vector<ExportFile> files;
+  const std::size_t groups = params.together ? 1 : input.surfaces.size(), all = groups * formats.size();
+  for (std::size_t g = 0; g < groups; ++g)
+    for (std::size_t f = 0; f < formats.size(); ++f) {
+      const double done = double(g * formats.size() + f);
+      const Progress part = progress.part(done / double(all), (done + 1) / double(all));
+      if (params.together)
+        export_one(formats[f], input.surfaces, together_name, files, report, part);
+      else
+        export_one(formats[f], {input.surfaces[g]}, input.surfaces[g].name, files, report, part);
+    }
+  return files;
+}
+
+// The recipes' colours, and some that can be told apart.
+std::array<double, 3> label_colour(const Input& input, const std::string& name, std::size_t number) {
+  if (const CaseAnatomy* a = input.manifest.find_anatomy(name)) return a->colour_rgb;
+  if (name == "skin") return {0.87, 0.68, 0.56};
+  if (name == "skull" || name == "bone") return {0.93, 0.89, 0.78};
+  if (name == "brain") return {0.85, 0.62, 0.62};
+  if (name == "ventricles") return {0.25, 0.5, 0.9};
+  constexpr std::array<double, 3> others[] = {{0.9, 0.3, 0.2}, {0.2, 0.7, 0.3}, {0.95, 0.75, 0.1},
+                                              {0.6, 0.3, 0.8}, {0.1, 0.7, 0.7}, {0.9, 0.5, 0.7}};
+  return others[number % 6];
+}
+
+void export_labels(const ParsedCommand& parsed, const Input& input, const fs::path& file, Report& report,
+                   const Progress& progress) {
+  std::list<Field> fields;
+  std::vector<LabelledField> shapes;
+  for (const std::string& item : items_of(parsed, "labels")) {
+    const auto equals = item.find('=');
+    if (equals == std::string::npos) usage("--labels", item + ": must be NAME=FIELD.nrrd");
+    const std::string name = item.substr(0, equals);
+    check_name("--labels", name);
+    for (const LabelledField& s : shapes)
+      if (s.name == name) usage("--labels", name + ": is there twice");
+    fields.push_back(read_field_nrrd(item.substr(equals + 1)));
+    shapes.push_back({&fields.back(), name, label_colour(input, name, shapes.size())});
+    progress.check();
+  }
+  write_label_map(file, make_label_map(shapes, report, progress));
+}
+
+Report run_export(const ParsedCommand& parsed, const Progress& progress) {
+  const auto& params = parsed.params<ExportParams>();
+  const Formats formats = formats_of(parsed);
+  if (!params.name.empty()) check_name("--name", params.name);
+  if (formats.labels != parsed.has("labels")) usage("--labels", "and --format seg.nrrd belong together");
+  if (!formats.surfaces.empty() && !parsed.has("input")) usage("INPUT", "is needed for surfaces: a case or a file");
+  if (params.together)
+    for (const ExportFormat f : formats.surfaces)
+      if (!holds_several_surfaces(f)) usage("--together", std::string(name_of(f)) + " holds one surface a file");
+
+  Report report;
+  const Input input = load_input(parsed, report, progress.part(0, 0.1));
+  if (!formats.surfaces.empty() && input.surfaces.empty())
+    throw Error(ExitCode::bad_input, parsed.text("input"), "", "holds no surface");
+  std::string stem = params.name;
+  if (stem.empty() && params.together) {
+    stem = input.manifest.case_token.empty() ? input.surfaces.at(0).name : input.manifest.case_token;
+  }
+  const fs::path out = parsed.path("out");
+  const auto files = export_surfaces(input, formats.surfaces, params, stem, report, progress.part(0.1, 0.9));
+  make_output_folder(out);
+  write_export(out, files);
+  if (formats.labels)
+    export_labels(parsed, input, out / ((params.name.empty() ? "labels" : params.name) + "." + labels_format), report,
+                  progress.part(0.9, 1));
+  return report;
+}
+
+}  // namespace
+
+Command export_command() {
+  Command c;
+  c.name = "export";
+  c.summary = "writes surfaces and labels in the formats of other programs";
+  c.description =
+      "From a case (a folder with case.json) or a surface file (.vtp .stl .ply .obj .vtk .glb), one file an anatomy "
+      "and format: stl (binary), ply, obj with its .mtl, vtp, vtk (legacy), wrl (VRML 2.0), x3d, glb. Coordinates are "
+      "DICOM patient LPS in mm, which stl, ply, obj, vtp and vtk say as 3D Slicer reads it (SPACE=LPS); glb is in "
+      "metres, Y up. stl and ply hold float32, stl no colour.\n\n"
+      "Every surface is checked in its rounded coordinates (closed, 2-manifold, no self-intersections), and every file "
+      "is read back by another program's reader and compared, triangle by triangle, before anything is written.\n\n"
+      "Format seg.nrrd is a segmentation for 3D Slicer, made of fields (of segment) on one raster, in one layer: "
+      "where shapes overlap the later one of --labels wins.";
+  c.examples = {"trephine export library/head-01 --format stl,ply --out exported",
+                "trephine export library/head-01 --format obj --anatomy skin --texture-coordinates skin --out exported",
+                "trephine export library/head-01 --format x3d --together --out exported",
+                "trephine export skull.vtp --format stl --out exported",
+                "trephine export --format seg.nrrd --labels skin=skin.nrrd,skull=skull.nrrd --out exported"};
+  const auto argument = [](const char* name, Argument::Kind kind, const char* help) {
+    Argument a;
+    a.name = name;
+    a.kind = kind;
+    a.help = help;
+    return a;
+  };
+  Argument input = argument("input", Argument::Kind::in_path, "A case's folder, or a surface file.");
+  input.positional = true;
+  Argument format = argument("format", Argument::Kind::text,
+                             "Formats, with commas between them: stl, ply, obj, vtp, vtk, wrl, x3d, glb, seg.nrrd.");
+  format.required = format.repeated = true;
+  Argument out = argument("out", Argument::Kind::out_folder, "Folder for the files; those of the same name go.");
+  out.required = true;
+  Argument anatomy = argument("anatomy", Argument::Kind::text, "Anatomies of the case to export; all if not given.");
+  Argument texture =
+      argument("texture_coordinates", Argument::Kind::text,
+               "Surfaces that get spherical texture coordinates, where the format has them (not stl and glb).");
+  Argument labels = argument("labels", Argument::Kind::text, "Shapes of a segmentation: NAME=FIELD.nrrd, with commas.");
+  anatomy.repeated = texture.repeated = labels.repeated = true;
+  c.arguments = {input, format, out, anatomy, texture, labels, report_argument()};
+  c.groups = {ParameterGroup::of<ExportParams>("Parameters")};
+  c.run = [](const ParsedCommand& parsed) {
+    run_with_report(parsed, [&](const Progress& progress) { return run_export(parsed, progress); });
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+}  // namespace trephine
