@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* manifest_name = "case.json";
-constexpr std::uint64_t most_manifest_bytes = std::uint64_t{16} << 20;
+using detail::manifest_name;
+
 constexpr std::size_t content_digits = 16;
 
 bool is_one_of(char c, std::string_view others) {
@@ -77,7 +77,7 @@ CaseManifest read_case(const fs::path& case_folder) {
   const fs::path file = case_folder / manifest_name;
   CaseManifest m;
   try {
-    m = parse_case_json(text_of(read_file(file, most_manifest_bytes)));
+    m = parse_case_json(text_of(read_file(file, detail::most_manifest_bytes)));
   } catch (Error& e) {
     e.in_file(file.string());
     throw;

@@ -54,8 +54,15 @@ std::set<std::string> check_files(const CaseManifest& m) {
   for (const auto& f : m.files) {
     if (!is_case_file_name(f.name)) contradiction("files", "'" + f.name + "' is no name for a file of a case");
     if (!is_sha256(f.sha256)) contradiction("files." + f.name, "has no SHA-256");
+    if (f.bytes > most_file_bytes) contradiction("files." + f.name, "is larger than a file of a case can be");
     check_unique(names, f.name, "files");
   }
+  // What a file is used for says how it is read.
+  std::set<std::string> used;
+  for (const auto& a : m.anatomies)
+    if (!a.file.empty()) check_unique(used, a.file, "anatomies." + a.name + ".file");
+  for (const std::string& f : {m.haptic.file, m.haptic.hardness_file})
+    if (!f.empty()) check_unique(used, f, "haptic.file");
   return names;
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 using At = detail::JsonAt;
 constexpr std::size_t most_json_bytes = 1 << 16;
-constexpr int gltf_uint16 = 5123, gltf_uint32 = 5125, gltf_float = 5126, gltf_triangles = 4;
+using detail::gltf_float, detail::gltf_triangles, detail::gltf_uint16, detail::gltf_uint32;
 
 [[noreturn]] void refuse(const std::string& field, const std::string& what) {
   throw Error(ExitCode::bad_input, "", "glb." + field, what);
@@ -142,6 +142,9 @@ GlbMesh mesh_of(const detail::Json& json, std::string_view binary) {
   out.mesh.origin_mm = {center[0], center[1], center[2]};
   out.mesh.points_mm = vectors_of(positions, "POSITION");
   out.mesh.normals = vectors_of(normals, "NORMAL");
+  for (std::size_t i = 0; i < out.mesh.normals.size(); ++i)
+    if (!(std::abs(norm(out.mesh.normals[i]) - 1) < 1e-3))
+      refuse("NORMAL", "of vertex " + std::to_string(i) + " is not of length 1");
   check_bounds(root["accessors"].item(position_index), out.mesh.points_mm);
   const std::uint64_t i = primitive["indices"].count(most_items);
   if (root["accessors"].item(i)["componentType"].count(65535) == gltf_uint16)

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <tiny_gltf.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <sstream>
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/text.h"
@@ -15,6 +13,7 @@
 namespace trephine {
 namespace {
 
+using Json = nlohmann::json;
 using Float3 = std::array<float, 3>;
 
 // Weights of N. Max, "Weights for computing vertex normals from facet normals" (1999): exact on a sphere, and without
@@ -83,106 +82,90 @@ void check_triangles(const TriMesh& mesh, const std::vector<Float3>& positions) 
                 std::to_string(bad) + " triangles lose a side when their points are rounded to float32");
 }
 
+// Zeros up to a multiple of four, as glTF wants its views and chunks.
+void pad(std::string& bytes, char with) { bytes.resize((bytes.size() + 3) / 4 * 4, with); }
+
 template <class T>
-void append(std::vector<unsigned char>& out, const T* data, std::size_t count) {
-  const std::size_t at = out.size(), bytes = count * sizeof(T);
-  out.resize(at + (bytes + 3) / 4 * 4);
-  std::memcpy(out.data() + at, data, bytes);
+void append(std::string& out, const T* data, std::size_t count) {
+  out.append(reinterpret_cast<const char*>(data), count * sizeof(T));
+  pad(out, '\0');
 }
 
-int add_view(tinygltf::Model& model, std::size_t offset, std::size_t length, int target) {
-  tinygltf::BufferView view;
-  view.buffer = 0;
-  view.byteOffset = offset;
-  view.byteLength = length;
-  view.target = target;
-  model.bufferViews.push_back(view);
-  return static_cast<int>(model.bufferViews.size()) - 1;
+// The binary chunk: positions, normals, indices.
+std::string data_of(const TriMesh& mesh, const Arrays& arrays, bool narrow) {
+  std::string out;
+  append(out, arrays.positions.data(), arrays.positions.size());
+  append(out, arrays.normals.data(), arrays.normals.size());
+  const std::size_t corners = mesh.triangles.size() * 3;
+  if (!narrow) {
+    append(out, mesh.triangles.data()->data(), corners);
+    return out;
+  }
+  std::vector<std::uint16_t> indices;
+  indices.reserve(corners);
+  for (const auto& t : mesh.triangles)
+    for (const std::uint32_t v : t) indices.push_back(static_cast<std::uint16_t>(v));
+  append(out, indices.data(), corners);
+  return out;
 }
 
-int add_accessor(tinygltf::Model& model, int view, int component, int type, std::size_t count) {
-  tinygltf::Accessor accessor;
-  accessor.bufferView = view;
-  accessor.componentType = component;
-  accessor.type = type;
-  accessor.count = count;
-  model.accessors.push_back(accessor);
-  return static_cast<int>(model.accessors.size()) - 1;
-}
-
-tinygltf::Material material_of(const GlbParams& params) {
-  tinygltf::Material m;
-  m.name = params.name;
-  auto& pbr = m.pbrMetallicRoughness;
-  pbr.baseColorFactor = {linear_of_srgb(params.colour_rgb[0]), linear_of_srgb(params.colour_rgb[1]),
-                         linear_of_srgb(params.colour_rgb[2]), params.opacity};
-  pbr.metallicFactor = 0;
-  pbr.roughnessFactor = 0.6;
-  if (params.opacity < 1) m.alphaMode = "BLEND";
+Json material_of(const GlbParams& params) {
+  Json m = {{"name", params.name}};
+  m["pbrMetallicRoughness"] = {{"baseColorFactor",
+                                {linear_of_srgb(params.colour_rgb[0]), linear_of_srgb(params.colour_rgb[1]),
+                                 linear_of_srgb(params.colour_rgb[2]), params.opacity}},
+                               {"metallicFactor", 0.0},
+                               {"roughnessFactor", 0.6}};
+  if (params.opacity < 1) m["alphaMode"] = "BLEND";
   return m;
 }
 
-tinygltf::Model model_of(const TriMesh& mesh, const Arrays& arrays, const GlbParams& params) {
-  tinygltf::Model model;
-  model.asset.version = "2.0";
-  model.asset.generator = "trephine";
-  model.materials.push_back(material_of(params));
+Json document_of(const TriMesh& mesh, const Arrays& arrays, const GlbParams& params, bool narrow, std::size_t bytes) {
+  using namespace detail;
+  constexpr int array_buffer = 34962, element_array_buffer = 34963;
+  const std::size_t points = arrays.positions.size(), corners = mesh.triangles.size() * 3;
+  const std::size_t vector_bytes = points * sizeof(Float3), index_bytes = corners * (narrow ? 2 : 4);
+  const Vec3 c = params.center_mm;
+  Json out;
+  out["asset"] = {{"version", "2.0"}, {"generator", "trephine"}};
+  out["buffers"] = {{{"byteLength", bytes}}};
+  out["bufferViews"] = {
+      {{"buffer", 0}, {"byteLength", vector_bytes}, {"target", array_buffer}},
+      {{"buffer", 0}, {"byteLength", vector_bytes}, {"byteOffset", vector_bytes}, {"target", array_buffer}},
+      {{"buffer", 0}, {"byteLength", index_bytes}, {"byteOffset", 2 * vector_bytes}, {"target", element_array_buffer}}};
+  out["accessors"] = {{{"bufferView", 0},
+                       {"componentType", gltf_float},
+                       {"count", points},
+                       {"type", "VEC3"},
+                       {"min", Json(std::vector<double>(arrays.least.begin(), arrays.least.end()))},
+                       {"max", Json(std::vector<double>(arrays.most.begin(), arrays.most.end()))}},
+                      {{"bufferView", 1}, {"componentType", gltf_float}, {"count", points}, {"type", "VEC3"}},
+                      {{"bufferView", 2},
+                       {"componentType", narrow ? gltf_uint16 : gltf_uint32},
+                       {"count", corners},
+                       {"type", "SCALAR"}}};
+  out["materials"] = Json::array({material_of(params)});
+  const Json primitive = {
+      {"attributes", {{"POSITION", 0}, {"NORMAL", 1}}}, {"indices", 2}, {"material", 0}, {"mode", gltf_triangles}};
+  out["meshes"] = Json::array({{{"name", params.name}, {"primitives", Json::array({primitive})}}});
+  const Json extras = {{"frame", "LPS"}, {"unit", "mm"}, {"center_mm", Json(std::vector<double>{c.x, c.y, c.z})}};
+  out["nodes"] = Json::array({{{"name", params.name}, {"mesh", 0}, {"matrix", gltf_from_lps}, {"extras", extras}}});
+  out["scene"] = 0;
+  out["scenes"] = Json::array({{{"nodes", Json::array({0})}}});
+  return out;
+}
 
-  tinygltf::Buffer buffer;
-  tinygltf::Primitive primitive;
-  const std::size_t points = arrays.positions.size(), position_bytes = points * sizeof(Float3);
-  append(buffer.data, arrays.positions.data(), points);
-  append(buffer.data, arrays.normals.data(), points);
-  const int positions = add_view(model, 0, position_bytes, TINYGLTF_TARGET_ARRAY_BUFFER);
-  const int normals = add_view(model, position_bytes, position_bytes, TINYGLTF_TARGET_ARRAY_BUFFER);
-  primitive.attributes["POSITION"] =
-      add_accessor(model, positions, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, points);
-  model.accessors[0].minValues.assign(arrays.least.begin(), arrays.least.end());
-  model.accessors[0].maxValues.assign(arrays.most.begin(), arrays.most.end());
-  primitive.attributes["NORMAL"] =
-      add_accessor(model, normals, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, points);
+void append_number(std::string& out, std::size_t value) {
+  if (value > std::numeric_limits<std::uint32_t>::max())
+    throw Error(ExitCode::quality, "", "glb", "the surface is larger than a GLB can be, 4 GiB");
+  const auto v = static_cast<std::uint32_t>(value);
+  out.append(reinterpret_cast<const char*>(&v), sizeof v);
+}
 
-  const std::size_t corners = mesh.triangles.size() * 3;
-  const bool small = points <= detail::largest_uint16_points;
-  if (small) {
-    std::vector<std::uint16_t> narrow;
-    narrow.reserve(corners);
-    for (const auto& t : mesh.triangles)
-      for (const std::uint32_t v : t) narrow.push_back(static_cast<std::uint16_t>(v));
-    append(buffer.data, narrow.data(), corners);
-  } else {
-    append(buffer.data, mesh.triangles.data()->data(), corners);
-  }
-  const int indices =
-      add_view(model, 2 * position_bytes, corners * (small ? 2 : 4), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
-  primitive.indices = add_accessor(
-      model, indices, small ? TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT : TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
-      TINYGLTF_TYPE_SCALAR, corners);
-  primitive.mode = TINYGLTF_MODE_TRIANGLES;
-  primitive.material = 0;
-  model.buffers.push_back(std::move(buffer));
-
-  tinygltf::Mesh m;
-  m.name = params.name;
-  m.primitives.push_back(primitive);
-  model.meshes.push_back(m);
-
-  tinygltf::Node node;
-  node.name = params.name;
-  node.mesh = 0;
-  node.matrix.assign(detail::gltf_from_lps.begin(), detail::gltf_from_lps.end());
-  using tinygltf::Value;
-  node.extras = Value(Value::Object{
-      {"frame", Value(std::string("LPS"))},
-      {"unit", Value(std::string("mm"))},
-      {"center_mm",
-       Value(Value::Array{Value(params.center_mm.x), Value(params.center_mm.y), Value(params.center_mm.z)})}});
-  model.nodes.push_back(node);
-  tinygltf::Scene scene;
-  scene.nodes = {0};
-  model.scenes.push_back(scene);
-  model.defaultScene = 0;
-  return model;
+void append_chunk(std::string& out, const char* type, const std::string& bytes) {
+  append_number(out, bytes.size());
+  out.append(type, 4);
+  out += bytes;
 }
 
 void check_params(const GlbParams& params) {
@@ -210,12 +193,16 @@ std::string make_glb(const TriMesh& mesh, const GlbParams& params) {
   if (mesh.triangles.empty()) throw Error(ExitCode::quality, "", "glb", "the surface is empty");
   const Arrays arrays = rounded(mesh, params.center_mm);
   check_triangles(mesh, arrays.positions);
-  const tinygltf::Model model = model_of(mesh, arrays, params);
-  std::ostringstream out;
-  out.imbue(std::locale::classic());
-  if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true) || !out)
-    throw Error(ExitCode::internal, "", "glb", "cannot be written");
-  std::string bytes = out.str();
+  const bool narrow = mesh.points_mm.size() <= detail::largest_uint16_points;
+  const std::string data = data_of(mesh, arrays, narrow);
+  std::string json = document_of(mesh, arrays, params, narrow, data.size()).dump();
+  pad(json, ' ');
+  std::string bytes = "glTF";
+  bytes.reserve(28 + json.size() + data.size());
+  append_number(bytes, 2);
+  append_number(bytes, 28 + json.size() + data.size());
+  append_chunk(bytes, "JSON", json);
+  append_chunk(bytes, "BIN", data);  // and the zero that ends it
   check_written(bytes, mesh, arrays);
   return bytes;
 }

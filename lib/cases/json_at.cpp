@@ -3,19 +3,38 @@
 
 namespace trephine::detail {
 
-Json parse_json(std::string_view text) {
+namespace {
+
+// Before anything is allocated: how deep it is nested, how many keys and values it can hold at most.
+void check_structure(std::string_view text) {
   constexpr int most_levels = 16;
   // Looking for a key walks over all keys before it.
-  constexpr std::size_t most_keys = 10000, most_events = 200000;
-  std::size_t keys = 0, events = 0;
-  const auto bounded = [&](int depth, Json::parse_event_t event, Json&) {
-    if (event == Json::parse_event_t::key) ++keys;
-    if (depth > most_levels || keys > most_keys || ++events > most_events)
+  constexpr std::size_t most_keys = 10000, most_values = 100000;
+  int levels = 0;
+  std::size_t keys = 0, values = 0;
+  bool within_text = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (within_text) {
+      if (c == '\\') ++i;
+      within_text = c != '"';
+      continue;
+    }
+    within_text = c == '"';
+    levels += (c == '[' || c == '{') - (c == ']' || c == '}');
+    keys += c == ':';
+    values += c == ',' || c == '[' || c == '{';
+    if (levels > most_levels || keys > most_keys || values > most_values)
       throw Error(ExitCode::bad_input, "", "json", "holds too much, or is nested too deeply");
-    return true;
-  };
+  }
+}
+
+}  // namespace
+
+Json parse_json(std::string_view text) {
+  check_structure(text);
   try {
-    return Json::parse(text.begin(), text.end(), bounded);
+    return Json::parse(text.begin(), text.end());
   } catch (const Json::exception&) {
     throw Error(ExitCode::bad_input, "", "json", "is damaged");
   }

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cases/load_case.h"
+
+#include <cmath>
+#include <exception>
+#include <set>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/parallel.h"
+#include "base/text.h"
+#include "base/write_file.h"
+#include "cases/case_names.h"
+#include "cases/glb.h"
+#include "voxel/haptic_file.h"
+
+namespace trephine {
+namespace {
+
+[[noreturn]] void refuse(const std::string& field, const std::string& what) {
+  throw Error(ExitCode::bad_input, "", field, what);
+}
+
+template <class T>
+void require_same(const T& file, const T& manifest, const std::string& field) {
+  if (file != manifest) refuse(field, std::to_string(file) + ", case.json says " + std::to_string(manifest));
+}
+
+// What is summed up over float32 positions, against what was summed up before they were rounded.
+void require_near(double file, double manifest, double smallest, const std::string& field) {
+  if (!(std::abs(file - manifest) <= smallest + 1e-3 * std::abs(manifest)))
+    refuse(field, to_text(file) + ", case.json says " + to_text(manifest));
+}
+
+TriMesh read_surface(const std::vector<char>& bytes, const CaseAnatomy& anatomy, Vec3 center_mm) {
+  GlbMesh glb = read_glb(std::string_view(bytes.data(), bytes.size()));
+  require_same(glb.mesh.triangles.size(), std::size_t{anatomy.triangles}, "triangles");
+  require_same(glb.mesh.points_mm.size(), std::size_t{anatomy.points}, "points");
+  if (glb.mesh.origin_mm != center_mm) refuse("center_mm", "is not that of case.json");
+  if (glb.name != anatomy.name) refuse("name", "'" + glb.name + "', case.json says '" + anatomy.name + "'");
+  require_near(volume_mm3(glb.mesh) / 1000, anatomy.volume_ml, 1e-6, "volume_ml");
+  require_near(area_mm2(glb.mesh) / 100, anatomy.area_cm2, 1e-6, "area_cm2");
+  return std::move(glb.mesh);
+}
+
+void compare_shape(const HapticShape& file, const CaseShape& manifest) {
+  const std::string at = "shapes." + manifest.name;
+  if (file.name != manifest.name) refuse(at + ".name", "'" + file.name + "' in the file");
+  require_same(file.number, manifest.number, at + ".number");
+  require_same(int{file.window_low}, int{manifest.window_low}, at + ".window");
+  require_same(int{file.window_high}, int{manifest.window_high}, at + ".window");
+}
+
+void compare_haptic(const HapticVolume& volume, const CaseHaptic& manifest) {
+  if (volume.encoding != (manifest.encoding == "hu" ? HapticEncoding::hu : HapticEncoding::occupancy))
+    refuse("encoding", "is not the '" + manifest.encoding + "' of case.json");
+  for (int i = 0; i < 3; ++i) {
+    require_same(volume.voxels.size[i], manifest.size[i], "size");
+    // NRRD keeps oblique axes to the last bit or two.
+    if (!(std::abs(volume.voxels.spacing_mm[i] / manifest.spacing_mm[i] - 1) <= 1e-9))
+      refuse("spacing_mm",
+             to_text(volume.voxels.spacing_mm[i]) + ", case.json says " + to_text(manifest.spacing_mm[i]));
+  }
+  require_same(volume.shapes.size(), manifest.shapes.size(), "shapes");
+  for (std::size_t i = 0; i < manifest.shapes.size(); ++i) compare_shape(volume.shapes[i], manifest.shapes[i]);
+}
+
+class Loader {
+ public:
+  /// `prefix` stands before a file's name in errors.
+  Loader(const CaseFileReader& read, std::string prefix) : read_(read), prefix_(std::move(prefix)) {}
+
+  LoadedCase load() {
+    read_manifest();
+    plan();
+    run();
+    return std::move(out_);
+  }
+
+ private:
+  template <class F>
+  void within(const std::string& name, F&& f) const {
+    with_file(prefix_ + name, std::forward<F>(f));
+  }
+
+  void read_manifest() {
+    within(detail::manifest_name, [&] {
+      const std::vector<char> bytes = read_(detail::manifest_name, detail::most_manifest_bytes);
+      if (bytes.size() > detail::most_manifest_bytes) refuse("size", "more than a case.json can be");
+      out_.manifest = parse_case_json({bytes.data(), bytes.size()});
+      out_.bytes = bytes.size();
+    });
+    for (const CaseFile& f : out_.manifest.files) out_.bytes += f.bytes;
+  }
+
+  // Size and checksum are right.
+  std::vector<char> bytes_of(const std::string& name) const {
+    const CaseFile& file = *out_.manifest.find_file(name);
+    std::vector<char> bytes;
+    within(name, [&] {
+      bytes = read_(name, file.bytes);
+      if (bytes.size() != file.bytes)
+        refuse("size", std::to_string(bytes.size()) + " bytes, case.json says " + std::to_string(file.bytes));
+      if (sha256_of_bytes({bytes.data(), bytes.size()}) != file.sha256)
+        refuse("checksum", "is not that of case.json: the file is damaged");
+    });
+    return bytes;
+  }
+
+  void load_haptic() {
+    const CaseHaptic& h = out_.manifest.haptic;
+    const std::vector<char> bytes = bytes_of(h.file);
+    std::vector<char> hardness;
+    if (!h.hardness_file.empty()) hardness = bytes_of(h.hardness_file);
+    try {
+      out_.haptic = decode_haptic({bytes.data(), bytes.size()}, {hardness.data(), hardness.size()});
+      compare_haptic(out_.haptic, h);
+    } catch (Error& e) {
+      e.in_file(prefix_ + (e.field().rfind("hardness", 0) == 0 ? h.hardness_file : h.file));
+      throw;
+    }
+  }
+
+  void load_surface(std::size_t anatomy) {
+    const CaseAnatomy& a = out_.manifest.anatomies[anatomy];
+    const std::vector<char> bytes = bytes_of(a.file);
+    within(a.file, [&] { out_.surfaces[anatomy] = read_surface(bytes, a, out_.manifest.center_mm); });
+  }
+
+  // A task a file, the largest first.
+  void plan() {
+    const CaseManifest& m = out_.manifest;
+    std::set<std::string> planned{m.haptic.file, m.haptic.hardness_file};
+    if (!m.haptic.file.empty()) tasks_.push_back([this] { load_haptic(); });
+    out_.surfaces.resize(m.anatomies.size());
+    for (std::size_t i = 0; i < m.anatomies.size(); ++i) {
+      if (m.anatomies[i].file.empty()) continue;
+      tasks_.push_back([this, i] { load_surface(i); });
+      planned.insert(m.anatomies[i].file);
+    }
+    for (const CaseFile& f : m.files)
+      if (!planned.count(f.name)) tasks_.push_back([this, &f] { bytes_of(f.name); });
+  }
+
+  // Whichever thread finds a fault first, the one that comes first in the plan is told.
+  void run() {
+    std::vector<std::exception_ptr> faults(tasks_.size());
+    parallel_for(0, static_cast<std::int64_t>(tasks_.size()), 1, [&](std::int64_t task, std::int64_t) {
+      try {
+        tasks_[static_cast<std::size_t>(task)]();
+      } catch (...) {
+        faults[static_cast<std::size_t>(task)] = std::current_exception();
+      }
+    });
+    for (const auto& fault : faults)
+      if (fault) std::rethrow_exception(fault);
+  }
+
+  const CaseFileReader& read_;
+  const std::string prefix_;
+  LoadedCase out_;
+  std::vector<std::function<void()>> tasks_;
+};
+
+}  // namespace
+
+const TriMesh* LoadedCase::find_surface(const std::string& anatomy) const {
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    if (manifest.anatomies[i].name == anatomy) return surfaces[i].triangles.empty() ? nullptr : &surfaces[i];
+  return nullptr;
+}
+
+LoadedCase load_case(const std::filesystem::path& case_folder) {
+  const CaseFileReader read = [&](const std::string& name, std::uint64_t most_bytes) {
+    return read_file(case_folder / name, most_bytes);
+  };
+  return Loader(read, (case_folder / "").string()).load();
+}
+
+LoadedCase load_case_through(const CaseFileReader& read) { return Loader(read, "").load(); }
+
+}  // namespace trephine

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/parallel.h"
+#include "cases/case.h"
+#include "cases/glb.h"
+#include "cases/load_case.h"
+#include "voxel/haptic_file.h"
+
+/// Cases made in memory, nested balls with a bumpy surface, for tests and benchmarks of who loads them.
+namespace case_samples {
+
+using namespace trephine;
+
+struct MemoryCase {
+  CaseManifest manifest;
+  std::map<std::string, std::string> files;  ///< by name; case.json among them once seal() was called
+
+  /// Writes case.json anew, with the size and SHA-256 of every file as it is now.
+  void seal() {
+    for (CaseFile& f : manifest.files) {
+      f.sha256 = sha256_of_bytes(files.at(f.name));
+      f.bytes = files.at(f.name).size();
+    }
+    files["case.json"] = to_json(manifest);
+  }
+  /// case.json with `from` replaced (the first time) and the checksum that belongs to it.
+  void edit_json(const std::string& from, const std::string& to) {
+    std::string& json = files["case.json"];
+    const auto at = json.find(from);
+    if (at == std::string::npos) throw Error(ExitCode::internal, "", from, "is not in case.json");
+    json.replace(at, from.size(), to);
+    json.resize(json.rfind(",\n \"checksum\""));
+    json += ",\n \"checksum\": \"" + sha256_of_bytes(json) + "\"\n}\n";
+  }
+  std::size_t bytes() const {
+    std::size_t n = 0;
+    for (const auto& f : files) n += f.second.size();
+    return n;
+  }
+  CaseFileReader reader() const {
+    return [this](const std::string& name, std::uint64_t) {
+      const auto found = files.find(name);
+      if (found == files.end()) throw Error(ExitCode::no_input, name, "", "not found");
+      return std::vector<char>(found->second.begin(), found->second.end());
+    };
+  }
+  void write(const std::filesystem::path& folder) const {
+    for (const auto& [name, content] : files) {
+      std::filesystem::create_directories((folder / name).parent_path());
+      std::ofstream(folder / name, std::ios::binary) << content;
+    }
+  }
+};
+
+/// Of the ball's surface in that direction, as a share of its radius.
+inline double bump(Vec3 unit) { return 1 + 0.04 * unit.x * unit.y + 0.03 * unit.z * unit.z; }
+
+/// About 4 rings^2 triangles.
+inline TriMesh ball(double radius_mm, int rings) {
+  const double pi = 3.14159265358979323846;
+  const int segments = 2 * rings;
+  TriMesh m;
+  const auto add = [&](double theta, double phi) {
+    const Vec3 unit{std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+    m.points_mm.push_back(unit * (radius_mm * bump(unit)));
+  };
+  add(0, 0);
+  for (int r = 1; r < rings; ++r)
+    for (int s = 0; s < segments; ++s) add(pi * r / rings, 2 * pi * s / segments);
+  add(pi, 0);
+  const auto at = [&](int r, int s) { return std::uint32_t(1 + (r - 1) * segments + s % segments); };
+  const auto last = std::uint32_t(m.points_mm.size() - 1);
+  for (int s = 0; s < segments; ++s) {
+    m.triangles.push_back({0, at(1, s), at(1, s + 1)});
+    for (int r = 1; r + 1 < rings; ++r) {
+      m.triangles.push_back({at(r, s), at(r + 1, s), at(r + 1, s + 1)});
+      m.triangles.push_back({at(r, s), at(r + 1, s + 1), at(r, s + 1)});
+    }
+    m.triangles.push_back({at(rings - 1, s), last, at(rings - 1, s + 1)});
+  }
+  return m;
+}
+
+struct Ball {
+  std::string name;
+  double radius_mm;
+  int rings;
+};
+
+/// Balls from the outermost to the innermost as shapes 1, 2, ...; the lattice of n voxels a side covers them all.
+inline HapticVolume haptic_of(const std::vector<Ball>& balls, Vec3 center_mm, int n) {
+  HapticVolume v;
+  const double side = 2.2 * balls[0].radius_mm / n;
+  Lattice lattice;
+  lattice.size = {n, n, n};
+  lattice.spacing_mm = {side, side, side};
+  lattice.origin_mm = center_mm - Vec3{1, 1, 1} * (side * (n - 1) / 2.0);
+  v.voxels = Grid<std::int16_t>(lattice);
+  v.hardness = Mask(lattice);
+  for (std::size_t b = 0; b < balls.size(); ++b) v.shapes.push_back(occupancy_shape(balls[b].name, int(b) + 1));
+  parallel_for(0, n, 1, [&](std::int64_t k, std::int64_t) {
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const Vec3 p = lattice.to_world_mm({double(i), double(j), double(k)}) - center_mm;
+        const double r = norm(p) / bump(normalized(p));
+        // The innermost ball that fills at least half of the voxel; else what the outermost fills of it.
+        for (std::size_t b = balls.size(); b-- > 0;) {
+          const double share = std::min(1.0, 0.5 + (balls[b].radius_mm - r) / side);
+          const int occupancy = int(std::lround(255 * share));
+          if (occupancy < (b == 0 ? 1 : 128)) continue;
+          v.voxels.at(i, j, int(k)) = std::int16_t(haptic_base_step * (int(b) + 1) + occupancy);
+          v.hardness.at(i, j, int(k)) = std::uint8_t(40 * b);
+          break;
+        }
+      }
+  });
+  return v;
+}
+
+inline MemoryCase make_case(const std::vector<Ball>& balls, int voxels) {
+  MemoryCase c;
+  CaseManifest& m = c.manifest;
+  m.case_token = "sample";
+  m.center_mm = {1, -20, 300};
+  m.program_version = "trephine 0.1.0";
+  m.input_sha256 = sha256_of_bytes("input");
+  m.parameters = {{"outer.decimate.max_deviation_mm", 0.2}};
+  m.landmarks = {{"nasion", {1, -110, 300}, 1, "given"}};
+  m.targets = {{"middle", {1, -20, 300}, 0.8, balls.back().name}};
+  const auto add_file = [&](const std::string& stem, const std::string& extension, const std::string& bytes) {
+    m.files.push_back(describe_case_file(stem, extension, bytes));
+    c.files[m.files.back().name] = bytes;
+    return m.files.back().name;
+  };
+  for (const Ball& b : balls) {
+    TriMesh mesh = ball(b.radius_mm, b.rings);
+    mesh.origin_mm = m.center_mm;
+    GlbParams params;
+    params.center_mm = m.center_mm;
+    params.name = b.name;
+    CaseAnatomy a;
+    a.name = b.name;
+    a.file = add_file("meshes/" + b.name, ".glb", make_glb(mesh, params));
+    a.triangles = mesh.triangles.size();
+    a.points = mesh.points_mm.size();
+    a.volume_ml = volume_mm3(mesh) / 1000;
+    a.area_cm2 = area_mm2(mesh) / 100;
+    a.deviation = {0.2, 0.1, 0.05};
+    a.budget_asked_mm = 0.3;
+    a.budget_used_mm = 0.2;
+    m.anatomies.push_back(a);
+  }
+  const HapticVolume volume = haptic_of(balls, m.center_mm, voxels);
+  m.haptic.file = add_file("haptic", ".nrrd", encode_haptic(volume));
+  m.haptic.hardness_file = add_file("hardness", ".nrrd", encode_hardness(volume));
+  m.haptic.size = volume.voxels.size;
+  m.haptic.spacing_mm = volume.voxels.spacing_mm;
+  for (const HapticShape& s : volume.shapes) {
+    CaseShape shape;
+    shape.name = s.name;
+    shape.number = s.number;
+    shape.window_low = s.window_low;
+    shape.window_high = s.window_high;
+    shape.material.name = "tissue";
+    shape.material.front = {true, 0.8, 0.001, 0.4, 0.3, 2};
+    shape.material.back = {false, 0, 0, 0, 0, 0};
+    shape.mismatch = {0.01, 0.05, 0.12, 0.2, 0, 50000};
+    m.haptic.shapes.push_back(shape);
+  }
+  m.burr_holes = {{"entry", {1, -20, 390}, {0, 0, -1}, 14, {balls[0].name}, {{"bone_thickness_mm", 6.5}}}};
+  c.seal();
+  return c;
+}
+
+/// A case of every part, as small as it can be: about 16 KiB.
+inline MemoryCase minimal_case() { return make_case({{"outer", 80, 7}, {"inner", 40, 4}}, 10); }
+
+/// Four anatomies, 210,000 triangles, 256^3 voxels.
+inline MemoryCase full_size_case() {
+  return make_case({{"skin", 100, 142}, {"skull", 92, 136}, {"brain", 80, 98}, {"ventricles", 30, 72}}, 256);
+}
+
+}  // namespace case_samples
