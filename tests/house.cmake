@@ -10,3 +10,7 @@ set_tests_properties(house.format PROPERTIES SKIP_RETURN_CODE 77)
 if(TARGET trephine)
   add_test(NAME house.reference COMMAND bash ${house}/reference.sh $<TARGET_FILE:trephine> ${PROJECT_SOURCE_DIR})
 endif()
+if(TARGET trephine-sim)
+  add_test(NAME house.reference_sim
+           COMMAND bash ${house}/reference.sh $<TARGET_FILE:trephine-sim> ${PROJECT_SOURCE_DIR} docs/reference-sim)
+endif()

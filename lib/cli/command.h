@@ -101,6 +101,7 @@ struct CommonParams {
 struct Program {
   std::string name, version, summary;
   std::vector<Command> commands;
+  std::string reference_folder = "docs/reference";  ///< named by its pages
   /// More generated files for the reference folder: (file name, content).
   std::function<std::vector<std::pair<std::string, std::string>>()> more_reference_pages;
 };

@@ -1,8 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # include_directions.sh ROOT: a module of lib/ includes only itself and modules that stand before it in lib/CMakeLists.txt;
-# the simulator only what an exported case needs; a third-party library's headers stay in the module that owns it, and out
-# of every header that another module can see.
+# the simulator only what an exported case needs, and cli for its command line; a third-party library's headers stay in
+# the module that owns it, and out of every header that another module can see.
 set -u
 root=$1
 cd "$root" || exit 2
@@ -46,7 +46,7 @@ while IFS='|' read -r file included; do
   to=${included%%/*}
   if [[ $from == simulator ]]; then
     case $to in
-      base | grid | surface | voxel | cases) ;;
+      base | grid | surface | voxel | cases | cli) ;;
       *) [[ -n ${rank[$to]+x} && $included == */* && -e lib/$included ]] && fault "$file: the simulator may not include $included" ;;
     esac
   elif [[ $file == lib/* && -z ${rank[$from]+x} ]]; then

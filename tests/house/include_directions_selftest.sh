@@ -13,7 +13,9 @@ printf '#include "grid/grid.h"\n#include <CGAL/Kernel.h>\n' > "$tree/lib/meshing
 echo '#include <vtkPolyData.h>' > "$tree/lib/meshing/private.h"
 echo '#include "grid/grid.h"' > "$tree/lib/meshing/contour.h"
 echo '#include "meshing/contour.h"' > "$tree/tools/contour.cpp"
-echo '#include "grid/grid.h"' > "$tree/simulator/main.cpp"
+echo '#include "cli/command.h"' > "$tree/simulator/main.cpp"
+echo '#include "grid/grid.h"' >> "$tree/simulator/main.cpp"
+echo '#include "base/error.h"' > "$tree/lib/cli/command.h"
 bash "$script" "$tree" || { echo "a good tree is refused"; exit 1; }
 
 expect_fault() {  # FILE LINE: adding the line to the file is a fault
@@ -30,4 +32,6 @@ expect_fault lib/meshing/contour.h '#include <vtkPolyData.h>'
 expect_fault lib/meshing/contour.h '#include "meshing/private.h"'
 expect_fault lib/grid/grid.h '#include <yaml-cpp/yaml.h>'
 expect_fault simulator/main.cpp '#include "meshing/contour.h"'
+expect_fault simulator/main.cpp '#include <CLI/CLI.hpp>'
+expect_fault lib/cli/command.h '#include <CLI/CLI.hpp>'
 expect_fault tools/contour.cpp '#include <CLI/CLI.hpp>'

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <chrono>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "base/text.h"
+#include "cases/load_case.h"
+#include "commands.h"
+
+namespace trephine {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct CheckParams {
+  bool json = false;
+  template <class V>
+  static void describe(V& v) {
+    using P = CheckParams;
+    v.flag(&P::json, "json", "Print one JSON object instead of text.");
+  }
+};
+
+std::string point_text(Vec3 p) { return fmt::format("{:.1f}, {:.1f}, {:.1f}", p.x, p.y, p.z); }
+
+Bounds bounds_of_all(const LoadedCase& c) {
+  Bounds all;
+  for (const TriMesh& mesh : c.surfaces) {
+    const Bounds b = bounds_of(mesh);
+    for (int i = 0; i < 3; ++i) {
+      all.min_mm[i] = std::min(all.min_mm[i], b.min_mm[i]);
+      all.max_mm[i] = std::max(all.max_mm[i], b.max_mm[i]);
+    }
+  }
+  return all;
+}
+
+std::size_t triangles_of(const LoadedCase& c) {
+  std::size_t n = 0;
+  for (const TriMesh& mesh : c.surfaces) n += mesh.triangles.size();
+  return n;
+}
+
+void print_anatomies(const LoadedCase& c) {
+  const CaseManifest& m = c.manifest;
+  std::cout << fmt::format("{} anatomies, {} triangles\n", m.anatomies.size(), grouped_text(triangles_of(c)));
+  for (const CaseAnatomy& a : m.anatomies) {
+    if (a.file.empty())
+      std::cout << fmt::format("  {:<16} no surface\n", printable(a.name));
+    else
+      std::cout << fmt::format("  {:<16} {:>9} triangles, {:.1f} ml, deviation at most {:.3f} mm (p99 {:.3f})\n",
+                               printable(a.name), grouped_text(a.triangles), a.volume_ml, a.deviation.max_mm,
+                               a.deviation.p99_mm);
+  }
+}
+
+std::string face_text(const CaseFace& f) {
+  if (!f.touchable) return "not touchable";
+  return fmt::format("{:g} N/mm, {:g} N s/mm, friction {:g}/{:g}, {}", f.stiffness_n_per_mm, f.damping_n_s_per_mm,
+                     f.static_friction_ratio, f.dynamic_friction_ratio,
+                     f.pop_through_n > 0 ? fmt::format("enters above {:g} N", f.pop_through_n) : "never entered");
+}
+
+void print_shape(const CaseShape& s) {
+  std::cout << fmt::format("  {} {:<14} values {} to {}, {:.1f} ml, shown from the {}{}\n", s.number, printable(s.name),
+                           s.window_low, s.window_high, s.volume_ml,
+                           s.displayed == "haptic" ? "haptic volume" : "surface", s.cuttable ? ", cuttable" : "");
+  const CaseMaterial& m = s.material;
+  std::cout << fmt::format("      material {}; front: {}; back: {}\n", printable(m.name), face_text(m.front),
+                           face_text(m.back));
+  std::cout << fmt::format(
+      "      inside: drag {:g} N s/mm, shaft friction {:g} N/mm, {}\n", m.drag_n_s_per_mm, m.shaft_friction_n_per_mm,
+      m.removal_energy_j_per_mm3 > 0 ? fmt::format("drilled at {:g} J/mm3", m.removal_energy_j_per_mm3)
+                                     : "cannot be drilled");
+  const CaseMismatch& d = s.mismatch;
+  if (d.samples > 0)
+    std::cout << fmt::format(
+        "      felt against seen: bias {:.3f}, RMS {:.3f}, p99 {:.3f}, max {:.3f} mm, missed {:.2f} %, "
+        "{} samples\n",
+        d.bias_mm, d.rms_mm, d.p99_mm, d.max_mm, 100 * d.missed_ratio, grouped_text(d.samples));
+}
+
+void print_haptic(const LoadedCase& c) {
+  const CaseHaptic& h = c.manifest.haptic;
+  if (!c.has_haptic()) {
+    std::cout << "no haptic volume\n";
+    return;
+  }
+  std::cout << fmt::format("haptic volume, {}: {} x {} x {} voxels of {:g} x {:g} x {:g} mm{}, {} shapes\n", h.encoding,
+                           h.size[0], h.size[1], h.size[2], h.spacing_mm.x, h.spacing_mm.y, h.spacing_mm.z,
+                           h.hardness_file.empty() ? "" : ", with hardness", h.shapes.size());
+  for (const CaseShape& s : h.shapes) print_shape(s);
+}
+
+void print_places(const CaseManifest& m) {
+  for (const CaseLandmark& l : m.landmarks)
+    std::cout << fmt::format("landmark {:<16} {} mm, {}, confidence {:.2f}\n", printable(l.name),
+                             point_text(l.position_mm), printable(l.source), l.confidence);
+  for (const CaseTarget& t : m.targets)
+    std::cout << fmt::format("target {:<16} {} mm{}, confidence {:.2f}\n", printable(t.name), point_text(t.position_mm),
+                             t.anatomy.empty() ? "" : ", in " + printable(t.anatomy), t.confidence);
+  for (const CaseBurrHole& b : m.burr_holes) {
+    std::string cut;
+    for (const std::string& name : b.cut) cut += (cut.empty() ? "" : ", ") + printable(name);
+    std::cout << fmt::format("burr hole {:<16} {} mm, diameter {:g} mm, {}\n", printable(b.name),
+                             point_text(b.position_mm), b.diameter_mm, cut.empty() ? "nothing cut" : "cut from " + cut);
+  }
+}
+
+void print_text(const LoadedCase& c, double seconds) {
+  const CaseManifest& m = c.manifest;
+  std::cout << fmt::format("case {}, format {}.{}, made by {}\n", m.case_token, m.version_major, m.version_minor,
+                           printable(m.program_version));
+  std::cout << fmt::format("frame LPS, mm, centre {}", point_text(m.center_mm));
+  if (triangles_of(c) > 0) {
+    const Bounds b = bounds_of_all(c);
+    std::cout << fmt::format("; surfaces from {} to {}", point_text(b.min_mm), point_text(b.max_mm));
+  }
+  std::cout << fmt::format("\nface: {}\n", printable(m.face_policy));
+  print_anatomies(c);
+  print_haptic(c);
+  print_places(m);
+  std::cout << fmt::format("{} files, {} bytes, verified and loaded in {:.3f} s\n", m.files.size(),
+                           grouped_text(static_cast<long long>(c.bytes)), seconds);
+}
+
+Json list_of(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
+
+// What was loaded, and no copy of case.json: that is JSON already.
+void print_json(const LoadedCase& c, double seconds) {
+  const CaseManifest& m = c.manifest;
+  Json out = {{"case", m.case_token},
+              {"format", fmt::format("{}.{}", m.version_major, m.version_minor)},
+              {"program", m.program_version},
+              {"frame", "LPS"},
+              {"unit", "mm"},
+              {"center_mm", list_of(m.center_mm)},
+              {"triangles", triangles_of(c)},
+              {"anatomies", Json::array()},
+              {"haptic", nullptr},
+              {"landmarks", m.landmarks.size()},
+              {"targets", m.targets.size()},
+              {"burr_holes", m.burr_holes.size()},
+              {"files", m.files.size()},
+              {"bytes", c.bytes},
+              {"seconds", seconds}};
+  for (std::size_t i = 0; i < m.anatomies.size(); ++i) {
+    const TriMesh& mesh = c.surfaces[i];
+    Json a = {{"name", m.anatomies[i].name}, {"triangles", mesh.triangles.size()}, {"points", mesh.points_mm.size()}};
+    if (!mesh.triangles.empty()) {
+      const Bounds b = bounds_of(mesh);
+      a["min_mm"] = list_of(b.min_mm);
+      a["max_mm"] = list_of(b.max_mm);
+    }
+    out["anatomies"].push_back(a);
+  }
+  if (c.has_haptic()) {
+    Json shapes = Json::array();
+    for (const CaseShape& s : m.haptic.shapes) {
+      Json shape = {{"name", s.name},
+                    {"number", s.number},
+                    {"window", {s.window_low, s.window_high}},
+                    {"material", s.material.name},
+                    {"cuttable", s.cuttable},
+                    {"displayed", s.displayed}};
+      if (s.mismatch.samples > 0) shape["mismatch_rms_mm"] = s.mismatch.rms_mm;
+      shapes.push_back(shape);
+    }
+    out["haptic"] = {{"encoding", m.haptic.encoding},
+                     {"size", m.haptic.size},
+                     {"spacing_mm", list_of(m.haptic.spacing_mm)},
+                     {"hardness", !c.haptic.hardness.voxels.empty()},
+                     {"shapes", shapes}};
+  }
+  std::cout << out.dump(1, ' ', false, Json::error_handler_t::replace) << "\n";
+}
+
+}  // namespace
+
+Command check_command() {
+  Command c;
+  c.name = "check";
+  c.summary = "loads a case as the simulator will, verifies all of it and prints what is in it";
+  c.description =
+      "Every size, checksum and value is checked before use (docs/case-package.md says which). Exit code 66 where a "
+      "file is missing; 65, with one line that names the file, where one is damaged, contradicts case.json, or the "
+      "case has another major version.";
+  Argument folder;
+  folder.name = "case";
+  folder.kind = Argument::Kind::in_folder;
+  folder.help = "Folder of the case.";
+  folder.positional = folder.required = true;
+  c.arguments = {folder};
+  c.groups = {ParameterGroup::of<CheckParams>("Parameters")};
+  c.examples = {"trephine-sim check library/sample", "trephine-sim check library/sample --json"};
+  c.run = [](const ParsedCommand& parsed) {
+    const auto begin = std::chrono::steady_clock::now();
+    const LoadedCase loaded = load_case(parsed.path("case"));
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    if (parsed.params<CheckParams>().json)
+      print_json(loaded, seconds);
+    else
+      print_text(loaded, seconds);
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+}  // namespace trephine
