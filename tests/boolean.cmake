@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-trephine_test(boolean boolean phantom)
+trephine_test(boolean boolean phantom segmentation dicom)

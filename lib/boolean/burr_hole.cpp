@@ -17,7 +17,7 @@ namespace {
 using namespace detail;
 using Landmarks = std::map<std::string, Vec3>;
 
-constexpr double farthest_nasion_mm = 10, on_cut_face_mm = 0.05, tangent_mm = 5, skull_depth_mm = 70;
+constexpr double farthest_nasion_mm = 10, on_cut_face_mm = 0.05, tangent_mm = 5, skull_depth_mm = 70, widest_gap_mm = 3;
 
 [[noreturn]] void refuse(const std::string& what, ExitCode code = ExitCode::quality) {
   throw Error(code, "", "", what);
@@ -117,17 +117,23 @@ Midline find_midline(const Landmarks& marks) {
   return m;
 }
 
-/// Throws where the curve from its start to `end` runs along a face that the scan's border cut.
-void check_on_body(const OuterCurve& curve, Vec3 end, const std::vector<CutFace>& faces, const char* which) {
-  const double reach = norm(end - curve.points_mm[curve.start]);
-  for (std::size_t i = curve.start; i < curve.points_mm.size(); ++i) {
+/// The walk from the curve's start to `end`. Throws where it runs along a face that the scan's border cut; warns of
+/// what it leaps over.
+void check_walk(const OuterCurve& curve, Vec3 end, const std::vector<CutFace>& faces, const char* which,
+                Report& report) {
+  const Vec3 start = curve.points_mm[curve.start];
+  double widest = 0;
+  for (std::size_t i = curve.start; i < curve.points_mm.size() && norm(curve.points_mm[i] - start) <= norm(end - start);
+       ++i) {
     const Vec3 p = curve.points_mm[i];
-    if (norm(p - curve.points_mm[curve.start]) > reach) return;
+    if (i > curve.start) widest = std::max(widest, norm(p - curve.points_mm[i - 1]));
     for (const CutFace& face : faces)
       if (face.inside_mm(p) < on_cut_face_mm)
         refuse(fmt::format("the {} runs over the scan's edge at {}: that part of the head was not scanned", which,
                            text_of(p)));
   }
+  if (widest > widest_gap_mm)
+    report.warn(fmt::format("the {} leaps over a gap or step of {:.1f} mm in the surface", which, widest));
 }
 
 struct Entry {
@@ -150,7 +156,7 @@ Entry kocher_point(const BurrHoleRequest& r, const Midline& m, const TriMesh& su
   if (off > farthest_nasion_mm)
     refuse(fmt::format("the nasion {} lies {:.1f} mm from the {}, at most {} mm", text_of(m.nasion), off, surface_name,
                        farthest_nasion_mm));
-  check_on_body(midline, top, faces, "midline");
+  check_walk(midline, top, faces, "midline", report);
   const Vec3 behind = along(midline, r.along_mm + tangent_mm, "midline");
   const Vec3 ahead = along(midline, std::max(0.0, r.along_mm - tangent_mm), "midline");
   const Vec3 tangent = normalized(behind - ahead), outwards = cross(m.left, tangent);
@@ -158,14 +164,12 @@ Entry kocher_point(const BurrHoleRequest& r, const Midline& m, const TriMesh& su
   const Vec3 middle = top - outwards * skull_depth_mm;
   const OuterCurve lateral = outer_curve(surface, {middle, outwards, side, 5, 120});
   const Vec3 point = along(lateral, r.lateral_mm, "arc to the side");
-  check_on_body(lateral, point, faces, "arc to the side");
+  check_walk(lateral, point, faces, "arc to the side", report);
   report.add("midline_from", m.source);
   report.add("arcs_on", surface_name);
   report.add("nasion_to_surface_mm", off);
   report.add("arc_along_mm", r.along_mm);
   report.add("arc_lateral_mm", r.lateral_mm);
-  const double gap = std::max(midline.widest_gap_mm, lateral.widest_gap_mm);
-  if (gap > 10) report.warn(fmt::format("the {}'s outline has a gap or step of {:.1f} mm", surface_name, gap));
   return {point, normalized(middle - point)};
 }
 

@@ -98,9 +98,6 @@ OuterCurve outer_curve(const TriMesh& mesh, const Sweep& sweep) {
     if (i >= fan.middle()) curve.start = std::min(curve.start, curve.points_mm.size());
     const Flat ray = fan.rays()[i];
     curve.points_mm.push_back(sweep.centre_mm + (sweep.from * ray.x + sweep.onwards * ray.y) * fan.farthest(i));
-    const std::size_t n = curve.points_mm.size();
-    if (n > 1 && i > fan.middle())
-      curve.widest_gap_mm = std::max(curve.widest_gap_mm, norm(curve.points_mm[n - 1] - curve.points_mm[n - 2]));
   }
   return curve;
 }

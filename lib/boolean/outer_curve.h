@@ -19,7 +19,6 @@ struct Sweep {
 struct OuterCurve {
   std::vector<Vec3> points_mm;
   std::size_t start = 0;
-  double widest_gap_mm = 0;  ///< between successive points
 };
 OuterCurve outer_curve(const TriMesh& mesh, const Sweep& sweep);
 
