@@ -77,36 +77,6 @@ constexpr std::uint32_t undefined = 0xffffffff;
 
 constexpr unsigned vr_code(char a, char b) { return (static_cast<unsigned>(a) << 8) | static_cast<unsigned>(b); }
 
-/// VRs with a 16-bit length; all others have two reserved bytes and a 32-bit one.
-bool has_short_length(unsigned vr) {
-  switch (vr) {
-    case vr_code('A', 'E'):
-    case vr_code('A', 'S'):
-    case vr_code('A', 'T'):
-    case vr_code('C', 'S'):
-    case vr_code('D', 'A'):
-    case vr_code('D', 'S'):
-    case vr_code('D', 'T'):
-    case vr_code('F', 'L'):
-    case vr_code('F', 'D'):
-    case vr_code('I', 'S'):
-    case vr_code('L', 'O'):
-    case vr_code('L', 'T'):
-    case vr_code('P', 'N'):
-    case vr_code('S', 'H'):
-    case vr_code('S', 'L'):
-    case vr_code('S', 'S'):
-    case vr_code('S', 'T'):
-    case vr_code('T', 'M'):
-    case vr_code('U', 'I'):
-    case vr_code('U', 'L'):
-    case vr_code('U', 'S'):
-      return true;
-    default:
-      return false;
-  }
-}
-
 class Walker {
  public:
   Walker(ByteSource& source, const std::function<bool(std::uint32_t)>& into_sequence,
@@ -159,7 +129,7 @@ class Walker {
     const auto upper = [](std::uint8_t c) { return c >= 'A' && c <= 'Z'; };
     if (!upper(p[4]) || !upper(p[5])) fail(h.tag, "no value representation");
     h.vr = vr_code(static_cast<char>(p[4]), static_cast<char>(p[5]));
-    if (has_short_length(h.vr)) {
+    if (has_short_length(static_cast<char>(p[4]), static_cast<char>(p[5]))) {
       h.length = le16(p + 6);
       return h;
     }
@@ -207,6 +177,35 @@ class Walker {
 };
 
 }  // namespace
+
+bool has_short_length(char a, char b) {
+  switch (vr_code(a, b)) {
+    case vr_code('A', 'E'):
+    case vr_code('A', 'S'):
+    case vr_code('A', 'T'):
+    case vr_code('C', 'S'):
+    case vr_code('D', 'A'):
+    case vr_code('D', 'S'):
+    case vr_code('D', 'T'):
+    case vr_code('F', 'L'):
+    case vr_code('F', 'D'):
+    case vr_code('I', 'S'):
+    case vr_code('L', 'O'):
+    case vr_code('L', 'T'):
+    case vr_code('P', 'N'):
+    case vr_code('S', 'H'):
+    case vr_code('S', 'L'):
+    case vr_code('S', 'S'):
+    case vr_code('S', 'T'):
+    case vr_code('T', 'M'):
+    case vr_code('U', 'I'):
+    case vr_code('U', 'L'):
+    case vr_code('U', 'S'):
+      return true;
+    default:
+      return false;
+  }
+}
 
 Element walk_elements(ByteSource& source, std::uint64_t begin, std::uint64_t end, bool explicit_vr,
                       const std::function<bool(std::uint32_t)>& into_sequence,

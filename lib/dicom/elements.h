@@ -74,6 +74,10 @@ struct Level {
 
 constexpr int max_nesting = 16;
 
+/// VRs with a 16-bit length; all others, also those that a later standard brings, have two reserved bytes and a 32-bit
+/// one (PS3.5 7.1.2).
+bool has_short_length(char first, char second);
+
 /// Walks the data set in [begin, end) and calls `visit` for every element with a plain value (sequence items' elements
 /// included, their path in `levels`) up to the pixel data, whose element it returns (tag 0: there is none). Lengths are
 /// checked against the enclosing item and the file before anything is read; nesting is bounded. Throws WalkFault.

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -44,6 +45,29 @@ bool descend(std::uint32_t tag) {
     default:
       return false;
   }
+}
+
+/// Where a frame's tag stands in the functional groups (PS3.3 C.7.6.16.2).
+std::uint32_t macro_of(std::uint32_t tag) {
+  switch (tag) {
+    case t_position:
+      return make_tag(0x0020, 0x9113);
+    case t_orientation:
+      return make_tag(0x0020, 0x9116);
+    case t_spacing:
+    case t_thickness:
+      return make_tag(0x0028, 0x9110);
+    default:
+      return make_tag(0x0028, 0x9145);
+  }
+}
+
+/// Tags outside RawFrame on which HU or the choice of files depends.
+bool matters(std::uint32_t tag) {
+  static constexpr std::uint32_t all[] = {t_image_type,  t_sop_class, t_modality,       t_series,  t_samples,
+                                          t_photometric, t_frames,    t_rows,           t_columns, t_allocated,
+                                          t_stored,      t_high_bit,  t_representation, t_padding, t_padding_limit};
+  return std::find(std::begin(all), std::end(all), tag) != std::end(all);
 }
 
 /// A frame's tags as text; an absent tag is nullopt.
@@ -107,16 +131,18 @@ class HeaderReader {
       const std::uint32_t tag = make_tag(2, le16(p + 2));
       const std::string vr(reinterpret_cast<const char*>(p + 4), 2);
       std::uint64_t value = at + 8, length = le16(p + 6);
-      if (vr == "OB" || vr == "UN" || vr == "OW" || vr == "SQ" || vr == "UT") {
+      const bool letters = vr[0] >= 'A' && vr[0] <= 'Z' && vr[1] >= 'A' && vr[1] <= 'Z';
+      if (letters && !has_short_length(vr[0], vr[1])) {
         p = source_.get(at + 8, 4);
         if (!p) throw WalkFault{"", "file meta information is cut short"};
         length = le32(p);
         value = at + 12;
-      } else if (vr[0] < 'A' || vr[0] > 'Z' || vr[1] < 'A' || vr[1] > 'Z') {
+      } else if (!letters) {
         length = le32(p + 4);
       }
       if (value > source_.size() || length > source_.size() - value)
         throw WalkFault{tag_name(tag), fmt::format("claims {} bytes, more than the file holds", length)};
+      if (tag == t_transfer_syntax && !uid.empty()) throw WalkFault{tag_name(tag), "given twice"};
       if (tag == t_transfer_syntax) uid = text({tag, value, static_cast<std::uint32_t>(length), false});
       if (tag == t_media_class &&
           trimmed(text({tag, value, static_cast<std::uint32_t>(length), false})) == "1.2.840.10008.1.3.10")
@@ -162,15 +188,23 @@ class HeaderReader {
         frame = &per_frame_[levels[0].item];
       }
       if (frame && levels.size() == 2) {
-        if (auto* slot = frame->slot(e.tag)) *slot = text(e);
+        if (auto* slot = frame->slot(e.tag); slot && levels[1].tag == macro_of(e.tag)) {
+          if (*slot) fault(e.tag, "given twice in one frame");
+          *slot = text(e);
+        }
         if (e.tag == t_kernel && h_.kernel.empty()) h_.kernel = known_kernel(text(e));
       }
       return;
     }
     if (auto* slot = top_.slot(e.tag)) {
+      if (*slot) fault(e.tag, "given twice");
       *slot = text(e);
       return;
     }
+    // Elements ascend; one that matters and comes again would leave it to chance which is meant.
+    if (e.tag <= last_tag_ && std::find(seen_.begin(), seen_.end(), e.tag) != seen_.end()) fault(e.tag, "given twice");
+    last_tag_ = std::max(last_tag_, e.tag);
+    if (matters(e.tag)) seen_.push_back(e.tag);
     switch (e.tag) {
       case t_image_type:
         h_.raw_image_type = text(e);
@@ -425,6 +459,8 @@ class HeaderReader {
   FileHeader h_;
   RawFrame top_, shared_;
   std::vector<RawFrame> per_frame_;
+  std::vector<std::uint32_t> seen_;
+  std::uint32_t last_tag_ = 0;
   int representation_ = -1;
 };
 
