@@ -11,7 +11,7 @@
 namespace trephine {
 
 struct CutSurfaceParams {
-  double cutter_deviation_mm = 0.05;
+  double cutter_deviation_mm = 0.005;
   double min_component_mm3 = 50;
   double time_limit_s = 60;
   template <class V>
@@ -27,17 +27,29 @@ struct CutSurfaceParams {
 };
 
 /// The surface without the cutters, one after the other: exact corefinement (CGAL polygon mesh processing) in the
-/// bounded child, only of the part of the surface near the cutter; operands and result are checked. The result is
+/// bounded child, of the whole surface (0.1 s at 90,000 triangles). Triangles that the cut does not touch stay as they
+/// are. The new points lie on float32's raster; what is finer than 0.005 mm along the cut is merged. The result is
 /// closed, 2-manifold, outwards oriented, free of self-intersections and degenerate triangles, also in float32
 /// (validity.h); normals are recomputed where the input had them. Where a cut is degenerate (facets that coincide, a
-/// tangent cutter) the cutter is turned about its axis, then moved, by the least step that gives a valid result
-/// (reported, at most cutter_deviation_mm). The report: cutters_count, removed_mm3, cutter by cutter removed_mm3 and
-/// removed_expected_mm3 (the exact volume of cutter and surface, by an independent way), triangles_count, moved_mm.
+/// tangent cutter) the cutter is made a little slimmer, then its facets are turned, then it is moved, by the least step
+/// that gives a valid result (moved_mm, at most 0.05 mm). A cutter that meets nothing is no fault, and warned of; where
+/// none does, the result is the input (on float32's raster).
 ///
-/// Throws Error 65 where the surface or a cutter is not finite; 80 where the surface is not valid, nothing is left of
-/// it, no valid result can be had, or the removed volume differs from the expected one by more than 1 % and 0.5 mm^3;
-/// Cancelled. A child that dies or runs over its limits is 80 too, naming it.
+/// The report: cutters_count, removed_mm3, moved_mm, tries_count (1 a cutter that meets something), cutter by cutter
+/// <name>.removed_mm3 and <name>.removed_expected_mm3 (of the exact cutter and the surface, by closed-form integration
+/// that knows nothing of the cut), dropped_count and dropped_mm3 (loose pieces; not in removed_mm3), triangles_count. A
+/// nameless cutter is "cutter_1" and so on.
+///
+/// Throws Error 65 where the surface or a cutter is not finite or a cutter is no solid; 80 where the surface is not
+/// valid, nothing is left of it, no valid result can be had, or the removed volume differs from the expected one by
+/// more than 1 % and 0.5 mm^3, or the child runs longer than time_limit_s; Cancelled.
 TriMesh cut_surface(const TriMesh& surface, const std::vector<Cutter>& cutters, const CutSurfaceParams& params,
                     Report& report, const Progress& progress = {});
+
+/// The radius of the thickest probe (a flat-ended cylinder about the cutter's axis, cylinder and cone: from 0.1 mm
+/// within its outer end to 0.1 mm before its far one) that touches the surface nowhere; of a sphere, an ellipsoid or a
+/// mesh, of a ball about its centre (a mesh's: of its bounds). Infinite where the surface does not come near the axis'
+/// ends; 0 where the axis meets it.
+double free_radius_mm(const TriMesh& surface, const Cutter& cutter);
 
 }  // namespace trephine

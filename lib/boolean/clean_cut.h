@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "boolean/corefine.h"
+
+namespace trephine {
+
+/// Puts the new points of a cut on the raster of step_mm, and takes away what is too fine for it there: new points
+/// nearer than shortest_mm to a neighbour go into it (where the surface stays a 2-manifold and no triangle turns over),
+/// and the long edge of a triangle lower than flattest_mm is turned. No point moves further than shortest_mm and the
+/// step; what is not at a new point, or beside a flat triangle, stays as it was. Old points never move. The result may
+/// still intersect itself.
+void clean_cut(Difference& cut, double step_mm, double shortest_mm, double flattest_mm);
+
+}  // namespace trephine

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "surface/trimesh.h"
+
+namespace trephine {
+
+/// What is left of a surface when a solid is taken out of it, as exact arithmetic says and then rounded to double.
+struct Difference {
+  std::string fault;  ///< why there is none, or empty
+  TriMesh mesh;       ///< about the surface's origin; may be empty
+  static constexpr std::uint32_t none = 0xffffffffu;
+  /// For each triangle and point of the mesh the one of the surface that it is, unchanged, or none. Those come first,
+  /// in the surface's order; new ones follow in the order of their coordinates.
+  std::vector<std::uint32_t> old_triangle, old_point;
+};
+
+/// CGAL's corefinement (Polygon mesh processing), in the bounded child. Both operands must be closed, 2-manifold,
+/// outwards oriented and free of self-intersections. Near a degenerate position rounding may leave self-intersections
+/// or degenerate triangles behind, which are not looked for. A child that dies or refuses is a fault; Error 80 where it
+/// runs longer than time_limit_s; Cancelled.
+Difference corefine_difference(const TriMesh& surface, const TriMesh& solid, double time_limit_s,
+                               const Progress& progress = {});
+
+}  // namespace trephine

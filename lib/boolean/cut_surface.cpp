@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "boolean/cut_surface.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "boolean/clean_cut.h"
+#include "boolean/corefine.h"
+#include "boolean/cutter_shape.h"
+#include "boolean/overlap.h"
+#include "meshing/normals.h"
+#include "meshing/validity.h"
+#include "surface/point_to_mesh.h"
+
+namespace trephine {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ExitCode::quality, "", "", what); }
+
+/// How the cutter is placed in one try.
+struct Placing {
+  double turn_ratio = 0;
+  Vec3 shift_mm;
+  double slimmer_mm = 0;
+  double moved_mm() const { return norm(shift_mm) + slimmer_mm; }
+};
+
+double size_mm(const Cutter& c) { return std::cbrt(volume_mm3(c)); }
+
+/// First as it is; then a little slimmer and longer, so that a hole drilled twice stays as it is, and no film is left
+/// at an end; then with its facets turned, which moves nothing; then moved, ever further, in directions that lie in no
+/// plane of its own.
+std::vector<Placing> placings(const Cutter& c) {
+  const double scale = std::min(1.0, size_mm(c) / 10);
+  std::vector<Placing> all{{}};
+  if (c.kind != Cutter::Kind::mesh) {
+    for (const double slimmer : {0.001, 0.003}) all.push_back({0, {}, slimmer * scale});
+    for (const double turn : {0.5, 0.25, 0.75, 0.37, 0.62}) all.push_back({turn, {}, 0});
+  }
+  const Mat3 frame = frame_of(c);
+  const Vec3 directions[] = {{0.31, 0.23, 0.92}, {-0.27, 0.35, -0.9}, {0.83, -0.41, 0.37}, {-0.71, -0.6, -0.36}};
+  int n = 0;
+  for (const double length : {0.001, 0.003, 0.01, 0.02, 0.05})
+    for (const Vec3 d : directions)
+      all.push_back({std::fmod(0.17 * ++n, 1.0), frame * normalized(d) * (length * scale), 0});
+  return all;
+}
+
+TriMesh solid_of(Cutter c, double deviation_mm, const Placing& p) {
+  if (p.slimmer_mm > 0) {
+    const auto less = [&](double& r) { r = std::max(r - p.slimmer_mm, 0.9 * r); };
+    less(c.radius_mm);
+    less(c.end_radius_mm);
+    for (double& r : c.radii_mm) less(r);
+    c.above_mm += p.slimmer_mm;
+    c.depth_mm += p.slimmer_mm;
+  }
+  return mesh_of(c, deviation_mm, p.turn_ratio, p.shift_mm);
+}
+
+/// Removes outward-looking pieces below the volume that the cut made or touched, with what lies in them.
+struct Dropped {
+  int count = 0;
+  double mm3 = 0;
+};
+
+TriMesh part_of(const TriMesh& m, const std::vector<int>& piece_of, int piece) {
+  TriMesh out;
+  out.origin_mm = m.origin_mm;
+  out.points_mm = m.points_mm;
+  for (std::size_t t = 0; t < m.triangles.size(); ++t)
+    if (piece_of[t] == piece) out.triangles.push_back(m.triangles[t]);
+  drop_unused_points(out);
+  return out;
+}
+
+Dropped drop_loose(Difference& d, double below_mm3) {
+  std::vector<int> piece_of;
+  const int pieces = label_components(d.mesh, piece_of);
+  if (pieces < 2) return {};
+  std::vector<char> cut(pieces), goes(pieces);
+  std::vector<double> volume(pieces);
+  for (std::size_t t = 0; t < d.mesh.triangles.size(); ++t) {
+    const auto& v = d.mesh.triangles[t];
+    cut[piece_of[t]] |= d.old_triangle[t] == Difference::none;
+    volume[piece_of[t]] += dot(d.mesh.points_mm[v[0]], cross(d.mesh.points_mm[v[1]], d.mesh.points_mm[v[2]])) / 6;
+  }
+  const auto largest = std::max_element(volume.begin(), volume.end()) - volume.begin();
+  Dropped result;
+  for (int p = 0; p < pieces; ++p) {
+    if (p == largest || !cut[p] || !(volume[p] >= 0 && volume[p] < below_mm3)) continue;
+    goes[p] = 1;
+    ++result.count;
+    result.mm3 += volume[p];
+    const TriMesh shell = part_of(d.mesh, piece_of, p);
+    const PointToMesh inside(shell);
+    for (int q = 0; q < pieces; ++q) {
+      if (q == p || volume[q] >= 0 || goes[q]) continue;
+      const auto first = std::size_t(std::find(piece_of.begin(), piece_of.end(), q) - piece_of.begin());
+      if (inside.signed_distance_mm(d.mesh.world_mm(d.mesh.triangles[first][0])) >= 0) continue;
+      goes[q] = 1;
+      result.mm3 += volume[q];
+    }
+  }
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < piece_of.size(); ++t)
+    if (!goes[piece_of[t]]) {
+      d.mesh.triangles[kept] = d.mesh.triangles[t];
+      d.old_triangle[kept++] = d.old_triangle[t];
+    }
+  d.mesh.triangles.resize(kept);
+  d.old_triangle.resize(kept);
+  drop_unused_points(d.mesh);
+  return result;
+}
+
+/// A surface that is cut again and again.
+class Cutting {
+ public:
+  Cutting(TriMesh surface, const CutSurfaceParams& params)
+      : mesh(std::move(surface)), params_(params), step_(float32_step_mm(mesh)), start_(Clock::now()) {}
+
+  TriMesh mesh;
+  double moved_mm = 0;
+  int tries = 0;
+  bool changed = false;
+  Dropped dropped;
+
+  struct Removed {
+    double mm3 = 0, expected_mm3 = 0;
+  };
+  Removed cut(const Cutter& cutter, const Progress& progress);
+
+ private:
+  double expected(const Cutter& cutter) const;
+  bool attempt(const Cutter& cutter, const Placing& placing, Removed& removed, const Progress& progress);
+
+  const CutSurfaceParams& params_;
+  double step_;
+  Clock::time_point start_;
+  std::string fault_;  ///< of the last attempt
+};
+
+/// Of facets so fine that they are as good as the cutter itself.
+double Cutting::expected(const Cutter& cutter) const {
+  const double asked = params_.cutter_deviation_mm;
+  return overlap_mm3(mesh, mesh_of(cutter, std::min(asked, std::max(asked / 8, size_mm(cutter) / 10000))),
+                     cutter.direction);
+}
+
+bool meets_box(const TriMesh& mesh, const Cutter& cutter, double margin_mm) {
+  const Bounds b = bounds_of(cutter);
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
+    for (int a = 0; a < 3; ++a) {
+      const double p = mesh.points_mm[t[0]][a], q = mesh.points_mm[t[1]][a], r = mesh.points_mm[t[2]][a];
+      if (std::min({p, q, r}) + mesh.origin_mm[a] > b.max_mm[a] + margin_mm ||
+          std::max({p, q, r}) + mesh.origin_mm[a] < b.min_mm[a] - margin_mm)
+        return false;
+    }
+    return true;
+  });
+}
+
+bool Cutting::attempt(const Cutter& cutter, const Placing& placing, Removed& removed, const Progress& progress) {
+  const double left = params_.time_limit_s - std::chrono::duration<double>(Clock::now() - start_).count();
+  if (left <= 0) refuse("takes longer than time_limit_s = " + to_text(params_.time_limit_s) + " s");
+  const TriMesh solid = solid_of(cutter, params_.cutter_deviation_mm, placing);
+  Difference d = corefine_difference(mesh, solid, left, progress.part(0, 0.6));
+  fault_ = d.fault;
+  if (!fault_.empty()) return false;
+  const auto near_expected = [&](double mm3) {
+    return std::abs(mm3 - removed.expected_mm3) <= std::max(0.01 * removed.expected_mm3, 0.5);
+  };
+  if (d.mesh.triangles.empty()) {
+    fault_ = "nothing is left of the surface";
+    if (near_expected(volume_mm3(mesh))) refuse(fault_);
+    return false;
+  }
+  const bool same = d.mesh.triangles.size() == mesh.triangles.size() && d.old_triangle.back() != Difference::none;
+  if (!same) {
+    const double shortest =
+        std::max(8 * step_, std::min({0.01, params_.cutter_deviation_mm / 5, std::cbrt(volume_mm3(cutter)) / 1000}));
+    clean_cut(d, step_, shortest, std::max(4 * step_, shortest / 4));
+  }
+  removed.mm3 = volume_mm3(mesh) - volume_mm3(d.mesh);
+  if (!near_expected(removed.mm3)) {
+    fault_ = "the cut removed " + to_text(removed.mm3) + " mm3, expected are " + to_text(removed.expected_mm3) + " mm3";
+    return false;
+  }
+  if (same) return true;
+  const Dropped loose = drop_loose(d, params_.min_component_mm3);
+  const Validity v = check_validity(d.mesh, progress.part(0.7, 1));
+  if (!v.valid()) {
+    fault_ = "the cut surface has " + v.text();
+    return false;
+  }
+  mesh = std::move(d.mesh);
+  changed = true;
+  moved_mm = std::max(moved_mm, placing.moved_mm());
+  dropped.count += loose.count;
+  dropped.mm3 += loose.mm3;
+  return true;
+}
+
+Cutting::Removed Cutting::cut(const Cutter& cutter, const Progress& progress) {
+  Removed removed;
+  removed.expected_mm3 = std::max(0.0, expected(cutter));
+  if (removed.expected_mm3 < 1e-9 && !meets_box(mesh, cutter, params_.cutter_deviation_mm)) return {};
+  for (const Placing& p : placings(cutter)) {
+    ++tries;
+    if (attempt(cutter, p, removed, progress)) return removed;
+  }
+  // What hardly touches is as well left as it is.
+  if (removed.expected_mm3 <= 0.5) return {0, removed.expected_mm3};
+  refuse(fault_);
+}
+
+/// On float32's raster and valid.
+TriMesh checked(const TriMesh& surface, const Progress& progress) {
+  check_mesh(surface);
+  TriMesh mesh = surface;
+  mesh.normals.clear();
+  snap_to_float32(mesh);
+  const Validity v = check_validity(mesh, progress);
+  if (!v.valid()) throw Error(ExitCode::quality, "", "surface", v.text());
+  drop_unused_points(mesh);
+  return mesh;
+}
+
+}  // namespace
+
+TriMesh cut_surface(const TriMesh& surface, const std::vector<Cutter>& cutters, const CutSurfaceParams& params,
+                    Report& report, const Progress& progress) {
+  const auto name_of = [&](std::size_t i) {
+    return cutters[i].name.empty() ? "cutter_" + std::to_string(i + 1) : cutters[i].name;
+  };
+  for (std::size_t i = 0; i < cutters.size(); ++i)
+    with_field(name_of(i), [&] { check_cutter(cutters[i], ExitCode::bad_input); });
+  Cutting cutting(checked(surface, progress.part(0, 0.1)), params);
+
+  double total = 0;
+  Report each;
+  for (std::size_t i = 0; i < cutters.size(); ++i) {
+    const double n = double(cutters.size());
+    const auto removed = with_field(
+        name_of(i), [&] { return cutting.cut(cutters[i], progress.part(0.1 + 0.9 * i / n, 0.1 + 0.9 * (i + 1) / n)); });
+    each.add(name_of(i) + ".removed_mm3", removed.mm3);
+    each.add(name_of(i) + ".removed_expected_mm3", removed.expected_mm3);
+    if (removed.mm3 == 0) each.warn(name_of(i) + " removes nothing");
+    total += removed.mm3;
+  }
+  TriMesh out = cutting.changed ? std::move(cutting.mesh) : surface;
+  if (!cutting.changed) snap_to_float32(out);
+  if (cutting.changed && !surface.normals.empty()) {
+    Report unread;
+    compute_normals(out, {}, unread);
+  }
+  report.add("cutters_count", cutters.size());
+  report.add("removed_mm3", total);
+  for (const auto& [name, value] : each.figures) report.figures.emplace_back(name, value);
+  report.add("dropped_count", cutting.dropped.count);
+  report.add("dropped_mm3", cutting.dropped.mm3);
+  report.add("moved_mm", cutting.moved_mm);
+  report.add("tries_count", cutting.tries);
+  report.add("triangles_count", out.triangles.size());
+  for (const auto& w : each.warnings) report.warn(w);
+  progress.report(1);
+  return out;
+}
+
+}  // namespace trephine

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// M9: any cutter in any pose: a valid surface without the right volume, or 80.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "base/error.h"
+#include "boolean/cut_surface.h"
+#include "boolean/overlap.h"
+#include "boolean_cut_shapes.h"
+
+using namespace trephine;
+using namespace trephine::shapes;
+
+namespace {
+
+struct Counts {
+  int done = 0, refused = 0, touched = 0, retried = 0;
+};
+
+Counts run(int poses, std::uint64_t seed) {
+  const TriMesh surfaces[] = {vault(3), plate(70, 10, 5), sphere(2, 38.3)};
+  Random r(seed);
+  Counts n;
+  for (int i = 0; i < poses; ++i) {
+    TriMesh m = surfaces[i % 3];
+    snap_to_float32(m);
+    const Cutter c = any_cutter(r, i % 3 == 1 ? 20 : 38);
+    Report report;
+    try {
+      const TriMesh out = cut_surface(m, {c}, {}, report);
+      ++n.done;
+      const Validity v = check_validity(out);
+      EXPECT_TRUE(v.valid() && v.float32) << i << ": " << v.text();
+      const double removed = volume_mm3(m) - volume_mm3(out) - figure(report, "dropped_mm3");
+      const double exact = overlap_mm3(m, mesh_of(c, 0.01), {0.2, 0.5, 0.7});
+      EXPECT_NEAR(removed, exact, std::max(0.5, 0.0105 * exact)) << i;
+      n.touched += removed > 0;
+      n.retried += figure(report, "tries_count") > 1;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::quality) << i;
+      std::printf("pose %d: %s\n", i, e.line("").c_str());
+      ++n.refused;
+    }
+  }
+  std::printf("%d poses: %d valid (%d cut something, %d needed another try), %d refused\n", poses, n.done, n.touched,
+              n.retried, n.refused);
+  return n;
+}
+
+}  // namespace
+
+TEST(CutPoses, Of300NoneIsInvalidAndHardlyOneRefused) {
+  const Counts n = run(300, 1);
+  EXPECT_LE(n.refused, 0);
+  EXPECT_GT(n.touched, 200);
+}
+
+TEST(LongCutPoses, Of10000NoneIsInvalidAndOneInAThousandRefused) {
+  const Counts n = run(10000, 2);
+  EXPECT_LE(n.refused, 10);
+  EXPECT_GT(n.touched, 7000);
+}
