@@ -62,4 +62,9 @@ inline CaseMaterial make_material(const std::string& name, const MaterialParams&
   return m;
 }
 
+/// What is wrong with a material, naming the value, or "": every number finite and in the range that its declaration
+/// allows, no face slides harder than it sticks, a face that is felt has a stiffness, and one that gives way does so
+/// within 30 mm of the surface. A face that is not felt need not say more.
+std::string fault_of(const CaseMaterial& material);
+
 }  // namespace trephine
