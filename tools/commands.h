@@ -15,5 +15,8 @@ Command normals_command();
 Command measure_command();
 Command run_command();
 Command export_command();
+Command boolean_command();
+Command burrhole_command();
+Command voxelize_command();
 
 }  // namespace trephine

@@ -9,8 +9,9 @@ int main(int argc, char** argv) {
   program.name = "trephine";
   program.version = TREPHINE_VERSION;
   program.summary = "turns CT series into patient models for surgical simulation";
-  program.commands = {run_command(),    import_command(),  segment_command(), contour_command(), decimate_command(),
-                      smooth_command(), normals_command(), measure_command(), phantom_command(), export_command()};
+  program.commands = {run_command(),     import_command(),  segment_command(),  contour_command(), decimate_command(),
+                      smooth_command(),  normals_command(), burrhole_command(), boolean_command(), voxelize_command(),
+                      measure_command(), phantom_command(), export_command()};
   program.more_reference_pages = [] {
     return std::vector<std::pair<std::string, std::string>>{{"recipe.schema.json", recipe_schema()}};
   };

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/text.h"
+#include "pipeline/config_haptic.h"
 #include "pipeline/yaml_document.h"
 
 namespace trephine {
@@ -56,10 +57,12 @@ class Reader {
     const fs::path pipeline = required_file(map, "pipeline", tree), scene = required_file(map, "scene", tree);
     if (const YamlNode* node = map.map("import")) read_params(config_, *node, "import", import_, {}, nullptr);
     read_landmarks(map);
+    const YamlNode* burr_holes = map.list("burr_holes");
     const YamlNode* set = map.map("set");
     map.finish();
     if (!pipeline.empty()) read_recipe(pipeline);
     if (!scene.empty()) read_scene(scene);
+    if (burr_holes) read_burr_holes(config_, *burr_holes, out_, faults_);
     if (set)
       for (const auto& [key, value] : set->entries)
         if (const std::string fault = set_by_path(key.text, value); !fault.empty())
@@ -67,6 +70,8 @@ class Reader {
     for (const std::string& text : overrides_.set) set_from_text(text);
     // Last, for what smoothing takes of it may just have been set.
     for (const Budget& budget : budgets_) give(budget);
+    check_burr_holes(config_, tree, out_, faults_);
+    for (const SceneDrill& drilled : out_.drilled) leave_room(drilled);
     out_.import = import_.as<ImportParams>();
     faults_.raise();
     return std::move(out_);
@@ -80,18 +85,6 @@ class Reader {
     std::string anatomy;
     double allowed_mm;
   };
-
-  // Nothing where the file cannot be read: its faults join the others'.
-  std::optional<YamlNode> tree_of(const fs::path& file) {
-    try {
-      return read_yaml(file);
-    } catch (const ErrorList& e) {
-      for (const Error& one : e.all()) faults_.add(one);
-    } catch (const Error& e) {
-      faults_.add(e);
-    }
-    return {};
-  }
 
   void check_version(MapReader& map, const YamlNode& tree) {
     const YamlNode* node = map.any("trephine");
@@ -129,17 +122,14 @@ class Reader {
   void read_params(const fs::path& file, const YamlNode& node, const std::string& where, AnyParams& params,
                    const std::vector<Port>& ports, std::map<std::string, std::string>* sources) {
     MapReader map(file, node, where, faults_);
-    for (const Parameter& p : params.set->parameters)
-      if (const YamlNode* value = map.any(p.name))
-        if (const std::string fault = set_parameter(params, p, *value); !fault.empty())
-          faults_.add(file, *value, where + "." + p.name, fault);
+    map.parameters(params);
     for (const Port& port : ports)
       if (const auto source = map.text(port.name)) (*sources)[port.name] = *source;
     map.finish();
   }
 
   void read_recipe(const fs::path& file) {
-    const auto read = tree_of(file);
+    const auto read = read_yaml_or_fault(file, faults_);
     if (!read) return;
     const YamlNode& tree = *read;
     MapReader map(file, tree, "", faults_);
@@ -245,7 +235,7 @@ class Reader {
   }
 
   void read_scene(const fs::path& file) {
-    const auto read = tree_of(file);
+    const auto read = read_yaml_or_fault(file, faults_);
     // Without a recipe nobody knows which anatomies there are: what the scene says of them is not judged.
     if (!read || out_.anatomies.empty()) return;
     const YamlNode& tree = *read;
@@ -286,6 +276,7 @@ class Reader {
         }
         wanted[a.name] = a;
       }
+    read_scene_haptic(file, map, tree);
     map.finish();
     // In the recipe's order, so that the scene's order changes no byte of the case.
     for (RecipeAnatomy& anatomy : out_.anatomies) {
@@ -298,6 +289,16 @@ class Reader {
         set_if_there(anatomy, "decimate", "target_triangles_count", ParameterValue(found->second.max_triangles));
     }
     if (out_.scene.empty() && faults_.empty()) map.fault(tree, "anatomies", "the scene wants nothing");
+  }
+
+  void read_scene_haptic(const fs::path& file, MapReader& map, const YamlNode& tree) {
+    if (const YamlNode* drilled = map.map("burr_holes")) read_drilled(file, *drilled, out_, faults_);
+    const fs::path materials = path_value(map, file, "materials", tree);
+    const YamlNode* haptic = map.map("haptic");
+    if (!haptic) return;
+    if (!tree.find("materials")) map.fault(*haptic, "haptic", "needs materials: FILE beside it");
+    const auto known = materials.empty() ? std::vector<CaseMaterial>{} : read_materials(materials, faults_);
+    read_haptic_scene(file, *haptic, known, out_, faults_);
   }
 
   // The deviation that the scene allows is shared out: smoothing keeps its bound, decimation gets the rest, unless it
@@ -316,6 +317,20 @@ class Reader {
                     to_text(budget.allowed_mm - rest_mm));
   }
 
+  // The wall of a burr hole is triangles too, and they count against the scene's limit.
+  void leave_room(const SceneDrill& drilled) {
+    constexpr std::int64_t triangles_a_hole = 1000;
+    if (paths_set_.count(drilled.anatomy + ".decimate.target_triangles_count")) return;
+    for (const SceneAnatomy& limit : out_.scene)
+      if (limit.name == drilled.anatomy && limit.max_triangles > 0)
+        for (RecipeAnatomy& anatomy : out_.anatomies)
+          if (anatomy.name == drilled.anatomy) {
+            const auto holes = static_cast<std::int64_t>(out_.burr_holes.size());
+            const auto rest = std::max(limit.max_triangles - triangles_a_hole * holes, limit.max_triangles / 2);
+            set_if_there(anatomy, "decimate", "target_triangles_count", ParameterValue(rest));
+          }
+  }
+
   static void set_if_there(RecipeAnatomy& anatomy, const std::string& stage, const std::string& name,
                            const ParameterValue& value) {
     for (RecipeStep& step : anatomy.steps)
@@ -332,6 +347,10 @@ class Reader {
   std::map<std::string, Target> targets() {
     std::map<std::string, Target> all;
     for (const Parameter& p : import_.set->parameters) all["import." + p.name] = {&import_, &p};
+    if (out_.haptic.wanted)
+      for (const Parameter& p : out_.haptic.params.set->parameters) all["haptic." + p.name] = {&out_.haptic.params, &p};
+    for (CaseDrill& hole : out_.burr_holes)
+      for (const Parameter& p : hole.params.set->parameters) all[hole.name + "." + p.name] = {&hole.params, &p};
     for (RecipeAnatomy& anatomy : out_.anatomies)
       for (RecipeStep& step : anatomy.steps)
         for (const Parameter& p : step.params.set->parameters)
@@ -403,6 +422,12 @@ const RecipeAnatomy* CaseConfig::find_anatomy(const std::string& name) const {
   for (const RecipeAnatomy& a : anatomies)
     if (a.name == name) return &a;
   return nullptr;
+}
+
+std::map<std::string, Vec3> CaseConfig::landmark_positions_mm() const {
+  std::map<std::string, Vec3> all;
+  for (const CaseLandmark& l : landmarks) all[l.name] = l.position_mm;
+  return all;
 }
 
 CaseConfig read_case_config(const fs::path& file, const ConfigOverrides& overrides) {

@@ -9,6 +9,8 @@
 #include "base/vec3.h"
 #include "cases/case.h"
 #include "dicom/import.h"
+#include "stages/burr_hole.h"
+#include "stages/haptic.h"
 #include "stages/stage.h"
 
 namespace trephine {
@@ -36,7 +38,34 @@ struct SceneAnatomy {
   std::int64_t max_triangles = 0;
 };
 
-/// A case as its three files and --set say it: every parameter has its effective value.
+/// An anatomy from which the scene cuts the case's burr holes, its own share of the hole so much wider all around: skin
+/// is folded back from where the bone is opened.
+struct SceneDrill {
+  std::string anatomy;
+  double widen_mm = 0;
+};
+
+/// A shape of the scene's haptic volume, besides what the spec says of it.
+struct SceneShape {
+  std::string name;
+  CaseMaterial material;
+  bool cuttable = false;
+};
+
+struct SceneHaptic {
+  bool wanted = false;
+  HapticSpec spec;
+  AnyParams params = AnyParams::make<VoxelizeParams>();
+  std::vector<SceneShape> shapes;  ///< as in the spec
+};
+
+/// A burr hole of the case; the parameters are BurrHoleParams.
+struct CaseDrill {
+  std::string name;
+  AnyParams params;
+};
+
+/// A case as its files and --set say it: every parameter has its effective value.
 struct CaseConfig {
   std::string case_token;        ///< empty: none given
   std::filesystem::path series;  ///< empty: none given
@@ -45,6 +74,10 @@ struct CaseConfig {
   std::vector<SceneAnatomy> scene;       ///< what is wanted, in the recipe's order
   std::string face, face_reason;         ///< "" or keep
   std::vector<CaseLandmark> landmarks;
+  std::vector<CaseDrill> burr_holes;  ///< none where the scene cuts none
+  std::vector<SceneDrill> drilled;    ///< in the scene's order
+  SceneHaptic haptic;
+  std::map<std::string, Vec3> landmark_positions_mm() const;
   const RecipeAnatomy* find_anatomy(const std::string& name) const;
 };
 
@@ -55,10 +88,11 @@ struct ConfigOverrides {
   std::vector<std::filesystem::path> roots;  ///< folders beside the root that paths in the files may lead to
 };
 
-/// Reads the case's YAML and the recipe and the scene that it names. Order of what wins: the default, the recipe, the
-/// scene's limits, the case's `set`, the overrides; decimation's share of the scene's deviation is what the smoothing
-/// that is in force at last leaves of it. Throws ErrorList with every fault of all three files and the overrides at
-/// once: 78 with file:line:column, 66 for a file that is missing, 64 for an override; the first one's code counts.
+/// Reads the case's YAML, the recipe and the scene that it names, and the scene's materials. Order of what wins: the
+/// default, the recipe, the scene's limits, the case's `set`, the overrides; decimation's share of the scene's
+/// deviation is what the smoothing that is in force at last leaves of it. Throws ErrorList with every fault of all
+/// files and the overrides at once: 78 with file:line:column, 66 for a file that is missing, 64 for an override; the
+/// first one's code counts.
 CaseConfig read_case_config(const std::filesystem::path& file, const ConfigOverrides& overrides = {});
 
 }  // namespace trephine

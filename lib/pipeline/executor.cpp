@@ -28,12 +28,17 @@ double bytes_of(const StageData& data) {
     return double((*f)->voxels.size() * sizeof(float));
   if (const auto* m = std::get_if<std::shared_ptr<const TriMesh>>(&data))
     return double((*m)->points_mm.size() * sizeof(Vec3) * 2 + (*m)->triangles.size() * 12);
+  if (const auto* h = std::get_if<std::shared_ptr<const HapticVolume>>(&data))
+    return double((*h)->voxels.voxels.size() * sizeof(std::int16_t));
   return 0;
 }
 
 // An output is worth its place on disk where it took much longer to make than it takes to write and read.
 bool worth_storing(const StageData& data, double seconds) {
   constexpr double disk_bytes_per_s = 100e6, gain = 4;
+  // A haptic volume's file holds no hardness.
+  if (const auto* h = std::get_if<std::shared_ptr<const HapticVolume>>(&data))
+    if (!(*h)->hardness.voxels.empty()) return false;
   return seconds > gain * bytes_of(data) / disk_bytes_per_s;
 }
 

@@ -31,7 +31,8 @@ struct ExecuteOptions {
   std::filesystem::path series;
   std::string input_sha256;    ///< what the graph was made for: a series that changed since is refused (65)
   std::filesystem::path keep;  ///< every node's output is written here too, the cached ones as well; empty: not
-  const StageCache* cache = nullptr;  ///< where storing fails (a full disk), a warning is logged, once, and no more stored
+  const StageCache* cache =
+      nullptr;  ///< where storing fails (a full disk), a warning is logged, once, and no more stored
   const std::atomic<bool>* cancel = nullptr;
 };
 

@@ -2,6 +2,9 @@
 #include "pipeline/graph.h"
 
 #include "base/hash.h"
+#include "stages/burr_hole.h"
+#include "stages/cut.h"
+#include "stages/haptic.h"
 
 namespace trephine {
 namespace {
@@ -31,11 +34,18 @@ class Builder {
       const RecipeAnatomy& recipe = *config_.find_anatomy(wanted.name);
       Graph::Anatomy anatomy;
       anatomy.name = wanted.name;
-      anatomy.surface = node_of(recipe, recipe.steps.size() - 1);
-      for (std::size_t i = recipe.steps.size(); i-- > 0;)
-        if (recipe.steps[i].type->output == DataKind::mesh) anatomy.first_surface = node_of(recipe, i);
+      anatomy.surface = anatomy.finished = node_of(recipe, recipe.steps.size() - 1);
+      anatomy.first_surface = first_surface_of(recipe);
       anatomy.measure = measure_of(wanted.name, anatomy);
       graph_.anatomies.push_back(anatomy);
+    }
+    for (const CaseDrill& hole : config_.burr_holes) graph_.burr_holes.push_back(burr_hole(hole));
+    for (const SceneDrill& drilled : config_.drilled)
+      for (Graph::Anatomy& anatomy : graph_.anatomies)
+        if (anatomy.name == drilled.anatomy) anatomy.surface = cut(anatomy, drilled.widen_mm);
+    if (config_.haptic.wanted) {
+      graph_.haptic = haptic();
+      graph_.mismatch = mismatch();
     }
     return std::move(graph_);
   }
@@ -72,14 +82,85 @@ class Builder {
     node.type = find_stage("measure");
     node.params = node.type->make_params();
     node.output = DataKind::nothing;
-    node.sources = {{"surface", anatomy.surface}, {"reference", anatomy.first_surface}};
+    node.sources = {{"surface", anatomy.finished}, {"reference", anatomy.first_surface}};
     return add(std::move(node));
+  }
+
+  int first_surface_of(const RecipeAnatomy& recipe) {
+    for (std::size_t i = 0; i < recipe.steps.size(); ++i)
+      if (recipe.steps[i].type->output == DataKind::mesh) return node_of(recipe, i);
+    return -1;  // unreachable: a recipe ends in a surface
+  }
+  int first_surface_of(const std::string& name) { return first_surface_of(*config_.find_anatomy(name)); }
+
+  // A node of a stage that is made for this case.
+  Node own(const std::string& name, StageType type) {
+    graph_.own_types.push_back(std::make_shared<const StageType>(std::move(type)));
+    Node node;
+    node.name = name;
+    node.type = graph_.own_types.back().get();
+    node.params = node.type->make_params();
+    node.output = node.type->output;
+    return node;
+  }
+
+  void add_cutters(Node& node) {
+    for (const int hole : graph_.burr_holes) node.sources["cutters." + graph_.nodes[hole].name] = hole;
+  }
+
+  int burr_hole(const CaseDrill& hole) {
+    const auto landmarks = config_.landmark_positions_mm();
+    Node node = own(hole.name, burr_hole_stage(hole.name, landmarks));
+    node.params = hole.params;
+    for (const auto& [name, p] : landmarks)
+      node.salt += name + " " + to_text(ParameterValue(std::vector<double>{p.x, p.y, p.z})) + ";";
+    node.sources["skull"] = first_surface_of("skull");
+    if (config_.find_anatomy("skin")) node.sources["skin"] = first_surface_of("skin");
+    return add(std::move(node));
+  }
+
+  int cut(const Graph::Anatomy& anatomy, double widen_mm) {
+    Node node = own(anatomy.name + ".boolean", boolean_stage(widen_mm));
+    node.salt = to_text(ParameterValue(widen_mm));
+    node.sources["surface"] = anatomy.finished;
+    add_cutters(node);
+    return add(std::move(node));
+  }
+
+  int haptic() {
+    const SceneHaptic& wanted = config_.haptic;
+    Node node = own("haptic.voxelize", voxelize_stage(wanted.spec));
+    node.params = wanted.params;
+    node.salt = to_text(wanted.spec);
+    node.sources["volume"] = 0;
+    const bool of_surfaces = wanted.spec.encoding == HapticEncoding::occupancy;
+    for (const HapticShapeSpec& shape : wanted.spec.shapes) {
+      if (of_surfaces) node.sources["shape." + shape.name] = first_surface_of(shape.name);
+      if (!shape.clear_of.empty()) node.sources["clear." + shape.clear_of] = first_surface_of(shape.clear_of);
+    }
+    if (!wanted.spec.region_of.empty()) node.sources["region"] = first_surface_of(wanted.spec.region_of);
+    for (const HapticShapeSpec& shape : wanted.spec.shapes)
+      if (shape.drilled) {
+        add_cutters(node);
+        break;
+      }
+    return add(std::move(node));
+  }
+
+  int mismatch() {
+    Node node = own("haptic.mismatch", mismatch_stage());
+    node.sources["haptic"] = graph_.haptic;
+    for (const Graph::Anatomy& anatomy : graph_.anatomies)
+      for (const SceneShape& shape : config_.haptic.shapes)
+        if (shape.name == anatomy.name) node.sources["surface." + shape.name] = anatomy.surface;
+    return node.sources.size() > 1 ? add(std::move(node)) : -1;
   }
 
   int add(Node node) {
     Sha256 hash;
     hash.text("stage").text(node.type->name).integer(node.type->version);
     hash_params(hash, node.params);
+    hash.text(node.salt);
     for (const auto& [port, source] : node.sources) hash.text(port).text(graph_.nodes[source].key);
     node.key = hash.hex();
     graph_.nodes.push_back(std::move(node));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,9 @@ struct Node {
   const StageType* type = nullptr;
   AnyParams params;
   std::map<std::string, int> sources;  ///< port -> node
-  std::string key;  ///< SHA-256 of all that its output depends on: stage, version, parameters, keys of its sources
+  std::string salt;                    ///< what else the stage was made from, as text
+  std::string
+      key;  ///< SHA-256 of all that its output depends on: stage, version, parameters, salt, keys of its sources
   DataKind output = DataKind::volume;
 };
 
@@ -24,10 +27,15 @@ struct Graph {
   struct Anatomy {
     std::string name;
     int first_surface = -1;  ///< the contour: what deviations are measured against
-    int surface = -1;        ///< what is published
-    int measure = -1;
+    int finished = -1;       ///< decimated, smoothed
+    int surface = -1;        ///< what is published: finished, or that with its burr holes
+    int measure = -1;        ///< of `finished`: a burr hole is no deviation
   };
   std::vector<Anatomy> anatomies;  ///< as in the scene
+  std::vector<int> burr_holes;     ///< their cutters, as in the configuration
+  int haptic = -1, mismatch = -1;  ///< -1: not wanted
+  /// Stages made for this case; the nodes point at them.
+  std::vector<std::shared_ptr<const StageType>> own_types;
   int find(const std::string& name) const;
 };
 

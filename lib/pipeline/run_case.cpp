@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdlib>
 #include <random>
 
@@ -15,10 +14,8 @@
 #include "base/progress.h"
 #include "base/write_file.h"
 #include "cases/case.h"
-#include "cases/glb.h"
-#include "meshing/validity.h"
+#include "pipeline/case_content.h"
 #include "pipeline/case_lock.h"
-#include "pipeline/case_pictures.h"
 #include "pipeline/run_json.h"
 
 namespace trephine {
@@ -35,27 +32,22 @@ std::string random_token() {
   return token;
 }
 
-double number(const Report& report, const char* name) {
-  const ParameterValue* v = report.find(name);
-  if (!v) return 0;
-  if (const auto* d = std::get_if<double>(v)) return *d;
-  if (const auto* i = std::get_if<std::int64_t>(v)) return static_cast<double>(*i);
-  return 0;
-}
-
-std::string text(const Report& report, const char* name) {
-  const ParameterValue* v = report.find(name);
-  const auto* s = v ? std::get_if<std::string>(v) : nullptr;
-  return s ? *s : std::string();
-}
-
-// Skin of a head is a face: it is published only where the scene says so, and why.
+// Skin of a head is a face, and so is a CT of it: it is published only where the scene says so, and why.
 void require_face_policy(const CaseConfig& config) {
   if (!config.face.empty()) return;
+  std::string shown;
   for (const SceneAnatomy& wanted : config.scene)
-    if (config.find_anatomy(wanted.name)->shows_face)
-      throw Error(ExitCode::privacy, "", "scene.face",
-                  wanted.name + " shows the patient's face; the scene must say `face: {policy: keep, reason: ...}`");
+    if (config.find_anatomy(wanted.name)->shows_face) shown = wanted.name;
+  if (config.haptic.wanted && config.haptic.spec.encoding == HapticEncoding::hu) {
+    for (const RecipeAnatomy& a : config.anatomies)
+      if (a.shows_face) shown = "the haptic volume of raw HU";
+  } else {
+    for (const SceneShape& shape : config.haptic.shapes)
+      if (config.find_anatomy(shape.name)->shows_face) shown = shape.name + " in the haptic volume";
+  }
+  if (!shown.empty())
+    throw Error(ExitCode::privacy, "", "scene.face",
+                shown + " shows the patient's face; the scene must say `face: {policy: keep, reason: ...}`");
 }
 
 // A case folder in which nothing was ever published goes again where the run fails: nothing is left behind that looks
@@ -115,144 +107,8 @@ struct Run {
   Graph graph;
   std::vector<NodeResult> results;
   Report folder;  // what else lay in the series' folder
-  CaseManifest manifest;
-  std::vector<AnatomyResult> anatomies;
   std::vector<std::string> warnings;
-
-  const NodeResult& at(int node) const { return results[static_cast<std::size_t>(node)]; }
-  const TriMesh& mesh(int node) const { return *std::get<std::shared_ptr<const TriMesh>>(at(node).data); }
-  const Report& report_of(const std::string& node) const {
-    static const Report none;
-    const int i = graph.find(node);
-    return i < 0 ? none : at(i).report;
-  }
 };
-
-// The nodes whose data or report the case needs; what only they need is computed too, nothing else.
-std::vector<int> wanted_nodes(const Graph& graph, bool pictures) {
-  std::vector<int> wanted;
-  if (pictures) wanted.push_back(0);
-  for (const Graph::Anatomy& a : graph.anatomies) {
-    wanted.push_back(a.surface);
-    wanted.push_back(a.measure);
-  }
-  // The reports of every stage of a published anatomy go into the case; a stage that the cache lets us skip has its
-  // there.
-  return wanted;
-}
-
-void hold_against_limits(const SceneAnatomy& limit, const AnatomyResult& result) {
-  if (limit.max_triangles > 0 && result.triangles_after > limit.max_triangles)
-    throw Error(ExitCode::quality, "", limit.name,
-                std::to_string(result.triangles_after) + " triangles, the scene allows " +
-                    std::to_string(limit.max_triangles) + "; decimation stopped by " + result.stopped_by);
-  if (limit.max_deviation_mm > 0 && !(result.deviation_max_mm <= limit.max_deviation_mm))
-    throw Error(ExitCode::quality, "", limit.name,
-                "deviates by " + to_text(result.deviation_max_mm) +
-                    " mm from the unreduced surface, the scene allows " + to_text(limit.max_deviation_mm) + " mm");
-}
-
-// The sum of the bounds that the stages which moved the surface were given, and of what they used.
-void add_budget(const Run& run, const RecipeAnatomy& recipe, CaseAnatomy& out) {
-  for (const RecipeStep& step : recipe.steps) {
-    const Report& report = run.report_of(recipe.name + "." + step.type->name);
-    for (const char* bound : {"max_deviation_mm", "max_displacement_mm"})
-      if (const Parameter* p = step.params.set->find(bound)) {
-        out.budget_asked_mm += std::get<double>(step.params.get(*p));
-        out.budget_used_mm += number(report, step.type->name == "smooth" ? "displacement_max_mm" : "deviation_max_mm");
-      }
-  }
-}
-
-// Fills the anatomy's part of the manifest; the bytes of its GLB are returned, not yet written: an anatomy after it may
-// still be refused.
-std::string finish_anatomy(Run& run, std::size_t index) {
-  const Graph::Anatomy& nodes = run.graph.anatomies[index];
-  const RecipeAnatomy& recipe = *run.config.find_anatomy(nodes.name);
-  const TriMesh& surface = run.mesh(nodes.surface);
-  const Report& measured = run.at(nodes.measure).report;
-
-  GlbParams glb;
-  glb.center_mm = run.manifest.center_mm;
-  glb.name = nodes.name;
-  glb.colour_rgb = recipe.colour_rgb;
-  glb.opacity = recipe.opacity_ratio;
-  std::string bytes = make_glb(surface, glb);
-  // What is published is float32 about the case's centre: the invariant must hold for that, not for our doubles.
-  require_valid(read_glb(std::string_view(bytes)).mesh);
-
-  CaseAnatomy out;
-  out.name = nodes.name;
-  out.colour_rgb = recipe.colour_rgb;
-  out.opacity = recipe.opacity_ratio;
-  out.triangles = surface.triangles.size();
-  out.points = surface.points_mm.size();
-  out.volume_ml = volume_mm3(surface) / 1000;
-  out.area_cm2 = area_mm2(surface) / 100;
-  out.deviation = {number(measured, "deviation_max_mm"), number(measured, "deviation_p99_mm"),
-                   number(measured, "deviation_rms_mm")};
-  add_budget(run, recipe, out);
-
-  AnatomyResult result;
-  result.name = nodes.name;
-  const Report& decimated = run.report_of(nodes.name + ".decimate");
-  result.triangles_before = static_cast<std::int64_t>(number(run.at(nodes.first_surface).report, "triangles_count"));
-  result.triangles_after = static_cast<std::int64_t>(out.triangles);
-  result.bytes_after = bytes.size();
-  // A GLB is 24 bytes a vertex (position, normal) and 12 a triangle; a closed surface has half as many points.
-  result.bytes_before = static_cast<std::uint64_t>(result.triangles_before) * 24;
-  result.deviation_max_mm = out.deviation.max_mm;
-  result.deviation_p99_mm = out.deviation.p99_mm;
-  result.deviation_rms_mm = out.deviation.rms_mm;
-  result.volume_ml = out.volume_ml;
-  result.stopped_by = text(decimated, "stopped_by");
-  for (const RecipeStep& step : recipe.steps) {
-    const int node = run.graph.find(nodes.name + "." + step.type->name);
-    if (node < 0) continue;
-    result.seconds += run.at(node).seconds;
-    for (const auto& f : run.at(node).report.figures)
-      out.figures.emplace_back(step.type->name + "." + f.first, f.second);
-  }
-  for (const SceneAnatomy& limit : run.config.scene)
-    if (limit.name == nodes.name) hold_against_limits(limit, result);
-
-  const CaseFile file = describe_case_file("meshes/" + nodes.name, ".glb", bytes);
-  out.file = file.name;
-  run.manifest.files.push_back(file);
-  run.manifest.anatomies.push_back(std::move(out));
-  run.anatomies.push_back(result);
-  return bytes;
-}
-
-void fill_provenance(Run& run, const std::string& input_hash) {
-  CaseManifest& m = run.manifest;
-  m.case_token = run.config.case_token;
-  m.landmarks = run.config.landmarks;
-  m.face_policy = run.config.face.empty() ? "none" : run.config.face;
-  m.face_reason = run.config.face_reason;
-  m.program_version = "trephine " + run.request.program_version;
-  m.input_sha256 = input_hash;
-  // Of the stages that the case was made by, and no others: parameters of what the scene does not demand change no
-  // byte.
-  for (const Node& node : run.graph.nodes)
-    for (const Parameter& p : node.params.set->parameters)
-      m.parameters.emplace_back(node.name + "." + p.name, node.params.get(p));
-}
-
-// The middle of the first surface's bounds, joined with the others', to whole mm: exact in float32 like the surfaces'
-// own.
-Vec3 center_of(const Run& run) {
-  Bounds all;
-  for (const Graph::Anatomy& a : run.graph.anatomies) {
-    const Bounds b = bounds_of(run.mesh(a.surface));
-    for (int i = 0; i < 3; ++i) {
-      all.min_mm[i] = std::min(all.min_mm[i], b.min_mm[i]);
-      all.max_mm[i] = std::max(all.max_mm[i], b.max_mm[i]);
-    }
-  }
-  const Vec3 c = (all.min_mm + all.max_mm) / 2;
-  return {std::round(c.x), std::round(c.y), std::round(c.z)};
-}
 
 std::string hash_input(Run& run, const Progress& cancelled) {
   try {
@@ -272,15 +128,6 @@ void tell_warnings(Run& run) {
   for (const std::string& w : run.warnings) log_warning(run.config.case_token + ": " + w);
 }
 
-std::vector<CasePicture> make_pictures(const Run& run, const Progress& cancelled) {
-  std::vector<PictureAnatomy> shown;
-  for (const Graph::Anatomy& a : run.graph.anatomies) {
-    const RecipeAnatomy& recipe = *run.config.find_anatomy(a.name);
-    shown.push_back({a.name, &run.mesh(a.surface), recipe.colour_rgb, recipe.opacity_ratio});
-  }
-  return make_case_pictures(*std::get<std::shared_ptr<const HuVolume>>(run.at(0).data), shown, cancelled);
-}
-
 // Pictures of an older state of the case would be taken for this one's.
 void remove_other_pictures(const fs::path& folder, const std::vector<CasePicture>& pictures) {
   std::error_code ignored;
@@ -295,13 +142,11 @@ void remove_other_pictures(const fs::path& folder, const std::vector<CasePicture
 
 // Everything is made and may be published: from here on nothing but the disk can stop it. The pictures are not part of
 // the case's bytes; they are written last before case.json, so that both change at nearly the same moment.
-void publish(const Run& run, const fs::path& folder, const std::vector<std::string>& glbs,
-             const std::vector<CasePicture>& pictures) {
-  for (std::size_t i = 0; i < glbs.size(); ++i)
-    write_case_file(folder, "meshes/" + run.graph.anatomies[i].name, ".glb", glbs[i]);
-  for (const CasePicture& p : pictures) write_file(folder / "report" / p.name, p.png);
-  publish_case(folder, run.manifest);
-  remove_other_pictures(folder / "report", pictures);
+void publish(const Run& run, const fs::path& folder, const CaseContent& content) {
+  for (const CaseContent::File& f : content.files) write_case_file(folder, f.stem, f.extension, f.bytes);
+  for (const CasePicture& p : content.pictures) write_file(folder / "report" / p.name, p.png);
+  publish_case(folder, content.manifest);
+  remove_other_pictures(folder / "report", content.pictures);
   try {
     remove_unnamed_case_files(folder);
   } catch (const std::exception& e) {  // the case is published, whatever is left beside it
@@ -359,25 +204,20 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     run.results = execute(run.graph, wanted_nodes(run.graph, request.params.pictures), execution, observer);
     tell_warnings(run);
 
-    run.manifest.center_mm = center_of(run);
-    fill_provenance(run, execution.input_sha256);
-    std::vector<std::string> glbs;
-    for (std::size_t i = 0; i < run.graph.anatomies.size(); ++i) {
-      cancelled.check();
-      glbs.push_back(finish_anatomy(run, i));
-    }
-    const auto pictures = request.params.pictures ? make_pictures(run, cancelled) : std::vector<CasePicture>{};
+    const CaseContent content =
+        make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version,
+                          execution.input_sha256, request.params.pictures, cancelled);
     cancelled.check();
-    publish(run, folder, glbs, pictures);
+    publish(run, folder, content);
     cache.shrink_to(static_cast<std::uint64_t>(request.params.cache_limit_mb) * 1'000'000);
 
     RunResult result;
     result.case_folder = folder;
     result.case_token = token;
-    result.anatomies = run.anatomies;
+    result.anatomies = content.anatomies;
     result.warnings = run.warnings;
-    result.table = case_table(run.anatomies);
-    result.json = run_json(run.graph, run.results, run.folder, run.anatomies, run.warnings,
+    result.table = case_table(content.anatomies);
+    result.json = run_json(run.graph, run.results, run.folder, content.anatomies, run.warnings,
                            std::chrono::duration<double>(Clock::now() - start).count());
     write_file(folder / "run.json", result.json);
     return result;

@@ -279,6 +279,23 @@ std::optional<std::vector<double>> MapReader::numbers(const std::string& key, st
   return {};
 }
 
+std::optional<YamlNode> read_yaml_or_fault(const std::filesystem::path& file, ConfigFaults& faults) {
+  try {
+    return read_yaml(file);
+  } catch (const ErrorList& e) {
+    for (const Error& one : e.all()) faults.add(one);
+  } catch (const Error& e) {
+    faults.add(e);
+  }
+  return {};
+}
+
+void MapReader::parameters(AnyParams& params) {
+  for (const Parameter& p : params.set->parameters)
+    if (const YamlNode* value = any(p.name))
+      if (const std::string what = set_parameter(params, p, *value); !what.empty()) fault(*value, p.name, what);
+}
+
 std::string set_parameter(AnyParams& params, const Parameter& parameter, const YamlNode& value) {
   std::vector<std::string> items;
   std::string shown;

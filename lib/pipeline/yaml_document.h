@@ -43,6 +43,9 @@ class ConfigFaults {
 /// repeated key, nesting above 32, a file above 1 MiB or bytes that are not UTF-8 text.
 YamlNode read_yaml(const std::filesystem::path& file);
 
+/// read_yaml for a file that another one names: nothing where it cannot be read, its faults added to the others'.
+std::optional<YamlNode> read_yaml_or_fault(const std::filesystem::path& file, ConfigFaults& faults);
+
 /// Reads a map whose keys are known in advance: unknown keys are faults that name the nearest known one, and every node
 /// is checked to be of the kind that its reader wants.
 class MapReader {
@@ -66,6 +69,8 @@ class MapReader {
     if (!node_.find(key)) fault(node_, key, "is missing");
     return T{};
   }
+  /// Every parameter of the set that has a key here.
+  void parameters(AnyParams& params);
   void fault(const YamlNode& at, const std::string& key, const std::string& what);
   std::string path_of(const std::string& key) const { return where_.empty() ? key : where_ + "." + key; }
 

@@ -5,8 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/write_file.h"
 #include "grid/nrrd.h"
 #include "meshio/vtp.h"
+#include "voxel/haptic_file.h"
 
 namespace trephine {
 namespace {
@@ -25,15 +27,30 @@ ParameterValue value_of(const Json& j) {
   return j.get<std::vector<double>>();
 }
 
+constexpr std::uint64_t max_cutters_bytes = 64 << 20;
+
 }  // namespace
 
+DataKind kind_of(const StageData& data) {
+  constexpr DataKind kinds[] = {DataKind::nothing, DataKind::volume, DataKind::field,
+                                DataKind::mesh,    DataKind::haptic, DataKind::cutters};
+  return kinds[data.index()];
+}
+
 const char* file_extension(DataKind kind) {
-  return kind == DataKind::mesh ? ".vtp" : kind == DataKind::nothing ? ".json" : ".nrrd";
+  switch (kind) {
+    case DataKind::mesh:
+      return ".vtp";
+    case DataKind::cutters:
+    case DataKind::nothing:
+      return ".json";
+    default:
+      return ".nrrd";
+  }
 }
 
 void save_data(const std::filesystem::path& file, const StageData& data) {
-  const bool is_mesh = std::holds_alternative<std::shared_ptr<const TriMesh>>(data);
-  const char* extension = file_extension(is_mesh ? DataKind::mesh : DataKind::field);
+  const char* extension = file_extension(kind_of(data));
   if (file.extension() != extension)
     throw Error(ExitCode::usage, file.string(), "output", std::string("must end in ") + extension);
   if (const auto* volume = std::get_if<std::shared_ptr<const HuVolume>>(&data))
@@ -42,6 +59,10 @@ void save_data(const std::filesystem::path& file, const StageData& data) {
     write_nrrd(file, **field, {{"content", "field"}});
   else if (const auto* mesh = std::get_if<std::shared_ptr<const TriMesh>>(&data))
     write_vtp(file, **mesh);
+  else if (const auto* haptic = std::get_if<std::shared_ptr<const HapticVolume>>(&data))
+    write_haptic(file, **haptic);
+  else if (const auto* cutters = std::get_if<std::shared_ptr<const std::vector<Cutter>>>(&data))
+    write_file(file, cutters_json(**cutters));
 }
 
 StageData load_data(const std::filesystem::path& file, DataKind kind) {
@@ -52,6 +73,13 @@ StageData load_data(const std::filesystem::path& file, DataKind kind) {
       return std::make_shared<const Field>(read_field_nrrd(file));
     case DataKind::mesh:
       return std::make_shared<const TriMesh>(read_vtp(file));
+    case DataKind::haptic:
+      return std::make_shared<const HapticVolume>(read_haptic(file));
+    case DataKind::cutters: {
+      const std::vector<char> bytes = read_file(file, max_cutters_bytes);
+      return std::make_shared<const std::vector<Cutter>>(
+          with_file(file.string(), [&] { return parse_cutters_json(std::string(bytes.begin(), bytes.end())); }));
+    }
     case DataKind::nothing:
       break;
   }

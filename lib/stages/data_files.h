@@ -7,7 +7,9 @@
 
 namespace trephine {
 
-/// Stage data as files, value for value: volumes and fields .nrrd, surfaces .vtp with double points.
+/// Stage data as files, value for value: volumes, fields and haptic volumes .nrrd, surfaces .vtp with double points,
+/// cutters .json.
+DataKind kind_of(const StageData& data);
 const char* file_extension(DataKind kind);
 /// Through the checked writer; throws 73 and 74. The extension must be the kind's (64).
 void save_data(const std::filesystem::path& file, const StageData& data);

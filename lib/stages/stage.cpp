@@ -11,6 +11,10 @@ const char* to_text(DataKind kind) {
       return "field";
     case DataKind::mesh:
       return "surface";
+    case DataKind::haptic:
+      return "haptic volume";
+    case DataKind::cutters:
+      return "list of cutters";
     case DataKind::nothing:
       return "report";
   }

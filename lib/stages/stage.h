@@ -10,22 +10,26 @@
 #include "base/params.h"
 #include "base/progress.h"
 #include "base/report.h"
+#include "boolean/cutter.h"
 #include "grid/grid.h"
 #include "surface/trimesh.h"
+#include "voxel/haptic_volume.h"
 
 namespace trephine {
 
 /// A stage is a library function with its parameters declared and its inputs named, so that `run` (data in memory) and
 /// the single tools (data in files) call one and the same thing. One stage a file in this folder.
 
-enum class DataKind { volume, field, mesh, nothing };
+enum class DataKind { volume, field, mesh, haptic, cutters, nothing };
 const char* to_text(DataKind kind);
 
 /// What stages hand each other; shared, never modified once made.
 using StageData = std::variant<std::monostate, std::shared_ptr<const HuVolume>, std::shared_ptr<const Field>,
-                               std::shared_ptr<const TriMesh>>;
+                               std::shared_ptr<const TriMesh>, std::shared_ptr<const HapticVolume>,
+                               std::shared_ptr<const std::vector<Cutter>>>;
 
-/// An input of a stage. The first port of a stage takes the output of the stage before it in a recipe.
+/// An input of a stage. A name that ends in ".*" stands for any number of them ("cutters.*": cutters.1, ...). The first
+/// port of a stage takes the output of the stage before it in a recipe.
 struct Port {
   std::string name;
   DataKind kind = DataKind::volume;
@@ -44,6 +48,14 @@ struct StageInputs {
     const auto* data = std::get_if<std::shared_ptr<const T>>(&found->second);
     return data ? data->get() : nullptr;
   }
+  /// Those of the ports "<group>.<rest>", by rest.
+  template <class T>
+  std::map<std::string, const T*> all(const std::string& group) const {
+    std::map<std::string, const T*> found;
+    for (const auto& [port, data] : by_port)
+      if (port.rfind(group + ".", 0) == 0) found[port.substr(group.size() + 1)] = get<T>(port);
+    return found;
+  }
 };
 
 struct StageType {
@@ -60,7 +72,8 @@ struct StageType {
   const Port* find_port(const std::string& port) const;
 };
 
-/// All stages that work on data, in the order of a recipe.
+/// The stages of which a recipe is made, in its order. Others serve the whole case (stages/burr_hole.h, cut.h,
+/// haptic.h).
 const std::vector<StageType>& stage_types();
 const StageType* find_stage(const std::string& name);
 

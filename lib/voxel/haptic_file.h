@@ -8,6 +8,9 @@
 
 namespace trephine {
 
+/// The key by which a haptic volume's NRRD is known.
+constexpr const char* haptic_file_key = "trephine-haptic";
+
 /// A haptic volume as NRRD (int16, raw, LPS; 3D Slicer opens it) whose keys say what the values mean:
 ///   trephine-haptic  {"version": 1, "encoding": "occupancy", "shapes": [{"name", "number", "window": [low, high]}]}
 /// Hardness is a second file of its own. The bytes are the same for the same volume.

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/error.h"
+#include "boolean/cut_surface.h"
+#include "stages/cut.h"
+
+namespace trephine {
+
+std::vector<Cutter> cutters_of(const StageInputs& inputs) {
+  std::vector<Cutter> all;
+  for (const auto& [name, cutters] : inputs.all<std::vector<Cutter>>("cutters"))
+    all.insert(all.end(), cutters->begin(), cutters->end());
+  return all;
+}
+
+Cutter widened(Cutter cutter, double by_mm) {
+  if (by_mm == 0) return cutter;
+  if (cutter.kind == Cutter::Kind::mesh)
+    throw Error(ExitCode::bad_config, "", "widen_mm", "a cutter that is a mesh cannot be made wider");
+  cutter.radius_mm += by_mm;
+  cutter.end_radius_mm += by_mm;
+  for (double& r : cutter.radii_mm) r += by_mm;
+  return cutter;
+}
+
+StageType boolean_stage(double widen_mm) {
+  StageType s;
+  s.name = "boolean";
+  s.version = 1;
+  s.summary = "cuts burr holes and other solids out of a surface";
+  s.description =
+      "Exact corefinement in a bounded child process; operands and result are checked: closed, 2-manifold, free of "
+      "self-intersections. The removed volume is held against the exact one.";
+  s.ports = {{"surface", DataKind::mesh, true, "closed surface"},
+             {"cutters.*", DataKind::cutters, true, "what is cut away"}};
+  s.output = DataKind::mesh;
+  s.make_params = [] { return AnyParams::make<CutSurfaceParams>(); };
+  s.run = [widen_mm](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    std::vector<Cutter> cutters = cutters_of(in);
+    for (Cutter& c : cutters) c = widened(std::move(c), widen_mm);
+    return std::make_shared<const TriMesh>(
+        cut_surface(*in.get<TriMesh>("surface"), cutters, params.as<CutSurfaceParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

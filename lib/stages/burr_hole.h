@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <map>
+#include <string>
+
+#include "base/params.h"
+#include "boolean/burr_hole.h"
+#include "stages/stage.h"
+
+namespace trephine {
+
+/// A burr hole as a configuration or a command line asks for it.
+struct BurrHoleParams {
+  BurrHoleRequest::At at = BurrHoleRequest::At::kocher;
+  BurrHoleRequest::Side side = BurrHoleRequest::Side::right;
+  double diameter_mm = BurrHoleRequest().diameter_mm;
+  double along_mm = BurrHoleRequest().along_mm;
+  double lateral_mm = BurrHoleRequest().lateral_mm;
+  std::array<double, 3> position_mm{0, 0, 0};
+  std::array<double, 3> direction{0, 0, 0};
+  std::string toward;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = BurrHoleParams;
+    v.choice(&P::at, "at", {{"kocher", BurrHoleRequest::At::kocher}, {"position", BurrHoleRequest::At::position}},
+             "Where: Kocher's point, from the landmarks, or position_mm.");
+    v.choice(&P::side, "side", {{"right", BurrHoleRequest::Side::right}, {"left", BurrHoleRequest::Side::left}},
+             "Kocher's point of the patient's right or left side.");
+    v.number(&P::diameter_mm, "diameter_mm", Range{1, 60}, "Diameter of the hole.");
+    v.number(&P::along_mm, "along_mm", Range{10, 250},
+             "Kocher's point: so far from the nasion, over the midline of the skin.");
+    v.number(&P::lateral_mm, "lateral_mm", Range{0, 100}, "Kocher's point: and so far to the side, over the skin.");
+    v.numbers(&P::position_mm, "position_mm", Range{-1e5, 1e5}, "With at: position; on or above the skull, LPS.");
+    v.numbers(&P::direction, "direction", Range{-1, 1},
+              "Axis into the head; 0, 0, 0: towards `toward`, else perpendicular to the skull.");
+    v.text(&P::toward, "toward", "Landmark that the axis points at.");
+  }
+};
+
+/// Throws Error with that code, naming the field, where the parameters contradict each other or `toward` is no
+/// landmark.
+BurrHoleRequest request_of(const BurrHoleParams& params, const std::string& name,
+                           const std::map<std::string, Vec3>& landmarks_mm, ExitCode code);
+
+/// Places one burr hole. Ports: skull, and skin where it is known. Output: its cutter.
+StageType burr_hole_stage(const std::string& name, std::map<std::string, Vec3> landmarks_mm);
+
+}  // namespace trephine

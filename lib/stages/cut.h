@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "stages/stage.h"
+
+namespace trephine {
+
+/// Cuts solids, made wider by widen_mm all around, out of a surface. Ports: surface, and "cutters.*".
+StageType boolean_stage(double widen_mm = 0);
+
+/// The cutter with its radii grown. A mesh cannot be: throws 78.
+Cutter widened(Cutter cutter, double by_mm);
+
+/// The cutters of the ports "cutters.*", in the order of the ports' names.
+std::vector<Cutter> cutters_of(const StageInputs& inputs);
+
+}  // namespace trephine

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/error.h"
+#include "boolean/cut_surface.h"
+#include "commands.h"
+#include "grid/nrrd.h"
+#include "meshio/read_mesh.h"
+#include "stage_command.h"
+#include "stages/cut.h"
+#include "stages/data_files.h"
+#include "voxel/cut.h"
+#include "voxel/haptic_file.h"
+
+namespace trephine {
+namespace {
+
+enum class CutterKind { none, cylinder, cone, ellipsoid, sphere };
+
+struct CutterParams {
+  CutterKind kind = CutterKind::none;
+  std::array<double, 3> position_mm{0, 0, 0};
+  std::array<double, 3> direction{0, 0, -1}, across{1, 0, 0};
+  double radius_mm = Cutter().radius_mm, end_radius_mm = Cutter().end_radius_mm;
+  std::array<double, 3> radii_mm = Cutter().radii_mm;
+  double above_mm = Cutter().above_mm, depth_mm = Cutter().depth_mm;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = CutterParams;
+    v.choice(&P::kind, "kind",
+             {{"none", CutterKind::none},
+              {"cylinder", CutterKind::cylinder},
+              {"cone", CutterKind::cone},
+              {"ellipsoid", CutterKind::ellipsoid},
+              {"sphere", CutterKind::sphere}},
+             "A cutter of the values below, besides those of --cutters.");
+    v.numbers(&P::position_mm, "position_mm", Range{-1e5, 1e5},
+              "Cylinder, cone: the axis' entry; sphere, ellipsoid: the centre; LPS.");
+    v.numbers(&P::direction, "direction", Range{-1e5, 1e5}, "Axis, into the body; ellipsoid: its third axis.");
+    v.numbers(&P::across, "across", Range{-1e5, 1e5}, "Ellipsoid: its first axis.");
+    v.number(&P::radius_mm, "radius_mm", Range{0.01, 1000}, "Cylinder, sphere; cone: at the entry.");
+    v.number(&P::end_radius_mm, "end_radius_mm", Range{0, 1000}, "Cone: at its far end.");
+    v.numbers(&P::radii_mm, "radii_mm", Range{0.01, 1000}, "Ellipsoid.");
+    v.number(&P::above_mm, "above_mm", Range{0, 1000}, "Cylinder, cone: how far it reaches out from the entry.");
+    v.number(&P::depth_mm, "depth_mm", Range{0, 1000}, "Cylinder, cone: how far it reaches in from the entry.");
+  }
+};
+
+Vec3 vec(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
+
+Vec3 unit(const std::array<double, 3>& a, const char* flag) {
+  const Vec3 v = vec(a);
+  if (!(norm(v) > 0)) throw Error(ExitCode::usage, "", flag, "0,0,0, must have a length");
+  return normalized(v);
+}
+
+Cutter cutter_of(const CutterParams& p) {
+  Cutter c;
+  c.name = "cutter";
+  c.kind = p.kind == CutterKind::cylinder    ? Cutter::Kind::cylinder
+           : p.kind == CutterKind::cone      ? Cutter::Kind::cone
+           : p.kind == CutterKind::ellipsoid ? Cutter::Kind::ellipsoid
+                                             : Cutter::Kind::sphere;
+  c.position_mm = vec(p.position_mm);
+  c.direction = unit(p.direction, "--direction");
+  // The ellipsoid's first axis is made perpendicular to its third.
+  const Vec3 across = unit(p.across, "--across");
+  c.across = normalized(across - c.direction * dot(across, c.direction));
+  if (c.kind == Cutter::Kind::ellipsoid && !(norm(c.across) > 0.5))
+    throw Error(ExitCode::usage, "", "--across", "must not be parallel to --direction");
+  c.radius_mm = p.radius_mm;
+  c.end_radius_mm = p.end_radius_mm;
+  c.radii_mm = p.radii_mm;
+  c.above_mm = p.above_mm;
+  c.depth_mm = p.depth_mm;
+  check_cutter(c, ExitCode::usage);
+  return c;
+}
+
+std::vector<Cutter> cutters_given(const ParsedCommand& parsed) {
+  std::vector<Cutter> all;
+  const auto& params = parsed.params<CutterParams>();
+  if (params.kind != CutterKind::none) all.push_back(cutter_of(params));
+  for (const std::string& file : parsed.all("cutters")) {
+    const StageData data = load_data(file, DataKind::cutters);
+    const auto& more = *std::get<std::shared_ptr<const std::vector<Cutter>>>(data);
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  for (const std::string& file : parsed.all("cutter_mesh")) {
+    Cutter c;
+    c.kind = Cutter::Kind::mesh;
+    c.name = "mesh_" + std::to_string(all.size() + 1);
+    Report ignored;
+    c.mesh = std::make_shared<const TriMesh>(read_mesh_file(file, ignored));
+    with_file(file, [&] { check_cutter(c, ExitCode::bad_input); });
+    all.push_back(std::move(c));
+  }
+  if (all.empty())
+    throw Error(ExitCode::usage, "", "--cutters, --cutter-mesh, --kind", "nothing to cut with: give one of them");
+  return all;
+}
+
+Report cut_surface_file(const ParsedCommand& parsed, const std::vector<Cutter>& cutters, const Progress& progress) {
+  StageInputs inputs;
+  inputs.by_port["surface"] = load_data(parsed.path("input"), DataKind::mesh);
+  inputs.by_port["cutters.1"] = std::make_shared<const std::vector<Cutter>>(cutters);
+  Report report;
+  save_data(parsed.path("output"),
+            boolean_stage().run(AnyParams::make(parsed.params<CutSurfaceParams>()), inputs, report, progress));
+  return report;
+}
+
+Report cut_haptic_file(const ParsedCommand& parsed, const std::vector<Cutter>& cutters, const Progress& progress) {
+  HapticVolume volume = read_haptic(parsed.path("input"));
+  std::vector<int> numbers;
+  for (const std::string& name : parsed.all("shape")) {
+    const HapticShape* shape = volume.find_shape(name);
+    if (!shape) throw Error(ExitCode::usage, parsed.text("input"), "--shape", name + ", the volume has no such shape");
+    numbers.push_back(shape->number);
+  }
+  Report report;
+  for (const Cutter& c : cutters) {
+    Report one;
+    cut_volume(volume, distance_to(c), bounds_of(c), numbers, one, progress);
+    for (const auto& [name, value] : one.figures) report.figures.emplace_back(c.name + "." + name, value);
+  }
+  write_haptic(parsed.path("output"), volume);
+  return report;
+}
+
+Report cut_field_file(const ParsedCommand& parsed, const std::vector<Cutter>& cutters, const Progress& progress) {
+  Field field = read_field_nrrd(parsed.path("input"));
+  Report report;
+  for (const Cutter& c : cutters) {
+    Report one;
+    cut_field(field, distance_to(c), bounds_of(c), one, progress);
+    for (const auto& [name, value] : one.figures) report.figures.emplace_back(c.name + "." + name, value);
+  }
+  save_data(parsed.path("output"), std::make_shared<const Field>(std::move(field)));
+  return report;
+}
+
+}  // namespace
+
+Command boolean_command() {
+  const StageType stage = boolean_stage();
+  Command c;
+  c.name = stage.name;
+  c.summary = "cuts burr holes and other solids out of a surface, a field or a haptic volume";
+  c.description =
+      stage.description +
+      "\n\nA field or a haptic volume is cut voxel by voxel with the same sub-voxel surface as it was made; "
+      "a shape of a haptic volume never grows by a cut.";
+  c.examples = {"trephine boolean skull.vtp --cutters hole.json --output drilled.vtp",
+                "trephine boolean haptic.nrrd --cutters hole.json --shape skull --shape skin --output drilled.nrrd",
+                "trephine boolean skull.vtp --kind sphere --position-mm 10,-40,60 --radius-mm 8 --output cut.vtp"};
+  Argument input, cutters, mesh, shape, output;
+  input.name = "input";
+  input.help = "Surface (.vtp), field or haptic volume (.nrrd).";
+  input.positional = input.required = true;
+  cutters.name = "cutters";
+  cutters.repeated = true;
+  cutters.help = "Cutters as `burrhole` makes them (.json).";
+  mesh.name = "cutter_mesh";
+  mesh.repeated = true;
+  mesh.help = "A closed surface to cut away (.vtp, .stl, .ply, .obj, .vtk, .glb).";
+  shape.name = "shape";
+  shape.kind = Argument::Kind::text;
+  shape.repeated = true;
+  shape.help = "Haptic volume: a shape to cut; all where none is given.";
+  output.name = "output";
+  output.kind = Argument::Kind::out_file;
+  output.help = "Where the result goes, with the input's extension.";
+  output.required = true;
+  c.arguments = {input, cutters, mesh, shape, output, report_argument()};
+  c.groups = {ParameterGroup::of<CutterParams>("Cutter"), {"Parameters", stage.make_params}};
+  c.run = [](const ParsedCommand& parsed) {
+    const std::string extension = parsed.path("input").extension();
+    if (extension != ".vtp" && extension != ".nrrd")
+      throw Error(ExitCode::usage, parsed.text("input"), "input", "must end in .vtp or .nrrd");
+    if (parsed.path("output").extension() != extension)
+      throw Error(ExitCode::usage, parsed.text("output"), "output", "must end in " + extension + " like the input");
+    const std::vector<Cutter> all = cutters_given(parsed);
+    run_with_report(parsed, [&](const Progress& progress) {
+      if (extension == ".vtp") return cut_surface_file(parsed, all, progress);
+      if (read_nrrd(parsed.path("input")).keys.count(haptic_file_key)) return cut_haptic_file(parsed, all, progress);
+      return cut_field_file(parsed, all, progress);
+    });
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+}  // namespace trephine
