@@ -47,7 +47,28 @@ void write_grid(const std::filesystem::path& file, const Grid<T>& grid, const Nr
   out.commit();
 }
 
-class InputFile {
+// Bytes to read: of a file, or in memory.
+class Input {
+ public:
+  virtual ~Input() = default;
+  virtual std::uint64_t size() const = 0;
+  /// The caller keeps offset + count within size().
+  virtual void read(std::uint64_t offset, char* out, std::uint64_t count) const = 0;
+};
+
+class InputBytes : public Input {
+ public:
+  explicit InputBytes(std::string_view bytes) : bytes_(bytes) {}
+  std::uint64_t size() const override { return bytes_.size(); }
+  void read(std::uint64_t offset, char* out, std::uint64_t count) const override {
+    if (count > 0) std::memcpy(out, bytes_.data() + offset, count);
+  }
+
+ private:
+  std::string_view bytes_;
+};
+
+class InputFile : public Input {
  public:
   explicit InputFile(const std::filesystem::path& path) : name_(path.string()) {
     fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -59,11 +80,11 @@ class InputFile {
     }
     size_ = static_cast<std::uint64_t>(s.st_size);
   }
-  ~InputFile() { ::close(fd_); }
+  ~InputFile() override { ::close(fd_); }
   InputFile(const InputFile&) = delete;
   InputFile& operator=(const InputFile&) = delete;
-  std::uint64_t size() const { return size_; }
-  void read(std::uint64_t offset, char* out, std::uint64_t count) const {
+  std::uint64_t size() const override { return size_; }
+  void read(std::uint64_t offset, char* out, std::uint64_t count) const override {
     while (count > 0) {
       const ssize_t n = ::pread(fd_, out, std::min<std::uint64_t>(count, 1 << 30), static_cast<off_t>(offset));
       if (n < 0 && errno == EINTR) continue;
@@ -82,7 +103,7 @@ class InputFile {
 };
 
 // The header's text up to and with its empty line.
-std::string read_header_text(const InputFile& in) {
+std::string read_header_text(const Input& in) {
   constexpr std::uint64_t limit = 1 << 20;
   std::string text;
   for (std::uint64_t piece = 4096; text.size() < std::min(limit, in.size()); piece *= 4) {
@@ -100,7 +121,7 @@ std::string read_header_text(const InputFile& in) {
 }
 
 template <class S>
-std::vector<S> read_samples(const InputFile& in, std::uint64_t data_begin, const NrrdHeader& h) {
+std::vector<S> read_samples(const Input& in, std::uint64_t data_begin, const NrrdHeader& h) {
   const std::uint64_t wanted = h.lattice.count() * sizeof(S), have = in.size() - data_begin;
   const auto disagree = [&] {
     throw Error(ExitCode::bad_input, "", "sizes",
@@ -160,7 +181,7 @@ AnyGrid from_integers(const Lattice& lattice, const std::vector<S>& samples) {
   return converted<float>(lattice, samples);
 }
 
-AnyGrid read_voxels(const InputFile& in, std::uint64_t at, const NrrdHeader& h) {
+AnyGrid read_voxels(const Input& in, std::uint64_t at, const NrrdHeader& h) {
   switch (h.type) {
     case NrrdType::int16:
       return to_grid(h.lattice, read_samples<std::int16_t>(in, at, h));
@@ -188,6 +209,23 @@ AnyGrid read_voxels(const InputFile& in, std::uint64_t at, const NrrdHeader& h) 
   throw Error(ExitCode::internal, "", "type", "unknown");
 }
 
+template <class T>
+std::string encode_grid(const Grid<T>& grid, const NrrdKeys& keys, NrrdEncoding encoding) {
+  if (grid.voxels.size() != grid.count()) throw Error(ExitCode::internal, "", "sizes", "do not agree with the voxels");
+  std::string out = detail::nrrd_header_text(grid, type_for<T>(), encoding, keys);
+  const std::string_view bytes(reinterpret_cast<const char*>(grid.voxels.data()), grid.voxels.size() * sizeof(T));
+  if (encoding == NrrdEncoding::gzip) return out + detail::gzip_compress(bytes);
+  out.reserve(out.size() + bytes.size());
+  return out.append(bytes);
+}
+
+Nrrd read_all(const Input& in) {
+  const std::string text = read_header_text(in);
+  NrrdHeader h = detail::parse_nrrd_header(text);
+  AnyGrid grid = read_voxels(in, text.size(), h);
+  return {std::move(grid), std::move(h.keys)};
+}
+
 }  // namespace
 
 void write_nrrd(const std::filesystem::path& file, const HuVolume& volume, const NrrdKeys& keys,
@@ -205,16 +243,18 @@ void write_nrrd(const std::filesystem::path& file, const Mask& mask, const NrrdK
 
 Nrrd read_nrrd(const std::filesystem::path& file) {
   const InputFile in(file);
-  try {
-    const std::string text = read_header_text(in);
-    NrrdHeader h = detail::parse_nrrd_header(text);
-    AnyGrid grid = read_voxels(in, text.size(), h);
-    return {std::move(grid), std::move(h.keys)};
-  } catch (Error& e) {
-    e.in_file(file.string());
-    throw;
-  }
+  return with_file(file.string(), [&] { return read_all(in); });
 }
+
+std::string encode_nrrd(const HuVolume& volume, const NrrdKeys& keys, NrrdEncoding encoding) {
+  return std::visit([&](const auto& g) { return encode_grid(g, keys, encoding); }, volume);
+}
+
+std::string encode_nrrd(const Mask& mask, const NrrdKeys& keys, NrrdEncoding encoding) {
+  return encode_grid(mask, keys, encoding);
+}
+
+Nrrd decode_nrrd(std::string_view bytes) { return read_all(InputBytes(bytes)); }
 
 HuVolume read_hu_nrrd(const std::filesystem::path& file) {
   AnyGrid grid = read_nrrd(file).grid;

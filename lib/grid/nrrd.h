@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "grid/grid.h"
@@ -35,6 +36,11 @@ struct Nrrd {
 /// dimension, sizes that disagree with the bytes there (checked before anything is allocated), spacing not positive and
 /// finite, directions not orthogonal, voxels not finite.
 Nrrd read_nrrd(const std::filesystem::path& file);
+
+/// The same in memory: the bytes that write_nrrd writes, and read_nrrd of bytes (65 without a file; never 66).
+std::string encode_nrrd(const HuVolume& volume, const NrrdKeys& keys = {}, NrrdEncoding encoding = NrrdEncoding::raw);
+std::string encode_nrrd(const Mask& mask, const NrrdKeys& keys = {}, NrrdEncoding encoding = NrrdEncoding::gzip);
+Nrrd decode_nrrd(std::string_view bytes);
 
 /// read_nrrd for a caller that needs HU, or a field; a mask is converted.
 HuVolume read_hu_nrrd(const std::filesystem::path& file);

@@ -1,13 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
+
 #include "base/vec3.h"
 #include "voxel/haptic_volume.h"
 
 namespace trephine {
 
-/// Occupancy of one shape, 0 to 1, of a haptic volume: what contact, drilling and the mesher read. Nothing here
-/// allocates, locks or throws; positions that are not finite give 0. The decoder refers to the volume, which must
-/// outlive it; voxels may change meanwhile (drilling), the lattice and the shapes may not.
+/// Occupancy of one shape, 0 to 1, of a haptic volume: what contact, drilling and the mesher read. Nothing here but the
+/// constructor allocates, locks or throws; positions that are not finite, and numbers of no shape, give 0. The decoder
+/// refers to the volume, which must outlive it; voxels may change meanwhile (drilling; they are read through relaxed
+/// atomics), the lattice and the shapes may not.
+///
+/// Encoding `occupancy`: a voxel's occupancy is its share of 255, or of its rest, and trilinear() interpolates these:
+/// where two shapes meet theirs add up to 1, so both surfaces are the same one.
+///
+/// Encoding `hu`, for the window [low, high] of a shape: a voxel in the window has
+///   a(x) = clamp(1/2 + (x - low) / (2 (low + 1000)), 0, 1)
+/// of its HU x (the slope at least that of low + 1000 = 1), which is 1/2 at the low end, and 0 at -1000 and below: it
+/// saturates at air. So has a voxel below every window ("air"; less than 1/2 then). Every other voxel, of another
+/// window, between windows or above them, has 0. trilinear() takes the weights w of the eight voxels and gives
+///   min(a(mean HU of those that are air or in the window), 1 - sum of w of all others)
+/// so that towards air the surface lies where the interpolated HU cross the low end, as that of a contour does, and
+/// midway between the voxels where windows meet. It is continuous, and inside it is between 1/2 and 1.
 class HapticDecoder {
  public:
   explicit HapticDecoder(const HapticVolume& volume);
@@ -24,7 +39,17 @@ class HapticDecoder {
   Vec3 gradient(int number, Vec3 world_mm) const;
 
  private:
+  struct Window {
+    int number = 0, low = 1, high = 0;
+  };
+  double trilinear_at(int number, Vec3 index) const;
+  double trilinear_hu(const Window& window, const int* begin, const double* fraction) const;
+  const Window& window_of(int number) const;
+
   const HapticVolume& volume_;
+  std::array<Window, haptic_max_shapes> windows_{};
+  std::array<Window, haptic_max_shapes + 1> by_number_{};
+  int window_count_ = 0, lowest_ = 0;  ///< lowest_: the lowest low end of all windows
 };
 
 }  // namespace trephine

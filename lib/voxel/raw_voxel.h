@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// Raw values of encoding `occupancy`, for the sources of this module. Nothing here allocates or throws.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "grid/grid.h"
+#include "voxel/haptic_volume.h"
+
+namespace trephine::detail {
+
+/// A voxel's raw value, read so that a thread that drills meanwhile does no harm.
+inline std::int16_t load_voxel(const std::int16_t& voxel) { return __atomic_load_n(&voxel, __ATOMIC_RELAXED); }
+
+struct RawVoxel {
+  int number = 0;     ///< 0: EMPTY, or the value of no shape
+  int share = 0;      ///< 1 to 255 where number > 0
+  bool bare = false;  ///< the rest is EMPTY
+};
+
+inline RawVoxel split(std::int16_t value) {
+  if (value <= haptic_base_step) return {};
+  const int number = value / haptic_base_step, o = value % haptic_base_step;
+  if (number > haptic_max_shapes) return {};
+  if (o >= 1 && o <= haptic_full) return {number, o, false};
+  if (o > haptic_bare_offset && o <= haptic_bare_offset + haptic_full) return {number, o - haptic_bare_offset, true};
+  return {};
+}
+
+inline std::int16_t join(int number, int share, bool bare) {
+  return static_cast<std::int16_t>(haptic_base_step * number + share + (bare ? haptic_bare_offset : 0));
+}
+
+/// The shape to which the rest of a voxel of shape `own` belongs: the other shape whose 26 neighbours here sum up to
+/// the largest occupancy, then the lower number; 0 where there is none.
+inline int other_shape(const Grid<std::int16_t>& voxels, int own, int i, int j, int k) {
+  // In most places one other shape or none is near; the table serves the others.
+  int only = 0, sum_of_only = 0;
+  std::array<int, haptic_max_shapes + 1> sums;
+  bool several = false;
+  const int i0 = std::max(0, i - 1), i1 = std::min(voxels.size[0] - 1, i + 1);
+  const int j0 = std::max(0, j - 1), j1 = std::min(voxels.size[1] - 1, j + 1);
+  const int k0 = std::max(0, k - 1), k1 = std::min(voxels.size[2] - 1, k + 1);
+  for (int z = k0; z <= k1; ++z)
+    for (int y = j0; y <= j1; ++y) {
+      const std::int16_t* row = voxels.voxels.data() + voxels.index(0, y, z);
+      for (int x = i0; x <= i1; ++x) {
+        const RawVoxel v = split(load_voxel(row[x]));
+        if (v.number == 0 || v.number == own) continue;
+        if (!several) {
+          if (only == 0 || only == v.number) {
+            only = v.number;
+            sum_of_only += v.share;
+            continue;
+          }
+          several = true;
+          sums.fill(0);
+          sums[std::size_t(only)] = sum_of_only;
+        }
+        sums[std::size_t(v.number)] += v.share;
+      }
+    }
+  if (!several) return only;
+  return int(std::max_element(sums.begin(), sums.end()) - sums.begin());
+}
+
+/// Share of 255 of shape `number` in the voxel.
+inline int share_of(const Grid<std::int16_t>& voxels, int number, int i, int j, int k) {
+  const RawVoxel v = split(load_voxel(voxels.voxels[voxels.index(i, j, k)]));
+  if (v.number == 0) return 0;
+  if (v.number == number) return v.share;
+  if (v.bare || v.share == haptic_full) return 0;
+  return other_shape(voxels, v.number, i, j, k) == number ? haptic_full - v.share : 0;
+}
+
+}  // namespace trephine::detail

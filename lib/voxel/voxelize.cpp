@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxel/voxelize.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "voxel/cut.h"
+#include "voxel/raw_voxel.h"
+#include "voxel/shape_occupancy.h"
+
+namespace trephine {
+namespace {
+
+constexpr std::int64_t voxels_a_piece = 1 << 16;
+
+// What the shapes so far have of a voxel, of 255: the two largest shares, and all together.
+struct Shares {
+  std::uint8_t first = 0, first_share = 0, second = 0, second_share = 0, sum = 0;
+
+  void add(int number, int share) {
+    sum = std::uint8_t(sum + share);
+    if (share > first_share) {
+      second = first;
+      second_share = first_share;
+      first = std::uint8_t(number);
+      first_share = std::uint8_t(share);
+    } else if (share > second_share) {
+      second = std::uint8_t(number);
+      second_share = std::uint8_t(share);
+    }
+  }
+  // Whether the second shape should get all the rest: that is less wrong than giving it nothing, and nobody grows by
+  // more than a sliver.
+  bool rest_is_seconds() const {
+    const int rest = haptic_full - first_share;
+    return 2 * second_share > rest && rest - second_share <= haptic_full / 4 + 1;
+  }
+};
+
+template <class Each>
+void for_each_piece(std::size_t count, const Progress& progress, const Each& each) {
+  parallel_for(0, std::int64_t(count), voxels_a_piece, [&](std::int64_t from, std::int64_t to) {
+    progress.check();
+    each(std::size_t(from), std::size_t(to), std::size_t(from / voxels_a_piece));
+  });
+}
+
+// Adds a shape to the shares, after those before it; returns the sum of what they had taken already, of 255 each.
+std::int64_t add_shape(std::vector<Shares>& shares, int number, const Grid<std::uint8_t>& occupancy,
+                       const Progress& progress) {
+  std::vector<std::int64_t> taken((shares.size() + voxels_a_piece - 1) / voxels_a_piece, 0);
+  for_each_piece(shares.size(), progress, [&](std::size_t from, std::size_t to, std::size_t piece) {
+    for (std::size_t i = from; i < to; ++i) {
+      const int asked = occupancy.voxels[i];
+      if (asked == 0) continue;
+      const int share = std::min(asked, haptic_full - shares[i].sum);
+      taken[piece] += asked - share;
+      if (share > 0) shares[i].add(number, share);
+    }
+  });
+  return std::accumulate(taken.begin(), taken.end(), std::int64_t{0});
+}
+
+Grid<std::uint8_t> occupancy_of(const VoxelizeShape& shape, const Lattice& lattice, const std::vector<Shares>& shares,
+                                const Progress& progress) {
+  const bool clear = shape.clear_of != nullptr;
+  Grid<std::uint8_t> own = detail::solid_occupancy(*shape.surface, lattice, progress.part(0, clear ? 0.6 : 1));
+  if (!clear) return own;
+  // Only where the shape would get something is it asked how near the other surface is.
+  Grid<std::uint8_t> wanted(lattice, 0);
+  for_each_piece(shares.size(), progress, [&](std::size_t from, std::size_t to, std::size_t) {
+    for (std::size_t i = from; i < to; ++i) wanted.voxels[i] = own.voxels[i] > 0 && shares[i].sum < haptic_full;
+  });
+  const auto left = detail::clear_occupancy(*shape.clear_of, shape.clear_mm, wanted, progress.part(0.6, 1));
+  for_each_piece(shares.size(), progress, [&](std::size_t from, std::size_t to, std::size_t) {
+    for (std::size_t i = from; i < to; ++i)
+      if (wanted.voxels[i]) own.voxels[i] = std::min(own.voxels[i], left.voxels[i]);
+  });
+  return own;
+}
+
+// The raw values. The form (plain or bare) of a voxel does not change what its neighbours read, so that the second pass
+// may run over them in any order.
+Grid<std::int16_t> encode(const Lattice& lattice, const std::vector<Shares>& shares, const Progress& progress) {
+  Grid<std::int16_t> voxels(lattice, haptic_empty);
+  for_each_piece(shares.size(), progress, [&](std::size_t from, std::size_t to, std::size_t) {
+    for (std::size_t i = from; i < to; ++i) {
+      const Shares& s = shares[i];
+      if (s.first_share == 0) continue;
+      // A sliver of a gap between two shapes closes at one half, so that neither shape reads as more than that.
+      const int share = s.rest_is_seconds() ? std::max<int>(s.first_share, haptic_full / 2 + 1) : s.first_share;
+      voxels.voxels[i] = detail::join(s.first, share, false);
+    }
+  });
+  parallel_for(0, lattice.size[2], 1, [&](std::int64_t from, std::int64_t) {
+    progress.check();
+    const int k = int(from);
+    for (int j = 0; j < lattice.size[1]; ++j)
+      for (int i = 0; i < lattice.size[0]; ++i) {
+        const std::size_t at = lattice.index(i, j, k);
+        const Shares& s = shares[at];
+        if (s.first_share == 0 || s.first_share == haptic_full) continue;
+        const int other = detail::other_shape(voxels, s.first, i, j, k);
+        if (other == 0 || (other == s.second && s.rest_is_seconds())) continue;
+        const int share = detail::split(detail::load_voxel(voxels.voxels[at])).share;
+        __atomic_store_n(&voxels.voxels[at], detail::join(s.first, share, true), __ATOMIC_RELAXED);
+      }
+  });
+  return voxels;
+}
+
+void check_shapes(const Lattice& lattice, const std::vector<VoxelizeShape>& shapes) {
+  for (const int n : lattice.size)
+    if (n < 1) throw Error(ExitCode::bad_input, "", "haptic", "the region holds no voxel");
+  if (shapes.empty() || shapes.size() > std::size_t(haptic_max_shapes))
+    throw Error(ExitCode::bad_config, "", "haptic.shapes",
+                std::to_string(shapes.size()) + ", must be 1 to " + std::to_string(haptic_max_shapes));
+  for (const VoxelizeShape& s : shapes)
+    if (!s.surface) throw Error(ExitCode::internal, "", "haptic." + s.name, "has no surface");
+}
+
+}  // namespace
+
+HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& shapes, Report& report,
+                      const Progress& progress) {
+  check_shapes(lattice, shapes);
+  HapticVolume volume;
+  const double ml = lattice.voxel_volume_mm3() / 1000;
+  std::vector<double> overlap_ml;
+  {
+    std::vector<Shares> shares(lattice.count());
+    for (std::size_t n = 0; n < shapes.size(); ++n) {
+      const Progress part =
+          progress.part(0.9 * double(n) / double(shapes.size()), 0.9 * double(n + 1) / double(shapes.size()));
+      with_field("haptic." + shapes[n].name, [&] {
+        const Grid<std::uint8_t> occupancy = occupancy_of(shapes[n], lattice, shares, part);
+        overlap_ml.push_back(double(add_shape(shares, int(n + 1), occupancy, part)) / haptic_full * ml);
+      });
+      volume.shapes.push_back(occupancy_shape(shapes[n].name, int(n + 1)));
+    }
+    volume.voxels = encode(lattice, shares, progress);
+  }
+  check_haptic_volume(volume);
+  std::vector<std::size_t> voxels(shapes.size() + 1, 0);
+  for (const std::int16_t v : volume.voxels.voxels) ++voxels[std::size_t(detail::split(v).number)];
+  for (std::size_t n = 0; n < shapes.size(); ++n) {
+    const std::string& name = shapes[n].name;
+    if (voxels[n + 1] == 0)
+      throw Error(ExitCode::quality, "", "haptic." + name,
+                  overlap_ml[n] > 0 ? "shapes before it fill all that it has of the region" : "no voxel in the region");
+    report.add(name + ".volume_ml", shape_volume_mm3(volume, int(n + 1)) / 1000);
+    report.add(name + ".voxels_count", voxels[n + 1]);
+    report.add(name + ".overlap_ml", overlap_ml[n]);
+  }
+  progress.report(1);
+  return volume;
+}
+
+}  // namespace trephine

@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where the haptic surface lies, against analytic solids; what a path through several shapes reads.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "voxel/cut.h"
+#include "voxel/decode.h"
+#include "voxel_shapes.h"
+
+namespace trephine {
+namespace {
+
+using shapes::Offsets;
+using shapes::offsets_of;
+using shapes::Solid;
+using shapes::uniform;
+
+const std::vector<Vec3> spacings{{0.8, 0.8, 0.8}, {0.4, 0.4, 0.95}};
+
+double smallest(Vec3 v) { return std::min({v.x, v.y, v.z}); }
+
+Lattice lattice_for(const Solid& solid, Vec3 spacing_mm, std::mt19937_64& rng) {
+  const Vec3 anchor{uniform(rng, 0, 1), uniform(rng, 0, 1), uniform(rng, 0, 1)};
+  return shapes::lattice_around(bounds_of(solid.mesh), spacing_mm, shapes::turned(rng), anchor);
+}
+
+Offsets felt(const Solid& solid, const Lattice& lattice) {
+  Report report;
+  const HapticVolume volume = voxelize(lattice, {{"a", &solid.mesh}}, report);
+  const HapticDecoder decoder(volume);
+  return offsets_of(solid.points, 2, [&](Vec3 p) { return decoder.trilinear(1, p); });
+}
+
+TEST(Accuracy, BallsAndEllipsoidsInAnyPose) {
+  std::mt19937_64 rng(1);
+  for (const Vec3 h : spacings)
+    for (int n = 0; n < 4; ++n) {
+      const Vec3 centre{uniform(rng, -50, 50), uniform(rng, -50, 50), uniform(rng, -50, 50)};
+      const Solid solid = n % 2 == 0 ? shapes::ball(6 + 3 * n, centre, 1000, rng)
+                                     : shapes::ellipsoid({5, 9, 14}, centre, shapes::turned(rng), 1000, rng);
+      const Offsets o = felt(solid, lattice_for(solid, h, rng));
+      EXPECT_EQ(o.missed, 0);
+      EXPECT_LT(std::abs(o.bias), 0.03 * smallest(h)) << "solid " << n << " at " << h.x;
+      EXPECT_LT(o.rms, 0.03 * smallest(h));
+      EXPECT_LT(o.worst, 0.2 * smallest(h));
+    }
+}
+
+TEST(Accuracy, PlanesOfEveryDirectionAreExact) {
+  std::mt19937_64 rng(2);
+  for (const Vec3 h : spacings)
+    for (int n = 0; n < 6; ++n) {
+      const Solid solid = shapes::block({6, 8, 10}, {}, shapes::turned(rng), 1.5, 1000, rng);
+      const Offsets o = felt(solid, lattice_for(solid, h, rng));
+      EXPECT_EQ(o.missed, 0);
+      EXPECT_LT(std::abs(o.bias), 0.002 * smallest(h));
+      EXPECT_LT(o.worst, 0.02 * smallest(h));  // the quantum: 2 ramps / 255
+    }
+}
+
+// A sheet is felt from where it is as thick as a voxel is along its normal; below that, sampling cannot promise it.
+TEST(Accuracy, ThinSheetsAreFelt) {
+  std::mt19937_64 rng(3);
+  for (const Vec3 h : spacings)
+    for (const double voxels : {1.02, 1.25, 1.5})
+      for (int n = 0; n < 6; ++n) {
+        const Mat3 pose = shapes::turned(rng), axes = n < 3 ? pose : shapes::turned(rng);
+        const Vec3 along = transpose_times(axes, pose.column[2]);
+        const double side = norm({along.x * h.x, along.y * h.y, along.z * h.z}), thick = voxels * side;
+        const Vec3 centre{uniform(rng, 0, 1), uniform(rng, 0, 1), uniform(rng, 0, 1)};
+        const Solid solid = shapes::block({9, 9, thick / 2}, centre, pose, 3, 400, rng, 2);
+        Report report;
+        const HapticVolume volume =
+            voxelize(shapes::lattice_around(bounds_of(solid.mesh), h, axes), {{"a", &solid.mesh}}, report);
+        const HapticDecoder decoder(volume);
+        for (const auto& s : solid.points) {
+          const Vec3 inner = s.point_mm - s.normal * (thick / 2);
+          ASSERT_GT(decoder.trilinear(1, inner), 0.5) << voxels << " voxels, sheet " << n << " at " << h.x;
+        }
+        const Offsets o = offsets_of(solid.points, 2, [&](Vec3 p) { return decoder.trilinear(1, p); });
+        EXPECT_EQ(o.missed, 0);
+        EXPECT_LT(o.rms, (voxels >= 1.5 ? 0.1 : voxels >= 1.25 ? 0.25 : 0.6) * side) << voxels;
+      }
+}
+
+TEST(Accuracy, Volumes) {
+  std::mt19937_64 rng(4);
+  for (const Vec3 h : spacings) {
+    const Solid ball = shapes::ball(10, {3, 2, 1}, 0, rng);
+    const Solid block = shapes::block({6, 8, 10}, {}, shapes::turned(rng), 0, 0, rng);
+    Report report;
+    const HapticVolume a = voxelize(lattice_for(ball, h, rng), {{"a", &ball.mesh}}, report);
+    const HapticVolume b = voxelize(lattice_for(block, h, rng), {{"b", &block.mesh}}, report);
+    EXPECT_NEAR(shape_volume_mm3(a, 1), 4.0 / 3 * M_PI * 1000, 0.006 * 4.0 / 3 * M_PI * 1000);
+    EXPECT_NEAR(shape_volume_mm3(b, 1), 3840, 0.006 * 3840);
+    EXPECT_EQ(shape_volume_mm3(b, 2), 0);
+    EXPECT_EQ(std::get<double>(*report.find("b.volume_ml")), shape_volume_mm3(b, 1) / 1000);
+  }
+}
+
+// Solids in the order of precedence: each shape is its solid less those before it.
+struct Scene {
+  std::vector<Solid> solids;
+  HapticVolume volume;
+  // Distance to the region of a shape (0 based): at most the true one, and of its sign.
+  double region(std::size_t n, Vec3 p) const {
+    double d = solids[n].distance(p);
+    for (std::size_t e = 0; e < n; ++e) d = std::max(d, -solids[e].distance(p));
+    return d;
+  }
+};
+
+Scene make_scene(std::vector<Solid> solids, Vec3 h, std::mt19937_64& rng) {
+  Scene scene;
+  scene.solids = std::move(solids);
+  std::vector<VoxelizeShape> list;
+  for (std::size_t n = 0; n < scene.solids.size(); ++n)
+    list.push_back({"shape_" + std::to_string(n + 1), &scene.solids[n].mesh});
+  Bounds all;
+  for (const Solid& s : scene.solids) {
+    const Bounds b = bounds_of(s.mesh);
+    for (int a = 0; a < 3; ++a) {
+      all.min_mm[a] = std::min(all.min_mm[a], b.min_mm[a]);
+      all.max_mm[a] = std::max(all.max_mm[a], b.max_mm[a]);
+    }
+  }
+  const Vec3 anchor{uniform(rng, 0, 1), uniform(rng, 0, 1), uniform(rng, 0, 1)};
+  Report report;
+  scene.volume = voxelize(shapes::lattice_around(all, h, shapes::turned(rng), anchor), list, report);
+  return scene;
+}
+
+std::vector<Scene> scenes(Vec3 h, std::mt19937_64& rng) {
+  const Mat3 pose = shapes::turned(rng);
+  std::vector<Scene> all;
+  // Nested: a ball in a ball; ventricle, brain, a skull whose inside is the brain, skin. The skull is 1.9 to 2.5 mm.
+  all.push_back(make_scene({shapes::ball(7, {1, 0, 0}, 1000, rng), shapes::ball(13, {}, 1000, rng)}, h, rng));
+  all.push_back(make_scene(
+      {shapes::ball(5, {0, 2, 0}, 1000, rng), shapes::ellipsoid({9, 12, 10}, {}, pose, 1000, rng),
+       shapes::ellipsoid({11, 14.5, 12}, {}, pose, 1000, rng), shapes::ellipsoid({14, 17, 15}, {}, pose, 1000, rng)},
+      h, rng));
+  // Touching: two blocks that share a face.
+  all.push_back(make_scene({shapes::block({6, 7, 8}, {}, pose, 2, 1000, rng),
+                            shapes::block({5, 7, 8}, pose * Vec3{11, 0, 0}, pose, 2, 1000, rng)},
+                           h, rng));
+  return all;
+}
+
+// A path reads a shape only where that shape is: never a third one between two, nor one from the air beside another.
+TEST(NoThirdShape, OnRandomPaths) {
+  std::mt19937_64 rng(5);
+  for (const Vec3 h : spacings)
+    for (const Scene& scene : scenes(h, rng)) {
+      const HapticDecoder decoder(scene.volume);
+      const Lattice& l = scene.volume.voxels;
+      const double half_diagonal = norm(h) / 2;
+      for (int path = 0; path < 600; ++path) {
+        Vec3 end[2];
+        for (Vec3& e : end)
+          e = l.to_world_mm({uniform(rng, 0, l.size[0]), uniform(rng, 0, l.size[1]), uniform(rng, 0, l.size[2])});
+        for (int step = 0; step <= 100; ++step) {
+          const Vec3 p = end[0] + (end[1] - end[0]) * (step / 100.0);
+          double sum = 0;
+          for (std::size_t n = 0; n < scene.solids.size(); ++n) {
+            const double o = decoder.trilinear(int(n + 1), p), region = scene.region(n, p);
+            sum += o;
+            if (o > 0.5) {
+              ASSERT_LT(region, 0.26 * norm(h)) << "shape " << n + 1 << " reads " << o;
+            }
+            if (decoder.nearest(int(n + 1), p) > 0.5) {
+              ASSERT_LT(region, half_diagonal + 0.26 * norm(h));
+            }
+            if (o > 0) {
+              ASSERT_LT(region, norm(h) + 2 * half_diagonal);
+            }
+          }
+          ASSERT_LE(sum, 1 + 1e-9);
+        }
+      }
+    }
+}
+
+TEST(NoThirdShape, InVoxels) {
+  std::mt19937_64 rng(6);
+  for (const Vec3 h : spacings)
+    for (const Scene& scene : scenes(h, rng)) {
+      const HapticDecoder decoder(scene.volume);
+      const Lattice& l = scene.volume.voxels;
+      std::size_t of_two = 0;
+      for (int k = 0; k < l.size[2]; ++k)
+        for (int j = 0; j < l.size[1]; ++j)
+          for (int i = 0; i < l.size[0]; ++i) {
+            const Vec3 centre = l.to_world_mm({double(i), double(j), double(k)});
+            int shapes_here = 0;
+            for (std::size_t n = 0; n < scene.solids.size(); ++n) {
+              const double o = decoder.occupancy(int(n + 1), i, j, k), region = scene.region(n, centre);
+              shapes_here += o > 0;
+              // A shape has a share only where its own surface is within the ramp, and more than half only inside
+              // (a sliver of a gap apart).
+              if (o > 0) {
+                ASSERT_LT(region, norm(h));
+              }
+              if (o > 0.5) {
+                ASSERT_LT(region, 0.26 * norm(h)) << o;
+              }
+              if (region < -2 * norm(h)) {
+                ASSERT_EQ(o, 1);
+              }
+            }
+            of_two += shapes_here == 2;
+            ASSERT_LE(shapes_here, 2);
+          }
+      EXPECT_GT(of_two, 500u);
+    }
+}
+
+TEST(TwoShapes, ShareTheirSurface) {
+  std::mt19937_64 rng(7);
+  for (const Vec3 h : spacings) {
+    const std::vector<Scene> all = scenes(h, rng);
+    for (std::size_t at = 0; at < all.size(); ++at) {
+      const Scene& scene = all[at];
+      const HapticDecoder decoder(scene.volume);
+      for (std::size_t n = 0; n < scene.solids.size(); ++n) {
+        const int number = int(n + 1);
+        std::vector<shapes::SurfacePoint> shared, free;
+        for (const auto& s : scene.solids[n].points) {
+          // Whose surface is it on the far side?
+          const bool other =
+              at == 2 ? std::abs(scene.solids[1 - n].distance(s.point_mm)) < 1e-6 : n + 1 < scene.solids.size();
+          (other ? shared : free).push_back(s);
+        }
+        const auto own = [&](Vec3 p) { return decoder.trilinear(number, p); };
+        const Offsets outer = offsets_of(free, 1.5, own), inner = offsets_of(shared, 1.5, own);
+        EXPECT_EQ(outer.missed + inner.missed, 0);
+        EXPECT_LT(std::abs(outer.bias), 0.05 * smallest(h)) << at << " " << number;
+        EXPECT_LT(std::abs(inner.bias), 0.05 * smallest(h)) << at << " " << number;
+        EXPECT_LT(outer.rms, 0.1 * smallest(h)) << at << " " << number;
+        EXPECT_LT(inner.rms, 0.1 * smallest(h)) << at << " " << number;
+        const int beyond = at == 2 ? 3 - number : number + 1;
+        for (const auto& s : shared) {
+          // (The skull is thinner than two ramps: some of its voxels are three shapes'.)
+          const double sum = own(s.point_mm) + decoder.trilinear(beyond, s.point_mm);
+          ASSERT_NEAR(sum, 1, at == 1 ? 0.02 : 1e-9) << "shapes " << number << " and " << beyond;
+        }
+      }
+    }
+  }
+}
+
+TEST(Voxelize, ClearOfASurface) {
+  std::mt19937_64 rng(8);
+  const Solid brain = shapes::ball(8, {}, 0, rng), skull = shapes::ball(14, {}, 0, rng);
+  const Solid skull_hole = shapes::ball(11, {}, 0, rng), skin = shapes::ball(18, {}, 0, rng);
+  // A shell, by parity: the skull's inner surface is a second shell within it.
+  TriMesh shell = skull.mesh;
+  const auto offset = std::uint32_t(shell.points_mm.size());
+  for (const Vec3 p : skull_hole.mesh.points_mm) shell.points_mm.push_back(p);
+  for (const auto& t : skull_hole.mesh.triangles)
+    shell.triangles.push_back({t[0] + offset, t[2] + offset, t[1] + offset});
+  const Lattice l = shapes::lattice_around(bounds_of(skin.mesh), {0.8, 0.8, 0.8});
+  Report report;
+  std::vector<VoxelizeShape> list{{"brain", &brain.mesh}, {"skull", &shell}, {"skin", &skin.mesh, &brain.mesh, 4}};
+  const HapticVolume volume = voxelize(l, list, report);
+  const HapticDecoder decoder(volume);
+  for (int n = 0; n < 2000; ++n) {
+    const Vec3 u = shapes::unit_vector(rng);
+    ASSERT_EQ(decoder.trilinear(3, u * 9.5), 0);  // the gap is nobody's
+    ASSERT_LT(decoder.trilinear(1, u * 9.5) + decoder.trilinear(2, u * 9.5), 0.5);
+    ASSERT_GT(decoder.trilinear(2, u * 12.5), 0.9);
+    ASSERT_GT(decoder.trilinear(3, u * 16), 0.99);
+  }
+  list[2].clear_mm = 2;  // to a radius of 10: between there and the skull is skin again
+  const HapticVolume thinner = voxelize(l, list, report);
+  const HapticDecoder again(thinner);
+  std::vector<shapes::SurfacePoint> points;
+  for (int n = 0; n < 1000; ++n) {
+    const Vec3 u = shapes::unit_vector(rng);
+    points.push_back({u * 10, -u});
+  }
+  const Offsets o = offsets_of(points, 0.6, [&](Vec3 p) { return again.trilinear(3, p); });
+  EXPECT_LT(o.missed, 10);
+  EXPECT_LT(std::abs(o.bias), 0.1 * 0.8);
+}
+
+TEST(Voxelize, SameBytesWhateverTheThreadCount) {
+  std::mt19937_64 rng(9);
+  const Solid a = shapes::ball(9, {}, 0, rng);
+  const Solid b = shapes::ellipsoid({10, 12, 14}, {}, shapes::turned(rng), 0, rng);
+  const Lattice l = shapes::lattice_around(bounds_of(b.mesh), {0.4, 0.4, 0.95});
+  std::vector<HapticVolume> made;
+  for (const int threads : {1, 2, 4}) {
+    set_thread_count(threads);
+    Report report;
+    made.push_back(voxelize(l, {{"a", &a.mesh}, {"b", &b.mesh, &a.mesh, 2.5}}, report));
+    cut_volume(made.back(), a.distance, bounds_of(a.mesh), {2}, report);
+  }
+  set_thread_count(0);
+  EXPECT_EQ(made[0].voxels, made[1].voxels);
+  EXPECT_EQ(made[0].voxels, made[2].voxels);
+}
+
+ExitCode code_of(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e.code();
+  }
+  return ExitCode::ok;
+}
+
+TEST(Voxelize, RefusesWhatItCannotFill) {
+  std::mt19937_64 rng(10);
+  const Solid a = shapes::ball(5, {}, 0, rng, 3), far = shapes::ball(5, {100, 0, 0}, 0, rng, 3);
+  const Solid within = shapes::ball(2, {}, 0, rng, 3);
+  const Lattice l = shapes::lattice_around(bounds_of(a.mesh), {1, 1, 1});
+  TriMesh open = a.mesh;
+  open.triangles.erase(open.triangles.begin(), open.triangles.begin() + 200);
+  Report r;
+  EXPECT_EQ(code_of([&] { voxelize(l, {{"a", &a.mesh}, {"far", &far.mesh}}, r); }), ExitCode::quality);
+  EXPECT_EQ(code_of([&] { voxelize(l, {{"a", &a.mesh}, {"within", &within.mesh}}, r); }), ExitCode::quality);
+  EXPECT_EQ(code_of([&] { voxelize(l, {{"open", &open}}, r); }), ExitCode::bad_input);
+  EXPECT_EQ(code_of([&] { voxelize(l, {}, r); }), ExitCode::bad_config);
+  const TriMesh none;
+  EXPECT_EQ(code_of([&] { voxelize(l, {{"none", &none}}, r); }), ExitCode::bad_input);
+}
+
+TEST(Lattice, CoversTheRegionOnTheAnchorsRaster) {
+  std::mt19937_64 rng(11);
+  VoxelizeParams params;
+  for (int n = 0; n < 200; ++n) {
+    params.spacing_mm = {uniform(rng, 0.3, 1), uniform(rng, 0.3, 1), uniform(rng, 0.3, 1)};
+    const Mat3 axes = n % 2 ? shapes::turned(rng) : Mat3{};
+    const Vec3 anchor{uniform(rng, -99, 99), uniform(rng, -99, 99), uniform(rng, -99, 99)};
+    Bounds region{{uniform(rng, -9, 0), uniform(rng, -9, 0), uniform(rng, -9, 0)},
+                  {uniform(rng, 0, 9), uniform(rng, 0, 9), uniform(rng, 0, 9)}};
+    const Lattice l = haptic_lattice(region, axes, anchor, params);
+    for (int c = 0; c < 8; ++c) {
+      const Vec3 i = l.to_index({c & 1 ? region.min_mm.x : region.max_mm.x, c & 2 ? region.min_mm.y : region.max_mm.y,
+                                 c & 4 ? region.min_mm.z : region.max_mm.z});
+      for (int a = 0; a < 3; ++a) {
+        ASSERT_GE(i[a], -0.5 - 1e-5);
+        ASSERT_LE(i[a], l.size[std::size_t(a)] - 0.5 + 1e-5);
+      }
+    }
+    const Vec3 at_anchor = l.to_index(anchor);
+    for (int a = 0; a < 3; ++a) ASSERT_NEAR(at_anchor[a], std::round(at_anchor[a]), 1e-9);
+    region.max_mm += Vec3{5, 5, 5};
+    EXPECT_NO_THROW(place_in(l, haptic_lattice(region, axes, anchor, params)));
+  }
+  params.spacing_mm = {1, 1, 1};
+  // A region of whole voxels gets no more of them.
+  EXPECT_EQ(haptic_lattice({{-0.5, -1.5, 0.5}, {1.5, 1.5, 3.5}}, {}, {}, params).size, (std::array<int, 3>{2, 3, 3}));
+  params.max_voxels_millions = 0.001;
+  EXPECT_EQ(code_of([&] { haptic_lattice({{0, 0, 0}, {10, 10, 10}}, {}, {}, params); }), ExitCode::bad_config);
+  EXPECT_EQ(code_of([&] { haptic_lattice({{0, 0, 0}, {1e300, 10, 10}}, {}, {}, params); }), ExitCode::bad_config);
+  EXPECT_EQ(code_of([&] { haptic_lattice({{0, 0, 0}, {NAN, 10, 10}}, {}, {}, params); }), ExitCode::bad_config);
+}
+
+}  // namespace
+}  // namespace trephine
