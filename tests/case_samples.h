@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -113,11 +114,14 @@ inline HapticVolume haptic_of(const std::vector<Ball>& balls, Vec3 center_mm, in
       for (int i = 0; i < n; ++i) {
         const Vec3 p = lattice.to_world_mm({double(i), double(j), double(k)}) - center_mm;
         const double r = norm(p) / bump(normalized(p));
-        // The innermost ball that fills at least half of the voxel; else what the outermost fills of it.
+        // The innermost ball that fills at least half of the voxel, or what the outermost fills of it; what the ball
+        // within it fills of the rest is not its own.
+        const auto share = [&](std::size_t b) {
+          return b < balls.size() ? std::clamp(0.5 + (balls[b].radius_mm - r) / side, 0.0, 1.0) : 0.0;
+        };
         for (std::size_t b = balls.size(); b-- > 0;) {
-          const double share = std::min(1.0, 0.5 + (balls[b].radius_mm - r) / side);
-          const int occupancy = int(std::lround(255 * share));
-          if (occupancy < (b == 0 ? 1 : 128)) continue;
+          if (share(b) < (b == 0 ? 0.002 : 0.5)) continue;
+          const int occupancy = std::max(1, int(std::lround(255 * std::min(share(b), 1 - share(b + 1)))));
           v.voxels.at(i, j, int(k)) = std::int16_t(haptic_base_step * (int(b) + 1) + occupancy);
           v.hardness.at(i, j, int(k)) = std::uint8_t(40 * b);
           break;

@@ -3,7 +3,11 @@ if(TARGET trephine-sim)
 add_executable(write_sample_case write_sample_case.cpp)
 target_link_libraries(write_sample_case PRIVATE trephine_cases trephine_voxel)
 # The simulator as its user meets it, and what other people's programs get: each script is a test.
-foreach(script simulator simulator_links case_schema)
+set(scripts simulator case_schema)
+if(NOT TREPHINE_SANITIZE)  # whose libraries and flags somebody else's program lacks
+  list(APPEND scripts simulator_links case_consumer)
+endif()
+foreach(script ${scripts})
   add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
   set_tests_properties(program.${script} PROPERTIES TIMEOUT 600
     ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=$<TARGET_FILE:write_sample_case>;BUILD=${PROJECT_BINARY_DIR}")

@@ -6,6 +6,6 @@ cd "$1" || exit 2
 tool=$(command -v clang-format-14 || command -v clang-format) || { echo "skipped: no clang-format"; exit 77; }
 "$tool" --version | grep -q 'version 14\.' || { echo "skipped: clang-format is not version 14, which lays out otherwise"; exit 77; }
 export tool
-wrong=$(find lib tools simulator tests bench -type f \( -name '*.h' -o -name '*.cpp' \) -print0 2>/dev/null |
+wrong=$(find lib tools simulator examples tests bench -type f \( -name '*.h' -o -name '*.cpp' \) -print0 2>/dev/null |
   xargs -0 -r -n 8 -P 2 bash -c 'for f; do "$tool" "$f" | cmp -s - "$f" || echo "$f"; done' format | sort)
 [ -z "$wrong" ] || { printf '%s\nnot formatted; run clang-format -i on these\n' "$wrong"; exit 1; }
