@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <cstdio>
 #include <list>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "cases/case.h"
 #include "cases/glb.h"
+#include "cli/progress_display.h"
 #include "commands.h"
 #include "meshio/export_mesh.h"
 #include "meshio/label_map.h"
 #include "meshio/read_mesh.h"
 #include "stage_command.h"
+#include "stages/data_files.h"
 
 namespace trephine {
 namespace {
@@ -150,34 +154,48 @@ Input load_input(const ParsedCommand& parsed, Report& report, const Progress& pr
   return input;
 }
 
+struct Exported {
+  std::vector<ExportFile> files;
+  std::vector<std::string> table;  ///< a line a file
+};
+
 // Encodes, has another program read it, and keeps the bytes for the end: nothing is written before all is well.
-void export_one(ExportFormat format, const std::vector<ExportSurface>& surfaces, const std::string& stem,
-                std::vector<ExportFile>& files, Report& report, const Progress& progress) {
+void export_one(ExportFormat format, const std::vector<ExportSurface>& surfaces, const std::string& stem, Exported& out,
+                Report& report, const Progress& progress) {
   auto made = encode_surfaces(format, surfaces, stem, progress.part(0, 0.5));
   const ExportCheck check = verify_export(format, surfaces, made, progress.part(0.5, 1));
-  const std::string name = made.back().name;
-  report.add(name + ".triangles_count", check.triangles);
-  report.add(name + ".bytes", made.back().bytes.size());
-  report.add(name + ".reread_by", check.read_by);
-  report.add(name + ".reread_difference_mm", check.largest_difference_mm);
-  for (ExportFile& f : made) files.push_back(std::move(f));
+  const ExportFile& main = made.back();
+  report.add(main.name + ".triangles_count", check.triangles);
+  report.add(main.name + ".bytes", main.bytes.size());
+  report.add(main.name + ".reread_by", check.read_by);
+  report.add(main.name + ".reread_difference_mm", check.largest_difference_mm);
+  const auto bounds = [&](const char* which, Vec3 v) {
+    report.figures.emplace_back(main.name + which, std::vector<double>{v.x, v.y, v.z});
+  };
+  bounds(".bounds_min_mm", check.bounds_mm.min_mm);
+  bounds(".bounds_max_mm", check.bounds_mm.max_mm);
+  char line[200];
+  std::snprintf(line, sizeof line, "%-24s %11s %8.1f   %-10s %13.2g", main.name.c_str(),
+                grouped_text(static_cast<long long>(check.triangles)).c_str(), double(main.bytes.size()) / 1e6,
+                check.read_by.c_str(), check.largest_difference_mm);
+  out.table.emplace_back(line);
+  for (ExportFile& f : made) out.files.push_back(std::move(f));
 }
 
-std::vector<ExportFile> export_surfaces(const Input& input, const std::vector<ExportFormat>& formats,
-                                        const ExportParams& params, const std::string& together_name, Report& report,
-                                        const Progress& progress) {
-  std::vector<ExportFile> files;
+Exported export_surfaces(const Input& input, const std::vector<ExportFormat>& formats, const ExportParams& params,
+                         const std::string& together_name, Report& report, const Progress& progress) {
+  Exported out;
   const std::size_t groups = params.together ? 1 : input.surfaces.size(), all = groups * formats.size();
   for (std::size_t g = 0; g < groups; ++g)
     for (std::size_t f = 0; f < formats.size(); ++f) {
       const double done = double(g * formats.size() + f);
       const Progress part = progress.part(done / double(all), (done + 1) / double(all));
       if (params.together)
-        export_one(formats[f], input.surfaces, together_name, files, report, part);
+        export_one(formats[f], input.surfaces, together_name, out, report, part);
       else
-        export_one(formats[f], {input.surfaces[g]}, input.surfaces[g].name, files, report, part);
+        export_one(formats[f], {input.surfaces[g]}, input.surfaces[g].name, out, report, part);
     }
-  return files;
+  return out;
 }
 
 // The recipes' colours, and some that can be told apart.
@@ -192,8 +210,7 @@ std::array<double, 3> label_colour(const Input& input, const std::string& name, 
   return others[number % 6];
 }
 
-void export_labels(const ParsedCommand& parsed, const Input& input, const fs::path& file, Report& report,
-                   const Progress& progress) {
+LabelMap label_map_of(const ParsedCommand& parsed, const Input& input, Report& report, const Progress& progress) {
   std::list<Field> fields;
   std::vector<LabelledField> shapes;
   for (const std::string& item : items_of(parsed, "labels")) {
@@ -207,35 +224,46 @@ void export_labels(const ParsedCommand& parsed, const Input& input, const fs::pa
     shapes.push_back({&fields.back(), name, label_colour(input, name, shapes.size())});
     progress.check();
   }
-  write_label_map(file, make_label_map(shapes, report, progress));
+  return make_label_map(shapes, report, progress);
 }
 
-Report run_export(const ParsedCommand& parsed, const Progress& progress) {
+void check_combination(const ParsedCommand& parsed, const Formats& formats) {
   const auto& params = parsed.params<ExportParams>();
-  const Formats formats = formats_of(parsed);
   if (!params.name.empty()) check_name("--name", params.name);
   if (formats.labels != parsed.has("labels")) usage("--labels", "and --format seg.nrrd belong together");
   if (!formats.surfaces.empty() && !parsed.has("input")) usage("INPUT", "is needed for surfaces: a case or a file");
   if (params.together)
     for (const ExportFormat f : formats.surfaces)
       if (!holds_several_surfaces(f)) usage("--together", std::string(name_of(f)) + " holds one surface a file");
+}
 
-  Report report;
+// Fills the report (for --report) and returns what is printed.
+std::string run_export(const ParsedCommand& parsed, Report& report, const Progress& progress) {
+  const auto& params = parsed.params<ExportParams>();
+  const Formats formats = formats_of(parsed);
+  check_combination(parsed, formats);
   const Input input = load_input(parsed, report, progress.part(0, 0.1));
   if (!formats.surfaces.empty() && input.surfaces.empty())
     throw Error(ExitCode::bad_input, parsed.text("input"), "", "holds no surface");
   std::string stem = params.name;
-  if (stem.empty() && params.together) {
+  if (stem.empty() && params.together)
     stem = input.manifest.case_token.empty() ? input.surfaces.at(0).name : input.manifest.case_token;
-  }
+
   const fs::path out = parsed.path("out");
-  const auto files = export_surfaces(input, formats.surfaces, params, stem, report, progress.part(0.1, 0.9));
+  const Exported exported = export_surfaces(input, formats.surfaces, params, stem, report, progress.part(0.1, 0.8));
+  std::string text;
+  if (!exported.table.empty()) text = "file                       triangles       MB   re-read by   off by, mm\n";
+  for (const std::string& line : exported.table) text += line + "\n";
+  Report labels;
+  LabelMap map;
+  if (formats.labels) map = label_map_of(parsed, input, labels, progress.part(0.8, 0.95));
   make_output_folder(out);
-  write_export(out, files);
+  write_export(out, exported.files);
   if (formats.labels)
-    export_labels(parsed, input, out / ((params.name.empty() ? "labels" : params.name) + "." + labels_format), report,
-                  progress.part(0.9, 1));
-  return report;
+    write_label_map(out / ((params.name.empty() ? "labels" : params.name) + "." + labels_format), map);
+  text += report_text(labels);
+  for (const auto& f : labels.figures) report.figures.push_back(f);
+  return text;
 }
 
 }  // namespace
@@ -281,7 +309,16 @@ Command export_command() {
   c.arguments = {input, format, out, anatomy, texture, labels, report_argument()};
   c.groups = {ParameterGroup::of<ExportParams>("Parameters")};
   c.run = [](const ParsedCommand& parsed) {
-    run_with_report(parsed, [&](const Progress& progress) { return run_export(parsed, progress); });
+    Report report;
+    std::string text;
+    {
+      ProgressDisplay display(parsed.quiet);
+      text = run_export(parsed, report, display.start("export"));
+      display.finish("export", "");
+    }
+    if (parsed.has("report")) write_file(parsed.path("report"), report_json(report));
+    for (const std::string& w : report.warnings) log_warning(w);
+    if (!parsed.quiet) std::fputs(text.c_str(), stdout);
     return ExitCode::ok;
   };
   return c;
