@@ -135,7 +135,7 @@ TEST(LoadCase, L2ContentWithARightChecksumIsRefusedOrHarmless) {
   std::map<std::string, int> refused;
   int loaded = 0;
   std::uint64_t largest = 0;
-  for (int i = 0; i < 12000; ++i) {
+  for (int i = 0; i < 6000; ++i) {
     MemoryCase c = good;
     auto& [name, content] = *std::next(c.files.begin(), static_cast<std::ptrdiff_t>(random() % c.files.size()));
     // Mostly in the headers, where the sizes are.
@@ -168,8 +168,8 @@ TEST(LoadCase, L2ContentWithARightChecksumIsRefusedOrHarmless) {
     }
   }
   EXPECT_LE(largest, most_requested);
-  EXPECT_GT(loaded, 500);  // coordinates and colours that are a little different
-  for (const auto& [name, content] : good.files) EXPECT_GT(refused[name], 500) << name;
+  EXPECT_GT(loaded, 250);  // coordinates and colours that are a little different
+  for (const auto& [name, content] : good.files) EXPECT_GT(refused[name], 250) << name;
 }
 
 // One part of a file replaced, the checksum right; sizes that NRRD and GLB hold in their headers.
