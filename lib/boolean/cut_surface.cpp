@@ -11,6 +11,7 @@
 #include "boolean/corefine.h"
 #include "boolean/cutter_shape.h"
 #include "boolean/overlap.h"
+#include "boolean/rim.h"
 #include "meshing/normals.h"
 #include "meshing/validity.h"
 #include "surface/point_to_mesh.h"
@@ -119,6 +120,19 @@ Dropped drop_loose(Difference& d, double below_mm3) {
   return result;
 }
 
+/// Of what was cut out of a valid surface: triangles that were there before are known not to intersect each other.
+Validity validity_of(const Difference& d, const Progress& progress) {
+  Validity v;
+  v.topology = topology_of(d.mesh);
+  v.volume_mm3 = volume_mm3(d.mesh);
+  v.degenerate = degenerate_triangles(d.mesh).size();
+  std::vector<std::uint32_t> fresh;
+  for (std::uint32_t t = 0; t < d.old_triangle.size(); ++t)
+    if (d.old_triangle[t] == Difference::none) fresh.push_back(t);
+  if (!fresh.empty()) v.self_intersections = self_intersections(d.mesh, progress, fresh).size();
+  return v;
+}
+
 /// A surface that is cut again and again.
 class Cutting {
  public:
@@ -139,6 +153,10 @@ class Cutting {
  private:
   double expected(const Cutter& cutter) const;
   bool attempt(const Cutter& cutter, const Placing& placing, Removed& removed, const Progress& progress);
+  bool accept(Difference d, const Placing& placing, Removed& removed, const Progress& progress);
+  static bool near_expected(double mm3, const Removed& removed) {
+    return std::abs(mm3 - removed.expected_mm3) <= std::max(0.01 * removed.expected_mm3, 0.5);
+  }
 
   const CutSurfaceParams& params_;
   double step_;
@@ -149,21 +167,8 @@ class Cutting {
 /// Of facets so fine that they are as good as the cutter itself.
 double Cutting::expected(const Cutter& cutter) const {
   const double asked = params_.cutter_deviation_mm;
-  return overlap_mm3(mesh, mesh_of(cutter, std::min(asked, std::max(asked / 8, size_mm(cutter) / 10000))),
+  return overlap_mm3(mesh, mesh_of(cutter, std::min(asked, std::max(asked / 2, size_mm(cutter) / 10000))),
                      cutter.direction);
-}
-
-bool meets_box(const TriMesh& mesh, const Cutter& cutter, double margin_mm) {
-  const Bounds b = bounds_of(cutter);
-  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
-    for (int a = 0; a < 3; ++a) {
-      const double p = mesh.points_mm[t[0]][a], q = mesh.points_mm[t[1]][a], r = mesh.points_mm[t[2]][a];
-      if (std::min({p, q, r}) + mesh.origin_mm[a] > b.max_mm[a] + margin_mm ||
-          std::max({p, q, r}) + mesh.origin_mm[a] < b.min_mm[a] - margin_mm)
-        return false;
-    }
-    return true;
-  });
 }
 
 bool Cutting::attempt(const Cutter& cutter, const Placing& placing, Removed& removed, const Progress& progress) {
@@ -173,28 +178,36 @@ bool Cutting::attempt(const Cutter& cutter, const Placing& placing, Removed& rem
   Difference d = corefine_difference(mesh, solid, left, progress.part(0, 0.6));
   fault_ = d.fault;
   if (!fault_.empty()) return false;
-  const auto near_expected = [&](double mm3) {
-    return std::abs(mm3 - removed.expected_mm3) <= std::max(0.01 * removed.expected_mm3, 0.5);
-  };
   if (d.mesh.triangles.empty()) {
     fault_ = "nothing is left of the surface";
-    if (near_expected(volume_mm3(mesh))) refuse(fault_);
+    if (near_expected(volume_mm3(mesh), removed)) refuse(fault_);
     return false;
   }
-  const bool same = d.mesh.triangles.size() == mesh.triangles.size() && d.old_triangle.back() != Difference::none;
-  if (!same) {
-    const double shortest =
-        std::max(8 * step_, std::min({0.01, params_.cutter_deviation_mm / 5, std::cbrt(volume_mm3(cutter)) / 1000}));
-    clean_cut(d, step_, shortest, std::max(4 * step_, shortest / 4));
+  if (d.mesh.triangles.size() == mesh.triangles.size() && d.old_triangle.back() != Difference::none) {
+    removed.mm3 = 0;
+    if (near_expected(0, removed)) return true;
+    fault_ = "the cut removed nothing, expected are " + to_text(removed.expected_mm3) + " mm3";
+    return false;
   }
+  const double shortest = std::max(8 * step_, std::min(0.005, size_mm(cutter) / 1000));
+  clean_cut(d, step_, shortest, std::max(4 * step_, shortest / 4));
+  const double width = std::min(params_.rim_mm, size_mm(cutter) / 20);
+  if (width > 10 * shortest) {
+    Difference divided = d;
+    divide_rim(divided, step_, width);
+    if (accept(std::move(divided), placing, removed, progress.part(0.6, 0.8))) return true;
+  }
+  return accept(std::move(d), placing, removed, progress.part(0.8, 1));
+}
+
+bool Cutting::accept(Difference d, const Placing& placing, Removed& removed, const Progress& progress) {
   removed.mm3 = volume_mm3(mesh) - volume_mm3(d.mesh);
-  if (!near_expected(removed.mm3)) {
+  if (!near_expected(removed.mm3, removed)) {
     fault_ = "the cut removed " + to_text(removed.mm3) + " mm3, expected are " + to_text(removed.expected_mm3) + " mm3";
     return false;
   }
-  if (same) return true;
   const Dropped loose = drop_loose(d, params_.min_component_mm3);
-  const Validity v = check_validity(d.mesh, progress.part(0.7, 1));
+  const Validity v = validity_of(d, progress);
   if (!v.valid()) {
     fault_ = "the cut surface has " + v.text();
     return false;
@@ -210,7 +223,8 @@ bool Cutting::attempt(const Cutter& cutter, const Placing& placing, Removed& rem
 Cutting::Removed Cutting::cut(const Cutter& cutter, const Progress& progress) {
   Removed removed;
   removed.expected_mm3 = std::max(0.0, expected(cutter));
-  if (removed.expected_mm3 < 1e-9 && !meets_box(mesh, cutter, params_.cutter_deviation_mm)) return {};
+  // Apart, or touching: what is less is rounding.
+  if (removed.expected_mm3 < 1e-6 * std::min(1.0, volume_mm3(cutter))) return {};
   for (const Placing& p : placings(cutter)) {
     ++tries;
     if (attempt(cutter, p, removed, progress)) return removed;

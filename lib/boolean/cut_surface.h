@@ -12,6 +12,7 @@ namespace trephine {
 
 struct CutSurfaceParams {
   double cutter_deviation_mm = 0.005;
+  double rim_mm = 0.3;
   double min_component_mm3 = 50;
   double time_limit_s = 60;
   template <class V>
@@ -19,6 +20,9 @@ struct CutSurfaceParams {
     using P = CutSurfaceParams;
     v.number(&P::cutter_deviation_mm, "cutter_deviation_mm", Range{0.001, 1},
              "How far the cutter's facets may lie from its true surface.");
+    v.number(&P::rim_mm, "rim_mm", Range{0, 10},
+             "Width of a ring of small triangles on both sides of the cut's sharp edges, so that smooth normals shade "
+             "like a bevel of that width; 0: none.");
     v.number(&P::min_component_mm3, "min_component_mm3", Range{0, 1e9},
              "Loose pieces smaller than this that the cut leaves are dropped.");
     v.number(&P::time_limit_s, "time_limit_s", Range{0.1, 3600},

@@ -104,7 +104,10 @@ TriMesh geodesic(int splits) {
 TriMesh ball(const Cutter& c, double max_deviation_mm, double turn_ratio) {
   const auto r = semi_axes_mm(c);
   const double largest = std::max({r[0], r[1], r[2]});
-  for (int splits = 4; splits <= most_splits; splits += splits < 16 ? 1 : splits / 4) {
+  double off = 0;
+  // The deviation falls with the square of the splits.
+  for (int splits = 4; splits <= most_splits;
+       splits = std::max(splits + 1, int(0.98 * splits * std::sqrt(std::min(1e6, off / max_deviation_mm))))) {
     TriMesh m = geodesic(splits);
     const double f = std::cbrt(4 * pi / 3 / volume_mm3(m));
     double within = 1;  // the nearest that a facet comes to the centre
@@ -112,7 +115,8 @@ TriMesh ball(const Cutter& c, double max_deviation_mm, double turn_ratio) {
       const Vec3 n = normalized(triangle_normal(m, t));
       within = std::min(within, dot(n, m.points_mm[m.triangles[t][0]]));
     }
-    if (largest * std::max(f - 1, 1 - f * within) > max_deviation_mm) continue;
+    off = largest * std::max(f - 1, 1 - f * within);
+    if (off > max_deviation_mm) continue;
     const Mat3 frame = frame_of(c);
     const double a = turn_ratio * 1.1 / splits, co = std::cos(a), si = std::sin(a);
     for (Vec3& p : m.points_mm) {
