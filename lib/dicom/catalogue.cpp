@@ -125,6 +125,17 @@ Series make_series(std::vector<FrameRef> slices, ModalityPolicy modality) {
     if (r.header->syntax != h.syntax &&
         (r.header->syntax->encoding == Encoding::native) != (h.syntax->encoding == Encoding::native))
       s.summary.transfer_syntax = "mixed";
+  // What is not compressed is there; what is may claim anything.
+  constexpr std::uint64_t free_of_ratio = std::uint64_t{1} << 30, most = 2000;
+  std::uint64_t claimed = 0, there = 0;
+  for (const FrameRef& r : s.slices) {
+    if (r.header->syntax->encoding == Encoding::native) continue;
+    claimed += r.header->frame_bytes();
+    const auto [from, to] = r.header->frame_fragments[static_cast<std::size_t>(r.frame)];
+    for (std::size_t i = from; i < to; ++i) there += r.header->fragments[i].length;
+  }
+  if (claimed > free_of_ratio && claimed / most > there)
+    refuse(s, h.name, tag_name(h.pixels.tag), fmt::format("{} compressed bytes claim to be {}", there, claimed));
   if (const int levels = count_levels(s.stack); levels < least_slices)
     refuse(s, h.name, "series",
            fmt::format("{} slice position{}, at least {} are needed", levels, levels == 1 ? "" : "s", least_slices));

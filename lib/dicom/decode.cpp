@@ -62,9 +62,9 @@ void different_duplicates(const FileHeader& h) {
 std::string stream_of_frame(const FrameRef& ref) {
   const FileHeader& h = *ref.header;
   std::string stream;
-  const auto [from, to] = h.frame_fragments[static_cast<std::size_t>(ref.frame)];
+  const auto range = h.frame_fragments[static_cast<std::size_t>(ref.frame)];
   with_source(h, [&](ByteSource& source) {
-    for (std::size_t i = from; i < to; ++i) {
+    for (std::size_t i = range[0]; i < range[1]; ++i) {
       const Fragment& f = h.fragments[i];
       const std::size_t at = stream.size();
       if (f.offset > source.size() || f.length > source.size() - f.offset) lost(h);

@@ -13,6 +13,9 @@
 namespace trephine::dicom {
 namespace {
 
+/// A head of 5 mm slices tilted by 25 degrees grows to twice its size, a change of spacing by at most five times.
+constexpr double largest_growth = 20;
+
 [[noreturn]] void refuse(const std::string& what) {
   throw Error(ExitCode::bad_input, "", tag_name(make_tag(0x0020, 0x0032)), what);
 }
@@ -222,6 +225,11 @@ StackGeometry analyse_stack(const SliceStack& stack, GapPolicy gaps, double max_
   for (std::size_t k = 0; k < count; ++k)
     g.shift.push_back(
         {sheared_u ? (across_u[k] - low_u) / stack.dx_mm : 0.0, sheared_v ? (across_v[k] - low_v) / stack.dy_mm : 0.0});
+  const double stored = double(stack.columns) * stack.rows * static_cast<double>(count);
+  const double wanted = double(g.target.size[0]) * g.target.size[1] * g.target.size[2];
+  if (!(wanted <= largest_growth * stored))
+    refuse(fmt::format("the upright grid that covers the slices would be {:.0f} times as large as they are, at most {}",
+                       wanted / stored, largest_growth));
   g.along_mm = along;
   g.target.origin_mm = first;
   if (g.sheared || !uniform) {

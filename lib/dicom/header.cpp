@@ -30,6 +30,7 @@ constexpr std::uint32_t t_transfer_syntax = make_tag(0x0002, 0x0010), t_media_cl
 
 constexpr int max_frames = 65536;
 constexpr std::uint64_t max_pixel_bytes = std::uint64_t{4} << 30;
+constexpr std::uint64_t max_compressed_frame = std::uint64_t{256} << 20;  // decoded; 8192 x 8192 words take 128 MiB
 
 bool descend(std::uint32_t tag) {
   switch (tag) {
@@ -317,6 +318,9 @@ class HeaderReader {
     } else {
       if (!h_.pixels.undefined_length)
         return fault(t_pixels, std::string("not encapsulated, as ") + h_.syntax->name + " must be");
+      if (h_.frame_bytes() > max_compressed_frame)
+        return fault(t_rows, fmt::format("a compressed frame of {} x {}, at most 256 MiB are decoded", h_.columns,
+                                         h_.rows));
       if (a == 32) return fault(t_allocated, std::string("32 is not supported in ") + h_.syntax->name);
       check_fragments();
     }
