@@ -273,6 +273,35 @@ TEST_F(Cli, ReferencePages) {
   EXPECT_FALSE(p["note"].contains("minimum"));
 }
 
+TEST_F(Cli, ManPages) {
+  program_.files = {{"/etc/prog", "What it reads."}};
+  program_.commands[0].description = "It's \xC2\xB5m.\n\n.TH is no macro here, nor is C:\\TH.";
+  program_.commands[1].hidden = true;
+  const auto folder = scratch_.path() / "man";
+  ASSERT_EQ(run({"man", "--out", folder.string()}), 0);
+  const auto read = [&](const char* name) {
+    std::ifstream file(folder / name);
+    return std::string((std::istreambuf_iterator<char>(file)), {});
+  };
+  const std::string page = read("prog-reduce.1");
+  for (const char* part :
+       {".TH PROG\\-REDUCE 1 \"\" \"prog 1.2.3\" \"prog manual\"\n.SH NAME\nprog\\-reduce \\- Reduce a surface\n",
+        "\n\\fBprog\\ reduce\\fR\nCONFIG\n[\\-\\-series\\ FOLDER]\n\\-\\-out\\ FILE\n",
+        "\n.SH DESCRIPTION\nIt\\(aqs \\[u00B5]m.\n.PP\n\\&.TH is no macro here, nor is C:\\(rsTH.\n",
+        "\n.TP\n\\fB\\-\\-max\\-deviation\\-mm\\fR \\fINUMBER\\fR\nLargest distance. (number, 0 to 5, default 0.2)\n",
+        "\n.TP\n\\fICONFIG\\fR\nThe config. (required)\n", "\nprog reduce a.yaml \\-\\-out b.vtp\n.fi\n",
+        "\n.BR prog (1)\n"})
+    EXPECT_NE(page.find(part), std::string::npos) << part << "\n" << page;
+  const std::string index = read("prog.1");
+  for (const char* part :
+       {"\n.TP\n\\fBreduce\\fR\nReduce a surface.\n", "\n.TP\n\\fB65\\fR\nBad input data.\n",
+        "\n.TP\n\\fI/etc/prog\\fR\nWhat it reads.\n", "\n.BR prog\\-reduce (1),\n.BR prog\\-completion (1)\n"})
+    EXPECT_NE(index.find(part), std::string::npos) << part << "\n" << index;
+  EXPECT_EQ(index.find("other"), std::string::npos);
+  EXPECT_EQ(index.find("reference"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder / "prog-other.1"));
+}
+
 TEST_F(Cli, FaultyDeclarationsAreFound) {
   program_.commands[0].arguments.push_back({"way", Kind::text, "Twice.", false, false, false, {}});
   EXPECT_EQ(run({"reference", "--out", (scratch_.path() / "x").string()}), 70);

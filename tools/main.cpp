@@ -12,6 +12,15 @@ int main(int argc, char** argv) {
   program.commands = {run_command(),     import_command(),  segment_command(),  contour_command(), decimate_command(),
                       smooth_command(),  normals_command(), burrhole_command(), boolean_command(), voxelize_command(),
                       measure_command(), phantom_command(), export_command()};
+  program.files = {{"PREFIX/share/trephine/configs/*.yaml",
+                    "Configurations of cases, of any head (ct_head.yaml) and of the sample (sample.yaml), and their "
+                    "scenes; PREFIX is "
+                    "/usr for the Debian package."},
+                   {"PREFIX/share/trephine/pipelines/*.yaml", "How each anatomy is made."},
+                   {"PREFIX/share/trephine/sample_dicom/", "The CT series of a synthetic head."},
+                   {"PREFIX/share/doc/trephine/", "README.md, the reference of all parameters, the format of a case."},
+                   {"LIBRARY/.trephine-cache/",
+                    "Outputs of stages that a later run reuses; it holds patient data as LIBRARY does."}};
   program.more_reference_pages = [] {
     return std::vector<std::pair<std::string, std::string>>{{"recipe.schema.json", recipe_schema()}};
   };

@@ -102,6 +102,8 @@ struct Program {
   std::string name, version, summary;
   std::vector<Command> commands;
   std::string reference_folder = "docs/reference";  ///< named by its pages
+  /// What the manual page tells of files: (path, what it is).
+  std::vector<std::pair<std::string, std::string>> files;
   /// More generated files for the reference folder: (file name, content).
   std::function<std::vector<std::pair<std::string, std::string>>()> more_reference_pages;
 };
@@ -109,7 +111,8 @@ struct Program {
 /// A program's main: runs a bounded child if asked, parses, runs the command, prints errors (a line each on stderr) and
 /// returns the exit code: an Error's own; 64 for the command line, every fault of which is named at once; 130 where the
 /// user cancelled; 74 where stdout could not be written; 70 for what nobody expected. Adds `help [COMMAND]`, the
-/// command `completion bash`, and `reference --out DIR` (writes reference_pages), which is not shown.
+/// command `completion bash`, and, not shown, `reference --out DIR` (writes reference_pages) and `man --out DIR`
+/// (man_pages).
 int run_program(Program program, int argc, char** argv);
 
 /// Reads a command's own words (after its name). Throws ErrorList (64) with all faults, then ErrorList (66, 73) for
@@ -124,6 +127,10 @@ std::string command_help(const Program& program, const Command& command);
 /// more_reference_pages. Throws 70 where a declaration is at fault (a flag twice, a help missing, a name not
 /// snake_case).
 std::vector<std::pair<std::string, std::string>> reference_pages(const Program& program);
+
+/// Manual pages of section 1 in groff's man macros: (file name, content): PROGRAM.1 and PROGRAM-COMMAND.1 for each
+/// command, which `man PROGRAM COMMAND` finds. They hold no date. Throws as reference_pages does.
+std::vector<std::pair<std::string, std::string>> man_pages(const Program& program);
 
 /// The JSON schema (draft 2020-12) of an object with these parameters as keys, as text with the given indent.
 std::string json_schema_of(const AnyParams& defaults, int indent = 2);

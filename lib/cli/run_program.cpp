@@ -18,19 +18,27 @@ namespace {
 
 int number(ExitCode code) { return static_cast<int>(code); }
 
-// The commands that every program has. They see the program through the pointer, with these commands in it.
-void add_own_commands(Program& program) {
-  Command reference;
-  reference.name = "reference";
-  reference.summary = "Write the reference pages";
-  reference.hidden = true;
-  reference.arguments = {{"out", Argument::Kind::out_folder, "Folder for the pages.", true, false, false, {}}};
-  reference.run = [&program](const ParsedCommand& parsed) {
-    const auto pages = reference_pages(program);
+using Pages = std::vector<std::pair<std::string, std::string>>;
+
+// A hidden command that writes generated pages into a folder.
+Command page_command(const Program& program, const std::string& name, const std::string& summary,
+                     Pages (*make)(const Program&)) {
+  Command c;
+  c.name = name;
+  c.summary = summary;
+  c.hidden = true;
+  c.arguments = {{"out", Argument::Kind::out_folder, "Folder for the pages.", true, false, false, {}}};
+  c.run = [&program, make](const ParsedCommand& parsed) {
+    const Pages pages = make(program);
     make_output_folder(parsed.path("out"));
     for (const auto& page : pages) write_file(parsed.path("out") / page.first, page.second);
     return ExitCode::ok;
   };
+  return c;
+}
+
+// The commands that every program has. They see the program through the pointer, with these commands in it.
+void add_own_commands(Program& program) {
   Command completion;
   completion.name = "completion";
   completion.summary = "prints the script for bash's completion";
@@ -41,7 +49,8 @@ void add_own_commands(Program& program) {
     std::cout << bash_completion(program);
     return ExitCode::ok;
   };
-  program.commands.push_back(std::move(reference));
+  program.commands.push_back(page_command(program, "reference", "Write the reference pages", reference_pages));
+  program.commands.push_back(page_command(program, "man", "Write the manual pages", man_pages));
   program.commands.push_back(std::move(completion));
 }
 

@@ -1,0 +1,90 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The Debian packages of what was built, unpacked into an empty folder tree: the right files, the same bytes twice, and the
+# sample case made and checked by what lies there and nothing else.
+. "$(dirname "$0")/common.sh"
+for tool in cpack dpkg-deb dpkg-shlibdeps file readelf; do
+  command -v $tool >/dev/null || { echo "skipped: no $tool"; exit 77; }
+done
+
+pack() {  # FOLDER: from what the build holds; builds nothing
+  cpack --config "$BUILD/CPackConfig.cmake" -G DEB -B "$work/$1" >"$work/log" 2>&1 || { cat "$work/log"; fail "cpack"; }
+}
+pack packages
+(umask 077; export TZ=Asia/Tokyo LC_ALL=C; pack again)
+deb=$(echo "$work"/packages/trephine_*.deb)
+dev=$(echo "$work"/packages/trephine-dev_*.deb)
+[[ $(ls "$work"/packages/*.deb | wc -l) == 2 && -f $deb && -f $dev ]] || fail "not two packages"
+for f in "$deb" "$dev"; do cmp "$f" "$work/again/${f##*/}" || fail "packed again, other bytes"; done
+
+# What apt reads.
+version=$(dpkg-deb -f "$deb" Version)
+[[ $("$TREPHINE" --version) == "trephine $version" ]] || fail "version $version"
+[[ $(head -1 "$SOURCE/cmake/debian/changelog") == "trephine ($version) "* ]] || fail "cmake/debian/changelog is not of $version"
+dpkg-deb -f "$deb" Depends >"$work/depends"
+for library in libc6 libstdc++6 libfmt libssl libvtk libgdcm libyaml-cpp; do
+  grep -q "$library" "$work/depends" || { cat "$work/depends"; fail "does not depend on $library"; }
+done
+[[ $(dpkg-deb -f "$dev" Depends) == *libfmt-dev* ]] || fail "trephine-dev does not depend on libfmt-dev"
+dpkg-deb -f "$deb" Description | grep -qE '^ .*sample' || fail "no description"
+
+# Every file has a place that is known, everybody may read it, and nobody but root owns it.
+dpkg-deb -c "$deb" >"$work/list"
+! awk '$2 != "root/root" || $1 !~ /^(-rw-r--r--|[-d]rwxr-xr-x)$/' "$work/list" | grep . || fail "owner or mode"
+! awk '!/\/$/ { print $6 }' "$work/list" | grep -vxE -e '\./usr/bin/trephine(-sim)?' \
+  -e '\./usr/share/trephine/(trephine\.root|(pipelines|configs|configs/scenes)/[a-z_]+\.yaml|sample_dicom/slice_[0-9]{4}\.dcm)' \
+  -e '\./usr/share/doc/trephine/(reference|reference-sim)/[a-z.]+\.(md|json)' \
+  -e '\./usr/share/doc/trephine/(README\.md|LICENSE|copyright|changelog\.gz|[a-z-]+\.(md|schema\.json))' \
+  -e '\./usr/share/man/man1/trephine[a-z-]*\.1\.gz' \
+  -e '\./usr/share/bash-completion/completions/trephine(-sim)?' || fail "these do not belong there"
+! dpkg-deb -c "$dev" | awk '!/\/$/ { print $6 }' | grep -vxE -e '\./usr/include/trephine/[a-z]+/[a-z_0-9]+\.h' \
+  -e '\./usr/lib/([a-z0-9_-]+/)?(libtrephine_[a-z]+\.a|cmake/TrephineCase/TrephineCase[A-Za-z-]+\.cmake)' \
+  -e '\./usr/share/doc/trephine-dev/(copyright|changelog\.gz|examples/case_reader/[A-Za-z.]+)' || fail "these do not belong there"
+
+root=$work/root
+dpkg-deb -x "$deb" "$root"
+for file in "$SOURCE"/{pipelines,configs,sample_dicom}; do
+  diff -r "$file" "$root/usr/share/trephine/${file##*/}" || fail "$file"
+done
+for program in trephine trephine-sim; do
+  ! readelf -d "$root/usr/bin/$program" | grep -E 'RPATH|RUNPATH' || fail "$program looks for libraries there"
+  ! grep -aoE "($SOURCE|$BUILD)[ -~]*" "$root/usr/bin/$program" || fail "$program knows where it was built"
+done
+
+# Only what was unpacked: an empty environment, another folder, a tree that nobody can write to.
+chmod -R a-w "$root"
+cd "$work"
+clean=(env -i "PATH=$root/usr/bin:/usr/bin:/bin" "HOME=$work")
+"${clean[@]}" trephine run "$root/usr/share/trephine/configs/sample.yaml" --out "$work/library" --no-pictures --quiet
+"${clean[@]}" trephine-sim check "$work/library/sample" >"$work/said" || fail "trephine-sim check"
+grep -q ventricles "$work/said" || { cat "$work/said"; fail "the sample's ventricles are missing"; }
+# A user's own case; the sample's stages are in the library's cache.
+"${clean[@]}" trephine run "$root/usr/share/trephine/configs/ct_head.yaml" --series "$root/usr/share/trephine/sample_dicom" \
+  --case own --out "$work/library" --no-pictures --quiet
+"${clean[@]}" trephine-sim check "$work/library/own" >"$work/said" || fail "trephine-sim check"
+cmp <(cd "$work/library/sample" && ls meshes haptic*) <(cd "$work/library/own" && ls meshes haptic*) || fail "own case"
+
+# A page for every command, which renders without a warning.
+for program in trephine trephine-sim; do
+  pages=$("${clean[@]}" $program --help | sed -n '/^Commands:/,/^$/ s/^  \([a-z]*\) .*/-\1/p')
+  [[ $(wc -w <<<"$pages") -ge 2 ]] || fail "commands of $program: $pages"
+  for page in '' $pages; do
+    page=$root/usr/share/man/man1/$program$page.1.gz
+    [[ -f $page ]] || fail "no ${page##*/}"
+    command -v groff >/dev/null || continue
+    zcat "$page" | groff -man -Tutf8 -ww -b >"$work/page" 2>"$work/warnings" || fail "$page"
+    [[ ! -s $work/warnings ]] || { cat "$work/warnings"; fail "$page"; }
+    grep -q 'SEE ALSO' "$work/page" || fail "${page##*/} is cut short"
+  done
+done
+zcat "$root/usr/share/man/man1/trephine-run.1.gz" | grep -q '^\\fB\\-\\-\[no\\-\]pictures\\fR$' || fail "trephine-run(1) lacks --pictures"
+
+# Completion as bash-completion loads it, by the command's name.
+completed() {  # WORDS...: what bash offers for the last
+  bash -c 'source "$0/$1"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); "_$1_completion"; echo "${COMPREPLY[*]}"' \
+    "$root/usr/share/bash-completion/completions" "$@"
+}
+[[ $(completed trephine vox) == voxelize ]] || fail "completion of trephine"
+[[ $(completed trephine run --no-pic) == --no-pictures ]] || fail "completion of flags"
+[[ $(completed trephine-sim che) == check ]] || fail "completion of trephine-sim"
+echo ok
