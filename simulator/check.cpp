@@ -94,6 +94,12 @@ void print_haptic(const LoadedCase& c) {
   for (const CaseShape& s : h.shapes) print_shape(s);
 }
 
+std::string figure_text(const ParameterValue& value) {
+  if (const auto* number = std::get_if<double>(&value)) return fmt::format("{:.3f}", *number);
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  return to_text(value);
+}
+
 void print_places(const CaseManifest& m) {
   for (const CaseLandmark& l : m.landmarks)
     std::cout << fmt::format("landmark {:<16} {} mm, {}, confidence {:.2f}\n", printable(l.name),
@@ -106,6 +112,8 @@ void print_places(const CaseManifest& m) {
     for (const std::string& name : b.cut) cut += (cut.empty() ? "" : ", ") + printable(name);
     std::cout << fmt::format("burr hole {:<16} {} mm, diameter {:g} mm, {}\n", printable(b.name),
                              point_text(b.position_mm), b.diameter_mm, cut.empty() ? "nothing cut" : "cut from " + cut);
+    for (const auto& [name, value] : b.figures)
+      std::cout << fmt::format("      {} {}\n", printable(name), printable(figure_text(value)));
   }
 }
 
