@@ -52,6 +52,8 @@ std::string text(const Json& value, const std::string& field) {
 
 void read_shapes(const std::string& json_text, HapticVolume& volume) {
   const std::string field = std::string(haptic_file_key) + ".";
+  // 32 shapes take less than 5 KiB; a stranger's text must not cost many times its size.
+  if (json_text.size() > 16384) refuse(haptic_file_key, "is longer than 32 shapes can be");
   const Json j = Json::parse(json_text, nullptr, false);
   if (j.is_discarded()) refuse(haptic_file_key, "is not JSON");
   const Json& version = member(j, "version", field);

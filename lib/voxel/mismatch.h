@@ -28,8 +28,10 @@ struct Mismatch {
 };
 
 /// For points spread evenly over the displayed surface (closed or not; the same whatever the thread count), where along
-/// the triangle's normal the shape's trilinear occupancy crosses 1/2 nearest to the point, within reach_mm. Throws 65
-/// as check_mesh does.
+/// the triangle's normal the shape's trilinear occupancy falls through 1/2 nearest to the point, within reach_mm. Only
+/// outwards counts: the far side of a thin wall, or the boundary to a shape within, is not taken for the surface seen.
+/// What another shape of the volume took from this one is not felt there: it is missed, or counts. Throws 65 as
+/// check_mesh does.
 Mismatch measure_mismatch(const TriMesh& displayed, const HapticVolume& volume, const HapticShape& shape,
                           const MismatchParams& params = {}, const Progress& progress = {});
 

@@ -7,11 +7,14 @@
 #include "base/parallel.h"
 #include "surface/bvh.h"
 #include "surface/inside.h"
+#include "surface/point_triangle.h"
 
 namespace trephine::detail {
 namespace {
 
 constexpr std::int64_t rows_a_piece = 16;
+constexpr int slices_a_slab = 8;
+constexpr int cell_voxels = 2;
 
 void check_size(const TriMesh& mesh) {
   if (mesh.triangles.empty()) throw Error(ExitCode::bad_input, "", "surface", "has no triangles");
@@ -21,38 +24,166 @@ void check_size(const TriMesh& mesh) {
       throw Error(ExitCode::bad_input, "", "surface", "has points beyond 1e9 mm");
 }
 
-// Marks the voxels whose centre may lie on the ramp of a triangle: n_a ramp(n) is at most (h_a + |h|) / 2 over all unit
-// vectors n, so that is how far beyond the triangle's box along axis a they lie.
-Grid<std::uint8_t> mark_band(const TriMesh& mesh, const Lattice& lattice, const Progress& progress) {
-  Grid<std::uint8_t> band(lattice, 0);
-  Vec3 reach;
-  for (int a = 0; a < 3; ++a) reach[a] = 0.5 * (1 + largest_ramp_mm(lattice) / lattice.spacing_mm[a]) + 1e-6;
-  std::vector<Vec3> points(mesh.points_mm.size());
-  parallel_for(0, std::int64_t(points.size()), 1 << 14, [&](std::int64_t from, std::int64_t to) {
-    for (std::int64_t p = from; p < to; ++p) points[std::size_t(p)] = lattice.to_index(mesh.world_mm(std::size_t(p)));
-  });
-  const auto whole = [](double v, int size) { return int(std::clamp(v, 0.0, double(size))); };
-  parallel_for(0, std::int64_t(mesh.triangles.size()), 1 << 14, [&](std::int64_t from, std::int64_t to) {
-    progress.check();
-    for (std::int64_t t = from; t < to; ++t) {
-      const auto& v = mesh.triangles[std::size_t(t)];
-      int begin[3], end[3];
-      for (int a = 0; a < 3; ++a) {
-        const double p = points[v[0]][a], q = points[v[1]][a], r = points[v[2]][a];
-        begin[a] = whole(std::ceil(std::min({p, q, r}) - reach[a]), lattice.size[std::size_t(a)]);
-        end[a] = whole(std::floor(std::max({p, q, r}) + reach[a]) + 1, lattice.size[std::size_t(a)]);
-      }
-      for (int k = begin[2]; k < end[2]; ++k)
-        for (int j = begin[1]; j < end[1]; ++j) {
-          std::uint8_t* row = band.voxels.data() + lattice.index(0, j, k);
-          for (int i = begin[0]; i < end[0]; ++i) __atomic_store_n(row + i, std::uint8_t{1}, __ATOMIC_RELAXED);
-        }
-    }
-  });
-  return band;
+// Unit direction from the surface to the point, or the triangle's where the point lies on it.
+Vec3 direction_from(const TriMesh& mesh, std::uint32_t triangle, Vec3 to_point) {
+  const double d = norm(to_point);
+  return d > 1e-9 ? to_point / d : normalized(triangle_normal(mesh, triangle));
 }
 
-// Calls each(index, world position, seed triangle) for the voxels with a value in `which`, row by row in parallel.
+int whole(double v, int size) { return int(std::clamp(v, 0.0, double(size))); }
+
+// The triangles, seen from a lattice: corners in continuous indices, and how far beyond its box along each axis voxels
+// on a triangle's ramp may lie: n_a ramp(n) is at most (h_a + |h|) / 2 over all unit vectors n.
+struct OnLattice {
+  const TriMesh& mesh;
+  const Lattice& lattice;
+  std::vector<Vec3> points;
+  Vec3 reach;
+
+  OnLattice(const TriMesh& m, const Lattice& l) : mesh(m), lattice(l), points(m.points_mm.size()) {
+    for (int a = 0; a < 3; ++a) reach[a] = 0.5 * (1 + largest_ramp_mm(l) / l.spacing_mm[a]) + 1e-6;
+    parallel_for(0, std::int64_t(points.size()), 1 << 14, [&](std::int64_t from, std::int64_t to) {
+      for (std::int64_t p = from; p < to; ++p) points[std::size_t(p)] = l.to_index(m.world_mm(std::size_t(p)));
+    });
+  }
+  // Voxels along an axis that the triangle's ramp may reach.
+  void range(std::uint32_t triangle, int axis, int& begin, int& end) const {
+    const auto& v = mesh.triangles[triangle];
+    const double p = points[v[0]][axis], q = points[v[1]][axis], r = points[v[2]][axis];
+    const int size = lattice.size[std::size_t(axis)];
+    begin = whole(std::ceil(std::min({p, q, r}) - reach[axis]), size);
+    end = whole(std::floor(std::max({p, q, r}) + reach[axis]) + 1, size);
+  }
+};
+
+// The nearest triangle of each voxel of a few slices, as far as the widest ramp reaches. Every triangle visits the
+// voxels about it: far fewer steps than a search in a tree for each voxel.
+class Slab {
+ public:
+  Slab(const OnLattice& on, int k_begin, int k_end)
+      : on_(on),
+        lattice_(on.lattice),
+        k_begin_(k_begin),
+        k_end_(k_end),
+        rows_(std::size_t(k_end - k_begin) * std::size_t(on.lattice.size[1])),
+        squared_(rows_ * std::size_t(on.lattice.size[0]), std::pow(largest_ramp_mm(on.lattice), 2)),
+        triangle_(squared_.size(), none),
+        origin_(lattice_.origin_mm - on.mesh.origin_mm) {
+    for (int a = 0; a < 3; ++a) step_[a] = lattice_.direction.column[std::size_t(a)] * lattice_.spacing_mm[a];
+  }
+
+  void visit(std::uint32_t t) {
+    const auto& v = on_.mesh.triangles[t];
+    const Vec3 a = on_.mesh.points_mm[v[0]], b = on_.mesh.points_mm[v[1]], c = on_.mesh.points_mm[v[2]];
+    const Vec3 normal = normalized(triangle_normal(on_.mesh, t));
+    const double widest = largest_ramp_mm(lattice_), rise = dot(normal, step_[0]);
+    int begin[3], end[3];
+    for (int axis = 0; axis < 3; ++axis) on_.range(t, axis, begin[axis], end[axis]);
+    for (int k = std::max(begin[2], k_begin_); k < std::min(end[2], k_end_); ++k)
+      for (int j = begin[1]; j < end[1]; ++j) {
+        const std::size_t row = index(0, j, k);
+        const Vec3 start = local(0, j, k);
+        const double height = dot(normal, start - a);
+        // Where the row is near the triangle's plane.
+        int first = begin[0], last = end[0];
+        if (std::abs(rise) > 1e-6 * lattice_.spacing_mm.x) {
+          const double middle = -height / rise, half = widest / std::abs(rise);
+          first = std::max(first, whole(std::floor(middle - half), lattice_.size[0]));
+          last = std::min(last, whole(std::ceil(middle + half) + 1, lattice_.size[0]));
+        }
+        for (int i = first; i < last; ++i) {
+          const double h = height + rise * i;
+          if (h * h * (1 - 1e-9) >= squared_[row + std::size_t(i)]) continue;
+          const ClosestPoint n = nearest_on_triangle(start + step_[0] * i, a, b, c);
+          if (n.squared_mm2 >= squared_[row + std::size_t(i)]) continue;
+          squared_[row + std::size_t(i)] = n.squared_mm2;
+          triangle_[row + std::size_t(i)] = t;
+        }
+      }
+  }
+
+  // Writes the ramp over 0 and 255 of outside and inside.
+  void write(Grid<std::uint8_t>& occupancy) const {
+    for (int k = k_begin_; k < k_end_; ++k)
+      for (int j = 0; j < lattice_.size[1]; ++j)
+        for (int i = 0; i < lattice_.size[0]; ++i) {
+          const std::uint32_t t = triangle_[index(i, j, k)];
+          if (t == none) continue;
+          const auto& v = on_.mesh.triangles[t];
+          const Vec3 p = local(i, j, k);
+          const ClosestPoint n =
+              nearest_on_triangle(p, on_.mesh.points_mm[v[0]], on_.mesh.points_mm[v[1]], on_.mesh.points_mm[v[2]]);
+          const double d = std::sqrt(n.squared_mm2);
+          const double ramp = ramp_mm(lattice_, direction_from(on_.mesh, t, p - n.point));
+          std::uint8_t& o = occupancy.voxels[lattice_.index(i, j, k)];
+          o = std::uint8_t(share_at(o ? -d : d, ramp > 0 ? ramp : 1e-9));
+        }
+  }
+
+ private:
+  static constexpr std::uint32_t none = 0xffffffff;
+  std::size_t index(int i, int j, int k) const {
+    return (std::size_t(k - k_begin_) * std::size_t(lattice_.size[1]) + std::size_t(j)) *
+               std::size_t(lattice_.size[0]) +
+           std::size_t(i);
+  }
+  Vec3 local(int i, int j, int k) const { return origin_ + step_[0] * i + step_[1] * j + step_[2] * k; }
+
+  const OnLattice& on_;
+  const Lattice& lattice_;
+  int k_begin_, k_end_;
+  std::size_t rows_;
+  std::vector<double> squared_;
+  std::vector<std::uint32_t> triangle_;
+  Vec3 origin_, step_[3];  ///< in the mesh's own coordinates
+};
+
+// Cells of cell_voxels^3 voxels; 1 where one of the cell's voxels may lie within reach_mm of the surface.
+Mask cells_near(const TriMesh& mesh, const Lattice& lattice, double reach_mm) {
+  Lattice cells;
+  for (std::size_t a = 0; a < 3; ++a) cells.size[a] = (lattice.size[a] + cell_voxels - 1) / cell_voxels;
+  Mask near(cells, 0);
+  // The cells that a triangle's box grown by the reach touches: first its own, with a margin of the cells around ...
+  int margin[3];
+  for (int a = 0; a < 3; ++a) {
+    const double in_cells = reach_mm / (cell_voxels * lattice.spacing_mm[a]);
+    margin[a] = int(std::min(std::floor(in_cells) + 1, double(cells.size[std::size_t(a)])));
+  }
+  std::vector<Vec3> points(mesh.points_mm.size());
+  for (std::size_t p = 0; p < points.size(); ++p) points[p] = lattice.to_index(mesh.world_mm(p)) / double(cell_voxels);
+  for (const auto& v : mesh.triangles) {
+    int begin[3], end[3];
+    bool beyond = false;
+    for (int a = 0; a < 3; ++a) {
+      const double low = std::min({points[v[0]][a], points[v[1]][a], points[v[2]][a]});
+      const double high = std::max({points[v[0]][a], points[v[1]][a], points[v[2]][a]});
+      const int size = cells.size[std::size_t(a)];
+      // A triangle beyond the lattice stands for the cell at its border only as far as it is near.
+      beyond = beyond || high < -margin[a] - 1 || low > size + margin[a] + 1;
+      begin[a] = std::min(whole(std::floor(low), size), size - 1);
+      end[a] = std::max(begin[a] + 1, whole(std::floor(high) + 1, size));
+    }
+    if (beyond) continue;
+    for (int k = begin[2]; k < end[2]; ++k)
+      for (int j = begin[1]; j < end[1]; ++j)
+        for (int i = begin[0]; i < end[0]; ++i) near.at(i, j, k) = 1;
+  }
+  // ... then that margin, axis by axis.
+  for (int a = 0; a < 3; ++a) {
+    const Mask before = near;
+    const std::ptrdiff_t stride = a == 0 ? 1 : a == 1 ? cells.size[0] : std::ptrdiff_t(cells.size[0]) * cells.size[1];
+    const int size = cells.size[std::size_t(a)];
+    for (std::size_t at = 0; at < before.voxels.size(); ++at) {
+      if (!before.voxels[at]) continue;
+      const int here = int(std::ptrdiff_t(at) / stride % size);
+      for (int c = std::max(0, here - margin[a]); c <= std::min(size - 1, here + margin[a]); ++c)
+        near.voxels[std::size_t(std::ptrdiff_t(at) + (c - here) * stride)] = 1;
+    }
+  }
+  return near;
+}
+
+// Calls each(i, j, k, seed triangle) for the voxels with a value in `which`, row by row in parallel.
 template <class Each>
 void for_each_voxel(const Grid<std::uint8_t>& which, const Progress& progress, const Each& each) {
   const std::int64_t rows = std::int64_t(which.size[1]) * which.size[2];
@@ -61,18 +192,10 @@ void for_each_voxel(const Grid<std::uint8_t>& which, const Progress& progress, c
     std::uint32_t seed = 0;
     for (std::int64_t row = from; row < to; ++row) {
       const int j = int(row % which.size[1]), k = int(row / which.size[1]);
-      const std::size_t begin = which.index(0, j, k);
       for (int i = 0; i < which.size[0]; ++i)
-        if (which.voxels[begin + std::size_t(i)])
-          each(begin + std::size_t(i), which.to_world_mm({double(i), double(j), double(k)}), seed);
+        if (which.at(i, j, k)) each(i, j, k, seed);
     }
   });
-}
-
-// Unit direction from the surface to the point, or the triangle's where the point lies on it.
-Vec3 direction_from(const TriMesh& mesh, std::uint32_t triangle, Vec3 to_point) {
-  const double d = norm(to_point);
-  return d > 1e-9 ? to_point / d : normalized(triangle_normal(mesh, triangle));
 }
 
 }  // namespace
@@ -81,17 +204,26 @@ Grid<std::uint8_t> solid_occupancy(const TriMesh& mesh, const Lattice& lattice, 
   check_mesh(mesh);
   check_size(mesh);
   Grid<std::uint8_t> occupancy = voxelize_inside(mesh, lattice, progress.part(0, 0.2));
-  const Grid<std::uint8_t> band = mark_band(mesh, lattice, progress);
-  const Bvh tree(mesh, progress);
-  progress.report(0.4);
   for (std::uint8_t& v : occupancy.voxels) v = v ? 255 : 0;
-  for_each_voxel(band, progress, [&](std::size_t at, Vec3 world, std::uint32_t& seed) {
-    const Vec3 local = world - mesh.origin_mm;
-    const ClosestPoint c = tree.nearest(local, seed, 0, seed);
-    const double d = std::sqrt(c.squared_mm2);
-    if (d >= largest_ramp_mm(lattice)) return;
-    const double ramp = ramp_mm(lattice, direction_from(mesh, seed, local - c.point));
-    occupancy.voxels[at] = std::uint8_t(share_at(occupancy.voxels[at] ? -d : d, ramp > 0 ? ramp : 1e-9));
+  const OnLattice on(mesh, lattice);
+  const int slabs = (lattice.size[2] + slices_a_slab - 1) / slices_a_slab;
+  std::vector<std::vector<std::uint32_t>> triangles(std::size_t(std::max(0, slabs)));
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    int begin = 0, end = 0;
+    on.range(t, 2, begin, end);
+    for (int s = begin / slices_a_slab; s * slices_a_slab < end; ++s) triangles[std::size_t(s)].push_back(t);
+  }
+  progress.report(0.3);
+  parallel_for(0, slabs, 1, [&](std::int64_t s, std::int64_t) {
+    const int begin = int(s) * slices_a_slab, end = std::min(begin + slices_a_slab, lattice.size[2]);
+    if (triangles[std::size_t(s)].empty()) return;
+    Slab slab(on, begin, end);
+    std::size_t n = 0;
+    for (const std::uint32_t t : triangles[std::size_t(s)]) {
+      if (n++ % 4096 == 0) progress.check();
+      slab.visit(t);
+    }
+    slab.write(occupancy);
   });
   progress.report(1);
   return occupancy;
@@ -102,18 +234,23 @@ Grid<std::uint8_t> clear_occupancy(const TriMesh& mesh, double clear_mm, const G
   check_mesh(mesh);
   check_size(mesh);
   const Mask inside = voxelize_inside(mesh, wanted, progress.part(0, 0.2));
+  const double reach = largest_ramp_mm(wanted), enough = std::max(0.0, clear_mm - reach);
+  const Mask near = cells_near(mesh, wanted, clear_mm + reach);
   const Bvh tree(mesh, progress);
   progress.report(0.4);
-  const double reach = largest_ramp_mm(wanted), enough = std::max(0.0, clear_mm - reach);
-  Grid<std::uint8_t> clear(wanted, 0);
-  for_each_voxel(wanted, progress, [&](std::size_t at, Vec3 world, std::uint32_t& seed) {
-    if (inside.voxels[at] && clear_mm >= reach) return;
-    const Vec3 local = world - mesh.origin_mm;
+  Grid<std::uint8_t> clear(wanted, 255);
+  for_each_voxel(wanted, progress, [&](int i, int j, int k, std::uint32_t& seed) {
+    const std::size_t at = wanted.index(i, j, k);
+    const bool far = !near.at(i / cell_voxels, j / cell_voxels, k / cell_voxels);
+    if (far || (inside.voxels[at] && clear_mm >= reach)) {
+      if (inside.voxels[at]) clear.voxels[at] = 0;
+      return;
+    }
+    const Vec3 local = wanted.to_world_mm({double(i), double(j), double(k)}) - mesh.origin_mm;
     const ClosestPoint c = tree.nearest(local, seed, enough, seed);
     const double d = inside.voxels[at] ? -std::sqrt(c.squared_mm2) : std::sqrt(c.squared_mm2);
-    if (d <= enough && enough > 0) return;
     const double ramp = ramp_mm(wanted, direction_from(mesh, seed, local - c.point));
-    clear.voxels[at] = std::uint8_t(share_at(clear_mm - d, ramp > 0 ? ramp : 1e-9));
+    clear.voxels[at] = d <= enough && enough > 0 ? 0 : std::uint8_t(share_at(clear_mm - d, ramp > 0 ? ramp : 1e-9));
   });
   progress.report(1);
   return clear;
