@@ -73,31 +73,41 @@ TriMesh geodesic(int splits) {
                             {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
                             {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
   TriMesh m;
-  // A point by the weights of the corners that it lies between.
-  std::map<std::array<int, 6>, std::uint32_t> known;
+  // A point by the weights of the corners that it lies between; those within a face are the face's own.
+  std::map<std::array<int, 4>, std::uint32_t> shared;
+  std::vector<std::uint32_t> own;
+  constexpr std::uint32_t none = 0xffffffffu;
   const auto point = [&](const int* face, int a, int b) {
-    std::array<std::pair<int, int>, 3> w{{{face[0], splits - a - b}, {face[1], a}, {face[2], b}}};
-    std::sort(w.begin(), w.end());
-    std::array<int, 6> key{-1, -1, -1, -1, -1, -1};
-    Vec3 p;
-    int k = 0;
-    for (const auto& [corner, weight] : w) {
-      if (weight == 0) continue;
-      key[k++] = corner;
-      key[k++] = weight;
-      p += corners[corner] * weight;
+    const int c = splits - a - b;
+    std::uint32_t* known = &own[std::size_t(a) * (splits + 1) + b];
+    if (*known != none) return *known;
+    if (a == 0 || b == 0 || c == 0) {
+      std::array<int, 4> key{-1, -1, -1, -1};
+      std::array<std::pair<int, int>, 3> w{{{face[0], c}, {face[1], a}, {face[2], b}}};
+      std::sort(w.begin(), w.end());
+      int k = 0;
+      for (const auto& [corner, weight] : w)
+        if (weight > 0) {
+          key[k++] = corner;
+          key[k++] = weight;
+        }
+      const auto [it, fresh] = shared.try_emplace(key, std::uint32_t(m.points_mm.size()));
+      *known = it->second;
+      if (!fresh) return *known;
     }
-    const auto [it, fresh] = known.try_emplace(key, std::uint32_t(m.points_mm.size()));
-    if (fresh) m.points_mm.push_back(normalized(p));
-    return it->second;
+    *known = std::uint32_t(m.points_mm.size());
+    m.points_mm.push_back(normalized(corners[face[0]] * c + corners[face[1]] * a + corners[face[2]] * b));
+    return *known;
   };
-  for (const auto& face : faces)
+  for (const auto& face : faces) {
+    own.assign(std::size_t(splits + 1) * (splits + 1), none);
     for (int a = 0; a < splits; ++a)
       for (int b = 0; a + b < splits; ++b) {
         m.triangles.push_back({point(face, a, b), point(face, a + 1, b), point(face, a, b + 1)});
         if (a + b + 1 < splits)
           m.triangles.push_back({point(face, a + 1, b), point(face, a + 1, b + 1), point(face, a, b + 1)});
       }
+  }
   return m;
 }
 
