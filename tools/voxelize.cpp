@@ -51,7 +51,13 @@ HapticSpec spec_of(const ParsedCommand& parsed) {
     s.clear_of = of;
     s.clear_mm = numbers_of("--clear", mm, 1)[0];
   }
-  for (const std::string& name : parsed.all("drill")) shape_named(spec, name, "--drill").drilled = true;
+  for (const std::string& text : parsed.all("drill")) {
+    const bool wider = text.find('=') != std::string::npos;
+    const auto [name, widen] = wider ? named_value("--drill", text) : std::make_pair(text, std::string("0"));
+    HapticShapeSpec& s = shape_named(spec, name, "--drill");
+    s.drilled = true;
+    s.widen_mm = numbers_of("--drill", widen, 1)[0];
+  }
   spec.region_of = parsed.text("region_of");
   if (!spec.region_of.empty()) shape_named(spec, spec.region_of, "--region-of");
   return spec;
@@ -108,7 +114,7 @@ Command voxelize_command() {
       text_argument("shape", "NAME=FILE: a shape's surface (.vtp) or field (.nrrd); the first has precedence."),
       text_argument("window", "NAME=LOW,HIGH: a shape as a window of the scan's own HU."),
       text_argument("clear", "NAME=OTHER=MM: nothing of the shape so near another one."),
-      text_argument("drill", "NAME: a shape that --cutters cut."),
+      text_argument("drill", "NAME or NAME=MM: a shape that --cutters cut, so much wider all around."),
       region,
       cutters,
       output,

@@ -115,6 +115,7 @@ std::vector<CaseMaterial> read_materials(const fs::path& file, ConfigFaults& fau
   if (!materials) return all;
   for (const auto& [key, node] : materials->entries) {
     const std::string where = "materials." + key.text;
+    const std::size_t before = faults.count();
     MapReader body(file, node, where, faults);
     AnyParams material = AnyParams::make<MaterialParams>();
     body.parameters(material);
@@ -132,6 +133,9 @@ std::vector<CaseMaterial> read_materials(const fs::path& file, ConfigFaults& fau
     body.finish();
     all.push_back(make_material(key.text, material.as<MaterialParams>(), faces[0].as<MaterialFaceParams>(),
                                 faces[1].as<MaterialFaceParams>()));
+    // Not where a value was refused already: the default in its place is nobody's fault.
+    if (const std::string what = fault_of(all.back()); !what.empty() && faults.count() == before)
+      faults.add(file, node, where, what);
   }
   return all;
 }

@@ -32,6 +32,7 @@ class ConfigFaults {
   void add(const std::filesystem::path& file, const YamlNode& at, const std::string& key, const std::string& what);
   void add(Error fault) { faults_.push_back(std::move(fault)); }
   bool empty() const { return faults_.empty(); }
+  std::size_t count() const { return faults_.size(); }
   /// Throws ErrorList where there are faults.
   void raise() const;
 

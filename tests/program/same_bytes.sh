@@ -3,15 +3,16 @@
 # case.json and all that it names are the same bytes with 1 and 2 threads, in another folder, time zone and locale, and the
 # README's chain of single tools gives the surfaces of `run`, bit for bit.
 . "$(dirname "$0")/common.sh"
-config=$SOURCE/configs/sample.yaml
+config=$SOURCE/configs/sample_drilled.yaml
+coarse=(--set "haptic.spacing_mm=[1.6,1.6,1.6]")
 
-"$TREPHINE" run "$config" --out "$work/one" --threads 1 --no-use-cache --quiet --keep "$work/kept"
+"$TREPHINE" run "$config" --out "$work/one" --threads 1 --no-use-cache --quiet --keep "$work/kept" "${coarse[@]}"
 mkdir -p "$work/a folder/ünder"
 TZ=Asia/Kathmandu LC_ALL=de_DE.UTF-8 LANG=de_DE.UTF-8 \
-  "$TREPHINE" run "$config" --out "$work/a folder/ünder" --threads 2 --no-use-cache --quiet
-[[ $(case_digest "$work/one/sample") == "$(case_digest "$work/a folder/ünder/sample")" ]] || fail "the bytes differ"
+  "$TREPHINE" run "$config" --out "$work/a folder/ünder" --threads 2 --no-use-cache --quiet "${coarse[@]}"
+[[ $(case_digest "$work/one/sample-drilled") == "$(case_digest "$work/a folder/ünder/sample-drilled")" ]] || fail "the bytes differ"
 find "$work" -name '.trephine-tmp-*' | grep . && fail "temporary files are left"
-grep -aiE "$(hostname)|$work|TREPHINE\^PHANTOM" "$work/one/sample/case.json" && fail "case.json holds a host, a path or a name"
+grep -aiE "$(hostname)|$work|TREPHINE\^PHANTOM" "$work/one/sample-drilled/case.json" && fail "case.json holds a host, a path or a name"
 
 cd "$work"
 "$TREPHINE" import "$SOURCE/sample_dicom" --output volume.nrrd --quiet
@@ -19,5 +20,13 @@ sed -n '/<!-- chain -->/,/<!-- end -->/p' "$SOURCE/README.md" | sed -n '/^```sh/
 grep -q 'trephine normals' chain.sh || fail "README.md holds no chain of single tools"
 PATH=$(dirname "$TREPHINE"):$PATH bash -euo pipefail chain.sh
 cmp skull.vtp kept/skull.normals.vtp || fail "the chain's skull differs from run's"
+cmp drilled.vtp kept/skull.boolean.vtp || fail "the chain's drilled skull differs from run's"
+shapes=()
+for a in ventricles brain skull skin; do shapes+=(--shape "$a=kept/$a.contour.vtp"); done
+"$TREPHINE" voxelize volume.nrrd "${shapes[@]}" --clear skin=brain=5 --region-of brain --margin-mm 25 --spacing-mm 1.6,1.6,1.6 \
+  --cutters hole.json --drill skull --drill skin=6 --output felt.nrrd --quiet
+cmp felt.nrrd kept/haptic.voxelize.nrrd || fail "voxelize alone gives another haptic volume than run"
+"$TREPHINE" boolean felt.nrrd --cutters hole.json --shape skull --output twice.nrrd --quiet
+cmp felt.nrrd twice.nrrd || fail "a hole drilled twice removes more the second time"
 cmp volume.nrrd kept/import.nrrd || fail "the imported volume differs"
 echo ok

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What scenes and cases say of burr holes and of the haptic volume, and what is computed for it.
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "pipeline/config.h"
+#include "pipeline/graph.h"
+#include "pipeline/haptic_content.h"
+#include "scratch_folder.h"
+#include "voxel/cut.h"
+#include "voxel/voxelize.h"
+
+using namespace trephine;
+
+namespace {
+
+const char* const recipe = R"(trephine: 1
+anatomies:
+  skin: {shows_face: true, stages: [segment, contour, decimate]}
+  skull: {shows_face: false, stages: [segment, contour, decimate]}
+  brain: {shows_face: false, stages: [segment: {method: brain, skull: skull.segment}, contour]}
+)";
+const char* const materials = R"(trephine: 1
+materials:
+  bone: {front: {stiffness_n_per_mm: 1}, back: {touchable: false}}
+  skin: {front: {stiffness_n_per_mm: 0.3}, back: {touchable: false}}
+)";
+const char* const live = R"(trephine: 1
+anatomies: {skin: {max_triangles: 90000}}
+materials: materials.yaml
+haptic:
+  spacing_mm: [0.5, 0.5, 1]
+  region_of: brain
+  shapes:
+    skull: {material: bone, cuttable: true}
+    skin: {material: skin, clear_of: brain, clear_mm: 5}
+)";
+const char* const drilled = R"(trephine: 1
+anatomies: {skin: {max_triangles: 90000}, skull: {max_triangles: 80000}}
+burr_holes: {skull: , skin: {widen_mm: 6}}
+materials: materials.yaml
+haptic: {shapes: {skull: {material: bone}}}
+)";
+const std::string head = "trephine: 1\npipeline: recipe.yaml\nscene: scene.yaml\n";
+const std::string one_hole = "landmarks: {nasion: [0, -90, 30], monro: [0, 0, 0]}\nburr_holes: [{side: left}]\n";
+
+struct Files {
+  ScratchFolder folder;
+  std::filesystem::path config;
+  Files(const std::string& case_yaml, const std::string& scene_yaml, const std::string& materials_yaml = materials) {
+    folder.write("recipe.yaml", recipe);
+    folder.write("scene.yaml", scene_yaml);
+    folder.write("materials.yaml", materials_yaml);
+    config = folder.write("case.yaml", case_yaml);
+  }
+};
+
+CaseConfig read(const std::string& case_yaml, const std::string& scene_yaml) {
+  return read_case_config(Files(case_yaml, scene_yaml).config);
+}
+
+// The one fault that there must be, as the user sees it.
+std::string fault(const std::string& case_yaml, const std::string& scene_yaml,
+                  const std::string& materials_yaml = materials) {
+  const Files files(case_yaml, scene_yaml, materials_yaml);
+  try {
+    read_case_config(files.config);
+  } catch (const ErrorList& e) {
+    EXPECT_EQ(e.all().size(), 1u) << e.all().back().line("");
+    EXPECT_EQ(e.code(), ExitCode::bad_config);
+    return e.all()[0].line("");
+  }
+  return "";
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+std::string with(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+}  // namespace
+
+TEST(HapticScene, SaysWhatIsFelt) {
+  const CaseConfig c = read(head + "set: {haptic.margin_mm: 7}\n", live);
+  ASSERT_TRUE(c.haptic.wanted);
+  const auto& params = c.haptic.params.as<VoxelizeParams>();
+  EXPECT_EQ(params.spacing_mm, (std::array<double, 3>{0.5, 0.5, 1}));
+  EXPECT_EQ(params.margin_mm, 7);
+  ASSERT_EQ(c.haptic.shapes.size(), 2u);
+  EXPECT_EQ(c.haptic.shapes[0].material.name, "bone");
+  EXPECT_EQ(c.haptic.shapes[0].material.front.stiffness_n_per_mm, 1);
+  EXPECT_TRUE(c.haptic.shapes[0].cuttable);
+  EXPECT_FALSE(c.haptic.shapes[1].material.back.touchable);
+  EXPECT_EQ(c.haptic.spec.shapes[1].clear_of, "brain");
+  EXPECT_FALSE(c.haptic.spec.shapes[0].drilled);
+}
+
+TEST(HapticScene, FaultsHaveTheirPlace) {
+  EXPECT_TRUE(has(fault(head, with(live, "material: bone", "material: bon")),
+                  "scene.yaml:8:23: haptic.shapes.skull.material: bon, no such material, did you mean bone?"));
+  EXPECT_TRUE(has(fault(head, with(live, "    skull:", "    skul:")), "did you mean skull?"));
+  EXPECT_TRUE(
+      has(fault(head, with(live, ", clear_mm: 5", "")), "haptic.shapes.skin.clear_of: and clear_mm go together"));
+  EXPECT_TRUE(has(fault(head, with(live, "materials: materials.yaml\n", "")), "needs materials: FILE"));
+  EXPECT_TRUE(has(fault(head, with(live, "cuttable: true", "cuttable: yes")), "must be true or false"));
+  EXPECT_TRUE(has(fault(head, with(live, "[0.5, 0.5, 1]", "[0.5, 0.5, 0]")), "haptic.spacing_mm"));
+  EXPECT_TRUE(has(fault(head, live, with(materials, "stiffness_n_per_mm: 1", "stiffness_n_per_mm: -1")),
+                  "materials.yaml:3:38: materials.bone.front.stiffness_n_per_mm"));
+  EXPECT_TRUE(
+      has(fault(head, live, with(materials, ", back: {touchable: false}", "")), "materials.bone.back: is missing"));
+}
+
+TEST(HapticScene, WindowsOfRawHu) {
+  const std::string hu =
+      with(with(live, "  region_of: brain\n", "  encoding: hu\n"),
+           "skin: {material: skin, clear_of: brain, clear_mm: 5}", "tooth: {material: bone, window_hu: [1500, 3000]}");
+  EXPECT_TRUE(has(fault(head, hu), "haptic.shapes.skull.window_hu: is missing"));
+  const CaseConfig c = read(head, with(hu, "cuttable: true", "window_hu: [300, 1499]"));
+  EXPECT_EQ(c.haptic.spec.shapes[1].name, "tooth");
+  EXPECT_EQ(c.haptic.spec.shapes[0].high_hu, 1499);
+  const Graph g = make_graph(c, "input");
+  // Raw HU need no surfaces of the shapes.
+  EXPECT_EQ(g.nodes[g.haptic].sources, (std::map<std::string, int>{{"volume", 0}}));
+}
+
+TEST(BurrHoles, AreTheScenesAndTheCases) {
+  EXPECT_TRUE(has(fault(head, drilled), "burr_holes: is missing: the scene cuts them"));
+  EXPECT_TRUE(has(fault(head + with(one_hole, "side: left", "side: up"), drilled), "burr_holes[0].side: up"));
+  EXPECT_TRUE(has(fault(head + with(one_hole, "side: left", "toward: monr"), drilled), "no such landmark"));
+  EXPECT_TRUE(has(fault(head + with(one_hole, "side: left", "toward: monro, direction: [0, 0, -1]"), drilled),
+                  "contradict each other"));
+  const CaseConfig c = read(head + one_hole, drilled);
+  ASSERT_EQ(c.burr_holes.size(), 1u);
+  EXPECT_EQ(c.burr_holes[0].name, "burr_hole_1");
+  EXPECT_TRUE(c.haptic.spec.shapes[0].drilled);
+  // The wall of the hole is triangles too.
+  EXPECT_EQ(to_text(c.find_anatomy("skull")
+                        ->find_step("decimate")
+                        ->params.get(*find_stage("decimate")->make_params().set->find("target_triangles_count"))),
+            "79000");
+  // A scene that cuts none does not want them.
+  EXPECT_TRUE(read(head + one_hole, live).burr_holes.empty());
+}
+
+TEST(HapticGraph, HoldsWhatIsFeltAndNoMore) {
+  const Graph g = make_graph(read(head, live), "input");
+  for (const char* needed : {"skin.decimate", "skull.contour", "brain.contour", "haptic.voxelize", "haptic.mismatch"})
+    EXPECT_GE(g.find(needed), 0) << needed;
+  // The skull is displayed from the volume: nothing decimates it.
+  EXPECT_LT(g.find("skull.decimate"), 0);
+  EXPECT_EQ(g.nodes[g.mismatch].sources.count("surface.skin"), 1u);
+  EXPECT_EQ(g.nodes[g.mismatch].sources.count("surface.skull"), 0u);
+}
+
+TEST(HapticGraph, OneBurrHoleCutsMeshAndVolume) {
+  const CaseConfig c = read(head + one_hole, drilled);
+  const Graph g = make_graph(c, "input");
+  ASSERT_EQ(g.burr_holes.size(), 1u);
+  for (const char* cut : {"skull.boolean", "skin.boolean", "haptic.voxelize"})
+    EXPECT_EQ(g.nodes[g.find(cut)].sources.at("cutters.burr_hole_1"), g.burr_holes[0]) << cut;
+  EXPECT_EQ(g.anatomies[1].surface, g.find("skull.boolean"));
+  // A hole is no deviation: what is measured is the surface before it.
+  EXPECT_EQ(g.nodes[g.anatomies[1].measure].sources.at("surface"), g.find("skull.decimate"));
+  // Another landmark is another hole; another width of the skin's share is another skin, and the same skull.
+  const Graph moved = make_graph(read(head + with(one_hole, "[0, -90, 30]", "[0, -91, 30]"), drilled), "input");
+  EXPECT_NE(moved.nodes[moved.find("skull.boolean")].key, g.nodes[g.find("skull.boolean")].key);
+  const Graph wider = make_graph(read(head + one_hole, with(drilled, "widen_mm: 6", "widen_mm: 7")), "input");
+  EXPECT_NE(wider.nodes[wider.find("skin.boolean")].key, g.nodes[g.find("skin.boolean")].key);
+  EXPECT_EQ(wider.nodes[wider.find("skull.boolean")].key, g.nodes[g.find("skull.boolean")].key);
+}
+
+TEST(HapticHole, IsFreeOnlyWhereItWasDrilled) {
+  // A plate of bone from z = -4 to 4.
+  TriMesh plate;
+  for (int i = 0; i < 8; ++i) plate.points_mm.push_back({i & 1 ? 20. : -20., i & 2 ? 20. : -20., i & 4 ? 4. : -4.});
+  plate.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                     {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  VoxelizeParams params;
+  Report report;
+  const Lattice lattice = haptic_lattice({{-25, -25, -10}, {25, 25, 10}}, Mat3{}, {}, params);
+  HapticVolume volume = voxelize(lattice, {{"skull", &plate, nullptr, 0}}, report);
+  Cutter hole;
+  hole.position_mm = {0.3, -0.2, 5};
+  hole.direction = {0, 0, -1};
+  hole.radius_mm = 6;
+  hole.above_mm = 5;
+  hole.depth_mm = 12;
+  EXPECT_FALSE(hole_is_free(volume, "skull", hole));
+  cut_volume(volume, distance_to(hole), bounds_of(hole), {1}, report);
+  EXPECT_TRUE(hole_is_free(volume, "skull", hole));
+  // The same hole a millimetre aside is not.
+  hole.position_mm.x += 1.2;
+  EXPECT_FALSE(hole_is_free(volume, "skull", hole));
+}
