@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "segmentation/filters.h"
 #include "segmentation/methods.h"
+#include "segmentation/scan_edge.h"
 #include "segmentation/surface_field.h"
 
 namespace trephine {
@@ -110,6 +111,17 @@ Field moved(const Field& field, const Lattice& volume, double grow_mm, const Pro
   return out;
 }
 
+/// Whether the surface is one of a body.
+void check_scan_edge(const HuView& hu, const Field& field, const SegmentParams& params, Report& report) {
+  const double ratio = scan_edge_ratio(hu, field);
+  report.add("scan_edge_ratio", ratio);
+  if (ratio > params.max_scan_edge_ratio)
+    throw Error(ExitCode::quality, "", "max_scan_edge_ratio",
+                fmt::format("{:.0f} % of its rim are the edge of the scanned field, at most {:.0f} %: leave it out of "
+                            "the scene, or take a scan with a wider field of view",
+                            100 * ratio, 100 * params.max_scan_edge_ratio));
+}
+
 /// The field cropped to its positive part and two voxels more.
 Field trimmed(Field field) {
   const Box box = grown(positive(field, field).bounds(), 2, field);
@@ -148,6 +160,7 @@ Field segment(const HuVolume& volume, const SegmentMasks& masks, const SegmentPa
   }
   check_mask(positive(field, field), lattice.count(), report);
   field = trimmed(std::move(field));
+  if (params.max_scan_edge_ratio < 1) check_scan_edge(hu, field, params, report);
   progress.report(1);
   return field;
 }

@@ -31,6 +31,7 @@ struct SegmentParams {
   double fill_close_mm = 0;
   double fill_max_ml = 1000;
   double grow_mm = 0;
+  double max_scan_edge_ratio = 1;
 
   template <class V>
   static void describe(V& v) {
@@ -75,6 +76,9 @@ struct SegmentParams {
     v.number(&P::fill_max_ml, "fill_max_ml", Range{0, 10000}, "Cavities larger than this stay open.");
     v.number(&P::grow_mm, "grow_mm", Range{-20, 20},
              "Moves the surface outwards (or inwards, below 0) by this distance in the end; the field is then in mm.");
+    v.number(&P::max_scan_edge_ratio, "max_scan_edge_ratio", Range{0, 1},
+             "Refuse a shape more of whose rim in the slices than this is the edge of the scanned field: a skin that "
+             "was not scanned; 1 does not ask.");
   }
 };
 
@@ -105,7 +109,8 @@ struct SegmentMasks {
 ///
 /// The result is the same bits whatever the thread count. Safe to call from several threads at a time.
 /// Throws Error 65 where a voxel is not finite, or a mask is of another raster; 64 where ventricles have no brain
-/// given; 80 where the mask is empty, fills the volume, or lies in a single slice, with the count of voxels; Cancelled.
+/// given; 80 where the mask is empty, fills the volume, or lies in a single slice, with the count of voxels, or more
+/// of its rim than max_scan_edge_ratio is the edge of the scan; Cancelled.
 Field segment(const HuVolume& volume, const SegmentMasks& masks, const SegmentParams& params, Report& report,
               const Progress& progress = {});
 
