@@ -319,7 +319,7 @@ class Reader {
 
   // The wall of a burr hole is triangles too, and they count against the scene's limit.
   void leave_room(const SceneDrill& drilled) {
-    constexpr std::int64_t triangles_a_hole = 1000;
+    constexpr std::int64_t triangles_a_hole = 4000;
     if (paths_set_.count(drilled.anatomy + ".decimate.target_triangles_count")) return;
     for (const SceneAnatomy& limit : out_.scene)
       if (limit.name == drilled.anatomy && limit.max_triangles > 0)
