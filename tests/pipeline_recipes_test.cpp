@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The recipes and scenes of spine and chest; on real scans where they are unpacked
+// (${TREPHINE_DATA:-$HOME/.cache/trephine-data}; skipped, with a message, where not).
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "base/error.h"
+#include "cases/case.h"
+#include "pipeline/run_case.h"
+#include "scratch_folder.h"
+
+namespace trephine {
+namespace {
+
+std::filesystem::path shipped(const std::string& name) {
+  return std::filesystem::path(TREPHINE_SOURCE_DIR) / "configs" / name;
+}
+
+TEST(Recipes, OfSpineAndChestHaveSkinAndBoneAndShowNoFace) {
+  for (const char* name : {"ct_spine.yaml", "ct_spine_bone.yaml", "ct_chest.yaml"}) {
+    const CaseConfig c = read_case_config(shipped(name));
+    ASSERT_EQ(c.anatomies.size(), 2u) << name;
+    for (const char* anatomy : {"skin", "bone"}) {
+      ASSERT_NE(c.find_anatomy(anatomy), nullptr) << name;
+      EXPECT_FALSE(c.find_anatomy(anatomy)->shows_face) << name;
+    }
+    EXPECT_EQ(c.scene.size(), std::string(name) == "ct_spine_bone.yaml" ? 1u : 2u) << name;
+    EXPECT_EQ(c.import.clamp_low_hu, -1024) << name;
+    EXPECT_EQ(c.face, "") << name;
+  }
+}
+
+class Nobody : public RunObserver {
+  void started(const std::string&) override {}
+  void progressed(const std::string&, double) override {}
+  void finished(const std::string&, const std::string&, double, const Report&) override {}
+};
+
+/// Makes the case of a real scan; its manifest.
+CaseManifest made_of(const char* config, const char* data, const ScratchFolder& folder) {
+  const char *own = std::getenv("TREPHINE_DATA"), *home = std::getenv("HOME");
+  RunRequest r;
+  r.config = shipped(config);
+  r.overrides.series =
+      std::filesystem::path(own ? own : std::string(home ? home : "") + "/.cache/trephine-data") / data;
+  if (!std::filesystem::exists(r.overrides.series)) return {};
+  r.library = folder.path();
+  r.params.case_token = "real";
+  r.params.use_cache = false;
+  r.params.pictures = false;
+  r.program_version = "test";
+  Nobody nobody;
+  return read_case(run_case(r, nobody).case_folder);
+}
+#define NEEDS(manifest) \
+  if ((manifest).case_token.empty()) GTEST_SKIP() << "no real data"
+
+void expect_volume(const CaseManifest& m, const char* anatomy, double low_ml, double high_ml) {
+  const CaseAnatomy* a = m.find_anatomy(anatomy);
+  ASSERT_NE(a, nullptr);
+  EXPECT_GT(a->volume_ml, low_ml) << anatomy;
+  EXPECT_LT(a->volume_ml, high_ml) << anatomy;
+  EXPECT_LT(a->deviation.max_mm, a->budget_asked_mm) << anatomy;
+}
+
+TEST(LongRecipes, ALumbarSpineIsWholeAndItsFieldOfViewHoldsNoSkin) {
+  const ScratchFolder folder;
+  const CaseManifest m = made_of("ct_spine_bone.yaml", "spine_lumbar_hitachi", folder);
+  NEEDS(m);
+  // Three osteoporotic vertebrae and parts of others: 87 to 100 ml where their bodies stay hollow.
+  expect_volume(m, "bone", 140, 165);
+  try {
+    made_of("ct_spine.yaml", "spine_lumbar_hitachi", folder);
+    FAIL() << "not refused";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::quality);
+    EXPECT_NE(e.field().find("max_scan_edge_ratio"), std::string::npos) << e.what() << " " << e.field();
+  }
+}
+
+TEST(LongRecipes, AChestHasItsBonesAndNoCouchInItsSkin) {
+  const ScratchFolder folder;
+  const CaseManifest m = made_of("ct_chest.yaml", "chest_clavicle_LIDC-0314_top80", folder);
+  NEEDS(m);
+  expect_volume(m, "bone", 380, 450);
+  expect_volume(m, "skin", 4700, 4800);  // with the mat and what lies between it and the back: 4834
+}
+
+}  // namespace
+}  // namespace trephine
