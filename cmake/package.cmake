@@ -6,7 +6,7 @@
 install(DIRECTORY pipelines configs sample_dicom DESTINATION ${CMAKE_INSTALL_DATADIR}/trephine COMPONENT programs)
 install(FILES trephine.root DESTINATION ${CMAKE_INSTALL_DATADIR}/trephine COMPONENT programs)
 install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
-install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
 install(DIRECTORY examples/case_reader DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/trephine-dev/examples
         COMPONENT development)
 
@@ -46,12 +46,12 @@ set(CPACK_VERBATIM_VARIABLES ON)
 set(CPACK_PACKAGE_CONTACT "Trephine maintainers <maintainers@trephine.example>" CACHE STRING "Maintainer of the packages")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
-    WORLD_READ WORLD_EXECUTE)
-# The same build gives the same bytes: entries are dated by the last commit.
+# The same build gives the same bytes: entries are dated by the last commit, and have their modes whatever the umask
+# (the mode that the archive gives control.tar and data.tar follows it; nobody reads that).
+set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/debian/modes.cmake)
 set(TREPHINE_SOURCE_DIR ${PROJECT_SOURCE_DIR})
-configure_file(cmake/package_date.cmake.in ${generated}/package_date.cmake @ONLY)
-set(CPACK_PROJECT_CONFIG_FILE ${generated}/package_date.cmake)
+configure_file(cmake/debian/date.cmake.in ${generated}/date.cmake @ONLY)
+set(CPACK_PROJECT_CONFIG_FILE ${generated}/date.cmake)
 
 set(CPACK_COMPONENTS_ALL programs development)
 set(CPACK_COMPONENTS_GROUPING IGNORE)

@@ -7,14 +7,21 @@ for tool in cpack dpkg-deb dpkg-shlibdeps file readelf; do
   command -v $tool >/dev/null || { echo "skipped: no $tool"; exit 77; }
 done
 
-pack() {  # FOLDER: from what the build holds; builds nothing
-  cpack --config "$BUILD/CPackConfig.cmake" -G DEB -B "$work/$1" >"$work/log" 2>&1 || { cat "$work/log"; fail "cpack"; }
+pack() {  # FOLDER: from what the build holds; builds nothing. gzip is the quicker.
+  cpack --config "$BUILD/CPackConfig.cmake" -G DEB -D CPACK_DEBIAN_COMPRESSION_TYPE=gzip -B "$work/$1" >"$work/log" 2>&1 || { cat "$work/log"; fail "cpack"; }
 }
+umask 077  # which must not show inside
 pack packages
-(umask 077; export TZ=Asia/Tokyo LC_ALL=C; pack again)
 deb=$(echo "$work"/packages/trephine_*.deb)
 dev=$(echo "$work"/packages/trephine-dev_*.deb)
 [[ $(ls "$work"/packages/*.deb | wc -l) == 2 && -f $deb && -f $dev ]] || fail "not two packages"
+root=$work/root
+dpkg-deb -x "$deb" "$root"
+date=$(stat -c %Y "$root/usr/bin/trephine")
+if [[ -e $SOURCE/.git ]]; then
+  git -C "$SOURCE" log --format=%ct | grep -x "$date" >/dev/null || fail "dated $date, which is no commit's date"
+fi
+(export TZ=Asia/Tokyo LC_ALL=C SOURCE_DATE_EPOCH="$date"; pack again)
 for f in "$deb" "$dev"; do cmp "$f" "$work/again/${f##*/}" || fail "packed again, other bytes"; done
 
 # What apt reads.
@@ -33,16 +40,14 @@ dpkg-deb -c "$deb" >"$work/list"
 ! awk '$2 != "root/root" || $1 !~ /^(-rw-r--r--|[-d]rwxr-xr-x)$/' "$work/list" | grep . || fail "owner or mode"
 ! awk '!/\/$/ { print $6 }' "$work/list" | grep -vxE -e '\./usr/bin/trephine(-sim)?' \
   -e '\./usr/share/trephine/(trephine\.root|(pipelines|configs|configs/scenes)/[a-z_]+\.yaml|sample_dicom/slice_[0-9]{4}\.dcm)' \
-  -e '\./usr/share/doc/trephine/(reference|reference-sim)/[a-z.]+\.(md|json)' \
-  -e '\./usr/share/doc/trephine/(README\.md|LICENSE|copyright|changelog\.gz|[a-z-]+\.(md|schema\.json))' \
+  -e '\./usr/share/doc/trephine/docs/(reference|reference-sim)/[a-z.]+\.(md|json)' \
+  -e '\./usr/share/doc/trephine/(README\.md|LICENSE|copyright|changelog\.gz|docs/[a-z-]+\.(md|schema\.json))' \
   -e '\./usr/share/man/man1/trephine[a-z-]*\.1\.gz' \
   -e '\./usr/share/bash-completion/completions/trephine(-sim)?' || fail "these do not belong there"
 ! dpkg-deb -c "$dev" | awk '!/\/$/ { print $6 }' | grep -vxE -e '\./usr/include/trephine/[a-z]+/[a-z_0-9]+\.h' \
   -e '\./usr/lib/([a-z0-9_-]+/)?(libtrephine_[a-z]+\.a|cmake/TrephineCase/TrephineCase[A-Za-z-]+\.cmake)' \
   -e '\./usr/share/doc/trephine-dev/(copyright|changelog\.gz|examples/case_reader/[A-Za-z.]+)' || fail "these do not belong there"
 
-root=$work/root
-dpkg-deb -x "$deb" "$root"
 for file in "$SOURCE"/{pipelines,configs,sample_dicom}; do
   diff -r "$file" "$root/usr/share/trephine/${file##*/}" || fail "$file"
 done
