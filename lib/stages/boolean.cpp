@@ -34,7 +34,8 @@ StageType boolean_stage(double widen_mm) {
              {"cutters.*", DataKind::cutters, true, "what is cut away"}};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<CutSurfaceParams>(); };
-  s.run = [widen_mm](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+  s.run = [widen_mm](const AnyParams& params, const StageInputs& in, Report& report,
+                     const Progress& progress) -> StageData {
     std::vector<Cutter> cutters = cutters_of(in);
     for (Cutter& c : cutters) c = widened(std::move(c), widen_mm);
     return std::make_shared<const TriMesh>(

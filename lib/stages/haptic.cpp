@@ -113,7 +113,8 @@ std::string to_text(const HapticSpec& spec) {
   text += " of " + spec.region_of;
   for (const HapticShapeSpec& s : spec.shapes)
     text += "; " + s.name + " clear " + s.clear_of + " " + to_text(ParameterValue(s.clear_mm)) + " window " +
-            std::to_string(s.low_hu) + " " + std::to_string(s.high_hu) + (s.drilled ? " drilled " + to_text(ParameterValue(s.widen_mm)) : "");
+            std::to_string(s.low_hu) + " " + std::to_string(s.high_hu) +
+            (s.drilled ? " drilled " + to_text(ParameterValue(s.widen_mm)) : "");
   return text;
 }
 
