@@ -24,13 +24,17 @@ while read -r line; do
   case $line in
     'trephine phantom head') eval "$line ${small[*]} --quiet" ;;
     'trephine measure skull.vtp --truth '*) ;;  # after the loop: it needs the phantom
+    'trephine import --list FOLDER') trephine import --list sample_dicom --quiet | grep -q usable ;;
+    'trephine export LIBRARY/head-01 '*)
+      mkdir exported
+      eval "${line/LIBRARY/library} --quiet" && [[ -s exported/brain.stl && -s exported/skin.x3d ]] ;;
     'eval "$(trephine completion bash)"') (eval "$line" && complete -p trephine) >/dev/null ;;
     'trephine STAGE --help') for s in import segment contour decimate smooth normals; do trephine "$s" --help >/dev/null; done ;;
     *) fail "README.md shows a command that this test does not know: $line" ;;
   esac
   seen=$((seen + 1))
 done <inline.txt
-[[ $seen == 4 ]] || { cat inline.txt; fail "$seen commands in README.md's text"; }
+[[ $seen == 6 ]] || { cat inline.txt; fail "$seen commands in README.md's text"; }
 cp head/truth/skull.vtp skull.vtp
 eval "$(grep '^trephine measure' inline.txt) --quiet"
 echo ok
