@@ -319,8 +319,8 @@ class HeaderReader {
       if (!h_.pixels.undefined_length)
         return fault(t_pixels, std::string("not encapsulated, as ") + h_.syntax->name + " must be");
       if (h_.frame_bytes() > max_compressed_frame)
-        return fault(t_rows, fmt::format("a compressed frame of {} x {}, at most 256 MiB are decoded", h_.columns,
-                                         h_.rows));
+        return fault(t_rows,
+                     fmt::format("a compressed frame of {} x {}, at most 256 MiB are decoded", h_.columns, h_.rows));
       if (a == 32) return fault(t_allocated, std::string("32 is not supported in ") + h_.syntax->name);
       check_fragments();
     }

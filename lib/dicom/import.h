@@ -73,10 +73,11 @@ struct ImportResult {
 /// Geometry and HU come from raw tags that this module reads and checks itself; slices are ordered by their positions
 /// along the normal. The volume is the stored one, HU exact, where the positions form an upright uniform stack: steps
 /// within 1 um of uniform, drift across the stack below 20 um. Otherwise it is resampled onto an upright uniform grid
-/// from the true positions: gantry tilt, jitter, changing steps, and gaps where allowed. Resampling is by cubic Hermite
-/// interpolation with three-point tangents, first within the slice (tilt), then along the normal, each limited to the
-/// range of its four samples, so that it adds no over- or undershoot; the grid covers all slices, and what no slice
-/// covers is air. The step is that of the stack's finest regular part, its phase that of the longest regular run.
+/// from the true positions: gantry tilt, jitter, changing steps, and gaps where allowed. Resampling is first within the
+/// slice (tilt), by Lagrange's polynomial through eight samples, then along the normal, by cubic Hermite interpolation
+/// with three-point tangents, each limited to the range of the four samples about the place, so that it adds no over-
+/// or undershoot; the grid covers all slices, and what no slice covers is air. The step is that of the stack's finest
+/// regular part, its phase that of the longest regular run.
 ///
 /// Padding (by its tag) becomes air, -1000 HU. int16 where slope and intercept of every slice are integers and all
 /// values fit (resampled values are rounded to whole HU), else float32.

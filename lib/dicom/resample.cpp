@@ -11,32 +11,52 @@ namespace {
 /// Nearer to a sample than this share of a step is the sample.
 constexpr double on_sample = 1e-4;
 
+/// Taps of an interpolation between equidistant samples; `before` of them lie before the place. Many: four would blur
+/// edges at half a step so much (0.88 of the amplitude at half of the highest frequency, eight leave 0.98) that a
+/// tilted skull came out a seventh worse than an upright one.
+constexpr int taps = 8, before = taps / 2 - 1;
+
 struct Line {
   int base = 0;  ///< source index of a target index t: t + base + fraction
-  double fraction = 0;
-  Weights weight{};
+  std::array<float, taps> weight{};
   bool copy = false;
 };
 
+/// Lagrange's polynomial through the samples around: exact up to the seventh degree, and the sample itself at one.
 Line line_of(double shift) {
   Line l;
   l.base = static_cast<int>(std::floor(-shift));
-  l.fraction = -shift - l.base;
-  if (l.fraction > 1 - on_sample) {
+  double fraction = -shift - l.base;
+  if (fraction > 1 - on_sample) {
     ++l.base;
-    l.fraction = 0;
+    fraction = 0;
   }
-  l.copy = l.fraction < on_sample;
-  l.weight = cubic_weights(l.fraction);
+  l.copy = fraction < on_sample;
+  for (int k = 0; k < taps; ++k) {
+    double w = 1;
+    for (int m = 0; m < taps; ++m)
+      if (m != k) w *= (fraction + before - m) / (k - m);
+    l.weight[static_cast<std::size_t>(k)] = static_cast<float>(w);
+  }
   return l;
 }
 
-/// The four source indices for target index t; false where the source does not reach.
-bool reach(const Line& l, int t, int size, std::array<int, 4>& at) {
+/// The source indices for target index t; false where the source does not reach.
+bool reach(const Line& l, int t, int size, std::array<int, taps>& at) {
   const int i = t + l.base;
   if (i < 0 || i >= size || (!l.copy && i + 1 >= size)) return false;
-  for (int k = 0; k < 4; ++k) at[static_cast<std::size_t>(k)] = std::clamp(i + k - 1, 0, size - 1);
+  for (int k = 0; k < taps; ++k) at[static_cast<std::size_t>(k)] = std::clamp(i + k - before, 0, size - 1);
   return true;
+}
+
+/// Weighted and limited to the range of the middle four: no over- or undershoot beyond what is next to the place.
+template <class At>
+inline float limited_sum(const std::array<float, taps>& w, At&& at) {
+  float sum = 0;
+  for (int k = 0; k < taps; ++k) sum += w[static_cast<std::size_t>(k)] * at(k);
+  const float low = std::min(std::min(at(before - 1), at(before)), std::min(at(before + 1), at(before + 2)));
+  const float high = std::max(std::max(at(before - 1), at(before)), std::max(at(before + 1), at(before + 2)));
+  return std::min(high, std::max(low, sum));
 }
 
 inline float limited(float a, float b, float c, float d, float w0, float w1, float w2, float w3) {
@@ -102,32 +122,29 @@ void shift_slice(const std::vector<float>& slice, int columns, int rows, const s
   const Line across = line_of(shift[0]), down = line_of(shift[1]);
   out.resize(std::size_t(target_columns) * std::size_t(target_rows));
   std::vector<float> row(static_cast<std::size_t>(columns));
-  const std::array<float, 4> wd{float(down.weight[0]), float(down.weight[1]), float(down.weight[2]),
-                                float(down.weight[3])};
-  const std::array<float, 4> wa{float(across.weight[0]), float(across.weight[1]), float(across.weight[2]),
-                                float(across.weight[3])};
   for (int t = 0; t < target_rows; ++t) {
     float* target = out.data() + std::size_t(t) * std::size_t(target_columns);
-    std::array<int, 4> at{};
+    std::array<int, taps> at{};
     if (!reach(down, t, rows, at)) {
       std::fill(target, target + target_columns, air);
       continue;
     }
-    std::array<const float*, 4> s{};
-    for (std::size_t k = 0; k < 4; ++k) s[k] = slice.data() + std::size_t(at[k]) * std::size_t(columns);
-    const float* made = s[1];
+    std::array<const float*, taps> s{};
+    for (std::size_t k = 0; k < taps; ++k) s[k] = slice.data() + std::size_t(at[k]) * std::size_t(columns);
+    const float* made = s[before];
     if (!down.copy) {
       for (std::size_t i = 0; i < row.size(); ++i)
-        row[i] = limited(s[0][i], s[1][i], s[2][i], s[3][i], wd[0], wd[1], wd[2], wd[3]);
+        row[i] = limited_sum(down.weight, [&](int k) { return s[static_cast<std::size_t>(k)][i]; });
       made = row.data();
     }
     for (int i = 0; i < target_columns; ++i) {
-      std::array<int, 4> b{};
+      std::array<int, taps> b{};
       if (!reach(across, i, columns, b))
         target[i] = air;
       else
-        target[i] = across.copy ? made[b[1]]
-                                : limited(made[b[0]], made[b[1]], made[b[2]], made[b[3]], wa[0], wa[1], wa[2], wa[3]);
+        target[i] = across.copy
+                        ? made[b[before]]
+                        : limited_sum(across.weight, [&](int k) { return made[b[static_cast<std::size_t>(k)]]; });
     }
   }
 }

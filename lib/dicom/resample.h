@@ -25,8 +25,9 @@ struct Taps {
 };
 Taps taps_of(const StackGeometry& geometry, int target_slice);
 
-/// Moves a stored slice into the target's plane by its shift in columns and rows (sub-voxel, cubic); `air` where the
-/// slice does not reach. `out` gets target columns x rows.
+/// Moves a stored slice into the target's plane by its shift in columns and rows (sub-voxel; Lagrange's polynomial of
+/// eight samples, limited to the range of the middle four); `air` where the slice does not reach. `out` gets target
+/// columns x rows.
 void shift_slice(const std::vector<float>& slice, int columns, int rows, const std::array<double, 2>& shift,
                  int target_columns, int target_rows, float air, std::vector<float>& out);
 
