@@ -2,6 +2,8 @@
 // The haptic volume's times on surfaces of real size, in one run:
 //   bench_voxel SKIN.vtp SKULL.vtp BRAIN.vtp VENTRICLES.vtp [spacing_mm [voxels a side [OUT.nrrd]]]
 // (trephine run --keep leaves them as <anatomy>.contour.vtp). Times are wall clock, so run it on an idle machine.
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -31,7 +33,19 @@ double timed(const std::function<void()>& f) {
 
 void row(const char* name, double seconds) { std::printf("%-34s %9.3f s\n", name, seconds); }
 
-// Mean time of a sample, over points within `near_mm` of the shape's surface, or anywhere.
+// Of this thread, so that other processes matter less.
+double cpu_timed(const std::function<void()>& f) {
+  const auto now = [] {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+  };
+  const double start = now();
+  f();
+  return now() - start;
+}
+
+// Mean CPU time of a sample, over points within `near_mm` of the shape's surface, or anywhere.
 void time_decoder(const HapticVolume& volume, const TriMesh* surface) {
   std::mt19937_64 rng(1);
   const auto uniform = [&](double a, double b) { return a + (b - a) * double(rng() >> 11) * 0x1p-53; };
@@ -52,7 +66,7 @@ void time_decoder(const HapticVolume& volume, const TriMesh* surface) {
   const HapticDecoder decoder(volume);
   double sum = 0;
   const auto per_sample = [&](const char* name, const std::function<void(Vec3)>& f) {
-    const double s = timed([&] {
+    const double s = cpu_timed([&] {
       for (const Vec3 p : points) f(p);
     });
     std::printf("%-34s %9.0f ns  (%s)\n", name, 1e9 * s / double(points.size()),
@@ -62,7 +76,7 @@ void time_decoder(const HapticVolume& volume, const TriMesh* surface) {
   per_sample("trilinear", [&](Vec3 p) { sum += decoder.trilinear(2, p); });
   per_sample("gradient", [&](Vec3 p) { sum += decoder.gradient(2, p).x; });
   // As a servo loop walks: 16 samples at steps of 0.1 mm.
-  const double s = timed([&] {
+  const double s = cpu_timed([&] {
     for (std::size_t n = 0; n < points.size(); n += 16)
       for (int step = 0; step < 16; ++step) sum += decoder.trilinear(2, points[n] + Vec3{0.1 * step, 0, 0});
   });

@@ -12,9 +12,10 @@ namespace trephine {
 /// lookup serves any number of shapes (the dissertation, chapter 3). Beyond its lattice is EMPTY.
 ///
 /// Encoding `occupancy`: a voxel is EMPTY (0), or
-///   1000 n + o          shape n fills o / 255 of it (o 1 to 255); the rest belongs to the other shape that has a voxel
-///                       among its 26 neighbours (the one with most occupancy there, then the lower number), or to
-///                       nobody where there is none
+///   1000 n + o          shape n fills o / 255 of it (o 1 to 255); the rest belongs to the other shape whose voxels
+///   among
+///                       its 26 neighbours sum up to the most occupancy (then the lower number), or to nobody where
+///                       there is none
 ///   1000 n + 300 + o    the same, and the rest is EMPTY whatever the neighbours: where something was cut away, or
 ///                       where air meets two shapes
 /// with n 1 to 32. Every other value belongs to no shape. The surface of a shape lies where its occupancy is 1/2.

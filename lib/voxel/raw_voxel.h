@@ -36,6 +36,7 @@ inline std::int16_t join(int number, int share, bool bare) {
 /// the largest occupancy, then the lower number; 0 where there is none.
 inline int other_shape(const Grid<std::int16_t>& voxels, int own, int i, int j, int k) {
   // In most places one other shape or none is near; the table serves the others.
+  const int own_base = haptic_base_step * own;
   int only = 0, sum_of_only = 0;
   std::array<int, haptic_max_shapes + 1> sums;
   bool several = false;
@@ -46,8 +47,10 @@ inline int other_shape(const Grid<std::int16_t>& voxels, int own, int i, int j, 
     for (int y = j0; y <= j1; ++y) {
       const std::int16_t* row = voxels.voxels.data() + voxels.index(0, y, z);
       for (int x = i0; x <= i1; ++x) {
-        const RawVoxel v = split(load_voxel(row[x]));
-        if (v.number == 0 || v.number == own) continue;
+        const int raw = load_voxel(row[x]);
+        if (raw == haptic_empty || unsigned(raw - own_base) < unsigned(haptic_base_step)) continue;
+        const RawVoxel v = split(std::int16_t(raw));
+        if (v.number == 0) continue;
         if (!several) {
           if (only == 0 || only == v.number) {
             only = v.number;

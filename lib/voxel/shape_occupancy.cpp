@@ -183,17 +183,25 @@ Mask cells_near(const TriMesh& mesh, const Lattice& lattice, double reach_mm) {
   return near;
 }
 
-// Calls each(i, j, k, seed triangle) for the voxels with a value in `which`, row by row in parallel.
+// What a voxel's result says of those that follow it in its row.
+struct RowState {
+  std::uint32_t seed = 0;  ///< triangle to begin the search at
+  int known_to = 0;        ///< voxels before this one have `value`
+  std::uint8_t value = 0;
+};
+
+// Calls each(i, j, k, state) for the voxels with a value in `which`, row by row in parallel.
 template <class Each>
 void for_each_voxel(const Grid<std::uint8_t>& which, const Progress& progress, const Each& each) {
   const std::int64_t rows = std::int64_t(which.size[1]) * which.size[2];
   parallel_for(0, rows, rows_a_piece, [&](std::int64_t from, std::int64_t to) {
     progress.check();
-    std::uint32_t seed = 0;
+    RowState state;
     for (std::int64_t row = from; row < to; ++row) {
       const int j = int(row % which.size[1]), k = int(row / which.size[1]);
+      state.known_to = 0;
       for (int i = 0; i < which.size[0]; ++i)
-        if (which.at(i, j, k)) each(i, j, k, seed);
+        if (which.at(i, j, k)) each(i, j, k, state);
     }
   });
 }
@@ -239,18 +247,29 @@ Grid<std::uint8_t> clear_occupancy(const TriMesh& mesh, double clear_mm, const G
   const Bvh tree(mesh, progress);
   progress.report(0.4);
   Grid<std::uint8_t> clear(wanted, 255);
-  for_each_voxel(wanted, progress, [&](int i, int j, int k, std::uint32_t& seed) {
+  for_each_voxel(wanted, progress, [&](int i, int j, int k, RowState& state) {
     const std::size_t at = wanted.index(i, j, k);
-    const bool far = !near.at(i / cell_voxels, j / cell_voxels, k / cell_voxels);
-    if (far || (inside.voxels[at] && clear_mm >= reach)) {
-      if (inside.voxels[at]) clear.voxels[at] = 0;
+    std::uint8_t& out = clear.voxels[at];
+    const bool within = inside.voxels[at];
+    if (i < state.known_to) {
+      out = state.value;
+      return;
+    }
+    if ((within && clear_mm >= reach) || !near.at(i / cell_voxels, j / cell_voxels, k / cell_voxels)) {
+      out = within ? 0 : 255;
       return;
     }
     const Vec3 local = wanted.to_world_mm({double(i), double(j), double(k)}) - mesh.origin_mm;
-    const ClosestPoint c = tree.nearest(local, seed, enough, seed);
-    const double d = inside.voxels[at] ? -std::sqrt(c.squared_mm2) : std::sqrt(c.squared_mm2);
-    const double ramp = ramp_mm(wanted, direction_from(mesh, seed, local - c.point));
-    clear.voxels[at] = d <= enough && enough > 0 ? 0 : std::uint8_t(share_at(clear_mm - d, ramp > 0 ? ramp : 1e-9));
+    const ClosestPoint c = tree.nearest(local, state.seed, enough, state.seed);
+    const double d = within ? -std::sqrt(c.squared_mm2) : std::sqrt(c.squared_mm2);  // or d is an upper bound <= enough
+    const double ramp = ramp_mm(wanted, direction_from(mesh, state.seed, local - c.point));
+    out = d <= enough && enough > 0 ? 0 : std::uint8_t(share_at(clear_mm - d, ramp > 0 ? ramp : 1e-9));
+    // A distance changes by a step at most from voxel to voxel.
+    const double spare = d > clear_mm + reach ? d - clear_mm - reach : enough - d;
+    if (spare > 0 && enough > 0) {
+      state.known_to = i + 1 + int(std::min(spare / wanted.spacing_mm.x, 1e6));
+      state.value = out;
+    }
   });
   progress.report(1);
   return clear;

@@ -50,11 +50,17 @@ struct VoxelizeParams {
 /// haptic.spacing_mm) where it would exceed max_voxels_millions.
 Lattice haptic_lattice(const Bounds& region_mm, const Mat3& direction, Vec3 anchor_mm, const VoxelizeParams& params);
 
-/// Shapes numbered 1.. in the order given. The occupancy of a voxel follows the signed distance of its centre to the
-/// surface, so that its 1/2 lies on the surface to a fraction of a voxel under trilinear interpolation (bias and RMS
-/// are in docs/accuracy.md). The report: per shape volume_ml, voxels_count, and overlap_ml that went to shapes before
-/// it. The same bytes whatever the thread count. Throws 65 where a surface is not closed; 80 where a shape has no voxel
-/// in the region; Cancelled.
+/// Shapes numbered 1.. in the order given. The occupancy of a voxel is 1/2 - d / (2 r), held to 0 and 1, d the signed
+/// distance of its centre to the surface and r the reach of its neighbours along that direction n, sum |n_a| spacing_a:
+/// so trilinear interpolation gives planes of every direction back (bias and RMS are in docs/accuracy.md), and a wall
+/// as thick as a voxel along its normal is felt everywhere; a thinner one only where voxel centres lie well in it.
+///
+/// A voxel keeps its largest share, and its second where the neighbours' rule of haptic_volume.h gives the rest to that
+/// shape and that is nearer to the truth than EMPTY; a gap of less than a quarter of a voxel between two shapes closes.
+/// So no voxel reads as more than half of a shape that is not there.
+///
+/// The report: per shape volume_ml, voxels_count, and overlap_ml that went to shapes before it. The same bytes whatever
+/// the thread count. Throws 65 where a surface is not closed; 80 where a shape has no voxel in the region; Cancelled.
 HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& shapes, Report& report,
                       const Progress& progress = {});
 
