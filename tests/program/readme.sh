@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Every command that the README shows works as it stands there (the chain of single tools is same_bytes.sh's).
+# Every command that the README shows works as it stands there (the chain of single tools is same_bytes.sh's, the package
+# deb.sh's).
 . "$(dirname "$0")/common.sh"
 PATH=$(dirname "$TREPHINE"):$PATH
 ln -s "$SOURCE/configs" "$SOURCE/pipelines" "$SOURCE/sample_dicom" "$SOURCE/trephine.root" "$work"
@@ -9,7 +10,7 @@ ln -s "$(dirname "$TREPHINE")" "$work/build/release/bin"
 cd "$work"
 
 # Blocks: one a line, FOLDER and LIBRARY filled in.
-sed '/<!-- chain -->/,/<!-- end -->/d' "$SOURCE/README.md" | sed -n '/^```sh$/,/^```$/p' | sed '/^```/d' |
+sed -E '/<!-- (chain|package) -->/,/<!-- end -->/d' "$SOURCE/README.md" | sed -n '/^```sh$/,/^```$/p' | sed '/^```/d' |
   sed 's,FOLDER,sample_dicom,; s,LIBRARY,library,' >blocks.sh
 grep -q 'trephine run' blocks.sh || fail "README.md shows no run"
 bash -euo pipefail blocks.sh >/dev/null
