@@ -286,6 +286,32 @@ TEST(Voxelize, ClearOfASurface) {
   EXPECT_LT(std::abs(o.bias), 0.1 * 0.8);
 }
 
+// The scalp outside a bone that is thinner than the clearance stays, the liquor within goes.
+TEST(Voxelize, ClearOnlyAsFarAsTheWall) {
+  std::mt19937_64 rng(12);
+  const Solid brain = shapes::ball(8, {}, 0, rng), skin = shapes::ball(17, {}, 0, rng);
+  TriMesh shell = shapes::sphere(5, 12);
+  const TriMesh hole = shapes::sphere(5, 10);
+  const auto offset = std::uint32_t(shell.points_mm.size());
+  shell.points_mm.insert(shell.points_mm.end(), hole.points_mm.begin(), hole.points_mm.end());
+  for (const auto& t : hole.triangles) shell.triangles.push_back({t[0] + offset, t[2] + offset, t[1] + offset});
+  Report report;
+  const HapticVolume volume =
+      voxelize(shapes::lattice_around(bounds_of(skin.mesh), {0.7, 0.7, 0.7}),
+               {{"brain", &brain.mesh}, {"skull", &shell}, {"skin", &skin.mesh, &brain.mesh, 6}}, report);
+  const HapticDecoder decoder(volume);
+  std::vector<shapes::SurfacePoint> outer;
+  for (int n = 0; n < 2000; ++n) {
+    const Vec3 u = shapes::unit_vector(rng);
+    ASSERT_EQ(decoder.trilinear(3, u * 9), 0);
+    ASSERT_GT(decoder.trilinear(3, u * 13.3), 0.9);  // within 6 mm of the brain
+    outer.push_back({u * 12, -u});
+  }
+  const Offsets o = offsets_of(outer, 1, [&](Vec3 p) { return decoder.trilinear(3, p); });
+  EXPECT_EQ(o.missed, 0);
+  EXPECT_LT(o.rms, 0.03);
+}
+
 TEST(Voxelize, SameBytesWhateverTheThreadCount) {
   std::mt19937_64 rng(9);
   const Solid a = shapes::ball(9, {}, 0, rng);

@@ -2,6 +2,7 @@
 #include "voxel/shape_occupancy.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -237,11 +238,11 @@ Grid<std::uint8_t> solid_occupancy(const TriMesh& mesh, const Lattice& lattice, 
   return occupancy;
 }
 
-Grid<std::uint8_t> clear_occupancy(const TriMesh& mesh, double clear_mm, const Grid<std::uint8_t>& wanted,
-                                   const Progress& progress) {
+Clearance clear_occupancy(const TriMesh& mesh, double clear_mm, const Grid<std::uint8_t>& wanted,
+                          const Progress& progress) {
   check_mesh(mesh);
   check_size(mesh);
-  const Mask inside = voxelize_inside(mesh, wanted, progress.part(0, 0.2));
+  Mask inside = voxelize_inside(mesh, wanted, progress.part(0, 0.2));
   const double reach = largest_ramp_mm(wanted), enough = std::max(0.0, clear_mm - reach);
   const Mask near = cells_near(mesh, wanted, clear_mm + reach);
   const Bvh tree(mesh, progress);
@@ -272,7 +273,7 @@ Grid<std::uint8_t> clear_occupancy(const TriMesh& mesh, double clear_mm, const G
     }
   });
   progress.report(1);
-  return clear;
+  return {std::move(clear), std::move(inside)};
 }
 
 }  // namespace trephine::detail

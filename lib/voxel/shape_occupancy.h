@@ -33,7 +33,11 @@ Grid<std::uint8_t> solid_occupancy(const TriMesh& mesh, const Lattice& lattice, 
 
 /// The same of what lies farther than `clear_mm` from the solid, for the voxels with a `wanted` that is not 0; the
 /// others may have any value.
-Grid<std::uint8_t> clear_occupancy(const TriMesh& mesh, double clear_mm, const Grid<std::uint8_t>& wanted,
-                                   const Progress& progress);
+struct Clearance {
+  Grid<std::uint8_t> left;
+  Mask inside;  ///< the solid's voxels
+};
+Clearance clear_occupancy(const TriMesh& mesh, double clear_mm, const Grid<std::uint8_t>& wanted,
+                          const Progress& progress);
 
 }  // namespace trephine::detail

@@ -2,6 +2,7 @@
 #include "voxel/voxelize.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <numeric>
 
 #include "base/error.h"
@@ -63,6 +64,56 @@ std::int64_t add_shape(std::vector<Shares>& shares, int number, const Grid<std::
   return std::accumulate(taken.begin(), taken.end(), std::int64_t{0});
 }
 
+// Calls each(index) for the neighbours of a voxel: 6, or 26.
+template <class Each>
+void for_each_neighbour(const Lattice& l, std::size_t at, bool corners, const Each& each) {
+  const int i = int(at % std::size_t(l.size[0])), j = int(at / std::size_t(l.size[0]) % std::size_t(l.size[1])),
+            k = int(at / std::size_t(l.size[0]) / std::size_t(l.size[1]));
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x)
+        if ((corners || std::abs(x) + std::abs(y) + std::abs(z) == 1) && l.contains(i + x, j + y, k + z))
+          each(l.index(i + x, j + y, k + z));
+}
+
+// Undoes the clearing behind a wall: what cannot be reached from the solid through cleared voxels that earlier shapes
+// fill to less than half stays (the scalp outside a thin temporal bone). Walls are cleared on the side that was
+// reached.
+void keep_behind_walls(detail::Clearance& clear, const Grid<std::uint8_t>& wanted, const std::vector<Shares>& shares,
+                       const Progress& progress) {
+  const auto open = [&](std::size_t at) {
+    return wanted.voxels[at] && clear.left.voxels[at] < haptic_full && shares[at].sum <= haptic_full / 2;
+  };
+  Grid<std::uint8_t> reached(wanted, 0);
+  std::vector<std::size_t> front;
+  const auto reach = [&](std::size_t at) {
+    if (reached.voxels[at] || !open(at)) return;
+    reached.voxels[at] = 1;
+    front.push_back(at);
+  };
+  for (std::size_t at = 0; at < wanted.voxels.size(); ++at)
+    if (wanted.voxels[at] && open(at)) {
+      bool beside = clear.inside.voxels[at] != 0;
+      for_each_neighbour(wanted, at, false, [&](std::size_t n) { beside = beside || clear.inside.voxels[n]; });
+      if (beside) reach(at);
+    }
+  while (!front.empty()) {
+    if (front.size() % 65536 == 0) progress.check();
+    const std::size_t at = front.back();
+    front.pop_back();
+    for_each_neighbour(wanted, at, false, reach);
+  }
+  for_each_piece(shares.size(), progress, [&](std::size_t from, std::size_t to, std::size_t) {
+    for (std::size_t at = from; at < to; ++at) {
+      if (!wanted.voxels[at] || clear.left.voxels[at] == haptic_full) continue;
+      bool cleared = reached.voxels[at];
+      if (!cleared && shares[at].sum > haptic_full / 2)
+        for_each_neighbour(wanted, at, true, [&](std::size_t n) { cleared = cleared || reached.voxels[n]; });
+      if (!cleared) clear.left.voxels[at] = haptic_full;
+    }
+  });
+}
+
 Grid<std::uint8_t> occupancy_of(const VoxelizeShape& shape, const Lattice& lattice, const std::vector<Shares>& shares,
                                 const Progress& progress) {
   const bool clear = shape.clear_of != nullptr;
@@ -73,10 +124,11 @@ Grid<std::uint8_t> occupancy_of(const VoxelizeShape& shape, const Lattice& latti
   for_each_piece(shares.size(), progress, [&](std::size_t from, std::size_t to, std::size_t) {
     for (std::size_t i = from; i < to; ++i) wanted.voxels[i] = own.voxels[i] > 0 && shares[i].sum < haptic_full;
   });
-  const auto left = detail::clear_occupancy(*shape.clear_of, shape.clear_mm, wanted, progress.part(0.6, 1));
+  detail::Clearance clearance = detail::clear_occupancy(*shape.clear_of, shape.clear_mm, wanted, progress.part(0.6, 1));
+  keep_behind_walls(clearance, wanted, shares, progress);
   for_each_piece(shares.size(), progress, [&](std::size_t from, std::size_t to, std::size_t) {
     for (std::size_t i = from; i < to; ++i)
-      if (wanted.voxels[i]) own.voxels[i] = std::min(own.voxels[i], left.voxels[i]);
+      if (wanted.voxels[i]) own.voxels[i] = std::min(own.voxels[i], clearance.left.voxels[i]);
   });
   return own;
 }

@@ -17,8 +17,9 @@ namespace trephine {
 struct VoxelizeShape {
   std::string name;
   const TriMesh* surface = nullptr;  ///< closed: the undecimated surface of the shape's field
-  /// Nothing of this shape within clear_mm of `clear_of` (a surface), except where a shape before it stands: the liquor
-  /// between brain and skull is not the scalp. Null: no such rule.
+  /// Nothing of this shape within clear_mm of the solid `clear_of`, except where a shape before it stands, or walls it
+  /// off: the liquor between brain and skull is not the scalp, and the scalp outside a thin bone stays. Null: no such
+  /// rule.
   const TriMesh* clear_of = nullptr;
   double clear_mm = 0;
 };
