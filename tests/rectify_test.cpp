@@ -101,15 +101,15 @@ double skull_rms(double tilt_deg, int matrix, double step_mm) {
 
 TEST(RectifyPhantom, MarksAndSkull) {
   expect_marks(18.5);
-  const double upright = skull_rms(0, 240, 1.5), tilted = skull_rms(-18.5, 240, 1.5);
+  const double upright = skull_rms(0, 240, 1.5), tilted = skull_rms(18.5, 240, 1.5);
   EXPECT_LT(tilted, 1.1 * upright);
 }
 
 TEST(LongRectifyPhantom, EveryTilt) {
   for (const double tilt : {0.0, 10.0, -10.0, 18.5, -18.5, 25.0, -25.0}) expect_marks(tilt);
-  const double upright = skull_rms(0, 240, 1.5);
-  for (const double tilt : {10.0, -10.0, 18.5, -18.5, 25.0, -25.0})
-    EXPECT_LT(skull_rms(tilt, 240, 1.5), 1.1 * upright) << tilt;
+  const double upright = skull_rms(0, 320, 1);
+  for (const double tilt : {-10.0, 10.0, -18.5, 18.5, -25.0, 25.0})
+    EXPECT_LT(skull_rms(tilt, 320, 1), 1.1 * upright) << tilt;
 }
 
 std::filesystem::path data(const std::string& name) {
