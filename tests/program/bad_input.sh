@@ -21,7 +21,8 @@ expect 64 '--sett: unknown flag; did you mean --set' "${run[@]}" "$config" --out
 mkdir "$work/configs"
 printf 'trephine: 1\npipeline: p.yaml\nscene: s.yaml\ncaes: x\n' >"$work/configs/c.yaml"
 cp "$SOURCE/pipelines/ventriculostomy.yaml" "$work/configs/p.yaml"
-cp "$SOURCE/configs/scenes/ventriculostomy.yaml" "$work/configs/s.yaml"
+sed 's,\.\./materials,materials,' "$SOURCE/configs/scenes/ventriculostomy.yaml" >"$work/configs/s.yaml"
+cp "$SOURCE/configs/materials.yaml" "$work/configs"
 expect 78 'c.yaml:4:1: caes: .*case' "${run[@]}" "$work/configs/c.yaml" --series "$SOURCE/sample_dicom" --out "$work/out"
 
 # A folder that cannot be made (a file stands there), and one that cannot be written: before any work.
@@ -37,6 +38,22 @@ fi
 expect 80 'trephine run: sample: skull.segment: .*voxel' "${run[@]}" "$SOURCE/configs/sample.yaml" --out "$work/gate" \
   --set skull.segment.lower_hu=30000 --set skull.segment.seed_lower_hu=30000
 [[ ! -e $work/gate/sample ]] || fail "a refused case left its folder"
+
+# Burr holes: where they are not said, where a landmark is missing, where there is no bone; materials nobody has.
+drilled=("${run[@]}" "$work/configs/d.yaml" --series "$SOURCE/sample_dicom" --out "$work/out" --set "haptic.spacing_mm=[3,3,3]")
+sed 's,\.\./materials,materials,' "$SOURCE/configs/scenes/ventriculostomy_drilled.yaml" >"$work/configs/t.yaml"
+d() { printf 'trephine: 1\ncase: d\npipeline: p.yaml\nscene: t.yaml\n%s\n' "$1" >"$work/configs/d.yaml"; }
+d ''
+expect 78 'd.yaml:1:1: burr_holes: is missing' "${drilled[@]}"
+d 'burr_holes: [{toward: monro}]'
+expect 78 'd.yaml:5:.*burr_hole_1.toward: monro, no such landmark' "${drilled[@]}"
+d 'burr_holes: [{side: right}]'
+expect 80 'trephine run: d: burr_hole_1.*nasion.*landmarks' "${drilled[@]}"
+d 'burr_holes: [{at: position, position_mm: [0, 0, 300], direction: [1, 0, 0]}]'
+expect 80 'trephine run: d: burr_hole_1.*skull' "${drilled[@]}"
+sed -i 's/material: bone/material: bon/' "$work/configs/t.yaml"
+expect 78 't.yaml:[0-9:]*: haptic.shapes.skull.material: bon, no such material, did you mean bone' "${drilled[@]}"
+[[ ! -e $work/out/d ]] || fail "a refused burr hole left a folder"
 
 # A scene that shows a face without saying so.
 sed '/^face:/d' "$work/configs/s.yaml" >"$work/configs/faceless.yaml"
