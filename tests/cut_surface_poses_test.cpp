@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "boolean/cut_surface.h"
 #include "boolean/overlap.h"
-#include "boolean_cut_shapes.h"
+#include "cut_surface_shapes.h"
 
 using namespace trephine;
 using namespace trephine::shapes;

@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "boolean/cut_surface.h"
 #include "boolean/overlap.h"
-#include "boolean_cut_shapes.h"
+#include "cut_surface_shapes.h"
 #include "meshing/normals.h"
 
 using namespace trephine;
