@@ -354,6 +354,37 @@ TEST(Voxelize, RefusesWhatItCannotFill) {
   EXPECT_EQ(code_of([&] { voxelize(l, {{"none", &none}}, r); }), ExitCode::bad_input);
 }
 
+// A shape that has only slivers of voxels fills 0 ml and would be felt nowhere.
+TEST(Voxelize, RefusesAShapeThatHasNoHalfOfAnyVoxel) {
+  std::mt19937_64 rng(13);
+  const Solid a = shapes::ball(5, {}, 0, rng);
+  const Solid dot = shapes::ball(0.45, {0.5, 0.5, 0.5}, 0, rng, 3);  // between the voxel centres
+  Lattice l = shapes::lattice_around(bounds_of(a.mesh), {1, 1, 1});
+  l.origin_mm = {-9, -9, -9};
+  l.size = {19, 19, 19};
+  const auto refused = [&](const std::vector<VoxelizeShape>& list) -> std::string {
+    Report r;
+    try {
+      const HapticVolume v = voxelize(l, list, r);
+      for (const HapticShape& s : v.shapes) EXPECT_GT(shape_volume_mm3(v, s.number), 0) << s.name;
+      return "";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::quality) << e.what();
+      return e.field() + ": " + e.what();
+    }
+  };
+  const auto says = [](const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+  };
+  EXPECT_EQ(refused({{"a", &a.mesh}}), "");
+  const std::string own = refused({{"a", &a.mesh, &a.mesh, 3}});
+  EXPECT_TRUE(says(own, "haptic.a: ") && says(own, "keep clear")) << own;
+  const std::string claimed = refused({{"a", &a.mesh}, {"again", &a.mesh}});
+  EXPECT_TRUE(says(claimed, "haptic.again: ") && says(claimed, "shapes before it take all")) << claimed;
+  const std::string thin = refused({{"dot", &dot.mesh}});
+  EXPECT_TRUE(says(thin, "haptic.dot: ") && says(thin, "too thin")) << thin;
+}
+
 TEST(Lattice, CoversTheRegionOnTheAnchorsRaster) {
   std::mt19937_64 rng(11);
   VoxelizeParams params;

@@ -214,10 +214,17 @@ TEST(CutVolume, ToolsThatMissOrAreNone) {
   const auto nan = [](Vec3) { return std::nan(""); };
   cut_volume(w, nan, around({}, 9), {}, report);
   EXPECT_EQ(w.voxels, v.voxels);
+  const std::string all_shapes = "removes nothing of ventricles, brain, skull, skin, block";
+  EXPECT_EQ(report.warnings, std::vector<std::string>(3, all_shapes));
+  const Tool inner = ball_tool({}, 2);  // in the brain, far from the skin
+  cut_volume(w, inner.distance, inner.bounds, {4}, report = {});
+  EXPECT_EQ(report.warnings, std::vector<std::string>{"removes nothing of skin"});
+  w = v;
   EXPECT_THROW(cut_volume(w, far.distance, far.bounds, {6}, report), Error);
   // Everything.
   const Tool all = ball_tool({}, 90);
-  cut_volume(w, all.distance, all.bounds, {}, report);
+  cut_volume(w, all.distance, all.bounds, {}, report = {});
+  EXPECT_TRUE(report.warnings.empty());
   EXPECT_EQ(std::count(w.voxels.voxels.begin(), w.voxels.voxels.end(), haptic_empty),
             std::ptrdiff_t(w.voxels.voxels.size()));
 }
@@ -327,6 +334,15 @@ TEST(CutField, ThatMissesChangesNothing) {
   const Tool far = ball_tool({99, 0, 0}, 3);
   cut_field(field, far.distance, far.bounds, report);
   EXPECT_EQ(field, before);
+  EXPECT_EQ(report.warnings, std::vector<std::string>{"removes nothing of the field"});
+  // Within what is outside already values fall, but nothing is removed.
+  const Tool in_air = ball_tool({1, 1, 1}, 2);
+  cut_field(field, in_air.distance, in_air.bounds, report = {});
+  EXPECT_EQ(report.warnings.size(), 1u);
+  const Tool near = ball_tool({4, 4, 4}, 2);
+  cut_field(field, near.distance, near.bounds, report = {});
+  EXPECT_TRUE(report.warnings.empty());
+  EXPECT_LE(field.at(4, 4, 4), 0);
 }
 
 }  // namespace

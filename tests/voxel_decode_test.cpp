@@ -248,6 +248,15 @@ TEST(VoxelizeHu, ResamplesAndCounts) {
   for (const auto& windows : std::vector<std::vector<HuWindow>>{
            {}, {{"a", 5, 4}}, {{"a", 0, 100}, {"b", 100, 200}}, std::vector<HuWindow>(33, {"a", 0, 1})})
     EXPECT_THROW(voxelize_hu(ct, ct, windows, report), Error);
+  for (const int low : {-1024, -1025, -32768}) try {
+      voxelize_hu(ct, ct, {{"bone", 300, 3071}, {"air", std::int16_t(low), -900}}, report);
+      FAIL() << low;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_config);
+      EXPECT_EQ(e.field(), "haptic.windows.air");
+      EXPECT_NE(std::string(e.what()).find("above -1024"), std::string::npos) << e.what();
+    }
+  voxelize_hu(ct, ct, {{"air", -1023, 3071}}, report);
   const Mask hard = haptic_hardness(ct, l, 100, 300);
   EXPECT_EQ(hard.at(0, 3, 3), 0);
   EXPECT_EQ(hard.at(2, 0, 0), 128);
@@ -292,6 +301,16 @@ TEST(CheckHapticVolume, NamesTheField) {
             }),
             "hardness");
   EXPECT_EQ(field_of([](HapticVolume& v) { v.hardness = Mask(v.voxels, 7); }), "");
+  const auto in_hu = [](int low) {
+    return [low](HapticVolume& v) {
+      v.encoding = HapticEncoding::hu;
+      v.shapes[1].window_low = std::int16_t(low);
+      v.shapes[1].window_high = 1000;
+    };
+  };
+  EXPECT_EQ(field_of(in_hu(-1024)), "shapes[1].window");
+  EXPECT_EQ(field_of(in_hu(-32768)), "shapes[1].window");
+  EXPECT_EQ(field_of(in_hu(-1023)), "");
 }
 
 }  // namespace

@@ -17,7 +17,6 @@ namespace {
 using detail::RawVoxel;
 using detail::SolidOnLattice;
 
-constexpr int cut_hu = -1024;
 constexpr int volume_unit = 2 * haptic_full;  // what a full voxel counts in sums of volume
 
 // By 32 numbers; [0] is unused.
@@ -147,17 +146,17 @@ void cut_hu_windows(const Cut& c, const Progress& progress) {
     if (own ? !c.cut[std::size_t(own->number)] : !c.all) return;
     const auto s = c.solid.at(i, j, k);
     if (s.left == haptic_full) return;
-    int value = s.distance_mm < 0 ? std::min(hu, cut_hu) : hu;
+    int value = s.distance_mm < 0 ? std::min(hu, haptic_beyond_hu) : hu;
     const bool air = hu < lowest->window_low;
     if (s.left > 0 && (own || air) && !beside_another_window(c, own ? own : lowest, x, y, z)) {
       // The solid's distance in HU about the window's low end. Within the solid it must fall below every window.
       const int low = (own ? own : lowest)->window_low;
-      const double wanted = low + std::max(1, low - cut_hu) * s.distance_mm / s.ramp_mm;
+      const double wanted = low + std::max(1, low - haptic_beyond_hu) * s.distance_mm / s.ramp_mm;
       const int level = int(std::floor(wanted + 0.5));
       if (s.distance_mm >= 0)
         value = air ? hu : std::min(hu, std::max(low, level));
       else
-        value = std::min(hu, std::clamp(level, cut_hu, lowest->window_low - 1));
+        value = std::min({hu, std::max(level, haptic_beyond_hu), lowest->window_low - 1});
     }
     c.volume.voxels.at(i, j, k) = std::int16_t(value);
   });
@@ -196,11 +195,17 @@ void cut_volume(HapticVolume& volume, const DistanceFunction& solid, const Bound
     for (std::size_t n = 1; n < had.size(); ++n) removed[n] = had[n] - has[n];
     for (std::size_t i = 0; i < after.voxels.size(); ++i) changed += after.voxels[i] != before.voxels[i];
   }
-  for (const HapticShape& s : volume.shapes)
-    if (is_cut(s))
-      report.add(s.name + ".removed_mm3",
-                 double(removed[std::size_t(s.number)]) / volume_unit * volume.voxels.voxel_volume_mm3());
+  bool any = false;
+  std::string names;
+  for (const HapticShape& s : volume.shapes) {
+    if (!is_cut(s)) continue;
+    any = any || removed[std::size_t(s.number)] != 0;
+    names += (names.empty() ? "" : ", ") + s.name;
+    report.add(s.name + ".removed_mm3",
+               double(removed[std::size_t(s.number)]) / volume_unit * volume.voxels.voxel_volume_mm3());
+  }
   report.add("voxels_count", changed);
+  if (!any) report.warn("removes nothing of " + (names.empty() ? "the haptic volume" : names));
   progress.report(1);
 }
 

@@ -23,7 +23,8 @@ namespace trephine {
 /// above the lowest it may lie up to (low - lowest low) / (low + 1024) of a voxel farther from the solid), never a
 /// value of another window. No voxel reads as a shape that it was not.
 ///
-/// The report: "<name>.removed_mm3" (by shape_volume_mm3) of the shapes cut, voxels_count changed.
+/// The report: "<name>.removed_mm3" (by shape_volume_mm3) of the shapes cut, voxels_count changed; a warning where
+/// nothing of any of them is removed.
 void cut_volume(HapticVolume& volume, const DistanceFunction& solid, const Bounds& solid_bounds_mm,
                 const std::vector<int>& shape_numbers, Report& report, const Progress& progress = {});
 
@@ -34,7 +35,8 @@ double shape_volume_mm3(const HapticVolume& volume, int number);
 
 /// The same for fields (positive inside): the field becomes the smaller of itself and the cutter's distance, in the
 /// field's own unit near its surface (the median length of its gradient there), as far as three voxels from the solid.
-/// Positive inside the rest, finite everywhere. The report: voxels_count changed, unit_per_mm.
+/// Positive inside the rest, finite everywhere. The report: voxels_count changed, unit_per_mm; a warning where no voxel
+/// inside is lowered.
 void cut_field(Field& field, const DistanceFunction& solid, const Bounds& solid_bounds_mm, Report& report,
                const Progress& progress = {});
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/parallel.h"
 #include "voxel/cut.h"
@@ -10,6 +11,7 @@ namespace trephine {
 namespace {
 
 constexpr double margin_voxels = 3;
+constexpr const char* nothing = "removes nothing of the field";
 
 // Length of the field's gradient, per mm, at the voxels of the box that the surface passes; by central differences.
 std::vector<double> slopes_at_surface(const Field& field, const Box& box) {
@@ -53,10 +55,12 @@ void cut_field(Field& field, const DistanceFunction& solid, const Bounds& solid_
   const Box box = detail::box_of(field, solid_bounds_mm, {margin_voxels, margin_voxels, margin_voxels});
   if (box.empty()) {
     report.add("voxels_count", 0);
+    report.warn(nothing);
     return;
   }
   const double unit = unit_per_mm(field, box);
-  std::vector<std::size_t> changed(std::size_t(box.end[2] - box.begin[2]), 0);
+  // Voxels lowered, and those of them that were inside.
+  std::vector<std::size_t> changed(std::size_t(box.end[2] - box.begin[2]), 0), inside = changed;
   parallel_for(box.begin[2], box.end[2], 1, [&](std::int64_t from, std::int64_t) {
     const int k = int(from);
     progress.check();
@@ -65,14 +69,17 @@ void cut_field(Field& field, const DistanceFunction& solid, const Bounds& solid_
         float& f = field.at(i, j, k);
         const double limit = unit * solid(field.to_world_mm({double(i), double(j), double(k)}));
         if (!(limit < double(f))) continue;
+        inside[std::size_t(k - box.begin[2])] += f > 0;
         f = float(std::max(limit, -1e30));
         ++changed[std::size_t(k - box.begin[2])];
       }
   });
-  std::size_t total = 0;
-  for (const std::size_t n : changed) total += n;
-  report.add("voxels_count", total);
+  const auto sum = [](const std::vector<std::size_t>& v) {
+    return std::accumulate(v.begin(), v.end(), std::size_t{0});
+  };
+  report.add("voxels_count", sum(changed));
   report.add("unit_per_mm", unit);
+  if (sum(inside) == 0) report.warn(nothing);
   progress.report(1);
 }
 

@@ -10,7 +10,6 @@ namespace trephine {
 namespace {
 
 constexpr int air_hu = -1000;
-constexpr int beyond_hu = -1024;
 
 // Saturates at air, 1/2 at the window's low end.
 double hu_occupancy(double hu, int low) {
@@ -109,7 +108,8 @@ double HapticDecoder::trilinear_at(int number, Vec3 index) const {
 double HapticDecoder::trilinear_hu(const Window& window, const int* begin, const double* fraction) const {
   double sum = 0, weight = 0, others = 0;
   for_each_corner(volume_.voxels, begin, fraction, [&](double w, int i, int j, int k, bool within) {
-    const int hu = within ? int(detail::load_voxel(volume_.voxels.voxels[volume_.voxels.index(i, j, k)])) : beyond_hu;
+    const int hu =
+        within ? int(detail::load_voxel(volume_.voxels.voxels[volume_.voxels.index(i, j, k)])) : haptic_beyond_hu;
     if ((hu >= window.low && hu <= window.high) || hu < lowest_ || !within) {
       sum += w * hu;
       weight += w;

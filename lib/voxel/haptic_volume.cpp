@@ -58,6 +58,9 @@ void check_shapes(const HapticVolume& volume) {
       if (s.window_low <= shapes[m].window_high && shapes[m].window_low <= s.window_high)
         refuse(field + "window", "overlaps that of '" + shapes[m].name + "'");
     }
+    if (volume.encoding == HapticEncoding::hu && s.window_low <= haptic_beyond_hu)
+      refuse(field + "window", "of '" + s.name + "' begins at " + std::to_string(s.window_low) + " HU, must be above " +
+                                   std::to_string(haptic_beyond_hu) + ": that is what lies beyond the volume");
     if (volume.encoding != HapticEncoding::occupancy) continue;
     const HapticShape own = occupancy_shape(s.name, s.number);
     if (s.window_low != own.window_low || s.window_high != own.window_high)

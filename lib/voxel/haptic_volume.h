@@ -9,7 +9,7 @@
 namespace trephine {
 
 /// The haptic volume: what the hand feels. One int16 a voxel says which shape fills it and how much of it, so that one
-/// lookup serves any number of shapes (the dissertation, chapter 3). Beyond its lattice is EMPTY.
+/// lookup serves any number of shapes (the dissertation, chapter 3). Beyond its lattice is EMPTY (`hu`: -1024 HU).
 ///
 /// Encoding `occupancy`: a voxel is EMPTY (0), or
 ///   1000 n + o          shape n fills o / 255 of it (o 1 to 255); the rest belongs to the other shape whose voxels
@@ -20,13 +20,15 @@ namespace trephine {
 ///                       where air meets two shapes
 /// with n 1 to 32. Every other value belongs to no shape. The surface of a shape lies where its occupancy is 1/2.
 ///
-/// Encoding `hu`: the voxels are a CT's HU, and a shape is a window of them; windows are disjoint, at most 32. It
+/// Encoding `hu`: the voxels are a CT's HU, and a shape is a window of them; windows are disjoint, at most 32, and
+/// begin above -1024 HU, so that what lies beyond the lattice and what was cut away is in none of them. It
 /// saturates at air: towards HU below every window the surface is where the HU cross the window's low end; where
 /// windows meet it lies between the voxels.
 ///
 /// Raw values must never be interpolated or subtracted: decode the occupancy of one shape first (voxel/decode.h).
 constexpr std::int16_t haptic_empty = 0;
 constexpr int haptic_base_step = 1000, haptic_bare_offset = 300, haptic_full = 255, haptic_max_shapes = 32;
+constexpr int haptic_beyond_hu = -1024;  ///< encoding `hu`: what is read beyond the lattice, and written by cutting
 
 enum class HapticEncoding { occupancy, hu };
 

@@ -114,10 +114,12 @@ void keep_behind_walls(detail::Clearance& clear, const Grid<std::uint8_t>& wante
   });
 }
 
+// What the shape asks for. `largest`: its largest share of a voxel before its clearance or others take from it.
 Grid<std::uint8_t> occupancy_of(const VoxelizeShape& shape, const Lattice& lattice, const std::vector<Shares>& shares,
-                                const Progress& progress) {
+                                int& largest, const Progress& progress) {
   const bool clear = shape.clear_of != nullptr;
   Grid<std::uint8_t> own = detail::solid_occupancy(*shape.surface, lattice, progress.part(0, clear ? 0.6 : 1));
+  largest = own.voxels.empty() ? 0 : *std::max_element(own.voxels.begin(), own.voxels.end());
   if (!clear) return own;
   // Only where the shape would get something is it asked how near the other surface is.
   Grid<std::uint8_t> wanted(lattice, 0);
@@ -173,6 +175,18 @@ void check_shapes(const Lattice& lattice, const std::vector<VoxelizeShape>& shap
     if (!s.surface) throw Error(ExitCode::internal, "", "haptic." + s.name, "has no surface");
 }
 
+bool is_half(int share) { return 2 * share >= haptic_full; }
+
+[[noreturn]] void refuse_unfelt(const VoxelizeShape& shape, int largest) {
+  std::string why = "no voxel in the region";
+  if (is_half(largest))
+    why = shape.clear_of ? "shapes before it, or the rule to keep clear, take all that it has of the region"
+                         : "shapes before it take all that it has of the region";
+  else if (largest > 0)
+    why = "fills no voxel of the region to one half: it is too thin for the voxels, or lies at the region's edge";
+  throw Error(ExitCode::quality, "", "haptic." + shape.name, why);
+}
+
 }  // namespace
 
 HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& shapes, Report& report,
@@ -181,13 +195,14 @@ HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& 
   HapticVolume volume;
   const double ml = lattice.voxel_volume_mm3() / 1000;
   std::vector<double> overlap_ml;
+  std::vector<int> largest(shapes.size(), 0);
   {
     std::vector<Shares> shares(lattice.count());
     for (std::size_t n = 0; n < shapes.size(); ++n) {
       const Progress part =
           progress.part(0.9 * double(n) / double(shapes.size()), 0.9 * double(n + 1) / double(shapes.size()));
       with_field("haptic." + shapes[n].name, [&] {
-        const Grid<std::uint8_t> occupancy = occupancy_of(shapes[n], lattice, shares, part);
+        const Grid<std::uint8_t> occupancy = occupancy_of(shapes[n], lattice, shares, largest[n], part);
         overlap_ml.push_back(double(add_shape(shares, int(n + 1), occupancy, part)) / haptic_full * ml);
       });
       volume.shapes.push_back(occupancy_shape(shapes[n].name, int(n + 1)));
@@ -195,13 +210,15 @@ HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& 
     volume.voxels = encode(lattice, shares, progress);
   }
   check_haptic_volume(volume);
-  std::vector<std::size_t> voxels(shapes.size() + 1, 0);
-  for (const std::int16_t v : volume.voxels.voxels) ++voxels[std::size_t(detail::split(v).number)];
+  std::vector<std::size_t> voxels(shapes.size() + 1, 0), half = voxels;
+  for (const std::int16_t raw : volume.voxels.voxels) {
+    const detail::RawVoxel v = detail::split(raw);
+    ++voxels[std::size_t(v.number)];
+    half[std::size_t(v.number)] += is_half(v.share);
+  }
   for (std::size_t n = 0; n < shapes.size(); ++n) {
     const std::string& name = shapes[n].name;
-    if (voxels[n + 1] == 0)
-      throw Error(ExitCode::quality, "", "haptic." + name,
-                  overlap_ml[n] > 0 ? "shapes before it fill all that it has of the region" : "no voxel in the region");
+    if (half[n + 1] == 0) refuse_unfelt(shapes[n], largest[n]);
     report.add(name + ".volume_ml", shape_volume_mm3(volume, int(n + 1)) / 1000);
     report.add(name + ".voxels_count", voxels[n + 1]);
     report.add(name + ".overlap_ml", overlap_ml[n]);

@@ -61,7 +61,8 @@ Lattice haptic_lattice(const Bounds& region_mm, const Mat3& direction, Vec3 anch
 /// So no voxel reads as more than half of a shape that is not there.
 ///
 /// The report: per shape volume_ml, voxels_count, and overlap_ml that went to shapes before it. The same bytes whatever
-/// the thread count. Throws 65 where a surface is not closed; 80 where a shape has no voxel in the region; Cancelled.
+/// the thread count. Throws 65 where a surface is not closed; 80 where no voxel of the region is at least half a
+/// shape's (it would not be felt): too thin, or taken by shapes before it or its clearance; Cancelled.
 HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& shapes, Report& report,
                       const Progress& progress = {});
 
@@ -71,7 +72,7 @@ struct HuWindow {
   std::int16_t low_hu = 0, high_hu = 0;
 };
 /// A raw CT as a haptic volume: the HU resampled onto the lattice (trilinear; beyond the scan -1024), rounded and
-/// clamped to int16 (counted in the report). Throws 78 where windows overlap or are empty.
+/// clamped to int16 (counted in the report). Throws 78 where windows overlap, are empty or begin at -1024 or below.
 HapticVolume voxelize_hu(const HuVolume& volume, const Lattice& lattice, const std::vector<HuWindow>& windows,
                          Report& report, const Progress& progress = {});
 

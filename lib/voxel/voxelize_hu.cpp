@@ -13,9 +13,7 @@
 namespace trephine {
 namespace {
 
-constexpr double beyond_hu = -1024;
-
-// Trilinear; within half a voxel beyond the last centres the nearest samples, farther away beyond_hu.
+// Trilinear; within half a voxel beyond the last centres the nearest samples, farther away haptic_beyond_hu.
 template <class T>
 class Sampler {
  public:
@@ -26,7 +24,7 @@ class Sampler {
     double f[3];
     for (int a = 0; a < 3; ++a) {
       const int size = grid_.size[std::size_t(a)];
-      if (!(index[a] >= -0.5 - slack && index[a] <= size - 0.5 + slack)) return beyond_hu;
+      if (!(index[a] >= -0.5 - slack && index[a] <= size - 0.5 + slack)) return haptic_beyond_hu;
       double x = std::clamp(index[a], 0.0, double(size - 1));
       if (std::abs(x - std::round(x)) < slack) x = std::round(x);  // the same raster gives the same samples
       begin[a] = std::min(int(x), std::max(0, size - 2));
@@ -121,6 +119,9 @@ HapticVolume voxelize_hu(const HuVolume& volume, const Lattice& lattice, const s
   for (const HuWindow& w : windows) {
     if (w.low_hu > w.high_hu)
       refuse_window(w.name, std::to_string(w.low_hu) + " to " + std::to_string(w.high_hu) + " HU holds nothing");
+    if (w.low_hu <= haptic_beyond_hu)
+      refuse_window(w.name, "begins at " + std::to_string(w.low_hu) + " HU, must be above " +
+                                std::to_string(haptic_beyond_hu) + ": that is what lies beyond the volume");
     for (const HapticShape& s : out.shapes)
       if (w.low_hu <= s.window_high && s.window_low <= w.high_hu) refuse_window(w.name, "overlaps that of " + s.name);
     out.shapes.push_back({w.name, int(out.shapes.size() + 1), w.low_hu, w.high_hu});
