@@ -4,6 +4,7 @@
 #include "commands.h"
 #include "grid/nrrd.h"
 #include "meshio/read_mesh.h"
+#include "named_values.h"
 #include "stage_command.h"
 #include "stages/cut.h"
 #include "stages/data_files.h"
@@ -96,7 +97,7 @@ std::vector<Cutter> cutters_given(const ParsedCommand& parsed) {
   }
   if (all.empty())
     throw Error(ExitCode::usage, "", "--cutters, --cutter-mesh, --kind", "nothing to cut with: give one of them");
-  return all;
+  return with_unique_names(std::move(all));
 }
 
 Report cut_surface_file(const ParsedCommand& parsed, const std::vector<Cutter>& cutters, const Progress& progress) {
@@ -122,18 +123,22 @@ Report cut_haptic_file(const ParsedCommand& parsed, const std::vector<Cutter>& c
     Report one;
     cut_volume(volume, distance_to(c), bounds_of(c), numbers, one, progress);
     for (const auto& [name, value] : one.figures) report.figures.emplace_back(c.name + "." + name, value);
+    for (const std::string& w : one.warnings) report.warn(c.name + ": " + w);
   }
   write_haptic(parsed.path("output"), volume);
   return report;
 }
 
 Report cut_field_file(const ParsedCommand& parsed, const std::vector<Cutter>& cutters, const Progress& progress) {
+  if (holds_hu(parsed.path("input")))
+    throw Error(ExitCode::bad_input, parsed.text("input"), "content", "HU, must be a field or a haptic volume");
   Field field = read_field_nrrd(parsed.path("input"));
   Report report;
   for (const Cutter& c : cutters) {
     Report one;
     cut_field(field, distance_to(c), bounds_of(c), one, progress);
     for (const auto& [name, value] : one.figures) report.figures.emplace_back(c.name + "." + name, value);
+    for (const std::string& w : one.warnings) report.warn(c.name + ": " + w);
   }
   save_data(parsed.path("output"), std::make_shared<const Field>(std::move(field)));
   return report;
@@ -179,6 +184,8 @@ Command boolean_command() {
       throw Error(ExitCode::usage, parsed.text("input"), "input", "must end in .vtp or .nrrd");
     if (parsed.path("output").extension() != extension)
       throw Error(ExitCode::usage, parsed.text("output"), "output", "must end in " + extension + " like the input");
+    if (extension == ".vtp" && parsed.has("shape"))
+      throw Error(ExitCode::usage, "", "--shape", "is of a haptic volume, and the input is a surface");
     const std::vector<Cutter> all = cutters_given(parsed);
     run_with_report(parsed, [&](const Progress& progress) {
       if (extension == ".vtp") return cut_surface_file(parsed, all, progress);

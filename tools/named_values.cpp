@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/params.h"
+#include "grid/nrrd.h"
 
 namespace trephine {
 
@@ -28,6 +29,19 @@ std::vector<double> numbers_of(const std::string& flag, const std::string& text,
   const std::string fault = parse_parameter(numbers, items, value);
   if (!fault.empty()) throw Error(ExitCode::usage, "", flag, text + ", " + fault);
   return std::get<std::vector<double>>(value);
+}
+
+bool holds_hu(const std::filesystem::path& file) {
+  const NrrdKeys keys = read_nrrd(file).keys;
+  const auto content = keys.find("content");
+  return content != keys.end() && content->second == "HU";
+}
+
+double number_of(const std::string& flag, const std::string& text, double least, double most) {
+  const double v = numbers_of(flag, text, 1)[0];
+  if (v >= least && v <= most) return v;
+  throw Error(ExitCode::usage, "", flag,
+              text + ", must be from " + to_text(ParameterValue(least)) + " to " + to_text(ParameterValue(most)));
 }
 
 std::map<std::string, Vec3> named_positions(const std::string& flag, const std::vector<std::string>& texts) {

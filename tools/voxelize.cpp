@@ -5,6 +5,7 @@
 #include "grid/nrrd.h"
 #include "meshing/contour.h"
 #include "named_values.h"
+#include "pipeline/yaml_document.h"
 #include "stage_command.h"
 #include "stages/data_files.h"
 #include "stages/haptic.h"
@@ -20,6 +21,8 @@ HapticShapeSpec& shape_named(HapticSpec& spec, const std::string& name, const ch
 }
 
 HapticShapeSpec& add_shape(HapticSpec& spec, const std::string& name, const char* flag) {
+  if (!is_plain_name(name))
+    throw Error(ExitCode::usage, "", flag, name + ", a name has letters a-z, digits and _ only");
   for (const HapticShapeSpec& s : spec.shapes)
     if (s.name == name) throw Error(ExitCode::usage, "", flag, name + ", is given twice");
   spec.shapes.emplace_back();
@@ -38,25 +41,31 @@ HapticSpec spec_of(const ParsedCommand& parsed) {
     for (const double v : hu)
       if (!(v >= -32768 && v <= 32767) || v != static_cast<std::int16_t>(v))
         throw Error(ExitCode::usage, "", "--window", value + ", must be two whole HU from -32768 to 32767");
+    if (hu[0] > hu[1]) throw Error(ExitCode::usage, "", "--window", value + ", must begin with the lower HU");
     HapticShapeSpec& s = add_shape(spec, name, "--window");
     s.low_hu = static_cast<std::int16_t>(hu[0]);
     s.high_hu = static_cast<std::int16_t>(hu[1]);
     spec.encoding = HapticEncoding::hu;
   }
+  if (parsed.has("window") && (parsed.has("clear") || parsed.has("region_of")))
+    throw Error(ExitCode::usage, "", "--clear, --region-of", "need surfaces, and --window has none");
+  if (parsed.has("cutters") != parsed.has("drill"))
+    throw Error(ExitCode::usage, "", "--cutters, --drill", "go together: what cuts, and which shapes");
   for (const std::string& text : parsed.all("clear")) {
     const auto [name, value] = named_value("--clear", text);
     const auto [of, mm] = named_value("--clear", value);
     HapticShapeSpec& s = shape_named(spec, name, "--clear");
     shape_named(spec, of, "--clear");
     s.clear_of = of;
-    s.clear_mm = numbers_of("--clear", mm, 1)[0];
+    if (name == of) throw Error(ExitCode::usage, "", "--clear", text + ", names the shape itself");
+    s.clear_mm = number_of("--clear", mm, 0.1, 100);
   }
   for (const std::string& text : parsed.all("drill")) {
     const bool wider = text.find('=') != std::string::npos;
     const auto [name, widen] = wider ? named_value("--drill", text) : std::make_pair(text, std::string("0"));
     HapticShapeSpec& s = shape_named(spec, name, "--drill");
     s.drilled = true;
-    s.widen_mm = numbers_of("--drill", widen, 1)[0];
+    s.widen_mm = number_of("--drill", widen, 0, 50);
   }
   spec.region_of = parsed.text("region_of");
   if (!spec.region_of.empty()) shape_named(spec, spec.region_of, "--region-of");
@@ -66,6 +75,8 @@ HapticSpec spec_of(const ParsedCommand& parsed) {
 // A shape's surface: read, or contoured from its field.
 std::shared_ptr<const TriMesh> surface_of(const std::filesystem::path& file, const Progress& progress) {
   if (file.extension() != ".nrrd") return std::get<std::shared_ptr<const TriMesh>>(load_data(file, DataKind::mesh));
+  if (holds_hu(file))
+    throw Error(ExitCode::bad_input, file.string(), "content", "HU, must be a field: segment it first");
   Report ignored;
   return std::make_shared<const TriMesh>(
       with_file(file.string(), [&] { return contour(read_field_nrrd(file), ContourParams{}, ignored, progress); }));
@@ -127,6 +138,9 @@ Command voxelize_command() {
     const bool hard = params.hardness_high_hu > params.hardness_low_hu;
     if (hard != parsed.has("hardness"))
       throw Error(ExitCode::usage, "", "--hardness, --hardness-high-hu", "go together");
+    if (hard && std::filesystem::weakly_canonical(parsed.path("hardness")) ==
+                    std::filesystem::weakly_canonical(parsed.path("output")))
+      throw Error(ExitCode::usage, parsed.text("output"), "--hardness, --output", "are the same file");
     for (const char* file : {"output", "hardness"})
       if (parsed.has(file) && parsed.path(file).extension() != ".nrrd")
         throw Error(ExitCode::usage, parsed.text(file), file, "must end in .nrrd");

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "boolean/cut_surface.h"
 #include "cases/glb.h"
 #include "meshing/contour.h"
@@ -32,6 +33,8 @@ void hold_against_limits(const SceneAnatomy& limit, const AnatomyResult& result)
                 "deviates by " + to_text(result.deviation_max_mm) +
                     " mm from the unreduced surface, the scene allows " + to_text(limit.max_deviation_mm) + " mm");
 }
+
+constexpr double removed_tolerance = 0.03;
 
 // Everything that a case is made of, step by step.
 class Builder {
@@ -202,7 +205,25 @@ class Builder {
       if (drilled.anatomy == "skull") require_free(drilled, cutter, name);
     }
     if (graph_.haptic >= 0) take(at(graph_.haptic).report, "haptic.");
+    compare_removed(hole);
     manifest().burr_holes.push_back(std::move(hole));
+  }
+
+  // What is seen and what is felt lose the same bone.
+  void compare_removed(CaseBurrHole& hole) const {
+    double seen_mm3 = -1, felt_mm3 = -1;
+    for (const auto& [name, value] : hole.figures) {
+      if (name == "mesh.skull.removed_mm3") seen_mm3 = std::get<double>(value);
+      if (name == "haptic.skull.removed_mm3") felt_mm3 = std::get<double>(value);
+    }
+    if (seen_mm3 == 0 || felt_mm3 == 0) throw Error(ExitCode::quality, "", hole.name, "removes nothing from the skull");
+    if (seen_mm3 < 0 || felt_mm3 < 0) return;
+    const double difference = std::abs(felt_mm3 / seen_mm3 - 1);
+    hole.figures.emplace_back("skull.removed_difference_ratio", difference);
+    if (difference > removed_tolerance)
+      log_warning(config_.case_token + ": " + hole.name + ": mesh and haptic volume differ by " +
+                  to_text(ParameterValue(std::round(1000 * difference) / 10)) +
+                  " % in the bone removed; a smaller haptic.spacing_mm brings them together");
   }
 
   // A drill of the hole's own size, less a play, passes through the bone that is seen and through the bone that is

@@ -142,7 +142,7 @@ class Reader {
       const std::string where = "anatomies." + key.text;
       RecipeAnatomy anatomy;
       anatomy.name = key.text;
-      if (!is_name(key.text)) faults_.add(file, key, where, "a name has letters a-z, digits and _ only");
+      if (!is_plain_name(key.text)) faults_.add(file, key, where, "a name has letters a-z, digits and _ only");
       if (node.kind != YamlNode::Kind::map) {
         faults_.add(file, node, where, "must hold keys and values");
         continue;
@@ -162,12 +162,6 @@ class Reader {
       out_.anatomies.push_back(std::move(anatomy));
     }
     check_ports(file, *anatomies);
-  }
-
-  static bool is_name(const std::string& s) {
-    return !s.empty() && s.size() <= 32 && std::all_of(s.begin(), s.end(), [](char c) {
-      return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-    });
   }
 
   // A step is `- name` or `- name: {parameters and ports}`.
@@ -289,6 +283,10 @@ class Reader {
         set_if_there(anatomy, "decimate", "target_triangles_count", ParameterValue(found->second.max_triangles));
     }
     if (out_.scene.empty() && faults_.empty()) map.fault(tree, "anatomies", "the scene wants nothing");
+    for (const SceneDrill& d : out_.drilled)
+      if (!wanted.count(d.anatomy) && std::none_of(out_.haptic.shapes.begin(), out_.haptic.shapes.end(),
+                                                   [&](const SceneShape& s) { return s.name == d.anatomy; }))
+        map.fault(*tree.find("burr_holes"), "burr_holes." + d.anatomy, "the scene neither shows nor feels it");
   }
 
   void read_scene_haptic(const fs::path& file, MapReader& map, const YamlNode& tree) {

@@ -47,6 +47,7 @@ struct ShapeReader {
     const bool hu = out.haptic.spec.encoding == HapticEncoding::hu;
     if (!is_map_or_nothing(file, node, where, faults)) return;
     if (!hu && !known_anatomy(out, key, where, file, faults)) return;
+    if (!is_plain_name(key.text)) return faults.add(file, key, where, "a name has letters a-z, digits and _ only");
     SceneShape shape;
     HapticShapeSpec spec;
     shape.name = spec.name = key.text;
@@ -66,6 +67,7 @@ struct ShapeReader {
       spec.clear_of = body.text("clear_of").value_or("");
       spec.clear_mm = body.number("clear_mm", {0.1, 100}).value_or(0);
       if (!spec.clear_of.empty()) known_anatomy(out, *node.find("clear_of"), where + ".clear_of", file, faults);
+      if (spec.clear_of == spec.name) body.fault(*node.find("clear_of"), "clear_of", "is the shape itself");
       if (spec.clear_of.empty() != (spec.clear_mm == 0)) body.fault(node, "clear_of", "and clear_mm go together");
     }
     body.finish();
@@ -151,6 +153,10 @@ void read_haptic_scene(const fs::path& file, const YamlNode& node, const std::ve
     map.fault(*node.find("encoding"), "encoding", encoding + ", must be occupancy or hu");
   out.haptic.spec.region_of = map.text("region_of").value_or("");
   if (!out.haptic.spec.region_of.empty()) known_anatomy(out, *node.find("region_of"), "haptic.region_of", file, faults);
+  const auto& params = out.haptic.params.as<VoxelizeParams>();
+  if ((node.find("hardness_low_hu") || node.find("hardness_high_hu")) &&
+      !(params.hardness_low_hu < params.hardness_high_hu))
+    map.fault(node, "hardness_high_hu", "must exceed hardness_low_hu");
   const YamlNode* shapes = map.map("shapes");
   if (!node.find("shapes")) map.fault(node, "shapes", "is missing");
   map.finish();
@@ -175,6 +181,8 @@ void read_drilled(const fs::path& file, const YamlNode& node, CaseConfig& out, C
 }
 
 void read_burr_holes(const fs::path& file, const YamlNode& node, CaseConfig& out, ConfigFaults& faults) {
+  constexpr std::size_t most = 16;
+  if (node.items.size() > most) return faults.add(file, node, "burr_holes", "at most " + std::to_string(most));
   for (std::size_t i = 0; i < node.items.size(); ++i) {
     CaseDrill hole{"burr_hole_" + std::to_string(i + 1), AnyParams::make<BurrHoleParams>()};
     const std::string where = "burr_holes[" + std::to_string(i) + "]";

@@ -10,7 +10,7 @@ namespace trephine {
 namespace {
 
 // Raised when the import's output changes for the same files and parameters.
-constexpr int import_version = 2;
+constexpr int import_version = 3;
 
 void hash_params(Sha256& hash, const AnyParams& params) {
   for (const Parameter& p : params.set->parameters) hash.text(p.name).text(to_text(params.get(p)));
@@ -112,6 +112,7 @@ class Builder {
     const auto landmarks = config_.landmark_positions_mm();
     Node node = own(hole.name, burr_hole_stage(hole.name, landmarks));
     node.params = hole.params;
+    node.salt = hole.name + ";";  // its cutter bears it
     for (const auto& [name, p] : landmarks)
       node.salt += name + " " + to_text(ParameterValue(std::vector<double>{p.x, p.y, p.z})) + ";";
     node.sources["skull"] = first_surface_of("skull");

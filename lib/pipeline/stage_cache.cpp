@@ -14,6 +14,9 @@
 namespace trephine {
 namespace fs = std::filesystem;
 
+// No data file has it: cutters are .json.
+constexpr const char* index_extension = ".index";
+
 StageCache::StageCache(fs::path folder) : folder_(std::move(folder)) {
   if (folder_.empty()) return;
   std::error_code ignored;
@@ -28,7 +31,7 @@ fs::path StageCache::file(const std::string& key, const char* extension) const {
 
 std::optional<StageCache::Index> StageCache::load_index(const std::string& key) const {
   std::error_code ignored;
-  const fs::path index = folder_.empty() ? fs::path() : file(key, ".json");
+  const fs::path index = folder_.empty() ? fs::path() : file(key, index_extension);
   if (index.empty() || !fs::exists(index, ignored)) return {};
   try {
     const std::vector<char> bytes = read_file(index, 1 << 20);
@@ -65,7 +68,7 @@ std::optional<StageData> StageCache::load_data(const std::string& key, DataKind 
     throw;
   } catch (const std::exception&) {
     std::error_code ignored;
-    fs::remove(file(key, ".json"), ignored);
+    fs::remove(file(key, index_extension), ignored);
     fs::remove(data, ignored);
     return {};
   }
@@ -81,7 +84,7 @@ void StageCache::store(const std::string& key, DataKind kind, const StageData& d
   const std::string text = report_json(report);
   json["report"] = text;
   json["report_sha256"] = sha256_of_bytes(text);
-  write_file(file(key, ".json"), json.dump());
+  write_file(file(key, index_extension), json.dump());
 }
 
 void StageCache::shrink_to(std::uint64_t max_bytes) const {
@@ -112,7 +115,7 @@ void StageCache::shrink_to(std::uint64_t max_bytes) const {
     if (total <= max_bytes) break;
     // The index goes first: data without an index is no entry.
     for (const fs::path& f : item->files)
-      if (f.extension() == ".json") fs::remove(f, ignored);
+      if (f.extension() == index_extension) fs::remove(f, ignored);
     for (const fs::path& f : item->files) fs::remove(f, ignored);
     total -= item->bytes;
   }

@@ -296,6 +296,12 @@ void MapReader::parameters(AnyParams& params) {
       if (const std::string what = set_parameter(params, p, *value); !what.empty()) fault(*value, p.name, what);
 }
 
+bool is_plain_name(const std::string& text) {
+  return !text.empty() && text.size() <= 32 && std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
 std::string set_parameter(AnyParams& params, const Parameter& parameter, const YamlNode& value) {
   std::vector<std::string> items;
   std::string shown;

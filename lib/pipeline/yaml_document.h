@@ -83,6 +83,9 @@ class MapReader {
   std::vector<std::string> known_;
 };
 
+/// 1 to 32 of a-z, 0-9 and _: the name of an anatomy or a shape.
+bool is_plain_name(const std::string& text);
+
 /// Sets one parameter from a YAML value (a scalar, or a list of scalars). Returns what is wrong where it does not fit,
 /// else nothing.
 std::string set_parameter(AnyParams& params, const Parameter& parameter, const YamlNode& value);

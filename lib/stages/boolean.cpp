@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <set>
+
 #include "base/error.h"
 #include "boolean/cut_surface.h"
 #include "stages/cut.h"
@@ -9,6 +11,16 @@ std::vector<Cutter> cutters_of(const StageInputs& inputs) {
   std::vector<Cutter> all;
   for (const auto& [name, cutters] : inputs.all<std::vector<Cutter>>("cutters"))
     all.insert(all.end(), cutters->begin(), cutters->end());
+  return with_unique_names(std::move(all));
+}
+
+std::vector<Cutter> with_unique_names(std::vector<Cutter> all) {
+  std::set<std::string> known;
+  for (Cutter& c : all) {
+    const std::string name = c.name.empty() ? "cutter" : c.name;
+    c.name = name;
+    for (int n = 2; !known.insert(c.name).second; ++n) c.name = name + "_" + std::to_string(n);
+  }
   return all;
 }
 
@@ -25,7 +37,7 @@ Cutter widened(Cutter cutter, double by_mm) {
 StageType boolean_stage(double widen_mm) {
   StageType s;
   s.name = "boolean";
-  s.version = 1;
+  s.version = 2;
   s.summary = "cuts burr holes and other solids out of a surface";
   s.description =
       "Exact corefinement in a bounded child process; operands and result are checked: closed, 2-manifold, free of "

@@ -32,7 +32,8 @@ struct BurrHoleParams {
     v.number(&P::along_mm, "along_mm", Range{10, 250},
              "Kocher's point: so far from the nasion, over the midline of the skin.");
     v.number(&P::lateral_mm, "lateral_mm", Range{0, 100}, "Kocher's point: and so far to the side, over the skin.");
-    v.numbers(&P::position_mm, "position_mm", Range{-1e5, 1e5}, "With at: position; on or above the skull, LPS.");
+    v.numbers(&P::position_mm, "position_mm", Range{-1e5, 1e5},
+              "With at: position; on or above the skull, LPS; 0, 0, 0: not given.");
     v.numbers(&P::direction, "direction", Range{-1, 1},
               "Axis into the head; 0, 0, 0: towards `toward`, else perpendicular to the skull.");
     v.text(&P::toward, "toward", "Landmark that the axis points at.");

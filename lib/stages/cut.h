@@ -7,10 +7,13 @@ namespace trephine {
 /// Cuts solids, made wider by widen_mm all around, out of a surface. Ports: surface, and "cutters.*".
 StageType boolean_stage(double widen_mm = 0);
 
+/// Figures are told apart by the cutter's name: one that occurs twice gets a number, a nameless one is "cutter".
+std::vector<Cutter> with_unique_names(std::vector<Cutter> cutters);
+
 /// The cutter with its radii grown. A mesh cannot be: throws 78.
 Cutter widened(Cutter cutter, double by_mm);
 
-/// The cutters of the ports "cutters.*", in the order of the ports' names.
+/// The cutters of the ports "cutters.*", in the order of the ports' names; a name that occurs twice gets a number.
 std::vector<Cutter> cutters_of(const StageInputs& inputs);
 
 }  // namespace trephine

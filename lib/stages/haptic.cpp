@@ -58,6 +58,7 @@ Lattice lattice_of_region(const HapticSpec& spec, const VoxelizeParams& params, 
   if (!spec.region_of.empty()) {
     const TriMesh* of = in.get<TriMesh>("shape." + spec.region_of);
     if (!of) of = in.get<TriMesh>("region");
+    if (!of) throw Error(ExitCode::bad_config, "", "region_of", spec.region_of + ", has no surface");
     region = bounds_of(*of);
   }
   region = grown(region, params.margin_mm);
@@ -121,7 +122,7 @@ std::string to_text(const HapticSpec& spec) {
 StageType voxelize_stage(const HapticSpec& spec) {
   StageType s;
   s.name = "voxelize";
-  s.version = 1;
+  s.version = 2;
   s.summary = "makes the haptic volume: what the hand feels";
   s.description =
       "Each voxel says which shape fills it and how much of it, so that one lookup serves any number of shapes and the "
@@ -142,6 +143,11 @@ StageType voxelize_stage(const HapticSpec& spec) {
       volume.hardness = haptic_hardness(*in.get<HuVolume>("volume"), lattice, params.hardness_low_hu,
                                         params.hardness_high_hu, progress.part(0.9, 0.93));
     cut(volume, spec, cutters_of(in), report, progress.part(0.93, 1));
+    // What is reported is what is left.
+    for (const HapticShapeSpec& s : spec.shapes)
+      if (s.drilled)
+        for (auto& [name, value] : report.figures)
+          if (name == s.name + ".volume_ml") value = shape_volume_mm3(volume, volume.find_shape(s.name)->number) / 1000;
     return std::make_shared<const HapticVolume>(std::move(volume));
   };
   return s;
@@ -150,7 +156,7 @@ StageType voxelize_stage(const HapticSpec& spec) {
 StageType mismatch_stage() {
   StageType s;
   s.name = "mismatch";
-  s.version = 1;
+  s.version = 2;
   s.summary = "measures how far what is felt lies from what is seen";
   s.description = "Along the normals of the displayed surfaces, where the haptic volume's surface lies.";
   s.ports = {{"haptic", DataKind::haptic, true, "haptic volume"},

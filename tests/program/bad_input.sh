@@ -45,15 +45,30 @@ sed 's,\.\./materials,materials,' "$SOURCE/configs/scenes/ventriculostomy_drille
 d() { printf 'trephine: 1\ncase: d\npipeline: p.yaml\nscene: t.yaml\n%s\n' "$1" >"$work/configs/d.yaml"; }
 d ''
 expect 78 'd.yaml:1:1: burr_holes: is missing' "${drilled[@]}"
-d 'burr_holes: [{toward: monro}]'
-expect 78 'd.yaml:5:.*burr_hole_1.toward: monro, no such landmark' "${drilled[@]}"
+d $'landmarks: {nasion: [0, -93, 40], inion: [0, 89, 6]}\nburr_holes: [{toward: monro}]'
+expect 78 'd.yaml:6:.*burr_hole_1.toward: monro, no such landmark' "${drilled[@]}"
 d 'burr_holes: [{side: right}]'
-expect 80 'trephine run: d: burr_hole_1.*nasion.*landmarks' "${drilled[@]}"
+expect 78 'd.yaml:5:.*burr_hole_1.landmarks: nasion, is missing' "${drilled[@]}"
+d 'burr_holes: [{at: position}]'
+expect 78 'd.yaml:5:.*burr_hole_1.position_mm: is missing' "${drilled[@]}"
 d 'burr_holes: [{at: position, position_mm: [0, 0, 300], direction: [1, 0, 0]}]'
 expect 80 'trephine run: d: burr_hole_1.*skull' "${drilled[@]}"
 sed -i 's/material: bone/material: bon/' "$work/configs/t.yaml"
 expect 78 't.yaml:[0-9:]*: haptic.shapes.skull.material: bon, no such material, did you mean bone' "${drilled[@]}"
 [[ ! -e $work/out/d ]] || fail "a refused burr hole left a folder"
+
+# Single tools: flags that contradict each other, or that would be overlooked.
+echo >"$work/v.nrrd" && echo >"$work/h.json"
+felt=("$TREPHINE" voxelize "$work/v.nrrd" --output "$work/felt.nrrd")
+expect 64 '--shape, --window: give shapes' "${felt[@]}"
+expect 64 '--clear, --region-of: need surfaces' "${felt[@]}" --window bone=300,3000 --region-of bone
+expect 64 '--window: .*lower HU' "${felt[@]}" --window bone=3000,300
+expect 64 '--window: Bone, a name has' "${felt[@]}" --window Bone=300,3000
+expect 64 '--cutters, --drill: go together' "${felt[@]}" --shape "a=$work/v.nrrd" --cutters "$work/h.json"
+expect 64 '--drill: -1, must be from 0 to 50' "${felt[@]}" --shape "a=$work/v.nrrd" --cutters "$work/h.json" --drill a=-1
+expect 64 '--kind: nothing to cut with' "$TREPHINE" boolean "$work/v.nrrd" --output "$work/o.nrrd"
+expect 65 'h.json' "$TREPHINE" boolean "$work/v.nrrd" --cutters "$work/h.json" --output "$work/o.nrrd"
+[[ ! -e $work/felt.nrrd && ! -e $work/o.nrrd ]] || fail "a refused tool left an output"
 
 # A scene that shows a face without saying so.
 sed '/^face:/d' "$work/configs/s.yaml" >"$work/configs/faceless.yaml"
