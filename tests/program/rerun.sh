@@ -4,11 +4,12 @@
 # kill -9 leave the old case and no temporary file after the next run; one parameter recomputes only what depends on it.
 . "$(dirname "$0")/common.sh"
 config=$SOURCE/configs/sample.yaml
+coarse=(--set "haptic.spacing_mm=[1.6,1.6,1.6]")  # quicker
 out=$work/out
 
-"$TREPHINE" run "$config" --out "$out" --quiet --json "$work/first.json"
+"$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet --json "$work/first.json"
 first=$(case_digest "$out/sample")
-"$TREPHINE" run "$config" --out "$out" --quiet --json "$work/second.json"
+"$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet --json "$work/second.json"
 [[ $first == "$(case_digest "$out/sample")" ]] || fail "a rerun changed the case"
 # What is computed again is only what takes no longer than reading it would.
 python3 - "$work/first.json" "$work/second.json" <<'PY'
@@ -22,7 +23,7 @@ assert all(n == "import" or n.endswith(".normals") or n.endswith(".contour") for
 PY
 
 # A parameter of one anatomy.
-"$TREPHINE" run "$config" --out "$out" --quiet --json "$work/third.json" --set ventricles.smooth.iterations_count=5
+"$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet --json "$work/third.json" --set ventricles.smooth.iterations_count=5
 [[ $first != "$(case_digest "$out/sample")" ]] || fail "a changed parameter changed nothing"
 python3 - "$work/third.json" <<'PY'
 import json, sys
@@ -34,13 +35,13 @@ PY
 
 # Bytes of every cached file flipped.
 for f in "$out"/.trephine-cache/*; do printf '\377' | dd of="$f" bs=1 seek=100 conv=notrunc status=none; done
-"$TREPHINE" run "$config" --out "$out" --quiet
+"$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet
 [[ $first == "$(case_digest "$out/sample")" ]] || fail "a damaged cache changed the case"
 
 # Stopped at several moments, once by Ctrl-C and otherwise by kill -9: the old case is there, whole.
 for signal in INT KILL KILL; do
   for delay in 0.3 1.5; do
-    "$TREPHINE" run "$config" --out "$out" --quiet --no-use-cache --set skin.smooth.iterations_count=7 2>/dev/null &
+    "$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet --no-use-cache --set skin.smooth.iterations_count=7 2>/dev/null &
     pid=$!
     sleep "$delay"
     kill -"$signal" "$pid" 2>/dev/null || true
@@ -50,11 +51,11 @@ for signal in INT KILL KILL; do
     [[ $signal != INT ]] || { find "$out" -name '.trephine-tmp-*' | grep . && fail "Ctrl-C left a temporary file"; }
   done
 done
-"$TREPHINE" run "$config" --out "$out" --quiet
+"$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet
 find "$out" -name '.trephine-tmp-*' | grep . && fail "temporary files are left"
 
 # A first run that is stopped leaves no folder that looks like a case.
-"$TREPHINE" run "$config" --out "$work/new" --quiet --no-use-cache 2>/dev/null &
+"$TREPHINE" run "$config" "${coarse[@]}" --out "$work/new" --quiet --no-use-cache 2>/dev/null &
 pid=$!
 sleep 1
 kill -INT "$pid"
@@ -62,9 +63,9 @@ code=0; wait "$pid" || code=$?
 [[ $code == 130 && ! -e $work/new/sample ]] || fail "Ctrl-C ($code) left a case's folder"
 
 # Two at once: one works, the other is told so.
-"$TREPHINE" run "$config" --out "$out" --quiet --no-use-cache &
+"$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet --no-use-cache &
 sleep 1
-expect 75 'trephine run: sample: .*another run' "$TREPHINE" run "$config" --out "$out" --quiet --no-use-cache
+expect 75 'trephine run: sample: .*another run' "$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet --no-use-cache
 wait
 [[ $first == "$(case_digest "$out/sample")" ]] || fail "two at once tore the case"
 echo ok
