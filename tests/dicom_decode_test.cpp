@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <ostream>
 #include <sstream>
 
 #include "base/error.h"
@@ -24,6 +25,7 @@ struct Syntax {
   const char* name;
   gdcm::TransferSyntax::TSType type;
 };
+void PrintTo(const Syntax& v, std::ostream* out) { *out << v.name; }
 
 Scan scan_for(bool is_signed, int bits) {
   Scan s;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <ostream>
 
 #include "base/error.h"
 #include "dicom/import.h"
@@ -70,6 +71,7 @@ struct Pose {
   const char* name;
   Vec3 u, v;
 };
+void PrintTo(const Pose& v, std::ostream* out) { *out << v.name; }
 
 class Orientations : public testing::TestWithParam<Pose> {};
 

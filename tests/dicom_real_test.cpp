@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <ostream>
 
 #include "base/error.h"
 #include "dicom/decode.h"
@@ -28,6 +29,7 @@ struct Expected {
   bool resampled;
   double largest_gap_mm, hu_min, hu_max;
 };
+void PrintTo(const Expected& v, std::ostream* out) { *out << v.name; }
 
 class RealScans : public testing::TestWithParam<Expected> {};
 
