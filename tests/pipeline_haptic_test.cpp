@@ -42,7 +42,8 @@ materials: materials.yaml
 haptic: {shapes: {skull: {material: bone}}}
 )";
 const std::string head = "trephine: 1\npipeline: recipe.yaml\nscene: scene.yaml\n";
-const std::string one_hole = "landmarks: {nasion: [0, -90, 30], inion: [0, 90, 0], monro: [0, 0, 0]}\nburr_holes: [{side: left}]\n";
+const std::string one_hole =
+    "landmarks: {nasion: [0, -90, 30], inion: [0, 90, 0], monro: [0, 0, 0]}\nburr_holes: [{side: left}]\n";
 
 struct Files {
   ScratchFolder folder;

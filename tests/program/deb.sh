@@ -18,7 +18,7 @@ dev=$(echo "$work"/packages/trephine-dev_*.deb)
 root=$work/root
 dpkg-deb -x "$deb" "$root"
 date=$(stat -c %Y "$root/usr/bin/trephine")
-if [[ -e $SOURCE/.git ]]; then
+if [[ -e $SOURCE/.git ]] && command -v git >/dev/null; then
   git -C "$SOURCE" log --format=%ct | grep -x "$date" >/dev/null || fail "dated $date, which is no commit's date"
 fi
 (export TZ=Asia/Tokyo LC_ALL=C SOURCE_DATE_EPOCH="$date"; pack again)

@@ -3,19 +3,20 @@
 # A second run takes everything from the cache and gives the same case; a damaged cache is as good as none; Ctrl-C and
 # kill -9 leave the old case and no temporary file after the next run; one parameter recomputes only what depends on it.
 . "$(dirname "$0")/common.sh"
-config=$SOURCE/configs/sample.yaml
+config=$SOURCE/configs/sample_drilled.yaml
 coarse=(--set "haptic.spacing_mm=[1.6,1.6,1.6]")  # quicker
 out=$work/out
 
 "$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet --json "$work/first.json"
-first=$(case_digest "$out/sample")
+first=$(case_digest "$out/sample-drilled")
 "$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet --json "$work/second.json"
-[[ $first == "$(case_digest "$out/sample")" ]] || fail "a rerun changed the case"
+[[ $first == "$(case_digest "$out/sample-drilled")" ]] || fail "a rerun changed the case"
 # What is computed again is only what takes no longer than reading it would.
 python3 - "$work/first.json" "$work/second.json" <<'PY'
 import json, sys
 first, second = (json.load(open(f))["stages"] for f in sys.argv[1:])
-for name in ("skin.segment", "skull.decimate", "brain.decimate", "skull.measure"):
+for name in ("skin.segment", "skull.decimate", "brain.decimate", "skull.measure", "burr_hole_1", "skull.boolean", "haptic.voxelize",
+             "haptic.mismatch"):
     assert second[name]["state"] != "computed", name
     assert second[name]["report"] == first[name]["report"], name
 again = [n for n, s in second.items() if s["state"] == "computed"]
@@ -24,19 +25,19 @@ PY
 
 # A parameter of one anatomy.
 "$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet --json "$work/third.json" --set ventricles.smooth.iterations_count=5
-[[ $first != "$(case_digest "$out/sample")" ]] || fail "a changed parameter changed nothing"
+[[ $first != "$(case_digest "$out/sample-drilled")" ]] || fail "a changed parameter changed nothing"
 python3 - "$work/third.json" <<'PY'
 import json, sys
 stages = json.load(open(sys.argv[1]))["stages"]
 computed = [n for n, s in stages.items() if s["state"] == "computed"]
 assert "ventricles.smooth" in computed
-assert all(n == "import" or n.startswith("ventricles.") or n.endswith(".normals") for n in computed), computed
+assert all(n == "import" or n == "haptic.mismatch" or n.startswith("ventricles.") or n.endswith(".normals") for n in computed), computed
 PY
 
 # Bytes of every cached file flipped.
 for f in "$out"/.trephine-cache/*; do printf '\377' | dd of="$f" bs=1 seek=100 conv=notrunc status=none; done
 "$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet
-[[ $first == "$(case_digest "$out/sample")" ]] || fail "a damaged cache changed the case"
+[[ $first == "$(case_digest "$out/sample-drilled")" ]] || fail "a damaged cache changed the case"
 
 # Stopped at several moments, once by Ctrl-C and otherwise by kill -9: the old case is there, whole.
 for signal in INT KILL KILL; do
@@ -47,7 +48,7 @@ for signal in INT KILL KILL; do
     kill -"$signal" "$pid" 2>/dev/null || true
     code=0; wait "$pid" || code=$?
     [[ $signal != INT || $code == 130 ]] || fail "Ctrl-C ended with $code"
-    [[ $first == "$(case_digest "$out/sample")" ]] || fail "kill -$signal after $delay s tore the case"
+    [[ $first == "$(case_digest "$out/sample-drilled")" ]] || fail "kill -$signal after $delay s tore the case"
     [[ $signal != INT ]] || { find "$out" -name '.trephine-tmp-*' | grep . && fail "Ctrl-C left a temporary file"; }
   done
 done
@@ -60,12 +61,12 @@ pid=$!
 sleep 1
 kill -INT "$pid"
 code=0; wait "$pid" || code=$?
-[[ $code == 130 && ! -e $work/new/sample ]] || fail "Ctrl-C ($code) left a case's folder"
+[[ $code == 130 && ! -e $work/new/sample-drilled ]] || fail "Ctrl-C ($code) left a case's folder"
 
 # Two at once: one works, the other is told so.
 "$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet --no-use-cache &
 sleep 1
-expect 75 'trephine run: sample: .*another run' "$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet --no-use-cache
+expect 75 'trephine run: sample-drilled: .*another run' "$TREPHINE" run "$config" "${coarse[@]}" --out "$out" --quiet --no-use-cache
 wait
-[[ $first == "$(case_digest "$out/sample")" ]] || fail "two at once tore the case"
+[[ $first == "$(case_digest "$out/sample-drilled")" ]] || fail "two at once tore the case"
 echo ok
