@@ -297,6 +297,21 @@ TEST(DicomSeries, OrderAndNamesDoNotMatter) {
   set_thread_count(before);
 }
 
+TEST(DicomSeries, TwoThousandSlices) {
+  Scan s = small();
+  s.slices = 2000;
+  s.step_mm = 0.5;
+  const ScratchFolder folder;
+  s.write(folder);
+  const ImportResult r = import_series(folder.path(), {});
+  EXPECT_EQ(lattice_of(r.volume).size, (std::array<int, 3>{20, 16, 2000}));
+  EXPECT_NEAR(lattice_of(r.volume).spacing_mm.z, 0.5, 1e-9);
+  for (const int slices : {1, 2}) {
+    s.slices = slices;
+    EXPECT_EQ(outcome(s).code, 65) << slices;
+  }
+}
+
 TEST(DicomSeries, TheHashSeesPixelsAndGeometryButNoNames) {
   const Scan s = small();
   const auto hash = [](const Scan& scan) {

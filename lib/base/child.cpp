@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,6 +17,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -116,6 +118,30 @@ struct SpawnSettings {
   }
 };
 
+// The child sets its own limits, but only once it runs: what kills it while its libraries are loaded must leave no core
+// file either, so it is born without the right to.
+class NoCoreFile {
+ public:
+  NoCoreFile() : lock_(mutex()) {
+    known_ = ::getrlimit(RLIMIT_CORE, &before_) == 0;
+    const rlimit none{0, before_.rlim_max};
+    if (known_) ::setrlimit(RLIMIT_CORE, &none);
+  }
+  ~NoCoreFile() {
+    if (known_) ::setrlimit(RLIMIT_CORE, &before_);
+  }
+
+ private:
+  // Spawns from several threads would restore each other's limit.
+  static std::mutex& mutex() {
+    static std::mutex m;
+    return m;
+  }
+  std::lock_guard<std::mutex> lock_;
+  rlimit before_{};
+  bool known_ = false;
+};
+
 pid_t spawn(const std::string& worker, const ChildLimits& limits, int request, int result, int pipe) {
   SpawnSettings s;
   int error = 0;
@@ -149,6 +175,7 @@ pid_t spawn(const std::string& worker, const ChildLimits& limits, int request, i
   for (auto& w : words) arguments.push_back(w.data());
   arguments.push_back(nullptr);
   pid_t pid = -1;
+  const NoCoreFile none_while_spawning;
   also(error ? error : posix_spawn(&pid, "/proc/self/exe", &s.actions, &s.attributes, arguments.data(), environ));
   errno = error;
   check(worker, error == 0, "spawn");
