@@ -5,8 +5,8 @@
 
 #include "base/error.h"
 #include "boolean/cutter.h"
-#include "boolean_random.h"
 #include "meshing/validity.h"
+#include "random.h"
 #include "surface/point_to_mesh.h"
 #include "surface_shapes.h"
 

@@ -6,8 +6,8 @@
 
 #include "base/report.h"
 #include "boolean/cutter.h"
-#include "boolean_random.h"
 #include "meshing/validity.h"
+#include "random.h"
 #include "surface_shapes.h"
 
 namespace trephine::shapes {

@@ -19,14 +19,6 @@ namespace {
 
 using namespace shapes;
 
-TriMesh surface(const Field& f) {
-  ContourParams p;
-  p.min_component_mm3 = 0;
-  p.keep_cavities = true;
-  Report r;
-  return contour(f, p, r);
-}
-
 struct Result {
   TriMesh mesh;
   Report report;

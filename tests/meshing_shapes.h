@@ -6,23 +6,10 @@
 #include <functional>
 
 #include "grid/grid.h"
+#include "meshing/contour.h"
+#include "random.h"
 
 namespace trephine::shapes {
-
-/// SplitMix64: the same numbers everywhere.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double operator()() {  // 0 to 1
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ull);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) / 9007199254740992.0;
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 inline Lattice lattice(int nx, int ny, int nz, Vec3 spacing = {1, 1, 1}, Vec3 origin = {}) {
   Lattice l;
@@ -58,6 +45,15 @@ inline Field noise(int n, std::uint64_t seed, double fill, bool binary) {
     v = static_cast<float>(binary ? (u < fill ? 0.5 : -0.5) : fill - u);
   }
   return f;
+}
+
+/// Every piece of the field's surface, cavities too.
+inline TriMesh surface(const Field& f) {
+  ContourParams p;
+  p.min_component_mm3 = 0;
+  p.keep_cavities = true;
+  Report r;
+  return contour(f, p, r);
 }
 
 }  // namespace trephine::shapes

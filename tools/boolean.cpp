@@ -122,23 +122,19 @@ Report cut_haptic_file(const ParsedCommand& parsed, const std::vector<Cutter>& c
   for (const Cutter& c : cutters) {
     Report one;
     cut_volume(volume, distance_to(c), bounds_of(c), numbers, one, progress);
-    for (const auto& [name, value] : one.figures) report.figures.emplace_back(c.name + "." + name, value);
-    for (const std::string& w : one.warnings) report.warn(c.name + ": " + w);
+    add_of_cutter(report, c, one);
   }
   write_haptic(parsed.path("output"), volume);
   return report;
 }
 
 Report cut_field_file(const ParsedCommand& parsed, const std::vector<Cutter>& cutters, const Progress& progress) {
-  if (holds_hu(parsed.path("input")))
-    throw Error(ExitCode::bad_input, parsed.text("input"), "content", "HU, must be a field or a haptic volume");
   Field field = read_field_nrrd(parsed.path("input"));
   Report report;
   for (const Cutter& c : cutters) {
     Report one;
     cut_field(field, distance_to(c), bounds_of(c), one, progress);
-    for (const auto& [name, value] : one.figures) report.figures.emplace_back(c.name + "." + name, value);
-    for (const std::string& w : one.warnings) report.warn(c.name + ": " + w);
+    add_of_cutter(report, c, one);
   }
   save_data(parsed.path("output"), std::make_shared<const Field>(std::move(field)));
   return report;
@@ -189,7 +185,10 @@ Command boolean_command() {
     const std::vector<Cutter> all = cutters_given(parsed);
     run_with_report(parsed, [&](const Progress& progress) {
       if (extension == ".vtp") return cut_surface_file(parsed, all, progress);
-      if (read_nrrd(parsed.path("input")).keys.count(haptic_file_key)) return cut_haptic_file(parsed, all, progress);
+      const NrrdKeys keys = read_nrrd(parsed.path("input")).keys;
+      if (keys.count(haptic_file_key)) return cut_haptic_file(parsed, all, progress);
+      if (holds_hu(keys))
+        throw Error(ExitCode::bad_input, parsed.text("input"), "content", "HU, must be a field or a haptic volume");
       return cut_field_file(parsed, all, progress);
     });
     return ExitCode::ok;

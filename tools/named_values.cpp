@@ -3,7 +3,6 @@
 
 #include "base/error.h"
 #include "base/params.h"
-#include "grid/nrrd.h"
 
 namespace trephine {
 
@@ -31,8 +30,7 @@ std::vector<double> numbers_of(const std::string& flag, const std::string& text,
   return std::get<std::vector<double>>(value);
 }
 
-bool holds_hu(const std::filesystem::path& file) {
-  const NrrdKeys keys = read_nrrd(file).keys;
+bool holds_hu(const NrrdKeys& keys) {
   const auto content = keys.find("content");
   return content != keys.end() && content->second == "HU";
 }

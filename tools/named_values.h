@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <filesystem>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/vec3.h"
+#include "grid/nrrd.h"
 
 namespace trephine {
 
@@ -23,6 +23,6 @@ double number_of(const std::string& flag, const std::string& text, double least,
 std::map<std::string, Vec3> named_positions(const std::string& flag, const std::vector<std::string>& texts);
 
 /// A volume as `import` writes it, which no field may be taken for.
-bool holds_hu(const std::filesystem::path& file);
+bool holds_hu(const NrrdKeys& keys);
 
 }  // namespace trephine

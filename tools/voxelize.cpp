@@ -75,7 +75,7 @@ HapticSpec spec_of(const ParsedCommand& parsed) {
 // A shape's surface: read, or contoured from its field.
 std::shared_ptr<const TriMesh> surface_of(const std::filesystem::path& file, const Progress& progress) {
   if (file.extension() != ".nrrd") return std::get<std::shared_ptr<const TriMesh>>(load_data(file, DataKind::mesh));
-  if (holds_hu(file))
+  if (holds_hu(read_nrrd(file).keys))
     throw Error(ExitCode::bad_input, file.string(), "content", "HU, must be a field: segment it first");
   Report ignored;
   return std::make_shared<const TriMesh>(

@@ -24,6 +24,11 @@ std::vector<Cutter> with_unique_names(std::vector<Cutter> all) {
   return all;
 }
 
+void add_of_cutter(Report& report, const Cutter& cutter, const Report& one) {
+  for (const auto& [name, value] : one.figures) report.figures.emplace_back(cutter.name + "." + name, value);
+  for (const std::string& w : one.warnings) report.warn(cutter.name + ": " + w);
+}
+
 Cutter widened(Cutter cutter, double by_mm) {
   if (by_mm == 0) return cutter;
   if (cutter.kind == Cutter::Kind::mesh)

@@ -10,6 +10,9 @@ StageType boolean_stage(double widen_mm = 0);
 /// Figures are told apart by the cutter's name: one that occurs twice gets a number, a nameless one is "cutter".
 std::vector<Cutter> with_unique_names(std::vector<Cutter> cutters);
 
+/// What one cutter did, under its name.
+void add_of_cutter(Report& report, const Cutter& cutter, const Report& one);
+
 /// The cutter with its radii grown. A mesh cannot be: throws 78.
 Cutter widened(Cutter cutter, double by_mm);
 

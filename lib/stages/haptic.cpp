@@ -102,8 +102,7 @@ void cut(HapticVolume& volume, const HapticSpec& spec, const std::vector<Cutter>
       const Cutter own = widened(cutter, s.widen_mm);
       Report one;
       cut_volume(volume, distance_to(own), bounds_of(own), {volume.find_shape(s.name)->number}, one, progress);
-      for (const auto& [name, value] : one.figures) report.figures.emplace_back(cutter.name + "." + name, value);
-      for (const std::string& w : one.warnings) report.warn(cutter.name + ": " + w);
+      add_of_cutter(report, cutter, one);
     }
 }
 

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "voxel/cut_solid.h"
 #include "voxel/voxelize.h"
 
 namespace trephine {
@@ -78,18 +79,9 @@ Lattice haptic_lattice(const Bounds& region_mm, const Mat3& direction, Vec3 anch
   const auto refuse = [](const std::string& what) { throw Error(ExitCode::bad_config, "", "haptic.spacing_mm", what); };
   Lattice lattice;
   lattice.direction = direction;
-  Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
   for (int a = 0; a < 3; ++a) lattice.spacing_mm[a] = params.spacing_mm[std::size_t(a)];
   lattice.origin_mm = anchor_mm;
-  for (int c = 0; c < 8; ++c) {
-    const Vec3 corner{c & 1 ? region_mm.max_mm.x : region_mm.min_mm.x, c & 2 ? region_mm.max_mm.y : region_mm.min_mm.y,
-                      c & 4 ? region_mm.max_mm.z : region_mm.min_mm.z};
-    const Vec3 index = lattice.to_index(corner);
-    for (int a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], index[a]);
-      high[a] = std::max(high[a], index[a]);
-    }
-  }
+  const auto [low, high] = detail::index_bounds(lattice, region_mm);
   Vec3 first;
   double voxels = 1;
   double size[3];
