@@ -27,13 +27,13 @@ ParameterValue value_of(const Json& j) {
   return j.get<std::vector<double>>();
 }
 
-constexpr std::uint64_t max_cutters_bytes = 64 << 20;
+constexpr std::uint64_t max_cutters_bytes = 64 << 20, max_landmarks_bytes = 4 << 20;
 
 }  // namespace
 
 DataKind kind_of(const StageData& data) {
-  constexpr DataKind kinds[] = {DataKind::nothing, DataKind::volume, DataKind::field,
-                                DataKind::mesh,    DataKind::haptic, DataKind::cutters};
+  constexpr DataKind kinds[] = {DataKind::nothing, DataKind::volume,  DataKind::field,    DataKind::mesh,
+                                DataKind::haptic,  DataKind::cutters, DataKind::landmarks};
   return kinds[data.index()];
 }
 
@@ -42,6 +42,7 @@ const char* file_extension(DataKind kind) {
     case DataKind::mesh:
       return ".vtp";
     case DataKind::cutters:
+    case DataKind::landmarks:
     case DataKind::nothing:
       return ".json";
     default:
@@ -63,6 +64,8 @@ void save_data(const std::filesystem::path& file, const StageData& data) {
     write_haptic(file, **haptic);
   else if (const auto* cutters = std::get_if<std::shared_ptr<const std::vector<Cutter>>>(&data))
     write_file(file, cutters_json(**cutters));
+  else if (const auto* landmarks = std::get_if<std::shared_ptr<const HeadLandmarks>>(&data))
+    write_file(file, landmarks_json(**landmarks));
 }
 
 StageData load_data(const std::filesystem::path& file, DataKind kind) {
@@ -79,6 +82,11 @@ StageData load_data(const std::filesystem::path& file, DataKind kind) {
       const std::vector<char> bytes = read_file(file, max_cutters_bytes);
       return std::make_shared<const std::vector<Cutter>>(
           with_file(file.string(), [&] { return parse_cutters_json(std::string(bytes.begin(), bytes.end())); }));
+    }
+    case DataKind::landmarks: {
+      const std::vector<char> bytes = read_file(file, max_landmarks_bytes);
+      return std::make_shared<const HeadLandmarks>(
+          with_file(file.string(), [&] { return parse_landmarks_json(std::string_view(bytes.data(), bytes.size())); }));
     }
     case DataKind::nothing:
       break;

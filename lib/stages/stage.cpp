@@ -15,6 +15,8 @@ const char* to_text(DataKind kind) {
       return "haptic volume";
     case DataKind::cutters:
       return "list of cutters";
+    case DataKind::landmarks:
+      return "list of landmarks";
     case DataKind::nothing:
       return "report";
   }

@@ -11,6 +11,7 @@
 #include "base/progress.h"
 #include "base/report.h"
 #include "boolean/cutter.h"
+#include "cases/landmarks.h"
 #include "grid/grid.h"
 #include "surface/trimesh.h"
 #include "voxel/haptic_volume.h"
@@ -20,13 +21,13 @@ namespace trephine {
 /// A stage is a library function with its parameters declared and its inputs named, so that `run` (data in memory) and
 /// the single tools (data in files) call one and the same thing. One stage a file in this folder.
 
-enum class DataKind { volume, field, mesh, haptic, cutters, nothing };
+enum class DataKind { volume, field, mesh, haptic, cutters, landmarks, nothing };
 const char* to_text(DataKind kind);
 
 /// What stages hand each other; shared, never modified once made.
 using StageData = std::variant<std::monostate, std::shared_ptr<const HuVolume>, std::shared_ptr<const Field>,
                                std::shared_ptr<const TriMesh>, std::shared_ptr<const HapticVolume>,
-                               std::shared_ptr<const std::vector<Cutter>>>;
+                               std::shared_ptr<const std::vector<Cutter>>, std::shared_ptr<const HeadLandmarks>>;
 
 /// An input of a stage. A name that ends in ".*" stands for any number of them ("cutters.*": cutters.1, ...). The first
 /// port of a stage takes the output of the stage before it in a recipe.

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cases/landmarks.h"
+
+#include <cmath>
+#include <set>
+
+#include "cases/json_at.h"
+
+namespace trephine {
+namespace {
+
+using detail::Json;
+using detail::JsonAt;
+
+Json value_of(Vec3 p) { return Json::array({p.x, p.y, p.z}); }
+
+Vec3 vector_in(const JsonAt& at) {
+  const std::vector<double> v = at.numbers(3);
+  return {v[0], v[1], v[2]};
+}
+
+double share_in(const JsonAt& at) {
+  const double share = at.number();
+  if (share < 0 || share > 1) at.refuse("must be a number from 0 to 1");
+  return share;
+}
+
+}  // namespace
+
+const CaseLandmark* HeadLandmarks::find(std::string_view name) const {
+  for (const CaseLandmark& l : landmarks)
+    if (l.name == name) return &l;
+  return nullptr;
+}
+
+std::string landmarks_json(const HeadLandmarks& landmarks) {
+  Json j;
+  j["midsagittal"] = {{"point_mm", value_of(landmarks.midsagittal.point_mm)},
+                      {"normal", value_of(landmarks.midsagittal.normal)},
+                      {"confidence", landmarks.midsagittal.confidence}};
+  j["landmarks"] = Json::array();
+  for (const CaseLandmark& l : landmarks.landmarks)
+    j["landmarks"].push_back({{"name", l.name},
+                              {"position_mm", value_of(l.position_mm)},
+                              {"confidence", l.confidence},
+                              {"source", l.source}});
+  return j.dump(2) + "\n";
+}
+
+HeadLandmarks parse_landmarks_json(std::string_view text) {
+  const Json json = detail::parse_json(text);
+  const JsonAt root(json, "");
+  HeadLandmarks out;
+  const JsonAt plane = root["midsagittal"];
+  out.midsagittal = {vector_in(plane["point_mm"]), vector_in(plane["normal"]), share_in(plane["confidence"])};
+  if (std::abs(norm(out.midsagittal.normal) - 1) > 1e-6) plane["normal"].refuse("must be of length 1");
+  std::set<std::string> names;
+  for (const JsonAt& item : root["landmarks"].items()) {
+    out.landmarks.push_back(
+        {item["name"].text(), vector_in(item["position_mm"]), share_in(item["confidence"]), item["source"].text()});
+    if (!names.insert(out.landmarks.back().name).second) item["name"].refuse("is there twice");
+  }
+  return out;
+}
+
+}  // namespace trephine
