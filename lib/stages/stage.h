@@ -66,6 +66,9 @@ struct StageType {
   std::vector<Port> ports;
   DataKind output = DataKind::mesh;
   std::function<AnyParams()> make_params;
+  /// Parameters that name files to be read: relative to the file that says so; in keys and cases it is their content's
+  /// hash that stands for them.
+  std::vector<std::string> file_params;
   /// Fills the report, also with what it could not do. Throws Error (field: what went wrong in the stage) and
   /// Cancelled.
   std::function<StageData(const AnyParams&, const StageInputs&, Report&, const Progress&)> run;
