@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "segmentation/bubbles.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "segmentation/filters.h"
+
+namespace trephine {
+namespace {
+
+std::string_view trimmed(std::string_view s) {
+  while (!s.empty() && s.front() == ' ') s.remove_prefix(1);
+  while (!s.empty() && s.back() == ' ') s.remove_suffix(1);
+  return s;
+}
+
+std::vector<std::string_view> split(std::string_view s, char by) {
+  std::vector<std::string_view> parts;
+  for (;;) {
+    const std::size_t at = s.find(by);
+    parts.push_back(trimmed(s.substr(0, at)));
+    if (at == std::string_view::npos) return parts;
+    s.remove_prefix(at + 1);
+  }
+}
+
+std::string described(const Bubble& b) {
+  return fmt::format("{},{},{},{}", to_text(b.centre_mm.x), to_text(b.centre_mm.y), to_text(b.centre_mm.z),
+                     to_text(b.radius_mm));
+}
+
+/// Calls f(voxel, distance from the centre in mm) for the voxels of the ball's box, where it meets the lattice.
+template <class F>
+void for_ball(const Bubble& b, const Lattice& l, double margin_mm, F&& f) {
+  const Vec3 c = l.to_index(b.centre_mm);
+  int low[3], high[3];
+  for (int a = 0; a < 3; ++a) {
+    const double reach = (b.radius_mm + margin_mm) / l.spacing_mm[a];
+    low[a] = int(std::clamp(std::ceil(c[a] - reach), 0.0, double(l.size[a])));
+    high[a] = int(std::clamp(std::floor(c[a] + reach) + 1, 0.0, double(l.size[a])));
+  }
+  for (int k = low[2]; k < high[2]; ++k)
+    for (int j = low[1]; j < high[1]; ++j)
+      for (int i = low[0]; i < high[0]; ++i) {
+        const Vec3 d{(i - c.x) * l.spacing_mm.x, (j - c.y) * l.spacing_mm.y, (k - c.z) * l.spacing_mm.z};
+        f(l.index(i, j, k), norm(d));
+      }
+}
+
+/// Means over blocks of voxels, so that no side is below 1 mm.
+Grid<float> coarsened(const Field& speed) {
+  int step[3];
+  Lattice l = speed;
+  Vec3 shift;
+  for (int a = 0; a < 3; ++a) {
+    step[a] = std::clamp(int(std::lround(1 / l.spacing_mm[a])), 1, std::max(1, l.size[a]));
+    l.size[a] = (l.size[a] + step[a] - 1) / step[a];
+    l.spacing_mm[a] *= step[a];
+    shift[a] = 0.5 * (step[a] - 1);
+  }
+  l.origin_mm = speed.to_world_mm(shift);
+  Grid<float> sum(l), count(l);
+  for (int k = 0; k < speed.size[2]; ++k)
+    for (int j = 0; j < speed.size[1]; ++j)
+      for (int i = 0; i < speed.size[0]; ++i) {
+        const std::size_t v = l.index(i / step[0], j / step[1], k / step[2]);
+        sum.voxels[v] += speed.at(i, j, k);
+        count.voxels[v] += 1;
+      }
+  for (std::size_t v = 0; v < l.count(); ++v) sum.voxels[v] /= count.voxels[v];
+  return sum;
+}
+
+}  // namespace
+
+std::vector<Bubble> parse_bubbles(const std::string& text) {
+  std::vector<Bubble> bubbles;
+  for (const std::string_view part : split(text, ';')) {
+    const auto items = split(part, ',');
+    double v[4];
+    bool good = items.size() == 4;
+    for (std::size_t i = 0; good && i < 4; ++i) {
+      const auto number = parse_number(items[i]);
+      good = number && std::abs(*number) <= 1e6;
+      if (good) v[i] = *number;
+    }
+    if (!good || !(v[3] > 0))
+      throw Error(ExitCode::usage, "", "bubbles",
+                  "\"" + printable(part) + "\", must be x,y,z,radius in mm with a radius above 0, several parted by ;");
+    bubbles.push_back({{v[0], v[1], v[2]}, v[3]});
+  }
+  return bubbles;
+}
+
+std::vector<Bubble> place_bubbles(const Field& speed, int count, double min_radius_mm, const Progress& progress) {
+  constexpr double share = 0.9;  // of the ball that fits
+  const Grid<float> coarse = coarsened(speed);
+  const segmentation::BitMask held = segmentation::make_mask(coarse, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < coarse.size[0]; ++i) row[i] = !(coarse.at(i, j, k) > 0);
+  });
+  const Grid<float> free = segmentation::distance_mm(held, progress);
+
+  struct Place {
+    float radius;
+    std::uint32_t voxel;
+  };
+  std::vector<Place> places;
+  float largest = 0;
+  for (int k = 0; k < coarse.size[2]; ++k)
+    for (int j = 0; j < coarse.size[1]; ++j)
+      for (int i = 0; i < coarse.size[0]; ++i) {
+        double room = free.at(i, j, k);
+        const int at[3] = {i, j, k};
+        for (int a = 0; a < 3; ++a)
+          room = std::min(room, (0.5 + std::min(at[a], coarse.size[a] - 1 - at[a])) * coarse.spacing_mm[a]);
+        const float radius = float(share * room);
+        largest = std::max(largest, radius);
+        if (radius >= min_radius_mm) places.push_back({radius, std::uint32_t(coarse.index(i, j, k))});
+      }
+  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    return a.radius != b.radius ? a.radius > b.radius : a.voxel < b.voxel;
+  });
+  std::vector<Bubble> bubbles;
+  for (const Place& p : places) {
+    if (int(bubbles.size()) >= count) break;
+    const int i = int(p.voxel % std::uint32_t(coarse.size[0])),
+              j = int(p.voxel / std::uint32_t(coarse.size[0]) % std::uint32_t(coarse.size[1])),
+              k = int(p.voxel / (std::uint32_t(coarse.size[0]) * std::uint32_t(coarse.size[1])));
+    const Bubble b{coarse.to_world_mm({double(i), double(j), double(k)}), p.radius};
+    bool apart = true;
+    for (const Bubble& o : bubbles) apart = apart && norm(o.centre_mm - b.centre_mm) > o.radius_mm;
+    if (apart) bubbles.push_back(b);
+  }
+  if (bubbles.empty())
+    throw Error(ExitCode::quality, "", "bubble_min_radius_mm",
+                fmt::format("no ball of {} mm fits where the speed is positive, the largest has {:.2g} mm: check the "
+                            "presegmentation, or ask for less",
+                            to_text(min_radius_mm), largest));
+  return bubbles;
+}
+
+Field bubble_field(const std::vector<Bubble>& bubbles, const Lattice& lattice) {
+  const double margin = 3 * std::max({lattice.spacing_mm.x, lattice.spacing_mm.y, lattice.spacing_mm.z});
+  Field field(lattice, float(-margin));
+  for (std::size_t n = 0; n < bubbles.size(); ++n) {
+    bool any = false;
+    for_ball(bubbles[n], lattice, margin, [&](std::size_t v, double distance) {
+      const double depth = bubbles[n].radius_mm - distance;
+      any = any || depth > 0;
+      field.voxels[v] = std::max(field.voxels[v], float(depth));
+    });
+    if (!any)
+      throw Error(ExitCode::quality, "", "bubbles",
+                  fmt::format("ball {} ({}) holds 0 voxels of the speed image: it lies outside, or between voxels",
+                              n + 1, described(bubbles[n])));
+  }
+  return field;
+}
+
+void check_bubbles(const std::vector<Bubble>& bubbles, const Field& speed) {
+  for (std::size_t n = 0; n < bubbles.size(); ++n) {
+    bool any = false;
+    for_ball(bubbles[n], speed, 0, [&](std::size_t v, double distance) {
+      any = any || (distance < bubbles[n].radius_mm && speed.voxels[v] > 0);
+    });
+    if (!any)
+      throw Error(ExitCode::quality, "", "bubbles",
+                  fmt::format("ball {} ({}) lies wholly outside the structure: the speed is positive nowhere in it",
+                              n + 1, described(bubbles[n])));
+  }
+}
+
+}  // namespace trephine

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "segmentation/bubbles.h"
+#include "segmentation/snake.h"
+#include "segmentation/snake_band.h"
+
+namespace trephine {
+namespace {
+
+/// The mask as a distance in mm near its surface, on the lattice.
+Grid<float> near_distance(const Field& mask, const char* name, const Lattice& lattice) {
+  for (const float f : mask.voxels)
+    if (!std::isfinite(f)) throw Error(ExitCode::bad_input, "", name, "a voxel is not finite");
+  Grid<float> d = with_field(name, [&] { return fit(mask, lattice, -1.f); });
+  segmentation::BandParams none;
+  none.max_iterations_count = 0;
+  segmentation::evolve_band(d, d, none, {});
+  return d;
+}
+
+/// Calls f(index into field, distance) for every voxel; positive where the mask allows.
+template <class F>
+void for_allowed(const Field& field, const SnakeMasks& masks, F&& f) {
+  const auto each = [&](const Field* mask, const char* name, float sign) {
+    if (!mask) return;
+    const Grid<float> d = near_distance(*mask, name, field);
+    parallel_for(0, std::int64_t(field.count()), 1 << 16, [&](std::int64_t from, std::int64_t to) {
+      for (std::int64_t v = from; v < to; ++v) f(std::size_t(v), sign * d.voxels[v]);
+    });
+  };
+  each(masks.within, "within", 1);
+  each(masks.without, "without", -1);
+}
+
+Field begin(const Field& speed, const SnakeMasks& masks, const SnakeParams& p, Report& report,
+            const Progress& progress) {
+  const int ways = int(masks.start != nullptr) + int(!p.bubbles.empty()) + int(p.bubbles_count > 0);
+  if (ways != 1)
+    throw Error(ExitCode::usage, "", "start, bubbles, bubbles_count",
+                fmt::format("{} of them given, must be one: what the surface begins with", ways));
+  if (masks.start) return *masks.start;
+  const bool given = !p.bubbles.empty();
+  const std::vector<Bubble> bubbles =
+      given ? parse_bubbles(p.bubbles) : place_bubbles(speed, p.bubbles_count, p.bubble_min_radius_mm, progress);
+  Field field = bubble_field(bubbles, speed);
+  if (given && p.propagation > 0) check_bubbles(bubbles, speed);
+  report.add("bubbles_count", bubbles.size());
+  report.add("bubble_max_radius_mm", [&] {
+    double most = 0;
+    for (const Bubble& b : bubbles) most = std::max(most, b.radius_mm);
+    return most;
+  }());
+  return field;
+}
+
+}  // namespace
+
+Field snake(const Field& speed, const SnakeMasks& masks, const SnakeParams& params, Report& report,
+            const Progress& progress) {
+  if (!masks.within && !masks.without)
+    return evolve_snake(speed, begin(speed, masks, params, report, progress.part(0, 0.1)), params, report,
+                        progress.part(0.1, 1));
+
+  Field held = speed;
+  for_allowed(speed, masks, [&](std::size_t v, float depth) {
+    if (!(depth > 0)) held.voxels[v] = std::min(held.voxels[v], -1.f);
+  });
+  const Field start = begin(held, masks, params, report, progress.part(0, 0.1));
+  Report evolved;
+  Field field = evolve_snake(held, start, params, evolved, progress.part(0.1, 0.95));
+  for_allowed(field, masks, [&](std::size_t v, float depth) { field.voxels[v] = std::min(field.voxels[v], depth); });
+
+  std::size_t inside = 0;
+  Box box{field.size, {0, 0, 0}};
+  for (int k = 0; k < field.size[2]; ++k)
+    for (int j = 0; j < field.size[1]; ++j)
+      for (int i = 0; i < field.size[0]; ++i) {
+        if (!(field.at(i, j, k) > 0)) continue;
+        const int at[3] = {i, j, k};
+        for (int a = 0; a < 3; ++a) {
+          box.begin[a] = std::min(box.begin[a], at[a]);
+          box.end[a] = std::max(box.end[a], at[a] + 1);
+        }
+        ++inside;
+      }
+  for (auto& [name, value] : evolved.figures) {
+    if (name == "volume_ml") value = double(inside) * speed.voxel_volume_mm3() / 1000;
+    report.figures.emplace_back(name, value);
+  }
+  for (const std::string& w : evolved.warnings) report.warn(w);
+  if (inside == 0)
+    throw Error(ExitCode::quality, "", "within, without", "nothing of the surface lies where they allow");
+  return crop(field, grown(box, 2, field));
+}
+
+}  // namespace trephine
