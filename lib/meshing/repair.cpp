@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/repair.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "meshing/repair_child.h"
+#include "meshing/repair_soup.h"
+#include "meshing/repair_winding.h"
+#include "meshing/validity.h"
+#include "surface/point_to_mesh.h"
+
+namespace trephine {
+namespace {
+
+constexpr int rounds = 3;
+constexpr double max_changed_ratio = 0.05;
+
+struct Repaired {
+  TriMesh mesh;
+  SoupCounts soup;
+  Mended mended;
+  double voxel_mm = 0;
+};
+
+void add(SoupCounts& to, const SoupCounts& more) {
+  to.merged += more.merged;
+  to.sideless += more.sideless;
+  to.duplicates += more.duplicates;
+  to.fins += more.fins;
+  to.sheets += more.sheets;
+  to.flipped += more.flipped;
+  to.split += more.split;
+}
+
+/// What the triangles' points and middles say of how far the mesh reaches from the surface.
+double reach_mm(const TriMesh& mesh, const PointToMesh& surface, const Progress& progress) {
+  std::vector<Vec3> points;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 a = mesh.points_mm[t[0]], b = mesh.points_mm[t[1]], c = mesh.points_mm[t[2]];
+    for (const Vec3 p : {a, b, c, (a + b + c) / 3}) points.push_back(mesh.origin_mm + p);
+  }
+  return surface.largest_distance_mm(points, 0, progress);
+}
+
+/// A Halton sequence's number: as even as the raster, but meets no facet.
+double halton(std::uint32_t i, std::uint32_t base) {
+  double f = 1, r = 0;
+  for (++i; i > 0; i /= base) r += (f /= base) * (i % base);
+  return r;
+}
+
+/// The share of the space within the soup (winding number above 1/2) or the mesh that lies within only one of them.
+double changed_ratio(const TriMesh& soup, const TriMesh& mesh) {
+  const Bounds b = bounds_of(soup);
+  const WindingNumber before(soup), after(mesh);
+  constexpr int count = 20000;
+  std::vector<char> in(count, 0);
+  parallel_for(0, count, 500, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t i = from; i < to; ++i) {
+      const Vec3 s = b.max_mm - b.min_mm;
+      const auto n = static_cast<std::uint32_t>(i);
+      const Vec3 p = b.min_mm + Vec3{s.x * halton(n, 2), s.y * halton(n, 3), s.z * halton(n, 5)};
+      in[i] = static_cast<char>((before.at(p - soup.origin_mm) > 0.5) + 2 * (after.at(p - mesh.origin_mm) > 0.5));
+    }
+  });
+  const auto any = count - std::count(in.begin(), in.end(), 0), both = std::count(in.begin(), in.end(), 3);
+  return any > 0 ? double(any - both) / double(any) : 0;
+}
+
+/// In place; false where no valid surface came of it. `cleaned` receives the soup as an oriented manifold with borders.
+bool mend_in_place(const TriMesh& input, const RepairParams& params, Repaired& r, TriMesh& cleaned,
+                   const Progress& progress) {
+  TriMesh mesh = input;
+  double flattest = 8 * float32_step_mm(mesh);
+  for (int round = 0; round < rounds; ++round, flattest *= 4) {
+    SoupCounts counts;
+    clean_soup(mesh, params.merge_mm, counts, progress.part(0, 0.2));
+    add(r.soup, counts);
+    if (round == 0) cleaned = mesh;
+    if (mesh.triangles.empty()) return false;
+    Mended m = mend(mesh, flattest, params.time_limit_s, progress.part(0.2, 0.9));
+    m.holes += r.mended.holes;
+    m.degenerate += r.mended.degenerate;
+    if (round > 0) m.self_intersections = r.mended.self_intersections;
+    m.united += r.mended.united;
+    r.mended = std::move(m);
+    if (!r.mended.fault.empty()) return false;
+    mesh = r.mended.mesh;
+    snap_to_float32(mesh);
+    if (check_validity(mesh, progress.part(0.9, 1)).valid()) {
+      // What crossed itself at large is cut into other pieces than it encloses.
+      if (r.mended.self_intersections > 0 && changed_ratio(cleaned, mesh) > max_changed_ratio) {
+        r.mended.fault = "it passes through itself";
+        return false;
+      }
+      r.mesh = std::move(mesh);
+      return true;
+    }
+  }
+  r.mended.fault = "it crosses itself still";
+  return false;
+}
+
+}  // namespace
+
+TriMesh repair(const TriMesh& input, const RepairParams& params, Report& report, const Progress& progress) {
+  check_mesh(input);
+  if (input.triangles.empty()) throw Error(ExitCode::bad_input, "", "repair", "the mesh has no triangles");
+  Repaired r;
+  r.mesh = input;
+  r.mesh.normals.clear();
+  centre_origin(r.mesh);
+  snap_to_float32(r.mesh);
+  drop_unused_points(r.mesh);
+  const TriMesh before = r.mesh;
+  const char* method = "none";
+  if (!check_validity(r.mesh, progress.part(0, 0.1)).valid()) {
+    TriMesh cleaned;
+    method = "mended";
+    if (!mend_in_place(before, params, r, cleaned, progress.part(0.1, 0.5))) {
+      if (params.recontour_voxels_count == 0 || cleaned.triangles.empty())
+        throw Error(ExitCode::quality, "", "repair",
+                    cleaned.triangles.empty() ? "the triangles enclose nothing" : r.mended.fault);
+      method = "recontoured";
+      r.mesh = with_field("repair: last resort", [&] {
+        return recontour(cleaned, static_cast<int>(params.recontour_voxels_count), r.voxel_mm, progress.part(0.5, 0.9));
+      });
+      report.warn("not repaired in place (" + r.mended.fault +
+                  "): a new surface through voxels; see to_input_max_mm and from_input_max_mm");
+    }
+  }
+  const int dropped = params.min_component_mm3 > 0 ? keep_large_components(r.mesh, params.min_component_mm3) : 0;
+  const Validity v = check_validity(r.mesh, progress.part(0.9, 0.95));
+  if (!v.valid()) throw Error(ExitCode::quality, "", "repair", v.text());
+
+  report.add("method", method);
+  report.add("triangles_count", r.mesh.triangles.size());
+  report.add("points_merged_count", r.soup.merged);
+  report.add("triangles_dropped_count", r.soup.sideless);
+  report.add("duplicates_dropped_count", r.soup.duplicates);
+  report.add("fins_dropped_count", r.soup.fins);
+  report.add("sheets_dropped_count", r.soup.sheets);
+  report.add("flipped_count", r.soup.flipped);
+  report.add("points_split_count", r.soup.split);
+  report.add("holes_filled_count", r.mended.holes);
+  report.add("degenerate_removed_count", r.mended.degenerate);
+  report.add("self_intersections_found_count", r.mended.self_intersections);
+  report.add("united_count", r.mended.united);
+  report.add("components_dropped_count", dropped);
+  report.add("voxel_mm", r.voxel_mm);
+  report.add("volume_ml", v.volume_mm3 / 1000);
+  report.add("to_input_max_mm", reach_mm(r.mesh, PointToMesh(before), progress));
+  report.add("from_input_max_mm", reach_mm(before, PointToMesh(r.mesh), progress));
+  progress.report(1);
+  return std::move(r.mesh);
+}
+
+}  // namespace trephine
