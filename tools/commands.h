@@ -8,6 +8,9 @@ namespace trephine {
 Command phantom_command();
 Command import_command();
 Command segment_command();
+Command canal_command();
+Command clavicle_command();
+Command vein_command();
 Command contour_command();
 Command decimate_command();
 Command smooth_command();

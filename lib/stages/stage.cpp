@@ -30,7 +30,8 @@ const Port* StageType::find_port(const std::string& port) const {
 }
 
 const std::vector<StageType>& stage_types() {
-  static const std::vector<StageType> types = {segment_stage(), contour_stage(), decimate_stage(),
+  static const std::vector<StageType> types = {segment_stage(), canal_stage(),   clavicle_stage(),
+                                               vein_stage(),    contour_stage(), decimate_stage(),
                                                smooth_stage(),  normals_stage(), measure_stage()};
   return types;
 }

@@ -82,6 +82,9 @@ const std::vector<StageType>& stage_types();
 const StageType* find_stage(const std::string& name);
 
 StageType segment_stage();
+StageType canal_stage();
+StageType clavicle_stage();
+StageType vein_stage();
 StageType contour_stage();
 StageType decimate_stage();
 StageType smooth_stage();

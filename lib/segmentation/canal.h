@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+
+namespace trephine {
+
+struct CanalParams {
+  double max_radius_mm = 18;
+  double min_enclosure_ratio = 0.5;
+  double min_length_mm = 30;
+  double min_walled_ratio = 0.35;
+  double gap_mm = 0;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = CanalParams;
+    v.number(&P::max_radius_mm, "max_radius_mm", Range{5, 40},
+             "Bone farther than this from the middle of the canal is no wall of it.");
+    v.number(&P::min_enclosure_ratio, "min_enclosure_ratio", Range{0.2, 0.9},
+             "The canal goes on as long as bone stands around it, in the slice, in more than this share of directions; "
+             "where it is less for a few slices (discs) what is above and below counts.");
+    v.number(&P::min_length_mm, "min_length_mm", Range{5, 1000}, "A shorter canal is refused.");
+    v.number(&P::min_walled_ratio, "min_walled_ratio", Range{0, 1},
+             "A canal less of whose wall than this is bone is refused: the rest is interpolated.");
+    v.number(&P::gap_mm, "gap_mm", Range{0, 5}, "The canal stays so far from bone.");
+  }
+};
+
+/// The spinal canal: the space that the vertebrae's arches enclose, for a spine in axial slices whose canal leans by
+/// less than about 55 degrees from their normal. `bone` is the filled bone (positive inside) on the volume's raster,
+/// maybe a part of it. Returns a field in mm, positive inside, on a part of that raster, as segment() does.
+///
+/// - Its course is the tube through the bone that is best enclosed: the chain of points, one a slice on a raster of
+///   about 1.5 mm, with the largest sum of enclosure beyond min_enclosure_ratio (dynamic programming). Ends are free.
+/// - Its wall is, in each slice and direction from the course, the bone's own surface. Where bone is missing (foramina,
+///   discs, between the arches) or the ray escapes (hits far behind what its neighbours say), the wall is the smoothest
+///   one through the bone around the gap (a membrane over angle and length).
+///
+/// What it is not: the dural sac (epidural fat belongs to the canal), and no disc that bulges into it is seen, for
+/// discs are no bone. Cross-sections must be star-shaped about their middle. The longest such tube wins: one canal a
+/// scan.
+///
+/// Report: length_mm, volume_ml, area_median_mm2, area_least_mm2 and its position area_least_z_mm (of slices half of
+/// whose wall is bone; 0 where none), walled_ratio, tissue_hu. Warns where area or content are not those of a canal.
+/// The same bits whatever the thread count. Throws Error 65 where a raster differs; 80 where the bone is empty, no such
+/// space is found, or it is shorter or less walled than asked; Cancelled.
+Field find_canal(const HuVolume& volume, const Field& bone, const CanalParams& params, Report& report,
+                 const Progress& progress = {});
+
+}  // namespace trephine
