@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// Rays and lengths over the surface of a field, without making a mesh of it.
+#include <optional>
+#include <vector>
+
+#include "grid/grid.h"
+
+namespace trephine::segmentation {
+
+/// A field in world mm: trilinear between voxels, -1 beyond its lattice. Keeps references to both.
+class FieldView {
+ public:
+  /// `volume`: the scan, of which the field covers a part.
+  FieldView(const Field& field, const Lattice& volume);
+  double operator()(Vec3 world_mm) const { return at_index(field_.to_index(world_mm)); }
+  const Field& field() const { return field_; }
+  const Lattice& volume() const { return volume_; }
+
+  /// Where a ray (unit direction) first enters the shape after having been outside, to 1e-3 mm; steps of `step_mm` may
+  /// leap over what is thinner.
+  std::optional<Vec3> enter(Vec3 from_mm, Vec3 direction, double length_mm, double step_mm = 0.7) const;
+
+  /// How far inside the scanned volume a point lies, from the nearest face of the block of voxel centres; negative
+  /// outside.
+  double depth_in_scan_mm(Vec3 world_mm) const;
+
+ private:
+  double at_index(Vec3 ijk) const;
+  const Field& field_;
+  const Lattice& volume_;
+};
+
+/// A sweep in a plane: rays from the centre, turning from `from` (unit) towards `onwards` (unit, perpendicular to it).
+struct Sweep {
+  Vec3 centre_mm, from, onwards;
+  double before_deg = 5, after_deg = 175;  ///< how far to sweep on either side of `from`
+  double reach_mm = 220;                   ///< nothing farther out is seen
+};
+
+/// The outermost point of the surface on each ray of the sweep, every 0.1 degrees; rays that meet nothing are left out.
+/// `start` is the number of the first point at or after `from`. The same rule as boolean/outer_curve.h has for a mesh.
+struct Outline {
+  std::vector<Vec3> points_mm;
+  std::size_t start = 0;
+};
+Outline outline(const FieldView& view, const Sweep& sweep);
+
+/// The point `length_mm` along the outline from its start, measured as with dividers set to 2 mm, so that noise of the
+/// surface does not lengthen it. None where the outline ends before.
+std::optional<Vec3> point_along(const Outline& curve, double length_mm);
+
+/// The outline again with points every `step_mm` of its length, smoothed by a Gaussian along it; its ends keep theirs.
+std::vector<Vec3> evenly_spaced(const std::vector<Vec3>& points_mm, double step_mm, double sigma_mm);
+
+}  // namespace trephine::segmentation
