@@ -7,7 +7,11 @@ namespace trephine {
 /// The program's commands, one a file in this folder.
 Command phantom_command();
 Command import_command();
+Command deface_command();
 Command segment_command();
+Command presegment_command();
+Command snake_command();
+Command landmarks_command();
 Command canal_command();
 Command clavicle_command();
 Command vein_command();
@@ -15,6 +19,8 @@ Command contour_command();
 Command decimate_command();
 Command smooth_command();
 Command normals_command();
+Command repair_command();
+Command simplify_command();
 Command measure_command();
 Command run_command();
 Command export_command();

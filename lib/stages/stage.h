@@ -82,6 +82,10 @@ const std::vector<StageType>& stage_types();
 const StageType* find_stage(const std::string& name);
 
 StageType segment_stage();
+StageType presegment_stage();
+StageType snake_stage();
+/// `given`: landmarks that a person placed; they win over what is found.
+StageType landmarks_stage(std::vector<CaseLandmark> given = {});
 StageType canal_stage();
 StageType clavicle_stage();
 StageType vein_stage();
@@ -89,6 +93,10 @@ StageType contour_stage();
 StageType decimate_stage();
 StageType smooth_stage();
 StageType normals_stage();
+StageType repair_stage();
+StageType simplify_stage();
 StageType measure_stage();
+/// Serves the whole case: between the import and all anatomies, where a scene says `face: {policy: deface}` or crop.
+StageType deface_stage();
 
 }  // namespace trephine

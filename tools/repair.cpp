@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/repair.h"
+#include "base/error.h"
+#include "commands.h"
+#include "meshio/read_mesh.h"
+#include "stage_command.h"
+#include "stages/data_files.h"
+
+namespace trephine {
+
+Command repair_command() {
+  const StageType stage = repair_stage();
+  Command c;
+  c.name = stage.name;
+  c.summary = stage.summary;
+  c.description = stage.description;
+  c.examples = {"trephine repair model.stl --output model.vtp",
+                "trephine repair model.obj --recontour-voxels-count 0 --output model.vtp"};
+  Argument input, output;
+  input.name = "surface";
+  input.help = "Triangles of any kind (.vtp, .stl, .ply, .obj, .vtk, .glb).";
+  input.positional = input.required = true;
+  output.name = "output";
+  output.kind = Argument::Kind::out_file;
+  output.help = "Where the surface goes (.vtp).";
+  output.required = true;
+  c.arguments = {input, output, report_argument()};
+  c.groups = {{"Parameters", stage.make_params}};
+  c.run = [stage](const ParsedCommand& parsed) {
+    const std::filesystem::path to = parsed.path("output");
+    if (to.extension() != ".vtp") throw Error(ExitCode::usage, to.string(), "output", "must end in .vtp");
+    run_with_report(parsed, [&](const Progress& progress) {
+      Report read, report;
+      StageInputs inputs;
+      inputs.by_port["surface"] =
+          std::make_shared<const TriMesh>(read_mesh_file(parsed.path("surface"), read, {}, progress.part(0, 0.2)));
+      if (const auto* merged = read.find("points_merged")) report.figures.emplace_back("read_merged_count", *merged);
+      if (const auto* dropped = read.find("triangles_dropped"))
+        report.figures.emplace_back("read_dropped_count", *dropped);
+      save_data(to, with_file(parsed.path("surface").string(),
+                              [&] { return stage.run(parsed.groups[0], inputs, report, progress.part(0.2, 1)); }));
+      return report;
+    });
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+}  // namespace trephine
