@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "meshing/feature_smooth.h"
 #include "meshing/normals.h"
 #include "meshing/validity.h"
 #include "surface/incidence.h"
@@ -83,6 +84,29 @@ std::vector<Vec3> low_pass(const TriMesh& mesh, const SmoothParams& params, cons
   return sum;
 }
 
+std::vector<Vec3> neighbour_means(const TriMesh& mesh, std::int64_t iterations, const Progress& progress) {
+  const Neighbours neighbours(mesh, Incidence(mesh));
+  std::vector<Vec3> now = mesh.points_mm, next(now.size());
+  for (std::int64_t n = 0; n < iterations; ++n) {
+    progress.report(double(n) / double(iterations));
+    half_step(neighbours, now, next);
+    now.swap(next);
+  }
+  return now;
+}
+
+std::vector<Vec3> filtered(const TriMesh& mesh, const SmoothParams& params, const Progress& progress) {
+  switch (params.method) {
+    case SmoothMethod::laplacian:
+      return neighbour_means(mesh, params.iterations_count, progress);
+    case SmoothMethod::feature:
+      return fit_to_filtered_normals(mesh, params.iterations_count, params.feature_angle_deg, progress);
+    case SmoothMethod::windowed_sinc:
+      break;
+  }
+  return low_pass(mesh, params, progress);
+}
+
 /// Points of the faulty triangles go back to where they were, with `rings` rings around them.
 void take_back(TriMesh& mesh, const TriMesh& original, std::vector<char>& held,
                const std::vector<std::uint32_t>& triangles, int rings) {
@@ -141,14 +165,25 @@ TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report,
   with_field("smooth: input", [&] { require_valid(original, progress.part(0, 0.2)); });
   TriMesh mesh = original;
   const double volume = volume_mm3(original);
+  double strength = 1;
   std::vector<char> held(mesh.points_mm.size(), 0);
   if (params.iterations_count > 0 && params.max_displacement_mm > 0) {
-    const std::vector<Vec3> target = low_pass(original, params, progress.part(0.2, 0.6));
-    move_points(mesh, original, target, volume, params.max_displacement_mm);
-    for (int round = 0;; ++round) {
-      const auto faults = faulty_triangles(mesh, progress.part(0.6, 0.9));
-      if (faults.empty()) break;
-      take_back(mesh, original, held, faults, std::min(round, 1000));
+    std::vector<Vec3> target = filtered(original, params, progress.part(0.2, 0.6));
+    for (;;) {
+      move_points(mesh, original, target, volume, params.max_displacement_mm);
+      std::fill(held.begin(), held.end(), 0);
+      for (int round = 0;; ++round) {
+        const auto faults = faulty_triangles(mesh, progress.part(0.6, 0.9));
+        if (faults.empty()) break;
+        take_back(mesh, original, held, faults, std::min(round, 1000));
+      }
+      if (!(100 * std::abs(volume_mm3(mesh) / volume - 1) > params.max_volume_change_percent)) break;
+      strength = strength > 0.01 ? strength / 2 : 0;
+      if (strength == 0) {
+        mesh = original;
+        break;
+      }
+      for (std::size_t i = 0; i < target.size(); ++i) target[i] = (target[i] + original.points_mm[i]) / 2;
     }
   }
   const Validity v = check_validity(mesh, progress.part(0.9, 1));
@@ -163,6 +198,7 @@ TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report,
   report.add("triangles_count", mesh.triangles.size());
   report.add("displacement_max_mm", largest);
   report.add("displacement_rms_mm", mesh.points_mm.empty() ? 0 : std::sqrt(squares / mesh.points_mm.size()));
+  report.add("strength_ratio", strength);
   report.add("volume_ml", v.volume_mm3 / 1000);
   report.add("volume_change_percent", 100 * (v.volume_mm3 / volume - 1));
   report.add("points_held_back_count", static_cast<std::int64_t>(std::count(held.begin(), held.end(), 1)));

@@ -9,27 +9,44 @@
 
 namespace trephine {
 
+enum class SmoothMethod { windowed_sinc, laplacian, feature };
+
 struct SmoothParams {
+  SmoothMethod method = SmoothMethod::windowed_sinc;
   std::int64_t iterations_count = 10;
   double pass_band_ratio = 1.0;
+  double feature_angle_deg = 30;
   double max_displacement_mm = 0.1;
+  double max_volume_change_percent = 0.5;
   template <class V>
   static void describe(V& v) {
     using P = SmoothParams;
+    v.choice(&P::method, "method",
+             {{"windowed_sinc", SmoothMethod::windowed_sinc},
+              {"laplacian", SmoothMethod::laplacian},
+              {"feature", SmoothMethod::feature}},
+             "Low-pass filter; mean of the neighbours; or filtered normals, which keep sharp edges.");
     v.integer(&P::iterations_count, "iterations_count", Range{0, 100000},
-              "Degree of the filter; 0 leaves the mesh as it is.");
+              "Degree of the filter, or how often it is applied; 0 leaves the mesh as it is.");
     v.number(&P::pass_band_ratio, "pass_band_ratio", Range{1e-4, 2},
-             "Highest frequency of the mesh that passes: 2 passes all; 1 takes the unevenness of a decimated surface "
+             "windowed_sinc: highest frequency of the mesh that passes: 2 passes all; 1 takes the unevenness of a "
+             "decimated surface "
              "away, 0.1 smooths a dense one visibly.");
+    v.number(&P::feature_angle_deg, "feature_angle_deg", Range{1, 180}, "feature: edges sharper than about this stay.");
     v.number(&P::max_displacement_mm, "max_displacement_mm", Range{0, 1e6}, "No point moves further than this.");
+    v.number(&P::max_volume_change_percent, "max_volume_change_percent", Range{0, 100},
+             "Where the volume would change by more, all points move less.");
   }
 };
 
-/// Low-pass filter of the points (windowed sinc; Taubin, Zhang, Golub 1996), of which each takes the part along its
-/// normal, with an even offset that gives back the volume, cut off at max_displacement_mm. The triangles stay as they
-/// are; normals are dropped. Where the result would intersect itself or hold a degenerate triangle, the points around
-/// it go back to where they were, and are counted. Reported: the largest and RMS displacement, the change of volume in
-/// percent, and the points held back.
+/// Smoothing by one of three filters: a low-pass of the points (windowed sinc; Taubin, Zhang, Golub 1996), half-steps
+/// towards the mean of the neighbours (Laplacian), or points fitted to filtered normals (feature_smooth.h). Of the
+/// movement each point takes the part along its normal, with an even offset that gives back the volume, cut off at
+/// max_displacement_mm. Where the volume changes by more than max_volume_change_percent all the same, the movement is
+/// halved until it does not. The triangles stay as they are; normals are dropped. Where the result would intersect
+/// itself or hold a degenerate triangle, the points around it go back to where they were, and are counted. Reported:
+/// the largest and RMS displacement, the share of the movement that was taken, the change of volume in percent, and
+/// the points held back.
 ///
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed and
 /// 2-manifold, or intersects itself already.

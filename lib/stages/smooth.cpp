@@ -8,12 +8,11 @@ namespace trephine {
 StageType smooth_stage() {
   StageType s;
   s.name = "smooth";
-  s.version = 1;
+  s.version = 2;
   s.summary = "smooths a surface within a bound in mm";
   s.description =
-      "Windowed sinc smoothing in which no point moves farther than the bound; where it would make the surface "
-      "intersect "
-      "itself the points stay. The change of volume is reported.";
+      "Windowed sinc, Laplacian or feature-keeping smoothing in which no point moves farther than the bound and the "
+      "volume stays; where it would make the surface intersect itself the points stay.";
   s.ports = {{"surface", DataKind::mesh, true, "closed surface"}};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<SmoothParams>(); };
