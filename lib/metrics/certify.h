@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <algorithm>
+
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "surface/trimesh.h"
+
+namespace trephine {
+
+struct CertifyParams {
+  bool certify = false;
+  double certify_tolerance_mm = 0.005;
+  template <class V>
+  static void describe(V& v) {
+    using P = CertifyParams;
+    v.flag(&P::certify, "certify", "With --reference: prove the largest two-sided distance, also between samples.");
+    v.number(&P::certify_tolerance_mm, "certify_tolerance_mm", Range{1e-6, 10},
+             "With --certify: how far the proven bound may lie above a distance that was found.");
+  }
+};
+
+/// The Hausdorff distance lies in [lower_mm, upper_mm].
+struct CertifiedDistance {
+  double lower_mm = 0;  ///< of a point that was looked at
+  double upper_mm = 0;  ///< no point lies further off
+  Vec3 at_mm;           ///< world, the point of lower_mm
+};
+
+struct CertifiedDeviation {
+  CertifiedDistance mesh_to_reference, reference_to_mesh;
+  double lower_mm() const { return std::max(mesh_to_reference.lower_mm, reference_to_mesh.lower_mm); }
+  double upper_mm() const { return std::max(mesh_to_reference.upper_mm, reference_to_mesh.upper_mm); }
+};
+
+/// An upper bound of the distance of every point of either surface to the other, not of samples. A triangle's distance
+/// to the surface is at most that to one triangle of it, which is convex, so largest at a corner; where that is not
+/// good enough the triangle is cut in four (as Guthe, Borodin, Klein 2005). Ends at upper - lower <= tolerance_mm but
+/// where a triangle would need more than 200,000 pieces: there the bound is the larger one. Rounding is on the safe
+/// side (1e-9 of the surfaces' size is added). In-process and bounded; the same bits whatever the thread count.
+/// Throws 65 as check_mesh does, and for a surface without triangles.
+CertifiedDeviation certify_deviation(const TriMesh& mesh, const TriMesh& reference, double tolerance_mm,
+                                     const Progress& progress = {});
+
+/// Adds certified_max_mm (the upper bound), certified_lower_mm, certified_to_reference_mm, certified_from_reference_mm
+/// and certified_at_{x,y,z}_mm.
+void add_certified(Report& report, const CertifiedDeviation& deviation);
+
+}  // namespace trephine
