@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "cases/landmarks.h"
+#include "grid/grid.h"
+
+namespace trephine {
+
+/// Where a head shows its face: in front of the plane through both tragi, and below the level 10 mm under the nasion,
+/// in the head's own axes, however it lies in the scanner. `left` runs from tragus to tragus; seen from the side, the
+/// line from the middle between the tragi to the nasion ascends by 20 degrees against `front` (level is then the
+/// Frankfurt plane to about 10 degrees); `up` is square to both. The plane through the tragi holds `left` and `up`.
+struct FaceRegion {
+  Vec3 nasion_mm, tragi_mm;  ///< tragi_mm: the middle between the two
+  Vec3 top_mm;               ///< 10 mm under the nasion
+  Vec3 left{1, 0, 0}, front{0, -1, 0}, up{0, 0, 1};
+
+  double in_front_mm(Vec3 p) const { return dot(p - tragi_mm, front); }  ///< of the plane through the tragi
+  double below_mm(Vec3 p) const { return dot(top_mm - p, up); }          ///< the level
+  bool contains(Vec3 p) const { return in_front_mm(p) > 0 && below_mm(p) > 0; }
+};
+
+/// Throws Error 81 naming the landmark, and how to give it, where nasion, tragus_left or tragus_right is missing or its
+/// confidence is below `least_confidence`, or where the three cannot be those of a head (left and right swapped,
+/// distances of no head, upside down).
+FaceRegion face_region(const HeadLandmarks& landmarks, double least_confidence = 0.5);
+
+/// The clearance that acceptance P4 asks for.
+constexpr double face_clearance_mm = 5;
+
+enum class FaceRemoval { deface, crop };
+
+struct DefaceParams {
+  FaceRemoval policy = FaceRemoval::deface;
+  double depth_mm = 12, side_depth_mm = 7;
+  double rounding_mm = 15;
+  double above_mm = 10, behind_mm = 4;
+  double cover_mm = 3;
+  double crop_under_tragi_mm = 15;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = DefaceParams;
+    v.choice(
+        &P::policy, "policy", {{"deface", FaceRemoval::deface}, {"crop", FaceRemoval::crop}},
+        "deface: what lies near the skin of the face; crop: that, and all of the face's depth under the base of the "
+        "skull.");
+    v.number(&P::depth_mm, "depth_mm", Range{6, 40},
+             "So much under the skin is removed, 40 mm in front of the tragi on.");
+    v.number(&P::side_depth_mm, "side_depth_mm", Range{6, 40},
+             "The same beside the tragi, where the skull is near; at least 5.9 mm and the voxels' longest side.");
+    v.number(&P::rounding_mm, "rounding_mm", Range{0, 30},
+             "What is left has no bump narrower than twice this: nothing of nose, lips or chin can be grown back.");
+    v.number(&P::above_mm, "above_mm", Range{2, 25},
+             "Removal begins so much above the level 10 mm under the nasion: 10 is the nasion's, and takes the eyes.");
+    v.number(&P::behind_mm, "behind_mm", Range{2, 25}, "Removal begins so much behind the plane through the tragi.");
+    v.number(&P::cover_mm, "cover_mm", Range{0, 10},
+             "Bone and air that would lie open in the cut become soft tissue to this depth (none beside the tragi).");
+    v.number(&P::crop_under_tragi_mm, "crop_under_tragi_mm", Range{0, 80},
+             "crop: the cut runs from 10 mm under the nasion to so much under the tragi, below the base of the skull.");
+  }
+};
+
+/// Takes the face off a head: the volume with air (-1000 HU) in its place, before anything is contoured. In the region
+/// grown by `above_mm` and `behind_mm` all that lies outside the skin, or less than the depth under it, becomes air;
+/// what is left is rounded, ends in a ramp of a voxel and a half, so that a surface through it is smooth, and is
+/// covered by soft tissue. All else keeps its values to the last bit: cranium, brain, ears, and the field of an
+/// operation from the nasion upwards.
+///
+/// `skin` is that of the original volume (positive inside, cavities filled), on its raster, maybe a part of it. The
+/// report: face_policy, face_removed_ml (of the body), face_removed_voxels_count, face_depth_mm (the least depth under
+/// the skin, within the region, of what is left; -1 where nothing is). Warns where the volume holds no face.
+///
+/// The shape of the bones underneath stays, but where `crop` takes them; ears, forehead and the back of the head too.
+/// The same bits whatever the thread count. Throws 65 where the skin is of another raster; 81 where a landmark of the
+/// region lies in the volume but more than 25 mm off the skin (it cannot be one); Cancelled.
+HuVolume deface(const HuVolume& volume, const Field& skin, const FaceRegion& region, const DefaceParams& params,
+                Report& report, const Progress& progress = {});
+
+}  // namespace trephine
