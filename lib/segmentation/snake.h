@@ -40,8 +40,8 @@ struct SnakeParams {
              "geodesic: weight of the pull towards edges, in mm (2 as in ITK-SNAP); else not used.");
     v.integer(&P::max_iterations_count, "max_iterations_count", Range{0, 10000}, "Iterations at each resolution.");
     v.number(&P::min_change_mm, "min_change_mm", Range{0, 1},
-             "Converged where the surface moves by less than this an iteration, root mean square, three times in a "
-             "row; 0 does not ask.");
+             "Converged where the surface gets no farther than this an iteration, on the mean over it and over ten "
+             "iterations; 0 does not ask.");
     v.integer(&P::coarse_levels_count, "coarse_levels_count", Range{0, 4},
               "So many coarser resolutions are evolved first, each of half as many voxels along the finer axes.");
     v.number(&P::min_mean_speed, "min_mean_speed", Range{-1, 1},

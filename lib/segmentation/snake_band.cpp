@@ -12,6 +12,8 @@
 namespace trephine::segmentation {
 namespace {
 
+/// Iterations over which the motion is taken: what flickers to and fro is none.
+constexpr int look_every = 10;
 constexpr float unknown = std::numeric_limits<float>::infinity();
 
 /// For each voxel of a word: is the neighbour in that direction in the mask?
@@ -30,6 +32,17 @@ Around around(const BitMask& m, int w, int j, int k) {
            word(j - 1, k), word(j + 1, k), word(j, k - 1), word(j, k + 1)}};
 }
 
+/// The same for the voxel beyond that neighbour.
+Around beyond(const BitMask& m, int w, int j, int k) {
+  const Lattice& l = m.lattice();
+  const std::uint64_t* row = m.row(j, k);
+  const auto word = [&](int jj, int kk) {
+    return jj >= 0 && kk >= 0 && jj < l.size[1] && kk < l.size[2] ? m.row(jj, kk)[w] : 0;
+  };
+  return {{row[w] << 2 | (w > 0 ? row[w - 1] >> 62 : 0), row[w] >> 2 | (w + 1 < m.words() ? row[w + 1] << 62 : 0),
+           word(j - 2, k), word(j + 2, k), word(j, k - 2), word(j, k + 2)}};
+}
+
 template <class F>
 void for_bits(std::uint64_t bits, int w, F&& f) {
   for (; bits; bits &= bits - 1) {
@@ -38,32 +51,36 @@ void for_bits(std::uint64_t bits, int w, F&& f) {
   }
 }
 
-/// The distance u that solves sum((u - a)^2 / h^2) = 1 over the axes whose neighbour `a` is known and nearer.
-float eikonal(float a, float b, float c, float ha, float hb, float hc) {
-  const auto order = [](float& p, float& q, float& hp, float& hq) {
-    if (q < p) {
-      std::swap(p, q);
-      std::swap(hp, hq);
+/// The distance u that solves sum(w (u - a)^2) = 1, w being 1 / h^2, over the axes whose neighbour `a` is known and
+/// nearer than u.
+float eikonal(const float a[3], const float w[3]) {
+  bool use[3] = {a[0] < unknown, a[1] < unknown, a[2] < unknown};
+  const float least = std::min(a[0], std::min(a[1], a[2]));
+  for (;;) {
+    float sum = 0, first = 0, second = 0, most = -unknown;
+    int farthest = 0, n = 0;
+    for (int k = 0; k < 3; ++k) {
+      if (!use[k]) continue;
+      const float d = a[k] - least;  // against cancellation
+      sum += w[k];
+      first += w[k] * d;
+      second += w[k] * d * d;
+      ++n;
+      if (d > most) {
+        most = d;
+        farthest = k;
+      }
     }
-  };
-  order(a, b, ha, hb);
-  order(b, c, hb, hc);
-  order(a, b, ha, hb);
-  float u = a + ha;
-  if (u <= b) return u;
-  const float wa = 1 / (ha * ha), wb = 1 / (hb * hb);
-  float w = wa + wb, d = b - a;
-  float root = w - wa * wb * d * d;
-  if (root < 0) return u;
-  u = a + (wb * d + std::sqrt(root)) / w;
-  if (u <= c) return u;
-  // Measured from a, against cancellation.
-  const float wc = 1 / (hc * hc), e = c - a;
-  w += wc;
-  const float s = wb * d + wc * e;
-  root = s * s - w * (wb * d * d + wc * e * e - 1);
-  return root < 0 ? u : a + (s + std::sqrt(root)) / w;
+    const float root = first * first - sum * (second - 1);
+    const float u = root > 0 ? (first + std::sqrt(root)) / sum : -1;
+    if (u >= most || n == 1) return least + u;
+    use[farthest] = false;
+  }
 }
+
+struct Vec3f {
+  float v[3];
+};
 
 /// The rows and words that the band covers.
 struct Reach {
@@ -77,8 +94,10 @@ class Band {
     for (int a = 0; a < 3; ++a) {
       h_[a] = float(l_.spacing_mm[a]);
       inv_h_[a] = 1 / h_[a];
+      inv_h2_[a] = inv_h_[a] * inv_h_[a];
     }
-    h_min_ = std::min({h_[0], h_[1], h_[2]});
+    finest_ = int(std::min_element(h_, h_ + 3) - h_);
+    h_min_ = h_[finest_];
     h_max_ = std::max({h_[0], h_[1], h_[2]});
     step_[0] = 1;
     step_[1] = l_.size[0];
@@ -100,8 +119,8 @@ class Band {
       longest = std::min(longest, cfl / std::abs(p_.propagation));
     else if (p_.advection != 0)
       longest = std::min(longest, cfl * h_min_ / std::abs(p_.advection));
-    int quiet = 0;
-    for (;;) {
+    longest_ = float(longest);
+    for (int since = 0;;) {
       r.inside = count_inside();
       if (r.inside == 0 || band_count_ == 0) {
         r.end = r.inside == 0 ? BandEnd::vanished : BandEnd::filled;
@@ -111,29 +130,27 @@ class Band {
         r.end = BandEnd::too_large;
         break;
       }
+      if (since == look_every || (since > 0 && r.iterations == p_.max_iterations_count)) {
+        r.change_mm = moved() / since;
+        since = 0;
+        if (r.change_mm < p_.min_change_mm) {
+          r.end = BandEnd::converged;
+          break;
+        }
+      }
       if (r.iterations >= p_.max_iterations_count) break;
+      if (since == 0) remember();
       progress.report(double(r.iterations) / p_.max_iterations_count);
       compute_rates();
-      double fastest = 0, sum = 0;
-      std::size_t n = 0;
-      for (const Slice& s : slices_) {
-        fastest = std::max(fastest, double(s.fastest));
-        sum += s.sum_squares;
-        n += s.rates.size();
-      }
+      float fastest = 0;
+      for (const Slice& s : slices_) fastest = std::max(fastest, s.fastest);
       const double dt = fastest > 0 ? std::min(longest, cfl / fastest) : longest;
       move(float(dt));
       relayer();
+      ++since;
       ++r.iterations;
       r.time_step = dt;
       r.time += dt;
-      r.change_mm = dt * std::sqrt(sum / double(std::max<std::size_t>(n, 1)));
-      quiet = r.change_mm < p_.min_change_mm ? quiet + 1 : 0;
-      if (quiet >= 3) {
-        r.end = BandEnd::converged;
-        r.inside = count_inside();
-        if (r.inside > 0 && band_count_ > 0) break;
-      }
     }
     finish();
     return r;
@@ -142,7 +159,7 @@ class Band {
  private:
   struct Slice {
     std::vector<float> rates;  ///< of the slice's voxels of layer 0, in their order
-    double sum_squares = 0;
+    double moved = 0;
     float fastest = 0;
     std::size_t inside = 0, band = 0;
     Reach reach;
@@ -244,31 +261,68 @@ class Band {
     return f > 0 ? d : -d;
   }
 
-  /// The speed at a place given by its offset in voxels, at most 1, from voxel (i, j, k).
-  float speed_at(const int at[3], const float offset[3]) const {
-    std::ptrdiff_t base = 0, up[3];
-    float t[3];
+  /// Central differences of the speed, per mm.
+  Vec3f speed_slope(const int at[3], std::size_t v) const {
+    Vec3f s;
     for (int a = 0; a < 3; ++a) {
-      int low = at[a] + (offset[a] < 0 ? -1 : 0);
-      t[a] = offset[a] < 0 ? offset[a] + 1 : offset[a];
-      if (low < 0) {
-        low = 0;
-        t[a] = 0;
-      }
-      up[a] = low + 1 < l_.size[a] ? step_[a] : 0;
-      base += low * step_[a];
+      const float* g = g_.voxels.data() + v;
+      s.v[a] = 0.5f * inv_h_[a] * (g[at[a] + 1 < l_.size[a] ? step_[a] : 0] - g[at[a] > 0 ? -step_[a] : 0]);
     }
-    const float* g = g_.voxels.data() + base;
-    const auto along_x = [&](std::ptrdiff_t o) { return g[o] + t[0] * (g[o + up[0]] - g[o]); };
-    const float y0 = along_x(0), y1 = along_x(up[1]), z0 = along_x(up[2]), z1 = along_x(up[1] + up[2]);
-    const float z = y0 + t[1] * (y1 - y0);
-    return z + t[2] * (z0 + t[1] * (z1 - z0) - z);
+    return s;
+  }
+
+  /// How fast the surface next to voxel v is driven. The surface point is taken as the mean of the crossings along the
+  /// axes, by their nearness (on a plane it is the foot of the voxel's perpendicular), so that the voxels on both sides
+  /// of a crossing agree. `inwards` is the unit normal. Where the speed falls outwards, so that the surface comes to
+  /// rest, it is the mean over the step (the linearly implicit Euler step): no overshooting however steep the fall.
+  template <bool Advection>
+  float driven(const int at[3], std::size_t v, const float weight[3], const float inwards[3]) const {
+    const float* f = phi_.voxels.data() + v;
+    const float* g = g_.voxels.data() + v;
+    const float c = *f, inv_c = 1 / c;
+    float sum = 0, total = 0, fall = 0;
+    for (int a = 0; a < 3; ++a) {
+      // One over the share of the way to the neighbour at which the crossing lies.
+      float nearness = 0;
+      std::ptrdiff_t to = 0;
+      if (at[a] > 0 && (f[-step_[a]] > 0) != (c > 0)) {
+        to = -step_[a];
+        nearness = (c - f[to]) * inv_c;
+      }
+      if (at[a] + 1 < l_.size[a] && (f[step_[a]] > 0) != (c > 0)) {
+        const float other = (c - f[step_[a]]) * inv_c;
+        if (other > nearness) {
+          to = step_[a];
+          nearness = other;
+        }
+      }
+      if (to == 0) continue;
+      float here = weight[0] * *g, there = weight[0] * g[to];
+      if (Advection) {
+        int next[3] = {at[0], at[1], at[2]};
+        next[a] += to > 0 ? 1 : -1;
+        const Vec3f p = speed_slope(at, v), q = speed_slope(next, std::size_t(std::ptrdiff_t(v) + to));
+        for (int b = 0; b < 3; ++b) {
+          here += weight[2] * inwards[b] * p.v[b];
+          there += weight[2] * inwards[b] * q.v[b];
+        }
+      }
+      nearness = std::min(nearness, 1000.f);
+      const float w = nearness * inv_h2_[a];
+      sum += w * (nearness * here + there - here);
+      fall += w * (c > 0 ? here - there : there - here);
+      total += w * nearness;
+    }
+    if (!(total > 0)) return 0;
+    const float steepness = std::sqrt(total);
+    return sum / (total + longest_ * std::max(0.f, fall) * steepness);
   }
 
   struct Motion {
-    float rate, normal, hyperbolic;
+    float rate, hyperbolic;
   };
 
+  template <bool Advection>
   Motion motion(const int at[3], std::size_t v, const float weight[3]) const {
     const float* f = phi_.voxels.data() + v;
     std::ptrdiff_t lo[3], hi[3];
@@ -280,38 +334,18 @@ class Band {
       hi[a] = at[a] + 1 < l_.size[a] ? step_[a] : 0;
       const float m = f[lo[a]], p = f[hi[a]];
       first[a] = 0.5f * inv_h_[a] * (p - m);
-      second[a] = inv_h_[a] * inv_h_[a] * (p - 2 * c + m);
+      second[a] = inv_h2_[a] * (p - 2 * c + m);
       const float up = std::max(0.f, std::max(m, p) - c) * inv_h_[a];
       const float down = std::max(0.f, c - std::min(m, p)) * inv_h_[a];
       larger += up * up;
       smaller += down * down;
     }
     const float length2 = first[0] * first[0] + first[1] * first[1] + first[2] * first[2] + 1e-6f;
-    const float inv_length2 = 1 / length2;
-    const float length = std::sqrt(length2);
-
-    // The surface next to the voxel, and how fast it is driven there.
-    float offset[3];
-    for (int a = 0; a < 3; ++a) offset[a] = std::max(-1.f, std::min(1.f, -c * first[a] * inv_length2 * inv_h_[a]));
-    float driven = 0;
-    if (weight[0] != 0) driven = weight[0] * speed_at(at, offset);
-    if (weight[2] != 0) {
-      // Down the slope of the speed across the surface, seen over a voxel to both sides.
-      float voxels2 = 0;
-      for (int a = 0; a < 3; ++a) voxels2 += first[a] * first[a] * inv_h_[a] * inv_h_[a] * inv_length2;
-      const float reach = 0.5f / std::sqrt(voxels2 + 1e-12f);
-      float in[3], out[3];
-      for (int a = 0; a < 3; ++a) {
-        const float d = reach * first[a] / length * inv_h_[a];
-        in[a] = std::max(-1.f, std::min(1.f, offset[a] + d));
-        out[a] = std::max(-1.f, std::min(1.f, offset[a] - d));
-      }
-      driven += weight[2] * (speed_at(at, in) - speed_at(at, out)) / (2 * reach);
-    }
+    const float inv_length = 1 / std::sqrt(length2), inv_length2 = inv_length * inv_length;
+    const float inwards[3] = {first[0] * inv_length, first[1] * inv_length, first[2] * inv_length};
     Motion m;
-    m.hyperbolic = driven;
-    m.rate = driven * std::sqrt(driven > 0 ? larger : smaller);
-    m.normal = driven;
+    m.hyperbolic = driven<Advection>(at, v, weight, inwards);
+    m.rate = m.hyperbolic * std::sqrt(m.hyperbolic > 0 ? larger : smaller);
     if (weight[1] != 0) {
       const auto cross = [&](int a, int b) {
         return 0.25f * inv_h_[a] * inv_h_[b] *
@@ -322,32 +356,73 @@ class Band {
                     2 * (x * y * cross(0, 1) + x * z * cross(0, 2) + y * z * cross(1, 2))) *
                    inv_length2;
       // No surface on the grid bends more than a voxel does.
-      const float most = 2 / h_min_ * length;
+      const float most = 2 * inv_h_[finest_] * length2 * inv_length;
       bend = std::max(-most, std::min(most, bend));
+      // From the level set through the voxel to the surface, as if that were a ball.
+      bend /= std::max(0.5f, std::min(2.f, 1 - 0.5f * c * bend * inv_length2));
       m.rate += weight[1] * bend;
-      m.normal += weight[1] * bend / length;
     }
     return m;
   }
 
   void compute_rates() {
+    if (p_.advection != 0)
+      compute_rates<true>();
+    else
+      compute_rates<false>();
+  }
+  template <bool Advection>
+  void compute_rates() {
     const float weight[3] = {float(p_.propagation), float(p_.curvature), float(p_.advection)};
     for_slices(everything_, [&](int k) {
       Slice& s = slices_[k];
       s.rates.clear();
-      s.sum_squares = 0;
       s.fastest = 0;
       if (!s.any) return;
       for_words(s.reach, [&](int j, int w) {
         for_bits(layer0_.row(j, k)[w], w, [&](int i, int) {
           const int at[3] = {i, j, k};
-          const Motion m = motion(at, l_.index(i, j, k), weight);
+          const Motion m = motion<Advection>(at, l_.index(i, j, k), weight);
           s.rates.push_back(m.rate);
           s.fastest = std::max(s.fastest, std::abs(m.hyperbolic));
-          s.sum_squares += double(m.normal) * m.normal;
         });
       });
     });
+  }
+
+  /// Remembers the surface, to see later how far it went.
+  void remember() {
+    if (then_.count() == 0) {
+      then_ = Grid<float>(l_);
+      then_band_ = BitMask(l_);
+    }
+    for_slices(everything_, [&](int k) {
+      for_words(everything_, [&](int j, int w) {
+        const std::uint64_t band = layer0_.row(j, k)[w] | layer1_.row(j, k)[w] | layer2_.row(j, k)[w];
+        then_band_.row(j, k)[w] = band;
+        if (!band) return;
+        const int i = w * 64, n = std::min(64, l_.size[0] - i);
+        std::copy_n(&phi_.at(i, j, k), n, &then_.at(i, j, k));
+      });
+    });
+  }
+  /// How far the surface moved since, on the mean, in mm; two voxels where it moved more.
+  double moved() {
+    const float most = 2 * h_min_;
+    for_slices(everything_, [&](int k) {
+      Slice& s = slices_[k];
+      s.moved = 0;
+      if (!s.any) return;
+      for_words(s.reach, [&](int j, int w) {
+        const std::uint64_t known = then_band_.row(j, k)[w];
+        for_bits(layer0_.row(j, k)[w], w, [&](int i, int b) {
+          s.moved += known >> b & 1 ? std::min(most, std::abs(phi_.at(i, j, k) - then_.at(i, j, k))) : most;
+        });
+      });
+    });
+    double sum = 0;
+    for (const Slice& s : slices_) sum += s.moved;
+    return sum / double(std::max<std::size_t>(band_count_, 1));
   }
 
   void move(float dt) {
@@ -374,47 +449,52 @@ class Band {
     });
   }
 
-  /// A voxel's distance from its neighbours in layer `from`, whose values are known; one-sided differences of second
-  /// order where the voxel behind the neighbour is known too (in `from` or layer 0), so that curvature survives.
-  float from_layer(int i, int j, int k, const Around& n, int bit, const BitMask& from) const {
-    const std::size_t v = l_.index(i, j, k);
-    const float sign = inside_.row(j, k)[i >> 6] >> bit & 1 ? 1.f : -1.f;
-    float nearest[3] = {unknown, unknown, unknown}, h[3] = {h_[0], h_[1], h_[2]};
-    for (int side = 0; side < 6; ++side) {
-      if (!(n.side[side] >> bit & 1)) continue;
-      const int a = side / 2, d = side & 1 ? 1 : -1;
-      const float next = sign * phi_.voxels[std::size_t(std::ptrdiff_t(v) + d * step_[a])];
-      if (!(next < nearest[a])) continue;
-      nearest[a] = next;
-      h[a] = h_[a];
+  /// The distances of the voxels `bits` of a word from their neighbours in layer `from`, whose values are known;
+  /// one-sided differences of second order where the voxel behind the neighbour is known too (in `from` or layer 0), so
+  /// that curvature survives.
+  void set_from(const BitMask& from, std::uint64_t bits, int w, int j, int k) {
+    const Around next = around(from, w, j, k);
+    Around behind = beyond(layer0_, w, j, k);
+    if (&from != &layer0_) {
+      const Around more = beyond(from, w, j, k);
+      for (int side = 0; side < 6; ++side) behind.side[side] |= more.side[side];
     }
-    float slope_h[3], a2[3];
-    for (int a = 0; a < 3; ++a) {
-      slope_h[a] = h[a];
-      a2[a] = nearest[a];
-      if (nearest[a] == unknown) continue;
-      int at[3] = {i, j, k};
-      // The side that was nearer.
-      const int d =
-          n.side[2 * a] >> bit & 1 && sign * phi_.voxels[std::size_t(std::ptrdiff_t(v) - step_[a])] == nearest[a] ? -1
-                                                                                                                  : 1;
-      at[a] += 2 * d;
-      if (!l_.contains(at[0], at[1], at[2])) continue;
-      if (!layer0_.get(at[0], at[1], at[2]) && !from.get(at[0], at[1], at[2])) continue;
-      const float behind = sign * phi_.voxels[std::size_t(std::ptrdiff_t(v) + 2 * d * step_[a])];
-      if (!(behind <= nearest[a])) continue;
-      a2[a] = nearest[a] + (nearest[a] - behind) / 3;
-      slope_h[a] = h_[a] * (2.f / 3);
-    }
-    const float plain = eikonal(nearest[0], nearest[1], nearest[2], h_[0], h_[1], h_[2]);
-    const float u = eikonal(a2[0], a2[1], a2[2], slope_h[0], slope_h[1], slope_h[2]);
-    // Kinks mislead the wider difference: never far from the plain one.
-    return std::max(std::max(0.5f * plain, std::min(u, 1.5f * plain)), 1e-3f * h_min_);
-  }
-
-  void set_from(int i, int j, int k, const Around& n, int bit, const BitMask& from) {
-    const float d = from_layer(i, j, k, n, bit, from);
-    phi_.at(i, j, k) = inside_.get(i, j, k) ? d : -d;
+    const std::uint64_t in = inside_.row(j, k)[w];
+    float* row = &phi_.at(0, j, k);
+    for_bits(bits, w, [&](int i, int b) {
+      const float sign = in >> b & 1 ? 1.f : -1.f;
+      float* f = row + i;
+      float a[3], weight[3], least = unknown, bound = unknown;
+      for (int axis = 0; axis < 3; ++axis) {
+        a[axis] = unknown;
+        weight[axis] = inv_h2_[axis];
+        std::ptrdiff_t to = 0;
+        int side = 2 * axis;
+        if (next.side[side] >> b & 1) {
+          to = -step_[axis];
+          a[axis] = sign * f[to];
+        }
+        if (next.side[side + 1] >> b & 1) {
+          const float other = sign * f[step_[axis]];
+          if (other < a[axis]) {
+            a[axis] = other;
+            to = step_[axis];
+            ++side;
+          }
+        }
+        if (to == 0) continue;
+        least = std::min(least, a[axis]);
+        bound = std::min(bound, a[axis] + h_[axis]);
+        if (!(behind.side[side] >> b & 1)) continue;
+        const float second = sign * f[2 * to];
+        if (!(second <= a[axis])) continue;
+        a[axis] += (a[axis] - second) * (1.f / 3);
+        weight[axis] *= 2.25f;
+      }
+      // Kinks mislead the wider difference: never farther than along one axis, never nearer than the neighbours.
+      const float u = std::max(std::min(eikonal(a, weight), bound), std::max(least, 1e-3f * h_min_));
+      *f = sign * u;
+    });
   }
 
   void relayer() {
@@ -429,8 +509,7 @@ class Band {
         next0_.row(j, k)[w] = now;
         const std::uint64_t fresh = now & ~was;
         if (!fresh) return;
-        const Around n = around(layer0_, w, j, k);
-        for_bits(fresh, w, [&](int i, int b) { set_from(i, j, k, n, b, layer0_); });
+        set_from(layer0_, fresh, w, j, k);
       });
     });
     std::swap(layer0_, next0_);
@@ -492,8 +571,7 @@ class Band {
         std::uint64_t bits = n.any() & ~from.row(j, k)[w] & ~innermost.row(j, k)[w];
         if (last >> 6 == w) bits &= ~std::uint64_t{0} >> (63 - (last & 63));
         to.row(j, k)[w] = bits;
-        if (!bits) return;
-        for_bits(bits, w, [&](int i, int b) { set_from(i, j, k, n, b, from); });
+        if (bits) set_from(from, bits, w, j, k);
       });
     });
   }
@@ -513,12 +591,14 @@ class Band {
   const Lattice l_;
   const Grid<float>& g_;
   Grid<float>& phi_;
+  Grid<float> then_;  ///< phi some iterations ago, where then_band_ is set
   const BandParams& p_;
-  BitMask inside_, layer0_, layer1_, layer2_, next0_;
+  BitMask inside_, layer0_, layer1_, layer2_, next0_, then_band_;
   std::vector<Slice> slices_;
   Reach everything_, reach_, before_;  ///< of layer 0, now and a step ago
   std::size_t band_count_ = 0;
-  float h_[3], inv_h_[3], h_min_ = 0, h_max_ = 0;
+  int finest_ = 0;
+  float h_[3], inv_h_[3], inv_h2_[3], h_min_ = 0, h_max_ = 0, longest_ = 0;
   std::ptrdiff_t step_[3];
 };
 

@@ -17,7 +17,7 @@ enum class BandEnd { converged, iterations, vanished, filled, too_large };
 struct BandRun {
   BandEnd end = BandEnd::iterations;
   int iterations = 0;
-  double change_mm = 0;    ///< of the last step, root mean square over the surface
+  double change_mm = 0;    ///< how far the surface went, on the mean, an iteration, over the last (at most) ten
   double time_step = 0;    ///< of the last step, mm per unit of speed
   double time = 0;         ///< all steps together
   std::size_t inside = 0;  ///< voxels
