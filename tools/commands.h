@@ -21,6 +21,7 @@ Command smooth_command();
 Command normals_command();
 Command repair_command();
 Command simplify_command();
+Command remesh_command();
 Command measure_command();
 Command run_command();
 Command export_command();

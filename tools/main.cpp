@@ -13,8 +13,8 @@ int main(int argc, char** argv) {
                       snake_command(),   landmarks_command(), canal_command(),    clavicle_command(),
                       vein_command(),    contour_command(),   decimate_command(), smooth_command(),
                       normals_command(), burrhole_command(),  boolean_command(),  voxelize_command(),
-                      repair_command(),  simplify_command(),  measure_command(),  phantom_command(),
-                      export_command(),  deface_command()};
+                      repair_command(),  simplify_command(),  remesh_command(),   measure_command(),
+                      phantom_command(), export_command(),    deface_command()};
   program.files = {{"PREFIX/share/trephine/configs/*.yaml",
                     "Configurations of cases, of any head (ct_head.yaml) and of the sample (sample.yaml), and their "
                     "scenes; PREFIX is "

@@ -95,6 +95,7 @@ StageType smooth_stage();
 StageType normals_stage();
 StageType repair_stage();
 StageType simplify_stage();
+StageType remesh_stage();
 StageType measure_stage();
 /// Serves the whole case: between the import and all anatomies, where a scene says `face: {policy: deface}` or crop.
 StageType deface_stage();

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/remesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "meshing/remesh_child.h"
+#include "meshing/validity.h"
+#include "surface/incidence.h"
+#include "surface/point_to_mesh.h"
+
+namespace trephine {
+namespace {
+
+constexpr int tries = 5;
+
+struct Edges {
+  double least = 1e300, mean = 0, most = 0;
+
+  explicit Edges(const TriMesh& mesh) {
+    std::size_t count = 0;
+    for_each_edge(mesh, Incidence(mesh), [&](std::uint32_t p, auto from, auto) {
+      const double l = norm(mesh.points_mm[p] - mesh.points_mm[from->other]);
+      least = std::min(least, l);
+      most = std::max(most, l);
+      mean += l;
+      ++count;
+    });
+    mean /= double(count);
+  }
+};
+
+double reach_mm(const TriMesh& from, const PointToMesh& to, const Progress& progress) {
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < from.points_mm.size(); ++i) points.push_back(from.world_mm(i));
+  for (const auto& t : from.triangles)
+    points.push_back(from.origin_mm + (from.points_mm[t[0]] + from.points_mm[t[1]] + from.points_mm[t[2]]) / 3);
+  return to.largest_distance_mm(points, 0, progress);
+}
+
+double mean_least_angle_deg(const TriMesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles) {
+    double least = M_PI;
+    for (int c = 0; c < 3; ++c) {
+      const Vec3 a = mesh.points_mm[t[(c + 1) % 3]] - mesh.points_mm[t[c]],
+                 b = mesh.points_mm[t[(c + 2) % 3]] - mesh.points_mm[t[c]];
+      least = std::min(least, std::atan2(norm(cross(a, b)), dot(a, b)));
+    }
+    sum += least;
+  }
+  return sum / double(mesh.triangles.size()) * 180 / M_PI;
+}
+
+}  // namespace
+
+TriMesh remesh(const TriMesh& input, const RemeshParams& params, Report& report, const Progress& progress) {
+  check_mesh(input);
+  TriMesh original = input;
+  original.normals.clear();
+  snap_to_float32(original);
+  with_field("remesh: input", [&] { require_valid(original, progress.part(0, 0.1)); });
+  const double volume = volume_mm3(original);
+  const PointToMesh to_original(original, progress);
+  double edge = params.edge_mm > 0 ? params.edge_mm : Edges(original).mean;
+  std::string fault;
+  for (int n = 1; n <= tries; ++n, edge *= 0.7) {
+    TriMesh mesh = with_field("remesh", [&] {
+      return remesh_evenly(original, edge, params.iterations_count, params.feature_angle_deg, params.time_limit_s,
+                           progress.part(0.1, 0.7));
+    });
+    snap_to_float32(mesh);
+    const Validity v = check_validity(mesh, progress.part(0.7, 0.8));
+    if (!v.valid()) {
+      fault = v.text();
+      continue;
+    }
+    const double deviation = std::max(reach_mm(mesh, to_original, progress),
+                                      reach_mm(original, PointToMesh(mesh, progress), progress.part(0.8, 1)));
+    if (!(deviation <= params.max_deviation_mm)) {
+      fault = "deviation " + to_text(deviation) + " mm, limit " + to_text(params.max_deviation_mm) + " mm";
+      continue;
+    }
+    const Edges edges(mesh);
+    report.add("triangles_count", mesh.triangles.size());
+    report.add("edge_mm", edge);
+    report.add("tries_count", n);
+    report.add("deviation_max_mm", deviation);
+    report.add("edge_min_mm", edges.least);
+    report.add("edge_mean_mm", edges.mean);
+    report.add("edge_max_mm", edges.most);
+    report.add("angle_min_deg", mean_least_angle_deg(mesh));
+    report.add("volume_change_percent", 100 * (v.volume_mm3 / volume - 1));
+    progress.report(1);
+    return mesh;
+  }
+  throw Error(ExitCode::quality, "", "remesh", fault + " with edges down to " + to_text(edge / 0.7) + " mm");
+}
+
+}  // namespace trephine
