@@ -256,6 +256,19 @@ std::string encode_nrrd(const Mask& mask, const NrrdKeys& keys, NrrdEncoding enc
 
 Nrrd decode_nrrd(std::string_view bytes) { return read_all(InputBytes(bytes)); }
 
+LayeredNrrd decode_layered_nrrd(std::string_view bytes) {
+  const InputBytes in(bytes);
+  const std::string text = read_header_text(in);
+  NrrdHeader h = detail::parse_nrrd_header(text, true);
+  LayeredNrrd out;
+  out.lattice = h.lattice;
+  out.layers = h.layers;
+  h.lattice.size[0] *= h.layers;
+  out.samples = read_voxels(in, text.size(), h);
+  out.keys = std::move(h.keys);
+  return out;
+}
+
 HuVolume read_hu_nrrd(const std::filesystem::path& file) {
   AnyGrid grid = read_nrrd(file).grid;
   if (auto* g = std::get_if<Grid<std::int16_t>>(&grid)) return std::move(*g);

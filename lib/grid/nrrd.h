@@ -42,6 +42,16 @@ std::string encode_nrrd(const HuVolume& volume, const NrrdKeys& keys = {}, NrrdE
 std::string encode_nrrd(const Mask& mask, const NrrdKeys& keys = {}, NrrdEncoding encoding = NrrdEncoding::gzip);
 Nrrd decode_nrrd(std::string_view bytes);
 
+/// Labels as 3D Slicer writes them (.seg.nrrd): as above, or with a list axis before the three of space, a layer an
+/// entry. Sample (layer, i, j, k) is samples.voxels[lattice.index(i, j, k) * layers + layer].
+struct LayeredNrrd {
+  Lattice lattice;
+  int layers = 1;
+  AnyGrid samples;  ///< `layers` times as many along i as the lattice has
+  NrrdKeys keys;
+};
+LayeredNrrd decode_layered_nrrd(std::string_view bytes);
+
 /// read_nrrd for a caller that needs HU, or a field; a mask is converted.
 HuVolume read_hu_nrrd(const std::filesystem::path& file);
 /// A mask (uint8) becomes a field of -0.5 and 0.5.

@@ -61,6 +61,9 @@ double number_of(const std::string& word, const std::string& field) {
   return v;
 }
 
+// The text after a leading "none", the entry of a list axis; empty where there is none.
+std::string after_none(const std::string& text) { return lower(text.substr(0, 5)) == "none " ? text.substr(5) : ""; }
+
 // "(a,b,c) (d,e,f)": `count` vectors; "none" and other counts are refused.
 std::vector<Vec3> vectors_of(const std::string& text, std::size_t count, const std::string& field) {
   std::string plain;
@@ -120,25 +123,24 @@ std::array<Vec3, 3> steps_of(const Lattice& l) {
 }
 
 // What a reader without the two keys makes of the steps.
-void take_steps(Lattice& l, const std::array<Vec3, 3>& steps) {
+void take_steps(Lattice& l, const std::array<Vec3, 3>& steps, const std::string& field = "space directions") {
   for (int a = 0; a < 3; ++a) {
     // hypot of an axis-aligned step is exact.
     const Vec3 v = steps[a];
     const double length = std::hypot(v.x, v.y, v.z);
     if (!(length > 0) || !std::isfinite(length) || length < 1e-9 || length > 1e9)
-      refuse("space directions", "axis " + std::to_string(a) + " has a spacing of " + to_text(length));
+      refuse(field, "axis " + std::to_string(a) + " has a spacing of " + to_text(length));
     l.spacing_mm[a] = length;
     l.direction.column[a] = v / length;
   }
 }
 
-void check_orthogonal(Lattice& l) {
+void check_orthogonal(Lattice& l, const std::string& field = "space directions") {
   constexpr double refused_above = 1e-4, kept_below = 1e-6;
   double worst = 0;
   for (int a = 0; a < 3; ++a)
     worst = std::max(worst, std::abs(dot(l.direction.column[a], l.direction.column[(a + 1) % 3])));
-  if (!(worst <= refused_above))
-    refuse("space directions", "the axes are not orthogonal (cosine " + to_text(worst) + ")");
+  if (!(worst <= refused_above)) refuse(field, "the axes are not orthogonal (cosine " + to_text(worst) + ")");
   if (worst <= kept_below) return;
   // Written with few digits: the nearest orthonormal axes, the first one kept.
   auto& c = l.direction.column;
@@ -256,7 +258,12 @@ std::string nrrd_header_text(const Lattice& lattice, NrrdType type, NrrdEncoding
   return out + "\n";
 }
 
-NrrdHeader parse_nrrd_header(std::string_view text) {
+void take_axes(Lattice& lattice, const std::array<Vec3, 3>& steps, const std::string& field) {
+  take_steps(lattice, steps, field);
+  check_orthogonal(lattice, field);
+}
+
+NrrdHeader parse_nrrd_header(std::string_view text, bool layered) {
   NrrdHeader h;
   std::map<std::string, std::string> fields;
   bool first = true;
@@ -296,7 +303,9 @@ NrrdHeader parse_nrrd_header(std::string_view text) {
   const auto type = type_of(lower(get("type")));
   if (!type) refuse("type", "'" + get("type") + "' is not supported");
   h.type = *type;
-  if (get("dimension") != "3") refuse("dimension", "'" + get("dimension") + "', must be 3");
+  const bool has_list = layered && get("dimension") == "4";
+  if (!has_list && get("dimension") != "3")
+    refuse("dimension", "'" + get("dimension") + "', must be 3" + (layered ? " or 4" : ""));
 
   const std::string encoding = lower(get("encoding"));
   if (encoding == "gzip" || encoding == "gz")
@@ -310,9 +319,10 @@ NrrdHeader parse_nrrd_header(std::string_view text) {
   }
 
   const auto sizes = words(get("sizes"));
-  if (sizes.size() != 3) refuse("sizes", "must be 3 numbers");
+  const int list = has_list ? 1 : 0;
+  if (sizes.size() != std::size_t(3 + list)) refuse("sizes", "must be " + std::to_string(3 + list) + " numbers");
   std::uint64_t count = 1;
-  for (int a = 0; a < 3; ++a) {
+  for (int a = 0; a < 3 + list; ++a) {
     std::uint64_t n = 0;
     const char* end = sizes[a].data() + sizes[a].size();
     const auto r = std::from_chars(sizes[a].data(), end, n);
@@ -320,8 +330,9 @@ NrrdHeader parse_nrrd_header(std::string_view text) {
       refuse("sizes", "'" + sizes[a] + "' is not a size");
     if (n > (std::uint64_t{1} << 40) / count) refuse("sizes", "more than 2^40 voxels");
     count *= n;
-    h.lattice.size[a] = static_cast<int>(n);
+    (a < list ? h.layers : h.lattice.size[a - list]) = static_cast<int>(n);
   }
+  if (std::int64_t{h.layers} * h.lattice.size[0] > std::numeric_limits<int>::max()) refuse("sizes", "too many layers");
 
   const std::string space = lower(get("space"));
   double flip = 1;
@@ -330,7 +341,9 @@ NrrdHeader parse_nrrd_header(std::string_view text) {
   else if (space != "left-posterior-superior" && space != "lps")
     refuse("space", "'" + space + "', must be left-posterior-superior or right-anterior-superior");
 
-  const auto given = vectors_of(get("space directions"), 3, "space directions");
+  const std::string directions = has_list ? after_none(get("space directions")) : get("space directions");
+  if (directions.empty()) refuse("space directions", "the first of 4 axes must be a list: none");
+  const auto given = vectors_of(directions, 3, "space directions");
   std::array<Vec3, 3> steps;
   // 0 - v and not -v, so that a 0 does not become -0.
   const auto to_lps = [flip](Vec3 v) { return flip > 0 ? v : Vec3{0 - v.x, 0 - v.y, v.z}; };

@@ -16,14 +16,20 @@ struct NrrdHeader {
   Lattice lattice;  ///< LPS, checked: sizes positive, spacing positive and finite, direction orthonormal
   NrrdType type = NrrdType::int16;
   bool big_endian = false, gzip = false;
+  int layers = 1;  ///< of a list axis before the three of space
   NrrdKeys keys;
 };
 
 /// The header with its closing empty line. `type` is int16, uint8 or float32.
 std::string nrrd_header_text(const Lattice& lattice, NrrdType type, NrrdEncoding encoding, const NrrdKeys& keys);
 
-/// Parses the text before the empty line. Throws Error 65 naming the field, without a file.
-NrrdHeader parse_nrrd_header(std::string_view text);
+/// Parses the text before the empty line; with `layered` a list axis may come before the three of space, as in
+/// .seg.nrrd. Throws Error 65 naming the field, without a file.
+NrrdHeader parse_nrrd_header(std::string_view text, bool layered = false);
+
+/// Spacing and direction of the lattice from its axes' steps; nearly orthogonal ones are put right. Throws Error 65
+/// naming `field` where a step is 0, not finite, or the axes are not orthogonal.
+void take_axes(Lattice& lattice, const std::array<Vec3, 3>& steps, const std::string& field);
 
 /// One gzip member without time and name. The same bytes whatever the thread count.
 std::string gzip_compress(std::string_view bytes);

@@ -103,6 +103,39 @@ std::vector<Segment> cut(const TriMesh& mesh, const SliceGeometry& g, int normal
   return out;
 }
 
+// Where the field crosses 0 between pixels, by marching squares; outside of its lattice nothing is inside.
+std::vector<Segment> cut(const Field& field, const SliceGeometry& g) {
+  const std::size_t row = std::size_t(g.width) + 1;
+  std::vector<float> values(row * (std::size_t(g.height) + 1));
+  parallel_for(0, g.height + 1, 16, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t y = from; y < to; ++y)
+      for (int x = 0; x <= g.width; ++x) {
+        double v = -1;
+        if (!sample(field, field.to_index(g.to_world_mm(x, double(y))), v)) v = -1;
+        values[std::size_t(y) * row + std::size_t(x)] = float(v);
+      }
+  });
+  std::vector<Segment> out;
+  for (int y = 0; y < g.height; ++y)
+    for (int x = 0; x < g.width; ++x) {
+      const float* at = &values[std::size_t(y) * row + std::size_t(x)];
+      const float corner[4] = {at[0], at[1], at[row + 1], at[row]};
+      const double px[4] = {x + 0.0, x + 1.0, x + 1.0, x + 0.0}, py[4] = {y + 0.0, y + 0.0, y + 1.0, y + 1.0};
+      double ends[4][2];
+      int found = 0;
+      for (int e = 0; e < 4; ++e) {
+        const int f = (e + 1) % 4;
+        if ((corner[e] > 0) == (corner[f] > 0)) continue;
+        const double t = double(corner[e]) / (double(corner[e]) - corner[f]);
+        ends[found][0] = px[e] + (px[f] - px[e]) * t;
+        ends[found][1] = py[e] + (py[f] - py[e]) * t;
+        ++found;
+      }
+      for (int e = 0; e + 1 < found; e += 2) out.push_back({ends[e][0], ends[e][1], ends[e + 1][0], ends[e + 1][1]});
+    }
+  return out;
+}
+
 // The inside of the lines by the even-odd rule, a row at a time, covered in part where the lines cross it.
 void fill(Image& image, const std::vector<Segment>& segments, Rgb colour, double opacity) {
   constexpr int sub_rows = 4;
@@ -202,7 +235,11 @@ Image slice_overlay(const HuVolume& volume, const SliceParams& params, const std
   std::visit([&](const auto& grid) { draw_volume(grid, g, params, image); }, volume);
   std::vector<std::vector<Segment>> cuts;
   for (const auto& s : shapes) {
-    if (!s.mesh) throw Error(ExitCode::internal, "", "picture", "a shape is null");
+    if (!s.mesh == !s.field) throw Error(ExitCode::internal, "", "picture", "a shape is null, or two");
+    if (s.field) {
+      cuts.push_back(cut(*s.field, g));
+      continue;
+    }
     check_mesh(*s.mesh);
     cuts.push_back(cut(*s.mesh, g, axes_of(params.plane).normal, params.position_mm));
   }

@@ -14,7 +14,8 @@ enum class SlicePlane { axial, coronal, sagittal };
 struct OverlayShape {
   const TriMesh* mesh = nullptr;
   Rgb colour_rgb{1, 0, 0};
-  std::string name;  ///< for the legend; not listed where empty
+  std::string name;              ///< for the legend; not listed where empty
+  const Field* field = nullptr;  ///< in place of a mesh: the line at 0, as trilinear values in the pixels' corners say
 };
 
 struct SliceParams {

@@ -30,10 +30,10 @@ const Port* StageType::find_port(const std::string& port) const {
 }
 
 const std::vector<StageType>& stage_types() {
-  static const std::vector<StageType> types = {segment_stage(),  presegment_stage(), snake_stage(),   landmarks_stage(),
-                                               canal_stage(),    clavicle_stage(),   vein_stage(),    contour_stage(),
-                                               decimate_stage(), smooth_stage(),     normals_stage(), repair_stage(),
-                                               simplify_stage(), remesh_stage(),     measure_stage()};
+  static const std::vector<StageType> types = {
+      segment_stage(),  labels_stage(),   presegment_stage(), snake_stage(),    landmarks_stage(), canal_stage(),
+      clavicle_stage(), vein_stage(),     contour_stage(),    decimate_stage(), smooth_stage(),    normals_stage(),
+      repair_stage(),   simplify_stage(), anatomy_stage(),    remesh_stage(),   measure_stage()};
   return types;
 }
 

@@ -82,6 +82,7 @@ const std::vector<StageType>& stage_types();
 const StageType* find_stage(const std::string& name);
 
 StageType segment_stage();
+StageType labels_stage();
 StageType presegment_stage();
 StageType snake_stage();
 /// `given`: landmarks that a person placed; they win over what is found.
@@ -95,6 +96,7 @@ StageType smooth_stage();
 StageType normals_stage();
 StageType repair_stage();
 StageType simplify_stage();
+StageType anatomy_stage();
 StageType remesh_stage();
 StageType measure_stage();
 /// Serves the whole case: between the import and all anatomies, where a scene says `face: {policy: deface}` or crop.

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "grid/nrrd.h"
+
+namespace trephine {
+
+/// One segment that a .seg.nrrd of 3D Slicer describes.
+struct LabelSegment {
+  std::string id, name;
+  int value = 1, layer = 0;
+  bool cropped = false;  ///< it says of itself that it reaches beyond the file's voxels
+};
+
+/// A file of labels: a label map (NRRD, NIfTI), or segments (.seg.nrrd), several layers of which may overlap.
+struct LabelMap {
+  Lattice lattice;  ///< LPS, mm
+  int layers = 1;
+  AnyGrid samples;  ///< (layer, i, j, k) at lattice.index(i, j, k) * layers + layer
+  std::vector<LabelSegment> segments;
+  std::string format;  ///< "NRRD", "seg.nrrd", "NIfTI"
+  std::vector<std::string> warnings;
+};
+
+/// By what is in the bytes, not by a name. Throws Error 65 naming the field, without a file: as read_nrrd and
+/// decode_nifti; neither of the two; a fractional segmentation.
+LabelMap decode_labels(std::string_view bytes);
+/// The same of a file; throws 66, and 65 with the file.
+LabelMap read_labels(const std::filesystem::path& file);
+
+/// What was taken of it: 1 where the label is, on the map's lattice.
+struct PickedLabel {
+  Mask mask;
+  std::string name;  ///< of the segment, or the value
+  std::size_t voxels = 0;
+};
+
+/// The label by its value ("3"), by a segment's name or ID ("brain"; upper and lower case alike where it is the only
+/// one), or, for "", all that is not 0. Throws Error 65 for field "label": there is none of that name or value (naming
+/// those that there are), a name or value in several segments or layers, samples that are no whole numbers.
+PickedLabel pick_label(const LabelMap& map, const std::string& label);
+
+}  // namespace trephine

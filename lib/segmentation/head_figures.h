@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <optional>
+
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "cases/landmarks.h"
+#include "grid/grid.h"
+
+namespace trephine {
+
+/// The anatomies of one head as fields (positive inside) on one raster, each maybe only a part of it. Null where not
+/// known: what needs it is then not measured, nor checked.
+struct HeadFields {
+  const Field* skin = nullptr;  ///< the whole head, filled
+  const Field* skull = nullptr;
+  const Field* brain = nullptr;  ///< ventricles belong to it
+  const Field* ventricles = nullptr;
+};
+
+/// What the ventricles make of a case.
+enum class HeadClass { unknown, normal, hydrocephalic, shifted, small };
+const char* to_text(HeadClass head_class);
+
+struct HeadClassParams {
+  double hydrocephalic_evans_ratio = 0.3;
+  double shifted_mm = 5;
+  double small_evans_ratio = 0.25;
+  double small_ventricles_ratio = 0.012;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = HeadClassParams;
+    v.number(&P::hydrocephalic_evans_ratio, "hydrocephalic_evans_ratio", Range{0, 1},
+             "Hydrocephalic above this Evans' index.");
+    v.number(&P::shifted_mm, "shifted_mm", Range{0, 50}, "Shifted where the midline is off by more than this.");
+    v.number(&P::small_evans_ratio, "small_evans_ratio", Range{0, 1},
+             "Small only where Evans' index is not above this,");
+    v.number(&P::small_ventricles_ratio, "small_ventricles_ratio", Range{0, 1},
+             "and the ventricles are below this share of the brain's volume.");
+  }
+};
+
+/// Empty where it could not be measured.
+struct HeadFigures {
+  std::optional<double> skin_ml, skull_ml, brain_ml, ventricles_ml;
+  /// The frontal horns' greatest width, in the axial plane of the head in which it is greatest, and in that plane the
+  /// inner skull's; evans_place_mm: the middle of that width.
+  std::optional<double> frontal_horns_mm, inner_skull_mm, evans_index_ratio;
+  Vec3 evans_place_mm;
+  /// How far what should lie in the middle lies to the patient's left of it (to the right: below 0), at the foramina of
+  /// Monro; and of what: "septum" (the middle between the frontal horns' inner walls), "third ventricle", "frontal
+  /// horns" (their middle).
+  std::optional<double> midline_shift_mm;
+  const char* midline_of = "";
+  Vec3 midline_place_mm;
+  HeadClass head_class = HeadClass::unknown;
+};
+
+/// Measures a head in its own axes: left is the midsagittal plane's normal, up is the patient's, square to it.
+/// - Volumes count voxels whose centre is inside.
+/// - Evans' index: Evans, Archives of Neurology and Psychiatry 47 (1942); above 0.3 the ventricles are enlarged (Relkin
+///   et al., Neurosurgery 57 (2005), S2-4). The frontal horns are the ventricles in front of the foramina of Monro,
+///   connected with their foremost point.
+/// - Midline shift: Bullock et al., Neurosurgery 58 (2006), S2-16: above 5 mm. Where `landmarks` is null or its plane
+///   has no confidence, the middle is halfway between the inner skull's sides at that place (half of the intracranial
+///   width, less the septum's distance from the inner table).
+/// - Small: no limit is agreed on. Here the ventricles' volume below 1.2 % of the brain's (healthy adults have about
+///   1.5 to 3 %) and an index not above 0.25, the upper end of what Evans found in the healthy (0.20 to 0.25).
+/// Class by rank: shifted, hydrocephalic, small, normal; unknown where the ventricles or what bounds them are missing.
+///
+/// A landmark monro_left or monro_right with a confidence is used; else the foramina are taken to lie behind the
+/// foremost point of the ventricles by 0.31 of the lateral ventricles' length, at most 32 mm.
+///
+/// Adds to the report skin_ml, skull_ml, brain_ml, ventricles_ml, frontal_horns_mm, inner_skull_mm, evans_index_ratio,
+/// midline_shift_mm, midline_of, class; warnings name what could not be measured. Throws 65 where a voxel is not finite
+/// or rasters differ; Cancelled. The same bits whatever the thread count.
+HeadFigures measure_head(const HeadFields& fields, const HeadLandmarks* landmarks, const HeadClassParams& params,
+                         Report& report, const Progress& progress = {});
+
+}  // namespace trephine

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "segmentation/labels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/text.h"
+#include "segmentation/filters.h"
+#include "segmentation/methods.h"
+#include "segmentation/surface_field.h"
+
+namespace trephine {
+namespace {
+
+using segmentation::BitMask;
+using segmentation::HuView;
+
+constexpr double same_raster_voxels = 0.05;  ///< further off is resampled
+constexpr double air_hu = -900;
+constexpr double noted_ratio = 0.01, noted_air_ratio = 0.2;
+constexpr int margin = 3;
+
+std::string percent(double ratio) { return to_text(std::round(ratio * 1000) / 10) + " %"; }
+std::string at_text(Vec3 p) {
+  const auto mm = [](double v) { return to_text(std::round(v * 10) / 10 + 0.0); };
+  return "(" + mm(p.x) + ", " + mm(p.y) + ", " + mm(p.z) + ") mm";
+}
+
+BitMask bits_of(const Mask& mask) {
+  return segmentation::make_mask(mask, [&](int j, int k, std::uint8_t* row) {
+    std::copy_n(&mask.voxels[mask.index(0, j, k)], mask.size[0], row);
+  });
+}
+
+/// How the label's axes lie along the volume's, where both are one raster.
+struct Alignment {
+  std::array<int, 3> axis{};    ///< of the label, that runs along each of the volume's
+  std::array<int, 3> sign{};    ///< and which way
+  std::array<int, 3> offset{};  ///< the volume's index of the label's first voxel
+  double off_voxels = 0;        ///< most that any of the label's voxels lies off the volume's
+};
+
+std::optional<Alignment> alignment(const Lattice& label, const Lattice& volume) {
+  Alignment a;
+  const Vec3 first = volume.to_index(label.origin_mm);
+  std::array<bool, 3> used{};
+  for (int v = 0; v < 3; ++v) {
+    int best = 0;
+    double most = -1;
+    for (int l = 0; l < 3; ++l) {
+      const double c = std::abs(dot(volume.direction.column[v], label.direction.column[l]));
+      if (c > most) most = c, best = l;
+    }
+    if (used[best]) return {};
+    used[best] = true;
+    a.axis[v] = best;
+    a.sign[v] = dot(volume.direction.column[v], label.direction.column[best]) < 0 ? -1 : 1;
+    if (!(std::abs(first[v]) < 1e6)) return {};
+    a.offset[v] = int(std::lround(first[v]));
+  }
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 at;
+    for (int l = 0; l < 3; ++l) at[l] = corner >> l & 1 ? label.size[l] - 1.0 : 0.0;
+    const Vec3 is = volume.to_index(label.to_world_mm(at));
+    for (int v = 0; v < 3; ++v)
+      a.off_voxels = std::max(a.off_voxels, std::abs(is[v] - (a.offset[v] + a.sign[v] * at[a.axis[v]])));
+  }
+  if (!(a.off_voxels <= same_raster_voxels)) return {};
+  return a;
+}
+
+struct Fit {
+  double outside = 0, air = 0;  ///< shares of the label's voxels
+};
+
+/// Of at most about 200,000 of the label's voxels, evenly taken; `flip` negates x and y.
+Fit fit_of(const HuView& hu, const Mask& mask, std::size_t voxels, bool flip) {
+  const Lattice& l = hu.lattice();
+  const std::size_t step = voxels / 200000 + 1;
+  std::size_t n = 0, taken = 0, outside = 0, air = 0;
+  for (int k = 0; k < mask.size[2]; ++k)
+    for (int j = 0; j < mask.size[1]; ++j)
+      for (int i = 0; i < mask.size[0]; ++i) {
+        if (!mask.at(i, j, k) || n++ % step) continue;
+        ++taken;
+        Vec3 p = mask.to_world_mm({double(i), double(j), double(k)});
+        if (flip) p = {-p.x, -p.y, p.z};
+        const Vec3 q = l.to_index(p);
+        bool in = true;
+        for (int a = 0; a < 3; ++a) in = in && q[a] >= -0.5 && q[a] < l.size[a] - 0.5;
+        if (!in)
+          ++outside;
+        else
+          air += hu(int(std::lround(q.x)), int(std::lround(q.y)), int(std::lround(q.z))) < air_hu;
+      }
+  return {double(outside) / double(taken), double(air) / double(taken)};
+}
+
+/// A hint where the label would lie in the body with x and y negated.
+std::string hint(const HuView& hu, const Mask& mask, std::size_t voxels, const Fit& is) {
+  const Fit flipped = fit_of(hu, mask, voxels, true);
+  return flipped.outside + flipped.air < 0.5 * (is.outside + is.air) && flipped.outside + flipped.air < 0.3
+             ? "; with x and y negated it would fit: RAS was taken for LPS, or the reverse"
+             : "";
+}
+
+void check_fit(const HuView& hu, const PickedLabel& label, const LabelParams& params, Report& report) {
+  const Fit fit = fit_of(hu, label.mask, label.voxels, false);
+  report.add("outside_ratio", fit.outside);
+  report.add("air_ratio", fit.air);
+  if (fit.outside >= 1 || fit.outside > params.max_outside_ratio) {
+    const Lattice& l = hu.lattice();
+    const Box box = bits_of(label.mask).bounds();
+    const Vec3 middle =
+        label.mask.to_world_mm({(box.begin[0] + box.end[0] - 1) / 2.0, (box.begin[1] + box.end[1] - 1) / 2.0,
+                                (box.begin[2] + box.end[2] - 1) / 2.0});
+    throw Error(ExitCode::quality, "", "label",
+                percent(fit.outside) + " of it lie outside of the volume, its middle at " + at_text(middle) +
+                    ", the volume's at " +
+                    at_text(l.to_world_mm({(l.size[0] - 1) / 2.0, (l.size[1] - 1) / 2.0, (l.size[2] - 1) / 2.0})) +
+                    hint(hu, label.mask, label.voxels, fit));
+  }
+  if (fit.air > params.max_air_ratio)
+    throw Error(ExitCode::quality, "", "label",
+                percent(fit.air) + " of it lie in air, outside of the body?" + hint(hu, label.mask, label.voxels, fit) +
+                    "; where that is right, raise max_air_ratio");
+  if (fit.outside > noted_ratio)
+    report.warn(percent(fit.outside) + " of the label lie outside of the volume and are left out");
+  if (fit.air > noted_air_ratio)
+    report.warn(percent(fit.air) + " of the label lie in air" + hint(hu, label.mask, label.voxels, fit));
+}
+
+/// A mask as a field of about -1 to 1 with the mask's signs, smooth across its surface.
+Field smooth_field(const BitMask& mask, double sigma_mm, const Progress& progress) {
+  const Lattice& l = mask.lattice();
+  const double mean = std::cbrt(l.voxel_volume_mm3());
+  Field field(l, -1.f);
+  segmentation::place_surface(field, mask, sigma_mm > 0 ? sigma_mm : mean, 1, progress);
+  return field;
+}
+
+BitMask onto_volume(const Mask& label, const Lattice& volume, const Alignment& a) {
+  return segmentation::make_mask(volume, [&](int j, int k, std::uint8_t* row) {
+    const int at[3] = {0, j, k};
+    int from[3];
+    for (int v = 1; v < 3; ++v) {
+      const int n = (at[v] - a.offset[v]) * a.sign[v];
+      if (n < 0 || n >= label.size[a.axis[v]]) return;
+      from[a.axis[v]] = n;
+    }
+    for (int i = 0; i < volume.size[0]; ++i) {
+      const int n = (i - a.offset[0]) * a.sign[0];
+      if (n < 0 || n >= label.size[a.axis[0]]) continue;
+      from[a.axis[0]] = n;
+      row[i] = label.at(from[0], from[1], from[2]);
+    }
+  });
+}
+
+/// The box around the set voxels, with a margin that may reach beyond the lattice.
+Lattice padded(const Lattice& l, const Box& box) {
+  Lattice out = l;
+  out.origin_mm =
+      l.to_world_mm({double(box.begin[0] - margin), double(box.begin[1] - margin), double(box.begin[2] - margin)});
+  for (int a = 0; a < 3; ++a) out.size[a] = box.end[a] - box.begin[a] + 2 * margin;
+  return out;
+}
+
+float linear(const Field& f, Vec3 q, float otherwise) {
+  int low[3];
+  float t[3];
+  for (int a = 0; a < 3; ++a) {
+    if (!(q[a] >= 0 && q[a] <= f.size[a] - 1)) return otherwise;
+    low[a] = std::min(int(q[a]), f.size[a] - 2);
+    t[a] = float(q[a] - low[a]);
+  }
+  const auto line = [&](int j, int k) {
+    const float* p = &f.voxels[f.index(low[0], low[1] + j, low[2] + k)];
+    return p[0] + t[0] * (p[1] - p[0]);
+  };
+  const float a = line(0, 0) + t[1] * (line(1, 0) - line(0, 0)), b = line(0, 1) + t[1] * (line(1, 1) - line(0, 1));
+  return a + t[2] * (b - a);
+}
+
+/// The signed distance to the label's own surface, at the volume's voxels around it.
+Field resampled(const Mask& label, const Lattice& volume, double sigma_mm, const Progress& progress) {
+  const BitMask all = bits_of(label);
+  const Lattice own = padded(label, all.bounds());
+  Field distance =
+      segmentation::signed_distance_mm(smooth_field(segmentation::placed(all, own), sigma_mm, progress), progress);
+  Box box{volume.size, {0, 0, 0}};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 p =
+        volume.to_index(own.to_world_mm({corner & 1 ? own.size[0] - 1.0 : 0.0, corner & 2 ? own.size[1] - 1.0 : 0.0,
+                                         corner & 4 ? own.size[2] - 1.0 : 0.0}));
+    for (int a = 0; a < 3; ++a) {
+      box.begin[a] = std::min(box.begin[a], int(std::clamp(std::floor(p[a]), 0.0, double(volume.size[a]))));
+      box.end[a] = std::max(box.end[a], int(std::clamp(std::ceil(p[a]) + 1, 0.0, double(volume.size[a]))));
+    }
+  }
+  Field out(cropped(volume, box));
+  const float far = -float(norm(label.spacing_mm));
+  parallel_for(0, out.size[2], 1, [&](std::int64_t k, std::int64_t) {
+    progress.check();
+    for (int j = 0; j < out.size[1]; ++j)
+      for (int i = 0; i < out.size[0]; ++i) {
+        const float v = linear(distance, own.to_index(out.to_world_mm({double(i), double(j), double(k)})), far);
+        out.at(i, j, int(k)) = std::abs(v) < 1e-4f ? (v < 0 ? -1e-4f : 1e-4f) : v;
+      }
+  });
+  return out;
+}
+
+/// Warns where the label reaches its own grid's edge inside of the volume.
+void check_cut(const PickedLabel& label, const Lattice& volume, Report& report) {
+  const Box box = bits_of(label.mask).bounds();
+  const Mask& m = label.mask;
+  for (int a = 0; a < 3; ++a)
+    for (int side = 0; side < 2; ++side) {
+      if (side ? box.end[a] < m.size[a] : box.begin[a] > 0) continue;
+      Vec3 at{(box.begin[0] + box.end[0] - 1) / 2.0, (box.begin[1] + box.end[1] - 1) / 2.0,
+              (box.begin[2] + box.end[2] - 1) / 2.0};
+      at[a] = side ? m.size[a] + 0.5 : -1.5;
+      const Vec3 q = volume.to_index(m.to_world_mm(at));
+      bool in = true;
+      for (int b = 0; b < 3; ++b) in = in && q[b] >= 0 && q[b] <= volume.size[b] - 1;
+      if (in) {
+        report.warn(
+            "the label ends at the edge of its own grid within the volume: the file may hold only a part of it");
+        return;
+      }
+    }
+}
+
+}  // namespace
+
+Field label_field(const HuVolume& volume, const LabelMap& map, const LabelParams& params, Report& report,
+                  const Progress& progress) {
+  const HuView hu(volume);
+  const Lattice& l = hu.lattice();
+  const PickedLabel label = pick_label(map, params.label);
+  report.add("label", label.name);
+  report.add("format", map.format);
+  report.add("label_voxels_count", label.voxels);
+  report.add("label_ml", double(label.voxels) * map.lattice.voxel_volume_mm3() / 1000);
+  for (const std::string& w : map.warnings) report.warn(w);
+  for (const LabelSegment& s : map.segments)
+    if (s.cropped && (params.label.empty() || s.name == label.name))
+      report.warn("the file says that segment " + s.name + " reaches beyond its voxels: it was cropped when written");
+  if (!label.voxels) throw Error(ExitCode::quality, "", "label", "'" + label.name + "' has not one voxel");
+  check_fit(hu, label, params, report);
+  check_cut(label, l, report);
+  progress.report(0.1);
+
+  const auto aligned = alignment(map.lattice, l);
+  report.add("resampled", !aligned);
+  Field field;
+  if (aligned) {
+    report.add("offset_max_ratio", aligned->off_voxels);
+    const BitMask mask = onto_volume(label.mask, l, *aligned);
+    if (!mask.any()) throw Error(ExitCode::quality, "", "label", "none of its voxels lies in the volume");
+    field = smooth_field(segmentation::crop(mask, grown(mask.bounds(), margin, l)), params.smooth_mm, progress);
+  } else {
+    field = resampled(label.mask, l, params.smooth_mm, progress);
+    const std::size_t count =
+        std::size_t(std::count_if(field.voxels.begin(), field.voxels.end(), [](float v) { return v > 0; }));
+    if (!count)
+      throw Error(ExitCode::quality, "", "label",
+                  "nothing of it is left on the volume's voxels: it is too thin for them");
+  }
+  const std::size_t inside =
+      std::size_t(std::count_if(field.voxels.begin(), field.voxels.end(), [](float v) { return v > 0; }));
+  report.add("volume_ml", double(inside) * l.voxel_volume_mm3() / 1000);
+  progress.report(1);
+  return field;
+}
+
+}  // namespace trephine

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+#include "grid/labels.h"
+
+namespace trephine {
+
+struct LabelParams {
+  std::string file, label;
+  double smooth_mm = 0;
+  double max_outside_ratio = 0.5;
+  double max_air_ratio = 0.5;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = LabelParams;
+    v.text(&P::file, "file", "Labels to read: NRRD, .seg.nrrd, NIfTI (.nii, .nii.gz).");
+    v.text(&P::label, "label", "Which one: its value, or a segment's name or ID; empty for all that is not 0.");
+    v.number(&P::smooth_mm, "smooth_mm", Range{0, 10},
+             "Sigma of the Gaussian that smooths the voxels' steps (none of them changes sides); where it is 0, a "
+             "voxel's mean side.");
+    v.number(&P::max_outside_ratio, "max_outside_ratio", Range{0, 1},
+             "Refuse where more of the label than this lies outside of the volume.");
+    v.number(&P::max_air_ratio, "max_air_ratio", Range{0, 1},
+             "Refuse where more of the label than this lies in air (below -900 HU): a mirrored or moved frame.");
+  }
+};
+
+/// A label as a field on the volume's raster, positive inside, cropped to the label and a margin where the volume has
+/// room. Where the label's grid is the volume's raster (its axes may be flipped or swapped, it may be a part, or reach
+/// beyond), voxels keep their side and the surface lies within half a voxel of theirs. Else the mask, smoothed so on
+/// its own grid, becomes a signed distance in mm that is interpolated linearly at the volume's voxels (shape-based:
+/// Raya and Udupa, IEEE Transactions on Medical Imaging 9 (1990)): what is thinner than a voxel of the volume may go.
+///
+/// Report: label (its name), format, label_voxels_count, label_ml, resampled, offset_max_ratio (of a voxel: how far the
+/// label's voxels lie off the volume's; not where resampled), outside_ratio (of the label, outside of the volume),
+/// air_ratio, volume_ml. Warns where some of the label lies outside, or much in air; where it ends at its own grid's
+/// edge within the volume (cut off there); what the file itself makes suspicious.
+///
+/// Throws Error 80 where the label is empty, lies outside of the volume or in air by more than is allowed (saying
+/// whether it would fit with x and y negated, RAS taken for LPS or the reverse), or nothing of it is left; 65 where
+/// the volume's voxels are not finite; Cancelled. The same bits whatever the thread count.
+Field label_field(const HuVolume& volume, const LabelMap& map, const LabelParams& params, Report& report,
+                  const Progress& progress = {});
+
+}  // namespace trephine

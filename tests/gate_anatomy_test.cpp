@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The anatomical gate: gaps of spheres are known; every fault put in is found, said and placed.
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/write_file.h"
+#include "gate_samples.h"
+#include "picture/image.h"
+#include "segmentation/anatomy_gate.h"
+#include "segmentation/anatomy_gate_gap.h"
+
+namespace trephine {
+namespace {
+
+using segmentation::Clearance;
+using segmentation::clearance;
+using segmentation::Relation;
+
+Lattice raster(Vec3 spacing, double half_mm) {
+  Lattice l;
+  l.spacing_mm = spacing;
+  l.origin_mm = {-half_mm, -half_mm, -half_mm};
+  for (int a = 0; a < 3; ++a) l.size[a] = int(2 * half_mm / spacing[a]) + 1;
+  return l;
+}
+
+Field ball(const Lattice& l, Vec3 centre, double radius) {
+  return field_of(l, [=](Vec3 p) { return radius - norm(p - centre); });
+}
+
+TEST(Clearance, GapOfSpheres) {
+  const Lattice l = raster({0.7, 0.7, 1.1}, 40);
+  const Field outer = ball(l, {}, 35);
+  for (const double gap : {0.2, 0.6, 1.5, 4.0}) {
+    const Vec3 towards = normalized({1, 2, 0.5});
+    const Field inner = ball(l, towards * (35 - 20 - gap), 20);
+    const Clearance c = clearance(inner, outer, Relation::inside, gap + 0.3);
+    EXPECT_EQ(c.wrong_ml, 0);
+    EXPECT_NEAR(c.gap_mm, gap, 0.05);
+    EXPECT_LT(norm(c.gap_at_mm - towards * (35 - gap)), 4) << gap;
+    EXPECT_GT(c.near_mm2, 20);
+    EXPECT_EQ(clearance(inner, outer, Relation::inside, gap - 0.1).near_mm2, 0);
+    const Clearance away =
+        clearance(ball(l, {-22, 0, 0}, 15), ball(l, {15 + gap - 22 + 12.0, 0, 0}, 12), Relation::apart, 0);
+    EXPECT_NEAR(away.gap_mm, gap, 0.05);
+  }
+  EXPECT_GT(clearance(ball(l, {}, 20), outer, Relation::inside, 0).gap_mm, 1e5);  // beyond 5 mm
+}
+
+TEST(Clearance, DepthAndVolumeOfWhatPokesOut) {
+  const Lattice l = raster({0.8, 0.8, 0.8}, 40);
+  const Clearance c = clearance(ball(l, {0, 0, 12}, 20), ball(l, {}, 28), Relation::inside, 0);
+  EXPECT_NEAR(c.depth_mm, 4, 0.9);  // to the nearest voxel that is inside
+  EXPECT_NEAR(c.deepest_mm.z, 32, 0.9);
+  EXPECT_EQ(c.gap_mm, 0);
+  EXPECT_GT(c.wrong_ml, 1);
+  // Cropped fields of one raster lie where they lie.
+  const Field whole = ball(l, {0, 0, 12}, 20);
+  const Clearance cropped =
+      clearance(crop(whole, Box{{20, 20, 30}, {80, 80, 95}}), ball(l, {}, 28), Relation::inside, 0);
+  EXPECT_EQ(cropped.wrong_ml, c.wrong_ml);
+  EXPECT_EQ(cropped.deepest_mm, c.deepest_mm);
+}
+
+TEST(Clearance, WhereTheVolumeCutsThereIsNoSurface) {
+  Lattice l = raster({1, 1, 1}, 30);
+  l.size[2] = 30;  // both are cut at their middle
+  const Clearance c = clearance(ball(l, {}, 20), ball(l, {}, 24), Relation::inside, 1);
+  EXPECT_NEAR(c.gap_mm, 4, 0.05);
+}
+
+/// A head of ellipsoids that is right.
+struct Head {
+  Lattice l = raster({1.8, 1.8, 2.2}, 90);
+  Vec3 ventricles_at{0, 0, 5}, brain_at, skull_at;
+  double slit_mm = 0;
+  Field skin, skull, brain, ventricles;
+  void make() {
+    const auto ellipsoid = [](Vec3 p, Vec3 r) {
+      return (1 - norm({p.x / r.x, p.y / r.y, p.z / r.z})) * std::min({r.x, r.y, r.z});
+    };
+    skin = field_of(l, [&](Vec3 p) { return ellipsoid(p, {82, 86, 84}); });
+    skull = field_of(l, [&](Vec3 p) {
+      const Vec3 q = p - skull_at;
+      return std::min(ellipsoid(q, {75, 79, 77}), -ellipsoid(q, {68, 72, 70}));
+    });
+    brain = field_of(l, [&](Vec3 p) {
+      const Vec3 q = p - brain_at;
+      return std::min(ellipsoid(q, {65, 69, 67}), std::abs(q.x - 30) - slit_mm / 2);
+    });
+    ventricles = field_of(l, [&](Vec3 p) { return ellipsoid(p - ventricles_at, {17, 40, 12}); });
+  }
+  HeadFields fields() const { return {&skin, &skull, &brain, &ventricles}; }
+  AnatomyFindings examine(Report& report) const {
+    return examine_anatomy(fields(), nullptr, AnatomyGateParams(), report);
+  }
+};
+
+TEST(AnatomyGate, PassesWhatIsRight) {
+  Head head;
+  head.make();
+  Report report;
+  const AnatomyFindings found = head.examine(report);
+  EXPECT_TRUE(found.faults.empty()) << found.faults[0].what;
+  EXPECT_NO_THROW(require_anatomy(found));
+  EXPECT_NEAR(std::get<double>(*report.find("skull_brain_gap_mm")), 3, 0.2);
+  EXPECT_EQ(std::get<std::int64_t>(*report.find("brain_pieces_count")), 1);
+  EXPECT_LT(std::get<double>(*report.find("brain_outside_skull_ml")), 1);
+}
+
+/// The first fault's text holds each of the words, and it lies within `off_mm` of the place.
+void expect_fault(const Head& head, std::vector<std::string> words, Vec3 place, double off_mm) {
+  Report report;
+  const AnatomyFindings found = head.examine(report);
+  ASSERT_FALSE(found.faults.empty());
+  const AnatomyFault& f = found.faults[0];
+  for (const std::string& w : words) EXPECT_NE(f.what.find(w), std::string::npos) << f.what;
+  EXPECT_LT(norm(f.place_mm - place), off_mm) << f.what;
+  try {
+    require_anatomy(found);
+    FAIL() << "no error";
+  } catch (const AnatomyError& e) {
+    EXPECT_EQ(e.code(), ExitCode::quality);
+    EXPECT_EQ(e.field(), "anatomy");
+    EXPECT_EQ(e.faults().size(), found.faults.size());
+  }
+}
+
+TEST(AnatomyGate, VentriclePokesOutOfTheBrain) {
+  Head head;
+  head.ventricles_at = {0, -35, 5};
+  head.make();
+  expect_fault(head, {"ml of the ventricles lie outside of the brain", "deepest at", "mm"}, {0, -75, 5}, 6);
+}
+
+TEST(AnatomyGate, BrainInTwoPieces) {
+  Head head;
+  head.slit_mm = 4;
+  head.make();
+  expect_fault(head, {"the brain is in 2 pieces"}, {48, 0, 0}, 12);
+}
+
+TEST(AnatomyGate, SkullTouchesTheSkin) {
+  Head head;
+  head.skull_at = head.brain_at = {6.9, 0, 0};  // of a gap of 7
+  head.make();
+  Report report;
+  AnatomyGateParams params;
+  params.min_skin_skull_gap_mm = 0.5;
+  AnatomyFindings found = examine_anatomy(head.fields(), nullptr, params, report);
+  ASSERT_EQ(found.faults.size(), 1u);
+  EXPECT_NE(found.faults[0].what.find("surfaces of skull and skin are only 0.1"), std::string::npos)
+      << found.faults[0].what;
+  EXPECT_LT(norm(found.faults[0].place_mm - Vec3{82, 0, 0}), 12);
+  params.min_skin_skull_gap_mm = 0;
+  EXPECT_TRUE(examine_anatomy(head.fields(), nullptr, params, report).faults.empty());
+  head.skull_at = head.brain_at = {8.5, 0, 0};
+  head.make();
+  expect_fault(head, {"of the skull lie outside of the skin"}, {83, 0, 0}, 50);
+}
+
+TEST(AnatomyGate, BrainInTheBone) {
+  Head head;
+  head.brain_at = {0, 7, 0};
+  head.make();
+  expect_fault(head, {"ml of the brain lie in the skull"}, {0, 74, 0}, 35);
+}
+
+TEST(AnatomyGate, BrainOutsideOfTheSkull) {
+  Head head;
+  head.make();
+  // A bud beyond the bone, under the skin.
+  for (std::size_t v = 0; v < head.brain.voxels.size(); ++v) {
+    const int i = int(v % head.l.size[0]), j = int(v / head.l.size[0] % head.l.size[1]),
+              k = int(v / head.l.size[0] / head.l.size[1]);
+    const Vec3 p = head.l.to_world_mm({double(i), double(j), double(k)});
+    if (norm({p.x, p.y, p.z - 40}) < 62 && p.y < -30 && head.skull.voxels[v] < -1 && head.skin.voxels[v] < 5.5 &&
+        head.skin.voxels[v] > 0.5)
+      head.brain.voxels[v] = 1;
+  }
+  Report report;
+  AnatomyGateParams params;
+  params.max_outside_skull_ml = 1;
+  const AnatomyFindings found = examine_anatomy(head.fields(), nullptr, params, report);
+  bool said = false;
+  for (const AnatomyFault& f : found.faults) said = said || f.what.find("cranial cavity") != std::string::npos;
+  EXPECT_TRUE(said);
+}
+
+TEST(AnatomyGate, AnEmptyAnatomyIsAFault) {
+  Head head;
+  head.make();
+  std::fill(head.ventricles.voxels.begin(), head.ventricles.voxels.end(), -1.f);
+  Report report;
+  const AnatomyFindings found = head.examine(report);
+  ASSERT_EQ(found.faults.size(), 1u);
+  EXPECT_NE(found.faults[0].what.find("not one voxel"), std::string::npos);
+}
+
+TEST(AnatomyGate, OnlyWhatIsGivenIsChecked) {
+  Head head;
+  head.ventricles_at = {0, -35, 5};
+  head.make();
+  HeadFields fields = head.fields();
+  fields.ventricles = nullptr;
+  Report report;
+  EXPECT_TRUE(examine_anatomy(fields, nullptr, {}, report).faults.empty());
+}
+
+TEST(AnatomyGate, RefusesOtherRastersAndNaN) {
+  Head head;
+  head.make();
+  Report report;
+  Head other = head;
+  other.brain.spacing_mm.x *= 1.01;
+  EXPECT_THROW(other.examine(report), Error);
+  head.brain.voxels[1000] = std::nanf("");
+  EXPECT_THROW(head.examine(report), Error);
+}
+
+TEST(AnatomyGate, TheSameBitsWithOneThread) {
+  Head head;
+  head.ventricles_at = {0, -35, 5};
+  head.make();
+  Report many, one;
+  const AnatomyFindings a = head.examine(many);
+  set_thread_count(1);
+  const AnatomyFindings b = head.examine(one);
+  set_thread_count(0);
+  EXPECT_EQ(many.figures, one.figures);
+  EXPECT_EQ(a.faults[0].what, b.faults[0].what);
+}
+
+TEST(AnatomyGate, PictureShowsThePlace) {
+  Head head;
+  head.ventricles_at = {0, -35, 5};
+  head.make();
+  Grid<std::int16_t> volume(head.l, -1000);
+  for (std::size_t v = 0; v < volume.voxels.size(); ++v)
+    volume.voxels[v] = head.skull.voxels[v] > 0        ? 900
+                       : head.ventricles.voxels[v] > 0 ? 8
+                       : head.brain.voxels[v] > 0      ? 35
+                       : head.skin.voxels[v] > 0       ? 60
+                                                       : -1000;
+  Report report;
+  const AnatomyFindings found = head.examine(report);
+  ASSERT_FALSE(found.faults.empty());
+  const std::string png = anatomy_picture(volume, head.fields(), found.faults[0]);
+  const Image image = decode_png(png);
+  EXPECT_GT(image.width, 1500);
+  // Outlines in their colours, and the cross.
+  std::size_t blue = 0, red = 0, white = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const std::uint8_t* p = image.at(x, y);
+      blue += p[2] > 200 && p[0] < 120;
+      red += p[0] > 200 && p[1] < 120;
+      white += p[0] == 255 && p[1] == 255 && p[2] == 255;
+    }
+  EXPECT_GT(blue, 300u);
+  EXPECT_GT(red, 800u);
+  EXPECT_GT(white, 100u);
+  EXPECT_EQ(png, anatomy_picture(volume, head.fields(), found.faults[0]));
+  if (const char* to = std::getenv("TREPHINE_KEEP_PICTURES")) write_file(std::string(to) + "/gate.png", png);
+}
+
+TEST(LongAnatomyGate, PassesThePhantom) {
+  for (int n = 0; n < 4; ++n) {
+    phantom::HeadParams p;
+    p.variant = phantom::Variant(n);
+    p.seed = n + 1;
+    p.level = phantom::Level::clinical;
+    const TrueHead h = true_head(p, 1.5);
+    Report report;
+    const AnatomyFindings found = examine_anatomy(h.fields(), &h.landmarks, {}, report);
+    EXPECT_TRUE(found.faults.empty()) << found.faults[0].what;
+  }
+}
+
+}  // namespace
+}  // namespace trephine

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <optional>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/write_file.h"
+#include "commands.h"
+#include "grid/nrrd.h"
+#include "segmentation/anatomy_gate.h"
+#include "stage_command.h"
+#include "stages/data_files.h"
+
+namespace trephine {
+namespace {
+
+Argument argument(const char* name, Argument::Kind kind, const char* help) {
+  Argument a;
+  a.name = name;
+  a.kind = kind;
+  a.help = help;
+  return a;
+}
+
+/// The stage's work, with a picture of the worst place where one is asked for.
+Report examine(const ParsedCommand& parsed, const Progress& progress) {
+  const char* const names[] = {"skin", "skull", "brain", "ventricles"};
+  std::optional<Field> given[4];
+  bool any = false;
+  for (int a = 0; a < 4; ++a)
+    if (parsed.has(names[a])) {
+      given[a] = read_field_nrrd(parsed.path(names[a]));
+      any = true;
+    }
+  if (!any) throw Error(ExitCode::usage, "", "--skin, --skull, --brain, --ventricles", "none is given");
+  const auto field = [&](int a) { return given[a] ? &*given[a] : nullptr; };
+  const HeadFields fields{field(0), field(1), field(2), field(3)};
+  StageData landmarks;
+  const HeadLandmarks* known = nullptr;
+  if (parsed.has("landmarks")) {
+    landmarks = load_data(parsed.path("landmarks"), DataKind::landmarks);
+    known = std::get<std::shared_ptr<const HeadLandmarks>>(landmarks).get();
+  }
+  Report report;
+  const AnatomyFindings found = examine_anatomy(fields, known, parsed.params<AnatomyGateParams>(), report, progress);
+  if (parsed.has("picture") && !found.faults.empty())
+    write_file(parsed.path("picture"), anatomy_picture(read_hu_nrrd(parsed.path("volume")), fields, found.faults[0]));
+  if (!found.faults.empty()) {
+    // What was measured is worth having where the gate refuses, too.
+    if (parsed.has("report")) write_file(parsed.path("report"), report_json(report));
+    require_anatomy(found);
+  }
+  return report;
+}
+
+}  // namespace
+
+Command anatomy_command() {
+  const StageType stage = anatomy_stage();
+  Command c;
+  c.name = stage.name;
+  c.summary = stage.summary;
+  c.description = stage.description;
+  c.examples = {
+      "trephine anatomy --skin skin.nrrd --skull skull.nrrd --brain brain.nrrd --ventricles ventricles.nrrd "
+      "--landmarks landmarks.json",
+      "trephine anatomy --brain brain.nrrd --ventricles ventricles.nrrd --volume head.nrrd --picture "
+      "fault.png"};
+  for (const Port& port : stage.ports) {
+    Argument a = argument(port.name.c_str(), Argument::Kind::in_file, "");
+    a.help = "File of " + port.help + " (" + file_extension(port.kind) + ").";
+    c.arguments.push_back(a);
+  }
+  c.arguments.push_back(argument("volume", Argument::Kind::in_file, "CT volume for the picture (.nrrd)."));
+  c.arguments.push_back(argument("picture", Argument::Kind::out_file,
+                                 "Where slices through the worst place go if something is wrong (.png)."));
+  c.arguments.push_back(report_argument());
+  c.groups = {{"Parameters", stage.make_params}};
+  c.run = [](const ParsedCommand& parsed) {
+    if (parsed.has("picture") != parsed.has("volume"))
+      throw Error(ExitCode::usage, "", "--picture, --volume", "belong together");
+    run_with_report(parsed, [&](const Progress& progress) { return examine(parsed, progress); });
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+}  // namespace trephine
