@@ -50,6 +50,7 @@ CaseManifest sample_manifest() {
                    14,
                    {"skull"},
                    {{"bone_thickness_mm", 6.25}, {"skull.removed_haptic_mm3", 900.5}}}};
+  m.figures = {{"class", std::string("normal")}, {"evans_index_ratio", 0.27}};
   m.face_policy = "keep";
   m.face_reason = "a synthetic \"patient\"";
   m.program_version = "trephine 0.1.0";
@@ -60,7 +61,7 @@ CaseManifest sample_manifest() {
   return m;
 }
 
-// With everything that a case of 1.1 can hold.
+// With everything that a case of 1.2 can hold.
 CaseManifest full_manifest() {
   CaseManifest m = sample_manifest();
   CaseShape skin, skull;
@@ -213,7 +214,7 @@ TEST(CaseJson, Versions) {
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
     EXPECT_NE(std::string(e.what()).find("version 2.2"), std::string::npos);
-    EXPECT_NE(std::string(e.what()).find("version 1.1"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("version 1.2"), std::string::npos);
   }
 }
 

@@ -1,12 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/burr_hole.h"
 
+#include <algorithm>
+
 #include "commands.h"
 #include "named_values.h"
 #include "stage_command.h"
 #include "stages/data_files.h"
 
 namespace trephine {
+namespace {
+
+// The file's landmarks; those of the command line win.
+StageData with_given(const std::filesystem::path& file, const std::map<std::string, Vec3>& given) {
+  HeadLandmarks all = *std::get<std::shared_ptr<const HeadLandmarks>>(load_data(file, DataKind::landmarks));
+  for (const auto& [name, position_mm] : given) {
+    const auto same = [&name = name](const CaseLandmark& l) { return l.name == name; };
+    all.landmarks.erase(std::remove_if(all.landmarks.begin(), all.landmarks.end(), same), all.landmarks.end());
+    all.landmarks.push_back({name, position_mm, 1, "given"});
+  }
+  return std::make_shared<const HeadLandmarks>(std::move(all));
+}
+
+}  // namespace
 
 Command burrhole_command() {
   const StageType stage = burr_hole_stage("burr_hole", {});
@@ -18,7 +34,7 @@ Command burrhole_command() {
       "trephine burrhole skull.vtp --skin skin.vtp --landmark nasion=0,-95,10 --landmark inion=0,98,0 --output "
       "hole.json",
       "trephine burrhole skull.vtp --at position --position-mm -30,-40,70 --diameter-mm 12 --output hole.json"};
-  Argument skull, skin, landmark, output;
+  Argument skull, skin, landmark, landmarks, output;
   skull.name = "skull";
   skull.help = stage.ports[0].help + " (.vtp).";
   skull.positional = skull.required = true;
@@ -28,23 +44,30 @@ Command burrhole_command() {
   landmark.kind = Argument::Kind::text;
   landmark.repeated = true;
   landmark.help = "NAME=X,Y,Z: a landmark, LPS, mm: nasion, inion, tragus_left, tragus_right, or what --toward names.";
+  landmarks.name = "landmarks";
+  landmarks.help = "File of landmarks: of `trephine landmarks` (.json), or of 3D Slicer (.mrk.json, .fcsv).";
   output.name = "output";
   output.kind = Argument::Kind::out_file;
   output.help = "Where the cutter goes (.json).";
   output.required = true;
-  c.arguments = {skull, skin, landmark, output, report_argument()};
+  c.arguments = {skull, skin, landmark, landmarks, output, report_argument()};
   c.groups = {ParameterGroup::of<BurrHoleParams>("Parameters")};
   c.run = [](const ParsedCommand& parsed) {
-    const auto landmarks = named_positions("--landmark", parsed.all("landmark"));
+    const auto given = named_positions("--landmark", parsed.all("landmark"));
     // Contradictions of the command line are told before anything is read.
-    request_of(parsed.params<BurrHoleParams>(), "burr_hole", landmarks, ExitCode::usage);
+    const auto& params = parsed.params<BurrHoleParams>();
+    if (parsed.has("landmarks"))
+      check_request(params, ExitCode::usage);
+    else
+      request_of(params, "burr_hole", given, ExitCode::usage);
     run_with_report(parsed, [&](const Progress& progress) {
       StageInputs inputs;
       for (const char* port : {"skull", "skin"})
         if (parsed.has(port)) inputs.by_port[port] = load_data(parsed.path(port), DataKind::mesh);
+      if (parsed.has("landmarks")) inputs.by_port["landmarks"] = with_given(parsed.path("landmarks"), given);
       Report report;
       save_data(parsed.path("output"),
-                burr_hole_stage("burr_hole", landmarks).run(parsed.groups[0], inputs, report, progress));
+                burr_hole_stage("burr_hole", given).run(parsed.groups[0], inputs, report, progress));
       return report;
     });
     return ExitCode::ok;

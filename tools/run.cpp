@@ -57,6 +57,8 @@ Command run_command() {
   c.arguments = {config,
                  out,
                  argument("series", Kind::in_path, "Folder of the CT series; overrides the configuration's."),
+                 argument("landmarks", Kind::in_file,
+                          "Landmarks that a person placed (3D Slicer's .mrk.json or .fcsv); they win over others."),
                  set,
                  root,
                  argument("keep", Kind::out_folder, "Also write every stage's output into this folder."),
@@ -68,6 +70,7 @@ Command run_command() {
     request.config = parsed.path("config");
     request.library = parsed.path("out");
     request.overrides.series = parsed.path("series");
+    request.overrides.landmarks = parsed.path("landmarks");
     request.overrides.set = parsed.all("set");
     for (const std::string& r : parsed.all("root")) request.overrides.roots.emplace_back(r);
     request.params = parsed.params<RunParams>();

@@ -17,7 +17,7 @@ namespace trephine {
 /// The case package: a folder with case.json and what it names; docs/case-package.md specifies it for other programs.
 /// Positions are DICOM patient LPS, mm.
 
-constexpr int case_version_major = 1, case_version_minor = 1;
+constexpr int case_version_major = 1, case_version_minor = 2;
 
 /// A figure by name, in the order of insertion: numbers finite.
 using CaseValues = std::vector<std::pair<std::string, ParameterValue>>;
@@ -42,7 +42,7 @@ struct CaseLandmark {
   std::string name;
   Vec3 position_mm;
   double confidence = 1;  ///< 0 to 1
-  std::string source;     ///< "found", "given", "truth"
+  std::string source;     ///< "found", "estimated", "given", "truth"
 };
 
 struct CaseTarget {
@@ -122,6 +122,7 @@ struct CaseManifest {
   std::vector<CaseTarget> targets;
   std::vector<CaseBurrHole> burr_holes;
   CaseHaptic haptic;
+  CaseValues figures;  ///< of the patient: class, evans_index_ratio, midline_shift_mm, ...; since 1.2
   std::string face_policy = "keep", face_reason;
   std::string program_version;  ///< "trephine 0.1.0"
   std::string input_sha256;     ///< of what was read, without identifiers

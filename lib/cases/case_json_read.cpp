@@ -148,6 +148,7 @@ CaseManifest read_manifest(std::string_view json) {
   for (const JsonAt& t : v["targets"].items())
     m.targets.push_back({t["name"].text(), to_vec3(t["position_mm"]), t["confidence"].number(), t["anatomy"].text()});
   for (const JsonAt& b : v["burr_holes"].items()) m.burr_holes.push_back(to_burr_hole(b));
+  if (const auto figures = v.optional("figures")) m.figures = to_values(*figures);
   m.face_policy = v["face"]["policy"].text();
   m.face_reason = v["face"]["reason"].text();
   const JsonAt p = v["provenance"];

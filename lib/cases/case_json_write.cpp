@@ -149,6 +149,7 @@ Json to_document(const CaseManifest& m) {
                               {"anatomy", t.anatomy}});
   out["burr_holes"] = Json::array();
   for (const auto& b : m.burr_holes) out["burr_holes"].push_back(to_burr_hole(b));
+  if (!m.figures.empty()) out["figures"] = to_object(m.figures, "figures");
   out["face"] = {{"policy", m.face_policy}, {"reason", m.face_reason}};
   out["provenance"] = {{"program", m.program_version},
                        {"input_sha256", m.input_sha256},

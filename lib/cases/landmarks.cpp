@@ -33,6 +33,13 @@ const CaseLandmark* HeadLandmarks::find(std::string_view name) const {
   return nullptr;
 }
 
+const std::vector<std::string>& findable_landmarks() {
+  static const std::vector<std::string> names{"nasion",      "inion",        "vertex",     "bregma",
+                                              "tragus_left", "tragus_right", "monro_left", "monro_right",
+                                              "kocher_left", "kocher_right"};
+  return names;
+}
+
 std::string landmarks_json(const HeadLandmarks& landmarks) {
   Json j;
   j["midsagittal"] = {{"point_mm", value_of(landmarks.midsagittal.point_mm)},

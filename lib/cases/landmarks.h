@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,9 @@ struct HeadLandmarks {
   const CaseLandmark* find(std::string_view name) const;
 };
 
+/// The names that are looked for in a head; a user may give others.
+const std::vector<std::string>& findable_landmarks();
+
 /// Our own JSON, value for value. parse throws Error 65 naming the field.
 std::string landmarks_json(const HeadLandmarks& landmarks);
 HeadLandmarks parse_landmarks_json(std::string_view text);
@@ -36,5 +40,9 @@ HeadLandmarks parse_landmarks_json(std::string_view text);
 /// with another place, a number that is not finite or beyond 1e5 mm, an unknown coordinate system or unit.
 std::vector<CaseLandmark> parse_slicer_markups(std::string_view text);
 std::vector<CaseLandmark> parse_slicer_fcsv(std::string_view text);
+
+/// A file of points by its ending: .mrk.json, .fcsv, or .json for our own. Throws Error 66; 65 as the parsers do,
+/// naming the file; 64 for another ending.
+std::vector<CaseLandmark> read_landmark_file(const std::filesystem::path& file);
 
 }  // namespace trephine

@@ -12,6 +12,7 @@
 #include "meshing/validity.h"
 #include "pipeline/figures.h"
 #include "pipeline/haptic_content.h"
+#include "pipeline/head_content.h"
 #include "stages/cut.h"
 
 namespace trephine {
@@ -46,6 +47,7 @@ class Builder {
                     const Progress& cancelled) {
     manifest().center_mm = center();
     add_provenance(program_version, input_sha256);
+    add_head_content(config_, graph_, results_, manifest());
     for (std::size_t i = 0; i < graph_.anatomies.size(); ++i) {
       cancelled.check();
       add_anatomy(graph_.anatomies[i], config_.scene[i]);
@@ -84,16 +86,13 @@ class Builder {
   void add_provenance(const std::string& program_version, const std::string& input_sha256) {
     CaseManifest& m = manifest();
     m.case_token = config_.case_token;
-    m.landmarks = config_.landmarks;
-    m.face_policy = config_.face.empty() ? "none" : config_.face;
-    m.face_reason = config_.face_reason;
     m.program_version = program_version;
     m.input_sha256 = input_sha256;
     // Of the stages that the case was made by, and no others: parameters of what the scene does not demand change no
     // byte.
     for (const Node& node : graph_.nodes)
       for (const Parameter& p : node.params.set->parameters)
-        m.parameters.emplace_back(node.name + "." + p.name, node.params.get(p));
+        m.parameters.emplace_back(node.name + "." + p.name, node.recorded(p));
   }
 
   void add_file(const std::string& stem, const std::string& extension, std::string bytes, std::string& name) {
@@ -252,7 +251,8 @@ class Builder {
         felt.push_back(surface_of_shape(haptic(), shape.number));
         shown.push_back({shape.name, &felt.back(), shape.material.colour_rgb, 1});
       }
-    out_.pictures = make_case_pictures(*std::get<std::shared_ptr<const HuVolume>>(at(0).data), shown, cancelled);
+    out_.pictures = make_case_pictures(*std::get<std::shared_ptr<const HuVolume>>(at(graph_.scan).data), shown,
+                                       manifest().landmarks, cancelled);
   }
 
   const CaseConfig& config_;
@@ -265,12 +265,12 @@ class Builder {
 
 std::vector<int> wanted_nodes(const Graph& graph, bool pictures) {
   std::vector<int> wanted = graph.burr_holes;
-  if (pictures) wanted.push_back(0);
+  if (pictures) wanted.push_back(graph.scan);
   for (const Graph::Anatomy& a : graph.anatomies) {
     wanted.push_back(a.surface);
     wanted.push_back(a.measure);
   }
-  for (const int node : {graph.haptic, graph.mismatch})
+  for (const int node : {graph.landmarks, graph.anatomy_gate, graph.face_gate, graph.haptic, graph.mismatch})
     if (node >= 0) wanted.push_back(node);
   return wanted;
 }

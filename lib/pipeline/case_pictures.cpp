@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "boolean/cutter.h"
 #include "picture/image.h"
 #include "picture/render.h"
 #include "picture/slice.h"
@@ -67,10 +68,58 @@ Vec3 point_of_interest(const std::vector<PictureAnatomy>& anatomies) {
   return (b.min_mm + b.max_mm) / 2;
 }
 
+constexpr double ball_radius_mm = 3;
+
+TriMesh ball_at(Vec3 position_mm) {
+  Cutter ball;
+  ball.kind = Cutter::Kind::sphere;
+  ball.position_mm = position_mm;
+  ball.radius_mm = ball_radius_mm;
+  return mesh_of(ball, 0.1);
+}
+
+// From red, a guess, to green.
+std::array<double, 3> colour_of(const CaseLandmark& l) { return {1 - l.confidence, 0.15 + 0.75 * l.confidence, 0.1}; }
+
+CasePicture landmarks_picture(const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
+                              const std::vector<CaseLandmark>& landmarks, const Bounds& frame,
+                              const Progress& progress) {
+  std::vector<TriMesh> balls;
+  for (const CaseLandmark& l : landmarks) balls.push_back(ball_at(l.position_mm));
+  std::vector<SurfaceView> views = see_through(anatomies);
+  for (std::size_t i = 0; i < balls.size(); ++i) views.push_back({&balls[i], colour_of(landmarks[i]), 1});
+  std::vector<Image> images;
+  for (const View v : {View::front, View::left, View::oblique_right})
+    images.push_back(shaded(views, v, "landmarks", frame, progress));
+
+  std::vector<OverlayShape> outlines;
+  for (const PictureAnatomy& a : anatomies) outlines.push_back({a.surface, vivid(a.colour_rgb), ""});
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    progress.check();
+    const CaseLandmark& l = landmarks[i];
+    // On the midline a profile says most, elsewhere the cut from ear to ear or through the ventricles.
+    const bool midline = l.name == "nasion" || l.name == "inion" || l.name == "vertex" || l.name == "bregma";
+    SliceParams params;
+    params.plane = midline                         ? SlicePlane::sagittal
+                   : l.name.rfind("monro", 0) == 0 ? SlicePlane::axial
+                                                   : SlicePlane::coronal;
+    const int axis = midline ? 0 : params.plane == SlicePlane::axial ? 2 : 1;
+    const auto range = slice_range_mm(lattice_of(volume), params.plane);
+    if (l.position_mm[axis] < range[0] || l.position_mm[axis] > range[1]) continue;
+    params.longer_side_px = cell_px;
+    params.window_width_hu = 400;
+    params.position_mm = l.position_mm[axis];
+    std::vector<OverlayShape> shapes = outlines;
+    shapes.push_back({&balls[i], colour_of(l), l.name});
+    images.push_back(slice_overlay(volume, params, shapes));
+  }
+  return {"landmarks.png", encode_png(contact_sheet(images, 3))};
+}
+
 }  // namespace
 
 std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
-                                            const Progress& progress) {
+                                            const std::vector<CaseLandmark>& landmarks, const Progress& progress) {
   if (anatomies.empty()) return {};
   std::vector<CasePicture> pictures;
   const Bounds frame = bounds_of_all(anatomies);
@@ -118,6 +167,7 @@ std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::v
     overview.push_back(slice_overlay(volume, params, shapes));
     pictures.push_back({std::string(names[p]) + ".png", encode_png(contact_sheet(images, 3))});
   }
+  if (!landmarks.empty()) pictures.push_back(landmarks_picture(volume, anatomies, landmarks, frame, progress));
   pictures.push_back({"overview.png", encode_png(contact_sheet(overview, 3))});
   return pictures;
 }

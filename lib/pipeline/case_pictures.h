@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "cases/case.h"
 #include "grid/grid.h"
 #include "surface/trimesh.h"
 
@@ -23,9 +24,10 @@ struct CasePicture {
 };
 
 /// What a technician looks at before a case is used: overview.png (all of it on a page), <anatomy>.png (one surface
-/// from several sides), axial.png, coronal.png, sagittal.png (the CT with the surfaces' exact cuts). In memory, so that
-/// they can be written when nothing can fail any more. The same bytes for the same input.
+/// from several sides), axial.png, coronal.png, sagittal.png (the CT with the surfaces' exact cuts), and where there
+/// are landmarks landmarks.png: balls of 3 mm on the largest shape, the surer the greener, and the slices through each.
+/// In memory, so that they can be written when nothing can fail any more. The same bytes for the same input.
 std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
-                                            const Progress& progress = {});
+                                            const std::vector<CaseLandmark>& landmarks, const Progress& progress = {});
 
 }  // namespace trephine

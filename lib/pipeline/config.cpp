@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <optional>
-#include <set>
 
 #include "base/text.h"
 #include "pipeline/config_haptic.h"
+#include "pipeline/config_head.h"
+#include "pipeline/config_paths.h"
 #include "pipeline/yaml_document.h"
 
 namespace trephine {
@@ -56,7 +57,10 @@ class Reader {
     if (!overrides_.series.empty()) out_.series = overrides_.series;
     const fs::path pipeline = required_file(map, "pipeline", tree), scene = required_file(map, "scene", tree);
     if (const YamlNode* node = map.map("import")) read_params(config_, *node, "import", import_, {}, nullptr);
-    read_landmarks(map);
+    if (const YamlNode* node = map.map("landmarks")) read_given_landmarks(config_, *node, out_, faults_);
+    if (const fs::path points = path_value(map, config_, "landmarks_file", tree); !points.empty())
+      read_points(points, false);
+    if (!overrides_.landmarks.empty()) read_points(overrides_.landmarks, true);
     const YamlNode* burr_holes = map.list("burr_holes");
     const YamlNode* set = map.map("set");
     map.finish();
@@ -65,12 +69,15 @@ class Reader {
     if (burr_holes) read_burr_holes(config_, *burr_holes, out_, faults_);
     if (set)
       for (const auto& [key, value] : set->entries)
-        if (const std::string fault = set_by_path(key.text, value); !fault.empty())
-          faults_.add(config_, has_path(key.text) ? value : key, "set." + key.text, fault);
-    for (const std::string& text : overrides_.set) set_from_text(text);
+        if (const std::string fault = paths_.set(key.text, value, absolute_path(config_).parent_path()); !fault.empty())
+          faults_.add(config_, paths_.has(key.text) ? value : key, "set." + key.text, fault);
+    for (const std::string& text : overrides_.set) paths_.set_from_text(text, faults_);
+    for (RecipeAnatomy& anatomy : out_.anatomies)
+      for (RecipeStep& step : anatomy.steps) resolve_files(anatomy.name, step);
     // Last, for what smoothing takes of it may just have been set.
     for (const Budget& budget : budgets_) give(budget);
     check_burr_holes(config_, tree, out_, faults_);
+    drop_unused_landmarks(points_, out_);
     for (const SceneDrill& drilled : out_.drilled) leave_room(drilled);
     out_.import = import_.as<ImportParams>();
     faults_.raise();
@@ -109,13 +116,29 @@ class Reader {
     return path;
   }
 
-  void read_landmarks(MapReader& map) {
-    const YamlNode* node = map.map("landmarks");
-    if (!node) return;
-    MapReader landmarks(config_, *node, "landmarks", faults_);
-    for (const auto& entry : node->entries)
-      if (const auto p = landmarks.numbers(entry.first.text, 3, {-1e5, 1e5}))
-        out_.landmarks.push_back({entry.first.text, {(*p)[0], (*p)[1], (*p)[2]}, 1, "given"});
+  void read_points(const fs::path& file, bool wins) {
+    try {
+      for (std::string& name : read_landmarks_file(file, wins, out_)) points_.push_back(std::move(name));
+    } catch (const Error& e) {
+      faults_.add(e);
+    }
+  }
+
+  // A file is meant relative to the one that names it; from the command line, to where the command is given.
+  void resolve_files(const std::string& anatomy, RecipeStep& step) {
+    for (const std::string& name : step.type->file_params) {
+      const Parameter& p = *step.params.set->find(name);
+      const std::string text = std::get<std::string>(step.params.get(p));
+      if (text.empty()) continue;
+      const std::string path = anatomy + "." + step.type->name + "." + name;
+      const fs::path folder = paths_.set_in(path).value_or(recipe_.parent_path());
+      const fs::path file = absolute_path(fs::absolute(folder) / text);
+      if (!folder.empty() &&
+          std::none_of(roots_.begin(), roots_.end(), [&](const fs::path& root) { return lies_in(file, root); }))
+        faults_.add(Error(ExitCode::bad_config, "", path,
+                          text + ", leads out of the root " + roots_[0].string() + "; --root adds one"));
+      p.set(step.params.object.get(), file.string());
+    }
   }
 
   // Parameters of one stage, and its ports where it has any.
@@ -136,8 +159,12 @@ class Reader {
     check_version(map, tree);
     const YamlNode* anatomies = map.map("anatomies");
     if (!tree.find("anatomies")) map.fault(tree, "anatomies", "is missing");
+    std::map<std::string, const YamlNode*> head;
+    for (const char* stage : {landmarks_step, deface_step, anatomy_step})
+      if (const YamlNode* node = map.map(stage)) head[stage] = node;
     map.finish();
     if (!anatomies) return;
+    recipe_ = file;
     for (const auto& [key, node] : anatomies->entries) {
       const std::string where = "anatomies." + key.text;
       RecipeAnatomy anatomy;
@@ -162,6 +189,8 @@ class Reader {
       out_.anatomies.push_back(std::move(anatomy));
     }
     check_ports(file, *anatomies);
+    for (const char* stage : {landmarks_step, deface_step, anatomy_step})
+      if (head.count(stage)) read_head_step(file, stage, *head[stage], out_, faults_);
   }
 
   // A step is `- name` or `- name: {parameters and ports}`.
@@ -235,16 +264,8 @@ class Reader {
     const YamlNode& tree = *read;
     MapReader map(file, tree, "", faults_);
     check_version(map, tree);
-    if (const YamlNode* face = map.map("face")) {
-      MapReader body(file, *face, "face", faults_);
-      out_.face = body.required(body.text("policy"), "policy");
-      out_.face_reason = body.required(body.text("reason"), "reason");
-      if (!out_.face.empty() && out_.face != "keep")
-        body.fault(*face, "policy", out_.face + ", must be keep (crop and deface are not built yet)");
-      if (!out_.face_reason.empty() && out_.face_reason.find_first_not_of(" \t\r\n") == std::string::npos)
-        body.fault(*face->find("reason"), "reason", "is blank: why may the case show the patient's face?");
-      body.finish();
-    }
+    if (const YamlNode* face = map.map("face")) read_face_policy(file, *face, out_, faults_);
+    if (const YamlNode* landmarks = map.map("landmarks")) read_scene_landmarks(file, *landmarks, out_, faults_);
     std::vector<std::string> known;
     for (const RecipeAnatomy& a : out_.anatomies) known.push_back(a.name);
     const YamlNode* anatomies = map.map("anatomies");
@@ -302,7 +323,7 @@ class Reader {
   // The deviation that the scene allows is shared out: smoothing keeps its bound, decimation gets the rest, unless it
   // was given its own by path.
   void give(const Budget& budget) {
-    if (paths_set_.count(budget.anatomy + ".decimate.max_deviation_mm")) return;
+    if (paths_.was_set(budget.anatomy + ".decimate.max_deviation_mm")) return;
     RecipeAnatomy& anatomy = *std::find_if(out_.anatomies.begin(), out_.anatomies.end(),
                                            [&](const RecipeAnatomy& a) { return a.name == budget.anatomy; });
     double rest_mm = budget.allowed_mm;
@@ -318,7 +339,7 @@ class Reader {
   // The wall of a burr hole is triangles too, and they count against the scene's limit.
   void leave_room(const SceneDrill& drilled) {
     constexpr std::int64_t triangles_a_hole = 4000;
-    if (paths_set_.count(drilled.anatomy + ".decimate.target_triangles_count")) return;
+    if (paths_.was_set(drilled.anatomy + ".decimate.target_triangles_count")) return;
     for (const SceneAnatomy& limit : out_.scene)
       if (limit.name == drilled.anatomy && limit.max_triangles > 0)
         for (RecipeAnatomy& anatomy : out_.anatomies)
@@ -336,68 +357,6 @@ class Reader {
         if (const Parameter* p = step.params.set->find(name)) p->set(step.params.object.get(), value);
   }
 
-  // What a path leads to: "import.series", "skull.decimate.max_deviation_mm".
-  struct Target {
-    AnyParams* params = nullptr;
-    const Parameter* parameter = nullptr;
-  };
-
-  std::map<std::string, Target> targets() {
-    std::map<std::string, Target> all;
-    for (const Parameter& p : import_.set->parameters) all["import." + p.name] = {&import_, &p};
-    if (out_.haptic.wanted)
-      for (const Parameter& p : out_.haptic.params.set->parameters) all["haptic." + p.name] = {&out_.haptic.params, &p};
-    for (CaseDrill& hole : out_.burr_holes)
-      for (const Parameter& p : hole.params.set->parameters) all[hole.name + "." + p.name] = {&hole.params, &p};
-    for (RecipeAnatomy& anatomy : out_.anatomies)
-      for (RecipeStep& step : anatomy.steps)
-        for (const Parameter& p : step.params.set->parameters)
-          all[anatomy.name + "." + step.type->name + "." + p.name] = {&step.params, &p};
-    return all;
-  }
-
-  bool has_path(const std::string& path) { return targets().count(path) > 0; }
-
-  // Returns the fault. Where the recipe could not be read, nothing is known of its paths.
-  std::string set_by_path(const std::string& path, const YamlNode& value) {
-    const auto all = targets();
-    if (const auto found = all.find(path); found != all.end()) {
-      paths_set_.insert(path);
-      return set_parameter(*found->second.params, *found->second.parameter, value);
-    }
-    if (out_.anatomies.empty()) return "";
-    std::vector<std::string> known;
-    for (const auto& target : all) known.push_back(target.first);
-    const std::string near = nearest_name(path, known);
-    return "no such parameter" +
-           (near.empty() ? ", a path is anatomy.stage.parameter or import.parameter" : ", did you mean " + near + "?");
-  }
-
-  void set_from_text(const std::string& text) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos)
-      return faults_.add(Error(ExitCode::usage, "", "--set", text + ", must be anatomy.stage.parameter=value"));
-    const std::string path = text.substr(0, equals);
-    YamlNode value;
-    value.kind = YamlNode::Kind::scalar;
-    value.text = text.substr(equals + 1);
-    if (value.text.size() > 1 && value.text.front() == '[' && value.text.back() == ']') {
-      value.kind = YamlNode::Kind::list;
-      std::string items = value.text.substr(1, value.text.size() - 2);
-      for (std::size_t at = 0; at != std::string::npos;) {
-        const std::size_t comma = items.find(',', at);
-        YamlNode item;
-        item.kind = YamlNode::Kind::scalar;
-        item.text = items.substr(at, comma == std::string::npos ? comma : comma - at);
-        item.text.erase(0, item.text.find_first_not_of(' '));
-        value.items.push_back(item);
-        at = comma == std::string::npos ? comma : comma + 1;
-      }
-    }
-    if (const std::string fault = set_by_path(path, value); !fault.empty())
-      faults_.add(Error(ExitCode::usage, "", "--set " + path, fault));
-  }
-
   const fs::path config_;
   const ConfigOverrides& overrides_;
   std::vector<fs::path> roots_;
@@ -405,7 +364,9 @@ class Reader {
   CaseConfig out_;
   AnyParams import_ = AnyParams::make<ImportParams>();
   std::vector<Budget> budgets_;
-  std::set<std::string> paths_set_;
+  ConfigPaths paths_{out_, import_};
+  fs::path recipe_;
+  std::vector<std::string> points_;  // names that a file of landmarks holds
 };
 
 }  // namespace
@@ -420,6 +381,18 @@ const RecipeAnatomy* CaseConfig::find_anatomy(const std::string& name) const {
   for (const RecipeAnatomy& a : anatomies)
     if (a.name == name) return &a;
   return nullptr;
+}
+
+const RecipeStep* CaseConfig::find_head_step(const std::string& stage) const {
+  for (const RecipeStep& s : head)
+    if (s.type->name == stage) return &s;
+  return nullptr;
+}
+
+bool CaseConfig::is_shown(const std::string& anatomy) const {
+  return std::any_of(scene.begin(), scene.end(), [&](const SceneAnatomy& a) { return a.name == anatomy; }) ||
+         std::any_of(haptic.shapes.begin(), haptic.shapes.end(),
+                     [&](const SceneShape& s) { return s.name == anatomy; });
 }
 
 std::map<std::string, Vec3> CaseConfig::landmark_positions_mm() const {

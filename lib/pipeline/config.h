@@ -22,6 +22,11 @@ struct RecipeStep {
   std::map<std::string, std::string> ports;  ///< port name -> "anatomy.stage"
 };
 
+/// The stages that see the whole head rather than one anatomy, in the order in which they may be needed.
+constexpr const char* landmarks_step = "landmarks";  ///< finds them where the scene or a burr hole needs one
+constexpr const char* deface_step = "deface";        ///< where the scene's face policy is crop or deface
+constexpr const char* anatomy_step = "anatomy";      ///< the gate, over those of its anatomies that the scene computes
+
 struct RecipeAnatomy {
   std::string name;
   std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};  ///< 0 to 1, sRGB
@@ -43,6 +48,12 @@ struct SceneAnatomy {
 struct SceneDrill {
   std::string anatomy;
   double widen_mm = 0;
+};
+
+/// A landmark that the scene cannot do without.
+struct SceneLandmark {
+  std::string name;
+  double min_confidence = 0;
 };
 
 /// A shape of the scene's haptic volume, besides what the spec says of it.
@@ -71,18 +82,24 @@ struct CaseConfig {
   std::filesystem::path series;  ///< empty: none given
   ImportParams import;
   std::vector<RecipeAnatomy> anatomies;  ///< the whole recipe, in its order
+  std::vector<RecipeStep> head;          ///< its stages of the whole head; none where it is of another part of the body
   std::vector<SceneAnatomy> scene;       ///< what is wanted, in the recipe's order
-  std::string face, face_reason;         ///< "" or keep
-  std::vector<CaseLandmark> landmarks;
+  std::string face, face_reason;         ///< "", keep, crop or deface
+  std::vector<CaseLandmark> landmarks;   ///< given, by the configuration or a file that it names
+  std::vector<SceneLandmark> scene_landmarks;
   std::vector<CaseDrill> burr_holes;  ///< none where the scene cuts none
   std::vector<SceneDrill> drilled;    ///< in the scene's order
   SceneHaptic haptic;
   std::map<std::string, Vec3> landmark_positions_mm() const;
   const RecipeAnatomy* find_anatomy(const std::string& name) const;
+  const RecipeStep* find_head_step(const std::string& stage) const;
+  /// Whether the surface or the haptic volume of the scene shows it.
+  bool is_shown(const std::string& anatomy) const;
 };
 
 struct ConfigOverrides {
-  std::filesystem::path series;  ///< from the command line, not bound to the root
+  std::filesystem::path series;     ///< from the command line, not bound to the root
+  std::filesystem::path landmarks;  ///< a file of 3D Slicer's; its points win over the configuration's
   std::string case_token;
   std::vector<std::string> set;              ///< "skull.decimate.max_deviation_mm=0.2", "import.series=s1"
   std::vector<std::filesystem::path> roots;  ///< folders beside the root that paths in the files may lead to

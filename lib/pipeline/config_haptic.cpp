@@ -5,6 +5,7 @@
 
 #include "base/text.h"
 #include "cases/material.h"
+#include "pipeline/config_head.h"
 
 namespace trephine {
 namespace fs = std::filesystem;
@@ -203,7 +204,13 @@ void check_burr_holes(const fs::path& file, const YamlNode& tree, CaseConfig& ou
     faults.add(file, at ? *at : tree, "burr_holes",
                "is missing: the scene cuts them, e.g. [{at: kocher, side: right, diameter_mm: 14}]");
   for (const CaseDrill& hole : out.burr_holes) try {
-      request_of(hole.params.as<BurrHoleParams>(), hole.name, out.landmark_positions_mm(), ExitCode::bad_config);
+      const auto& params = hole.params.as<BurrHoleParams>();
+      if (const std::string fault = params.toward.empty() ? "" : fault_of_landmark(params.toward, out); !fault.empty())
+        throw Error(ExitCode::bad_config, "", "toward", fault);
+      if (out.find_head_step(landmarks_step))
+        check_request(params, ExitCode::bad_config);  // what is not given is looked for
+      else
+        request_of(params, hole.name, out.landmark_positions_mm(), ExitCode::bad_config);
     } catch (const Error& e) {
       faults.add(file, at ? *at : tree, hole.name + "." + e.field(), e.what());
     }

@@ -14,14 +14,19 @@ struct Node {
   std::string name;  ///< "import", "skull.decimate"
   const StageType* type = nullptr;
   AnyParams params;
-  std::map<std::string, int> sources;  ///< port -> node
-  std::string salt;                    ///< what else the stage was made from, as text
+  std::map<std::string, int> sources;              ///< port -> node
+  std::string salt;                                ///< what else the stage was made from, as text
+  std::map<std::string, std::string> file_sha256;  ///< of parameters that name files: their content stands for them
   std::string
       key;  ///< SHA-256 of all that its output depends on: stage, version, parameters, salt, keys of its sources
   DataKind output = DataKind::volume;
+  /// What a case records of a parameter: its value, or a file's hash.
+  ParameterValue recorded(const Parameter& parameter) const;
 };
 
-/// The nodes of what the scene demands and nothing else, sources before their readers. Node 0 is the import.
+/// The nodes of what the scene demands and nothing else, sources before their readers. Node 0 is the import. Where the
+/// scene's policy takes the face away, that is done to the scan before any anatomy is made of it; nodes that still see
+/// the face are named "original....".
 struct Graph {
   std::vector<Node> nodes;
   struct Anatomy {
@@ -32,6 +37,9 @@ struct Graph {
     int measure = -1;        ///< of `finished`: a burr hole is no deviation
   };
   std::vector<Anatomy> anatomies;  ///< as in the scene
+  int scan = 0;                    ///< the volume that anatomies, pictures and haptic volume are made of
+  int landmarks = -1;              ///< -1: none need be found
+  int anatomy_gate = -1, face_gate = -1;
   std::vector<int> burr_holes;     ///< their cutters, as in the configuration
   int haptic = -1, mismatch = -1;  ///< -1: not wanted
   /// Stages made for this case; the nodes point at them.

@@ -17,6 +17,7 @@
 #include "pipeline/case_content.h"
 #include "pipeline/case_lock.h"
 #include "pipeline/run_json.h"
+#include "segmentation/anatomy_gate.h"
 
 namespace trephine {
 namespace fs = std::filesystem;
@@ -47,7 +48,9 @@ void require_face_policy(const CaseConfig& config) {
   }
   if (!shown.empty())
     throw Error(ExitCode::privacy, "", "scene.face",
-                shown + " shows the patient's face; the scene must say `face: {policy: keep, reason: ...}`");
+                shown +
+                    " shows the patient's face; the scene must say face: {policy: deface}, {policy: crop} or "
+                    "{policy: keep, reason: ...}");
 }
 
 // A case folder in which nothing was ever published goes again where the run fails: nothing is left behind that looks
@@ -154,6 +157,19 @@ void publish(const Run& run, const fs::path& folder, const CaseContent& content)
   }
 }
 
+// Beside the case's folder, in which there may be the last good case or nothing.
+constexpr const char* refusal_ending = ".refused.png";
+
+void show_refusal(const fs::path& file, const AnatomyError& e) {
+  if (e.picture_png.empty()) return;
+  try {
+    write_file(file, e.picture_png);
+    log_warning(e.case_token() + ": a picture of what is wrong: " + file.string());
+  } catch (const Error& failed) {  // what matters is why the case is refused
+    log_warning(e.case_token() + ": the picture of what is wrong could not be written: " + failed.what());
+  }
+}
+
 }  // namespace
 
 RunResult run_case(const RunRequest& request, RunObserver& observer) {
@@ -209,6 +225,8 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
                           execution.input_sha256, request.params.pictures, cancelled);
     cancelled.check();
     publish(run, folder, content);
+    std::error_code ignored;
+    fs::remove(request.library / (token + refusal_ending), ignored);
     cache.shrink_to(static_cast<std::uint64_t>(request.params.cache_limit_mb) * 1'000'000);
 
     RunResult result;
@@ -221,6 +239,10 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
                            std::chrono::duration<double>(Clock::now() - start).count());
     write_file(folder / "run.json", result.json);
     return result;
+  } catch (AnatomyError& e) {
+    e.in_case(token);
+    show_refusal(request.library / (token + refusal_ending), e);
+    throw;
   } catch (Error& e) {
     e.in_case(token);
     throw;

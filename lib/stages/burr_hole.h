@@ -20,6 +20,7 @@ struct BurrHoleParams {
   std::array<double, 3> position_mm{0, 0, 0};
   std::array<double, 3> direction{0, 0, 0};
   std::string toward;
+  double min_confidence = 0.5;
 
   template <class V>
   static void describe(V& v) {
@@ -37,15 +38,23 @@ struct BurrHoleParams {
     v.numbers(&P::direction, "direction", Range{-1, 1},
               "Axis into the head; 0, 0, 0: towards `toward`, else perpendicular to the skull.");
     v.text(&P::toward, "toward", "Landmark that the axis points at.");
+    v.number(&P::min_confidence, "min_confidence", Range{0, 1},
+             "Landmarks that were found with less confidence than this are not used.");
   }
 };
 
-/// Throws Error with that code, naming the field, where the parameters contradict each other or `toward` is no
-/// landmark.
+/// Throws Error with that code, naming the field, where the parameters contradict each other.
+void check_request(const BurrHoleParams& params, ExitCode code);
+
+/// The landmark that the hole needs and that is not among these; empty where there is none.
+std::string missing_landmark(const BurrHoleParams& params, const std::map<std::string, Vec3>& landmarks_mm);
+
+/// Throws Error with that code, naming the field, for a contradiction or a landmark that is missing.
 BurrHoleRequest request_of(const BurrHoleParams& params, const std::string& name,
                            const std::map<std::string, Vec3>& landmarks_mm, ExitCode code);
 
-/// Places one burr hole. Ports: skull, and skin where it is known. Output: its cutter.
+/// Places one burr hole. Ports: skull, skin where it is known, and landmarks where they were found (in place of those
+/// given here); a landmark that is missing or not sure enough is 80. Output: its cutter.
 StageType burr_hole_stage(const std::string& name, std::map<std::string, Vec3> landmarks_mm);
 
 }  // namespace trephine

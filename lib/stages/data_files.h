@@ -13,7 +13,8 @@ DataKind kind_of(const StageData& data);
 const char* file_extension(DataKind kind);
 /// Through the checked writer; throws 73 and 74. The extension must be the kind's (64).
 void save_data(const std::filesystem::path& file, const StageData& data);
-/// Throws 66 and 65. A mask file given for a field becomes one.
+/// Throws 66 and 65. A mask file given for a field becomes one. Landmarks may also be a file of 3D Slicer's (.mrk.json,
+/// .fcsv).
 StageData load_data(const std::filesystem::path& file, DataKind kind);
 
 /// A report as JSON (an object of its figures in their order, and "warnings"), and as aligned lines for a person.

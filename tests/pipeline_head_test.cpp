@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a configuration says of the head as a whole: landmarks, the face, the anatomical gate; and what of it is
+// computed.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "base/error.h"
+#include "pipeline/config.h"
+#include "pipeline/graph.h"
+#include "pipeline/head_content.h"
+#include "scratch_folder.h"
+
+using namespace trephine;
+
+namespace {
+
+const std::string head = "trephine: 1\npipeline: recipe.yaml\nscene: scene.yaml\n";
+
+std::string anatomy(const std::string& name, const std::string& segment, bool shows_face = false) {
+  return "  " + name + ":\n    shows_face: " + (shows_face ? "true" : "false") + "\n    stages:\n      - segment: {" +
+         segment + "}\n      - contour\n      - decimate\n      - smooth\n      - normals\n";
+}
+
+const std::string recipe =
+    "trephine: 1\nanatomies:\n" + anatomy("skin", "lower_hu: -400", true) +
+    anatomy("skull", "lower_hu: 226, within: skin.segment") + anatomy("brain", "method: brain, skull: skull.segment") +
+    anatomy("ventricles", "method: ventricles, within: brain.segment") +
+    "landmarks: {skin: skin.segment, skull: skull.segment, brain: brain.segment, ventricles: ventricles.segment}\n"
+    "deface: {skin: skin.segment}\n"
+    "anatomy: {skin: skin.segment, skull: skull.segment, brain: brain.segment, ventricles: ventricles.segment}\n";
+
+const std::string keep = "face: {policy: keep, reason: a test}\n";
+
+struct Read {
+  ScratchFolder folder;
+  CaseConfig config;
+  std::string faults;
+  Read(const std::string& case_yaml, const std::string& scene, const ConfigOverrides& overrides = {},
+       const std::string& recipe_yaml = recipe) {
+    folder.write("recipe.yaml", recipe_yaml);
+    folder.write("scene.yaml", "trephine: 1\n" + scene);
+    folder.write("points.fcsv",
+                 "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n"
+                 "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
+                 "1,0,-93,40,0,0,0,1,1,1,0,Nasion,,\n2,0,90,6,0,0,0,1,1,1,0,Jane Roe,,\n");
+    try {
+      config = read_case_config(folder.write("case.yaml", head + case_yaml), overrides);
+    } catch (const ErrorList& e) {
+      for (const Error& one : e.all()) faults += one.line("") + "\n";
+    }
+  }
+  Graph graph() const { return make_graph(config, "input"); }
+};
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+int source(const Graph& g, const char* node, const char* port) {
+  const int n = g.find(node);
+  if (n < 0) return -2;
+  const auto& sources = g.nodes[static_cast<std::size_t>(n)].sources;
+  const auto found = sources.find(port);
+  return found == sources.end() ? -1 : found->second;
+}
+
+}  // namespace
+
+TEST(HeadConfig, FaultsHaveTheirPlace) {
+  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nlandmarks: {nasoin: 0.5}\n").faults, "did you mean nasion?"));
+  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nlandmarks: {nasion: 1.5}\n").faults, "landmarks.nasion"));
+  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: blur}\n").faults, "must be crop, deface or keep"));
+  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: keep}\n").faults, "face.reason: is missing"));
+  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: keep, reason: ' '}\n").faults, "is blank"));
+  EXPECT_EQ(Read("", "anatomies: {skull: }\nface: {policy: deface}\n").faults, "");
+  const std::string no_head = recipe.substr(0, recipe.find("landmarks:"));
+  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: crop}\n", {}, no_head).faults, "needs `landmarks`"));
+  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\n", {}, no_head + "landmarks: {skin: skin.segment}\n").faults,
+                  "landmarks.skull: is missing"));
+  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\n", {}, no_head + "deface: {skin: skin.contour}\n").faults,
+                  "must be the field"));
+  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\n", {}, no_head + "deface: {skin: skin.segment, dept_mm: 3}\n").faults,
+                  "did you mean depth_mm?"));
+}
+
+TEST(HeadConfig, ParametersOfTheWholeHeadHavePaths) {
+  ConfigOverrides overrides;
+  overrides.set = {"landmarks.lateral_mm=30"};
+  const Read r("set: {deface.depth_mm: 14}\n", "anatomies: {skull: }\n" + keep, overrides);
+  ASSERT_EQ(r.faults, "");
+  const RecipeStep* deface = r.config.find_head_step(deface_step);
+  EXPECT_EQ(to_text(deface->params.get(*deface->params.set->find("depth_mm"))), "14");
+  const RecipeStep* landmarks = r.config.find_head_step(landmarks_step);
+  EXPECT_EQ(to_text(landmarks->params.get(*landmarks->params.set->find("lateral_mm"))), "30");
+}
+
+TEST(HeadConfig, PointsOfSlicerAreLandmarksAndOtherLabelsGoNowhere) {
+  const Read r("landmarks_file: points.fcsv\n", "anatomies: {skull: }\n" + keep);
+  ASSERT_EQ(r.faults, "");
+  ASSERT_EQ(r.config.landmarks.size(), 1u);  // whatever else is called in the file stays there
+  EXPECT_EQ(r.config.landmarks[0].name, "nasion");
+  EXPECT_EQ(r.config.landmarks[0].position_mm.y, -93);
+  EXPECT_EQ(r.config.landmarks[0].source, "given");
+  EXPECT_TRUE(
+      has(Read("landmarks_file: points.fcsv\nlandmarks: {nasion: [0, 1, 2]}\n", "anatomies: {skull: }\n" + keep).faults,
+          "which is meant?"));
+  EXPECT_TRUE(has(Read("landmarks_file: gone.fcsv\n", "anatomies: {skull: }\n" + keep).faults, "gone.fcsv"));
+  // The command line's file wins.
+  ScratchFolder other;
+  ConfigOverrides overrides;
+  overrides.landmarks = other.write("p.fcsv",
+                                    "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n"
+                                    "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
+                                    "1,0,-77,40,0,0,0,1,1,1,0,nasion,,\n");
+  const Read won("landmarks: {nasion: [0, 1, 2]}\n", "anatomies: {skull: }\n" + keep, overrides);
+  ASSERT_EQ(won.config.landmarks.size(), 1u);
+  EXPECT_EQ(won.config.landmarks[0].position_mm.y, -77);
+}
+
+TEST(HeadGraph, LandmarksAreFoundOnlyWhereTheyAreNeeded) {
+  const Graph skull = Read("", "anatomies: {skull: }\n" + keep).graph();
+  for (const char* needless : {"landmarks", "anatomy", "deface", "face", "skin.contour"})
+    EXPECT_LT(skull.find(needless), 0) << needless;
+  const Graph wanted = Read("", "anatomies: {skull: }\nlandmarks: {nasion: 0.5}\n" + keep).graph();
+  EXPECT_GE(wanted.landmarks, 0);
+  EXPECT_LT(wanted.find("ventricles.segment"), 0);  // the nasion does without
+  const Graph monro = Read("", "anatomies: {skull: }\nlandmarks: {monro_left: 0.5}\n" + keep).graph();
+  EXPECT_GE(monro.find("ventricles.segment"), 0);
+  EXPECT_EQ(source(monro, "landmarks", "ventricles"), monro.find("ventricles.segment"));
+  EXPECT_LT(monro.find("ventricles.contour"), 0);
+}
+
+TEST(HeadGraph, AGivenLandmarkSparesTheSearchAndChangesWhatHangsOnIt) {
+  const std::string scene = "anatomies: {skull: , skin: }\nburr_holes: {skull: {}}\n" + keep;
+  const std::string hole = "burr_holes: [{side: left, diameter_mm: 12}]\n";
+  const Graph given = Read("landmarks: {nasion: [0, -93, 40], inion: [0, 89, 6]}\n" + hole, scene).graph();
+  EXPECT_LT(given.landmarks, 0);
+  const Graph found = Read("landmarks: {inion: [0, 89, 6]}\n" + hole, scene).graph();
+  ASSERT_GE(found.landmarks, 0);
+  EXPECT_EQ(source(found, "burr_hole_1", "landmarks"), found.landmarks);
+  const Graph moved = Read("landmarks: {inion: [0, 88, 6]}\n" + hole, scene).graph();
+  EXPECT_NE(moved.nodes[moved.landmarks].key, found.nodes[found.landmarks].key);
+}
+
+TEST(HeadGraph, TheGateSeesWhatTheSceneShows) {
+  const Graph two = Read("", "anatomies: {skull: , brain: }\n" + keep).graph();
+  ASSERT_GE(two.anatomy_gate, 0);
+  EXPECT_EQ(source(two, "anatomy", "skull"), two.find("skull.segment"));
+  EXPECT_EQ(source(two, "anatomy", "skin"), -1);
+  EXPECT_LT(two.landmarks, 0);  // there are no ventricles whose shift could be measured
+  const Graph all = Read("", "anatomies: {skin: , skull: , brain: , ventricles: }\n" + keep).graph();
+  EXPECT_EQ(source(all, "anatomy", "landmarks"), all.landmarks);
+  EXPECT_GE(all.landmarks, 0);
+}
+
+TEST(HeadGraph, TheFaceIsGoneBeforeAnythingIsMade) {
+  const std::string scene = "anatomies: {skin: , ventricles: }\n";
+  const Graph kept = Read("", scene + keep).graph(), gone = Read("", scene + "face: {policy: deface}\n").graph();
+  EXPECT_EQ(kept.scan, 0);
+  EXPECT_LT(kept.face_gate, 0);
+  ASSERT_EQ(gone.scan, gone.find("deface"));
+  for (const char* made : {"skin.segment", "skull.segment", "brain.segment", "ventricles.segment"})
+    EXPECT_EQ(source(gone, made, "volume"), gone.scan) << made;
+  // What tells where the face is sees it: skin, skull and the landmarks of the scan as it came.
+  EXPECT_EQ(source(gone, "original.skin.segment", "volume"), 0);
+  EXPECT_EQ(source(gone, "original.landmarks", "skin"), gone.find("original.skin.segment"));
+  EXPECT_EQ(source(gone, "landmarks", "skin"), gone.find("original.skin.segment"));
+  EXPECT_EQ(source(gone, "landmarks", "ventricles"), gone.find("ventricles.segment"));
+  EXPECT_LT(gone.find("original.brain.segment"), 0);
+  // And everything that is published is held against it.
+  EXPECT_EQ(source(gone, "face", "skin"), gone.find("original.skin.segment"));
+  EXPECT_EQ(source(gone, "face", "surface.skin"), gone.find("skin.normals"));
+  EXPECT_EQ(source(gone, "face", "surface.ventricles"), gone.find("ventricles.normals"));
+  const Graph cropped = Read("", scene + "face: {policy: crop}\n").graph();
+  EXPECT_NE(cropped.nodes[cropped.scan].key, gone.nodes[gone.scan].key);
+  // A scene that says nothing of the face is held against it as well, in the scan as it is.
+  const Graph silent = Read("", "anatomies: {skull: }\n").graph();
+  EXPECT_EQ(silent.scan, 0);
+  EXPECT_EQ(source(silent, "face", "skin"), silent.find("skin.segment"));
+}
+
+TEST(HeadContent, ALandmarkThatIsNotSureEnoughIsRefusedSayingHowToGiveIt) {
+  const Read r("landmarks: {inion: [0, 89, 6]}\n", "anatomies: {skull: }\nlandmarks: {nasion: 0.6, inion: 1}\n" + keep);
+  const Graph g = r.graph();
+  std::vector<NodeResult> results(g.nodes.size());
+  HeadLandmarks found;
+  found.landmarks = {{"nasion", {0, -93, 40}, 0.55, "found"}, {"inion", {0, 89, 6}, 1, "given"}};
+  const auto content = [&] {
+    results[g.landmarks].data = std::make_shared<const HeadLandmarks>(found);
+    CaseManifest m;
+    add_head_content(r.config, g, results, m);
+    return m;
+  };
+  try {
+    content();
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::quality);
+    EXPECT_EQ(e.field(), "landmarks.nasion");
+    EXPECT_TRUE(has(e.what(), "confidence 0.55")) << e.what();
+    EXPECT_TRUE(has(e.what(), "landmarks: {nasion: [x, y, z]}")) << e.what();
+  }
+  found.landmarks[0].confidence = 0.6;
+  EXPECT_EQ(content().landmarks.size(), 2u);
+  found.landmarks.erase(found.landmarks.begin());
+  EXPECT_THROW(content(), Error);
+}
