@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -66,9 +67,11 @@ Field snake(const Field& speed, const SnakeMasks& masks, const SnakeParams& para
     return evolve_snake(speed, begin(speed, masks, params, report, progress.part(0, 0.1)), params, report,
                         progress.part(0.1, 1));
 
+  // Held back a layer of voxels beyond the masks, so that it is they that cut the surface, between voxels, in the end.
+  const float layer = 1.01f * float(std::max({speed.spacing_mm.x, speed.spacing_mm.y, speed.spacing_mm.z}));
   Field held = speed;
   for_allowed(speed, masks, [&](std::size_t v, float depth) {
-    if (!(depth > 0)) held.voxels[v] = std::min(held.voxels[v], -1.f);
+    if (!(depth > -layer)) held.voxels[v] = std::min(held.voxels[v], -1.f);
   });
   const Field start = begin(held, masks, params, report, progress.part(0, 0.1));
   Report evolved;

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/report.h"
+#include "grid/grid.h"
+#include "random.h"
+
+// Grids sampled from closed forms, and how far a field's surface lies from one.
+namespace trephine::snake_test {
+
+inline Lattice lattice(Vec3 extent_mm, Vec3 spacing) {
+  Lattice l;
+  for (int a = 0; a < 3; ++a) l.size[a] = std::max(2, int(std::lround(extent_mm[a] / spacing[a])));
+  l.spacing_mm = spacing;
+  for (int a = 0; a < 3; ++a) l.origin_mm[a] = -0.5 * (l.size[a] - 1) * spacing[a];
+  return l;
+}
+
+template <class F>
+Grid<float> sampled(const Lattice& l, F&& f) {
+  Grid<float> g(l);
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) g.at(i, j, k) = float(f(l.to_world_mm({double(i), double(j), double(k)})));
+  return g;
+}
+
+/// Gaussian noise that is the same everywhere (Box and Muller).
+class Noise {
+ public:
+  explicit Noise(std::uint64_t seed) : random_(seed) {}
+  double gaussian() {
+    const double r = std::sqrt(-2 * std::log(1 - random_()));
+    return r * std::cos(2 * M_PI * random_());
+  }
+
+ private:
+  Random random_;
+};
+
+struct Deviation {
+  double mean = 0, rms = 0, max = 0;
+  int count = 0;
+};
+/// distance(world) at each crossing of the field along its lattice's edges.
+template <class Distance>
+Deviation deviation(const Field& field, Distance&& distance) {
+  Deviation d;
+  for (int k = 0; k < field.size[2]; ++k)
+    for (int j = 0; j < field.size[1]; ++j)
+      for (int i = 0; i < field.size[0]; ++i)
+        for (int a = 0; a < 3; ++a) {
+          const int n[3] = {i + (a == 0), j + (a == 1), k + (a == 2)};
+          if (!field.contains(n[0], n[1], n[2])) continue;
+          const double u = field.at(i, j, k), v = field.at(n[0], n[1], n[2]);
+          if ((u > 0) == (v > 0)) continue;
+          Vec3 p{double(i), double(j), double(k)};
+          p[a] += u / (u - v);
+          const double e = distance(field.to_world_mm(p));
+          d.mean += e;
+          d.rms += e * e;
+          d.max = std::max(d.max, std::abs(e));
+          ++d.count;
+        }
+  d.mean /= d.count;
+  d.rms = std::sqrt(d.rms / d.count);
+  return d;
+}
+
+inline std::size_t inside(const Field& f) {
+  return std::size_t(std::count_if(f.voxels.begin(), f.voxels.end(), [](float v) { return v > 0; }));
+}
+
+/// Dice of two fields on one raster.
+inline double dice(const Field& a, const Field& b) {
+  const Field c = fit(b, static_cast<const Lattice&>(a), -1.f);
+  std::size_t both = 0;
+  for (std::size_t v = 0; v < a.count(); ++v) both += a.voxels[v] > 0 && c.voxels[v] > 0;
+  return 2.0 * double(both) / double(inside(a) + inside(b));
+}
+
+template <class F>
+Error error_of(F&& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e;
+  }
+  return Error(ExitCode::ok, "", "", "");
+}
+
+}  // namespace trephine::snake_test
