@@ -95,6 +95,11 @@ Field ball(Vec3 spacing, double reach_mm) {
   return f;
 }
 
+const Field& ball_of_1_mm() {
+  static const Field f = ball({1, 1, 1}, 3);
+  return f;
+}
+
 TEST(SkinDistance, OfABall) {
   for (const Vec3 spacing : {Vec3{1, 1, 1}, Vec3{0.8, 0.8, 2.5}}) {
     const Field f = ball(spacing, 2 * spacing.z);
@@ -148,10 +153,10 @@ bool refused(const Field& skin, const FaceRegion& region, const std::vector<Face
 }
 
 TEST(FaceGate, SurfacesToATenthOfAMillimetre) {
-  const Field skin = ball({1, 1, 1}, 3);
+  const Field& skin = ball_of_1_mm();
   const FaceRegion region = face_region(upright());
-  const TriMesh near = ball_mesh(ball_mm - 4.9, 120), clear = ball_mesh(ball_mm - 5.5, 120),
-                outside = ball_mesh(ball_mm + 4.8, 120);
+  const TriMesh near = ball_mesh(ball_mm - 4.8, 60), clear = ball_mesh(ball_mm - 5.5, 60),
+                outside = ball_mesh(ball_mm + 4.8, 60);
   std::string line;
   EXPECT_TRUE(refused(skin, region, {{"brain", &clear}, {"skin", &near}}, {}, &line));
   EXPECT_NE(line.find("skin: shows the patient's face: 4."), std::string::npos) << line;
@@ -189,7 +194,7 @@ Grid<T> step_volume(double depth_mm, T low, T step) {
 }
 
 TEST(FaceGate, VolumesShowTheFaceAtAnyValue) {
-  const Field skin = ball({1, 1, 1}, 3);
+  const Field& skin = ball_of_1_mm();
   const FaceRegion region = face_region(upright());
   for (const int step : {1, 1000}) {
     const HuVolume near = step_volume<std::int16_t>(5, -1000, std::int16_t(step)),

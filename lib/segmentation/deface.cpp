@@ -31,13 +31,13 @@ class Cut {
  public:
   Cut(const FaceRegion& region, const DefaceParams& params, const Lattice& lattice) : region_(region), params_(params) {
     const double voxel = longest_side_mm(lattice);
-    // Voxels on either side of the cut carry its surface: these must keep the clearance too.
-    least_depth_ = face_clearance_mm + 0.9 + voxel;
-    side_depth_ = std::max(params.side_depth_mm, least_depth_);
-    depth_ = std::max(params.depth_mm, side_depth_);
     above_ = std::max(params.above_mm, 2 * voxel + 1);
     behind_ = std::max(params.behind_mm, 2 * voxel + 1);
     ramp_ = 1.5 * std::cbrt(lattice.voxel_volume_mm3());
+    // What the distances and the gate's steps may be off by, and the ramp's outer half.
+    least_depth_ = face_clearance_mm + 0.9 + ramp_ / 2;
+    side_depth_ = std::max(params.side_depth_mm, least_depth_);
+    depth_ = std::max(params.depth_mm, side_depth_);
     for (int a = 0; a < 3; ++a) {
       front_ramp_ += std::abs(dot(lattice.direction.column[a], region.front)) * lattice.spacing_mm[a];
       up_ramp_ += std::abs(dot(lattice.direction.column[a], region.up)) * lattice.spacing_mm[a];
@@ -61,6 +61,7 @@ class Cut {
     const double front = region_.in_front_mm(p) + behind_, up = region_.below_mm(p) + above_;
     return std::clamp(0.5 - std::min(front / front_ramp_, up / up_ramp_), 0.0, 1.0);
   }
+  /// Of what is left, but for the reach of a voxel's cell.
   double least_depth_mm() const { return least_depth_; }
   /// Positive above the plane of `crop`.
   double above_crop_mm(Vec3 p) const { return dot(p - crop_point_, crop_normal_); }
@@ -71,6 +72,22 @@ class Cut {
   double least_depth_, side_depth_, depth_, above_, behind_, ramp_, front_ramp_ = 0, up_ramp_ = 0;
   Vec3 crop_point_, crop_normal_;
 };
+
+/// How far the cell of a voxel reaches towards the skin: what differs from its neighbours has a surface up to there.
+double voxel_reach_mm(const SkinDistance& skin, int i, int j, int k) {
+  const Grid<float>& depth = skin.signed_mm();
+  double reach = 0;
+  for (int a = 0; a < 3; ++a) {
+    double step = 0;
+    for (int side = -1; side <= 1; side += 2) {
+      const int n[3] = {i + (a == 0) * side, j + (a == 1) * side, k + (a == 2) * side};
+      if (depth.contains(n[0], n[1], n[2]))
+        step = std::max(step, double(std::abs(depth.at(n[0], n[1], n[2]) - depth.at(i, j, k))));
+    }
+    reach += std::min(step, depth.spacing_mm[a]) / skin.voxels()[a];
+  }
+  return reach;
+}
 
 /// Positive where something is left, in mm to the cut's surface, at the nodes of the skin's distances.
 Grid<float> kept_mm(const SkinDistance& skin, const Cut& cut, const DefaceParams& params, const Progress& progress) {
@@ -99,8 +116,13 @@ Grid<float> kept_mm(const SkinDistance& skin, const Cut& cut, const DefaceParams
   }
   for (float& v : kept.voxels) v = std::clamp(v, -level_reach_mm, level_reach_mm);
   segmentation::gaussian(kept, smoothing_mm, progress);
-  for (std::size_t n = 0; n < l.count(); ++n)
-    kept.voxels[n] = std::min(kept.voxels[n], skin.signed_mm().voxels[n] - float(cut.least_depth_mm()));
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        const float depth = skin.signed_mm().at(i, j, k);
+        float& v = kept.at(i, j, k);
+        v = std::min(v, depth - float(cut.least_depth_mm() + voxel_reach_mm(skin, i, j, k)));
+      }
   return kept;
 }
 

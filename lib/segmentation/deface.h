@@ -50,7 +50,7 @@ struct DefaceParams {
     v.number(&P::depth_mm, "depth_mm", Range{6, 40},
              "So much under the skin is removed, 40 mm in front of the tragi on.");
     v.number(&P::side_depth_mm, "side_depth_mm", Range{6, 40},
-             "The same beside the tragi, where the skull is near; at least 5.9 mm and the voxels' longest side.");
+             "The same beside the tragi, where the skull is near; a little more where voxels are large.");
     v.number(&P::rounding_mm, "rounding_mm", Range{0, 30},
              "What is left has no bump narrower than twice this: nothing of nose, lips or chin can be grown back.");
     v.number(&P::above_mm, "above_mm", Range{2, 25},

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Defacing on the analytic head: what is left against the true skin, and what must not change.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "phantom/head.h"
+#include "phantom/phantom.h"
+#include "segmentation/face_gate.h"
+#include "segmentation/segment.h"
+
+namespace trephine {
+namespace {
+
+using phantom::Anatomy;
+using phantom::Head;
+
+SegmentParams skin_recipe() {
+  SegmentParams p;
+  p.lower_hu = -475;
+  p.open_mm = 3;
+  p.components = SegmentComponents::largest;
+  p.fill = SegmentFill::cavities_and_cut;
+  p.fill_close_mm = 6;
+  return p;
+}
+SegmentParams skull_recipe() {
+  SegmentParams p;
+  p.lower_hu = 226;
+  p.seed_lower_hu = 400;
+  p.edge = SegmentEdge::half_maximum;
+  p.min_component_ml = 1;
+  p.fill = SegmentFill::cavities;
+  p.fill_close_mm = 2;
+  p.fill_max_ml = 100;
+  return p;
+}
+
+HeadLandmarks truth_of(const Head& head) {
+  HeadLandmarks l;
+  for (const char* name : {"nasion", "tragus_left", "tragus_right"})
+    l.landmarks.push_back({name, head.landmark(name), 1, "truth"});
+  return l;
+}
+
+struct Scanned {
+  Head head;
+  HuVolume volume;
+  Field skin;
+  FaceRegion region;
+};
+
+Scanned scanned(phantom::Level level, int pixels, int slices, double noise_hu) {
+  phantom::HeadParams who;
+  who.level = level;
+  who.seed = 7;
+  phantom::ScanParams how;
+  how.columns_count = how.rows_count = pixels;
+  how.field_of_view_mm = 240;
+  how.slices_count = slices;
+  how.slice_step_mm = how.slice_thickness_mm = 192.0 / slices;
+  how.noise_hu = noise_hu;
+  Scanned s{Head(who), {}, {}, {}};
+  s.volume = phantom::volume_of(phantom::scan(s.head, how));
+  Report report;
+  s.skin = segment(s.volume, {}, skin_recipe(), report);
+  s.region = face_region(truth_of(s.head));
+  return s;
+}
+
+const Scanned& small_head() {
+  static const Scanned s = scanned(phantom::Level::simple, 150, 80, 12);
+  return s;
+}
+
+double figure(const Report& r, const char* name) { return std::get<double>(*r.find(name)); }
+
+/// The least distance from the analytic skin (at most 7 mm; below `enough` the first found) of any point, within P4's
+/// region in the patient's own axes, at which two neighbouring voxels differ: no code of the gate's.
+double least_distance_mm(const Head& head, const Grid<std::int16_t>& g, Vec3& where, double enough = 0) {
+  const double in_front = 0.5 * (head.landmark("tragus_left").y + head.landmark("tragus_right").y);
+  const double level = head.landmark("nasion").z - 10;
+  double least = 7;
+  for (int k = 0; k < g.size[2]; ++k)
+    for (int j = 0; j < g.size[1]; ++j)
+      for (int i = 0; i < g.size[0]; ++i)
+        for (int axis = 0; axis < 3; ++axis) {
+          const int n[3] = {i + (axis == 0), j + (axis == 1), k + (axis == 2)};
+          if (!g.contains(n[0], n[1], n[2]) || g.at(i, j, k) == g.at(n[0], n[1], n[2])) continue;
+          const auto at = [&](double t) {
+            return g.to_world_mm({i + t * (axis == 0), j + t * (axis == 1), k + t * (axis == 2)});
+          };
+          if (!(at(0.5).y < in_front + 2) || !(at(0.5).z < level + 3)) continue;
+          if (std::abs(head.implicit_mm(Anatomy::skin, at(0.5))) > least + 1) continue;
+          // Nearly all of an edge shows some value: its end that is nearer to the skin, in the region.
+          Vec3 nearest;
+          double implicit = 1e9;
+          for (const double t : {0.02, 0.5, 0.98}) {
+            const double d = std::abs(head.implicit_mm(Anatomy::skin, at(t)));
+            if (!(at(t).y < in_front && at(t).z < level) || d >= implicit) continue;
+            implicit = d;
+            nearest = at(t);
+          }
+          if (implicit > least) continue;
+          // Deep under a crease the projection may not arrive at the surface.
+          const Vec3 foot = head.project_mm(Anatomy::skin, nearest);
+          if (std::abs(head.implicit_mm(Anatomy::skin, foot)) > 0.05) continue;
+          if (norm(foot - nearest) < least) where = nearest;
+          least = std::min(least, norm(foot - nearest));
+          if (least < enough) return least;
+        }
+  return least;
+}
+
+TEST(Deface, NothingIsLeftNearTheTrueSkin) {
+  const Scanned& s = small_head();
+  Vec3 where;
+  EXPECT_LT(least_distance_mm(s.head, std::get<0>(s.volume), where, 0.5), 0.5) << "the control: a face is there";
+  for (const FaceRemoval policy : {FaceRemoval::deface, FaceRemoval::crop}) {
+    DefaceParams p;
+    p.policy = policy;
+    Report report;
+    const HuVolume out = deface(s.volume, s.skin, s.region, p, report);
+    EXPECT_GT(least_distance_mm(s.head, std::get<0>(out), where), face_clearance_mm)
+        << where.x << " " << where.y << " " << where.z;
+    EXPECT_GT(figure(report, "face_removed_ml"), policy == FaceRemoval::crop ? 400 : 150);
+    EXPECT_GT(figure(report, "face_depth_mm"), face_clearance_mm);
+    EXPECT_TRUE(report.warnings.empty());
+    Report gate;
+    EXPECT_NO_THROW(check_face_removed(s.skin, s.region, {}, {face_volume("ct", out)}, gate));
+    EXPECT_GE(figure(gate, "face_distance_mm"), face_clearance_mm);
+    // The skin found again is closed over the cut, and one piece.
+    Report again;
+    const Field skin = segment(out, {}, skin_recipe(), again);
+    EXPECT_NEAR(
+        figure(again, "volume_ml"),
+        figure(report, "face_removed_ml") * -1 +
+            [&] {
+              double ml = 0;
+              for (const float v : s.skin.voxels) ml += v > 0;
+              return ml * s.skin.voxel_volume_mm3() / 1000;
+            }(),
+        30);
+  }
+  Report report;
+  try {
+    check_face_removed(s.skin, s.region, {}, {face_volume("ct", s.volume)}, report);
+    ADD_FAILURE() << "the control must be refused";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::privacy);
+  }
+}
+
+TEST(Deface, AllElseKeepsItsValues) {
+  const Scanned& s = small_head();
+  DefaceParams p;
+  Report report;
+  const HuVolume out = deface(s.volume, s.skin, s.region, p, report);
+  const auto& before = std::get<0>(s.volume);
+  const auto& after = std::get<0>(out);
+  std::size_t changed_outside = 0, brain_changed = 0, brain = 0;
+  for (int k = 0; k < before.size[2]; ++k)
+    for (int j = 0; j < before.size[1]; ++j)
+      for (int i = 0; i < before.size[0]; ++i) {
+        const Vec3 q = before.to_world_mm({double(i), double(j), double(k)});
+        const bool changed = before.at(i, j, k) != after.at(i, j, k);
+        const double voxel = 2.4;
+        const bool outside = s.region.in_front_mm(q) < -(2 * voxel + 1) - p.cover_mm - voxel ||
+                             s.region.below_mm(q) < -p.above_mm - p.cover_mm - voxel;
+        changed_outside += changed && outside;
+        if (outside || s.head.implicit_mm(Anatomy::brain, q) > -1) continue;
+        ++brain;
+        brain_changed += changed;
+      }
+  EXPECT_EQ(changed_outside, 0u);
+  EXPECT_GT(brain, 1000u) << "temporal lobes lie in the region";
+  EXPECT_EQ(brain_changed, 0u);
+}
+
+TEST(Deface, TheSameBitsWhateverTheThreadsAndTheSamplesType) {
+  const Scanned& s = small_head();
+  Report report;
+  set_thread_count(1);
+  const HuVolume one = deface(s.volume, s.skin, s.region, {}, report);
+  set_thread_count(8);
+  const HuVolume eight = deface(s.volume, s.skin, s.region, {}, report);
+  set_thread_count(0);
+  EXPECT_TRUE(one == eight);
+  // A skin that covers only a part of the raster, and a volume of floats.
+  const auto& whole = std::get<0>(s.volume);
+  Grid<float> real(whole);
+  for (std::size_t v = 0; v < real.voxels.size(); ++v) real.voxels[v] = whole.voxels[v];
+  const HuVolume floats = deface(real, s.skin, s.region, {}, report);
+  double worst = 0;
+  for (std::size_t v = 0; v < real.voxels.size(); ++v)
+    worst = std::max(worst, double(std::abs(std::get<1>(floats).voxels[v] - std::get<0>(one).voxels[v])));
+  EXPECT_LE(worst, 0.51);
+}
+
+TEST(Deface, WhereThereIsNoFace) {
+  const Scanned& s = small_head();
+  const auto& g = std::get<0>(s.volume);
+  // The vertex alone.
+  const Box top{{0, 0, g.size[2] - 20}, g.size};
+  const HuVolume vertex = crop(g, top);
+  Report report;
+  const Field skin = segment(vertex, {}, skin_recipe(), report);
+  const HuVolume out = deface(vertex, skin, s.region, {}, report);
+  EXPECT_TRUE(out == vertex);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("no face"), std::string::npos);
+  // A nasion in the brain is none.
+  HeadLandmarks wrong = truth_of(s.head);
+  wrong.landmarks[0].position_mm.y += 40;
+  try {
+    deface(s.volume, s.skin, face_region(wrong), {}, report);
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::privacy);
+    EXPECT_EQ(e.field(), "landmarks.nasion");
+  }
+  // Of another raster.
+  Field moved = s.skin;
+  moved.origin_mm.x += 0.3;
+  EXPECT_THROW(deface(s.volume, moved, s.region, {}, report), Error);
+}
+
+double dice(const Field& a, const Field& b, const Lattice& l) {
+  const Field fa = fit(a, l, -1.f), fb = fit(b, l, -1.f);
+  double both = 0, sum = 0;
+  for (std::size_t v = 0; v < l.count(); ++v) {
+    both += fa.voxels[v] > 0 && fb.voxels[v] > 0;
+    sum += int(fa.voxels[v] > 0) + int(fb.voxels[v] > 0);
+  }
+  return 2 * both / sum;
+}
+
+struct Inner {
+  Field skull, brain, ventricles;
+};
+Inner inner_of(const HuVolume& volume, const Field& skin) {
+  Inner a;
+  Report report;
+  SegmentMasks masks;
+  masks.within = &skin;
+  a.skull = segment(volume, masks, skull_recipe(), report);
+  SegmentParams p;
+  p.method = SegmentMethod::brain;
+  p.lower_hu = 24;
+  p.edge = SegmentEdge::half_maximum;
+  masks = {};
+  masks.skull = &a.skull;
+  a.brain = segment(volume, masks, p, report);
+  p = {};
+  p.method = SegmentMethod::ventricles;
+  p.lower_hu = -15;
+  p.upper_hu = 18.5;
+  p.edge = SegmentEdge::half_maximum;
+  masks = {};
+  masks.within = &a.brain;
+  a.ventricles = segment(volume, masks, p, report);
+  return a;
+}
+
+TEST(LongDeface, BrainAndVentriclesAreFoundAsBefore) {
+  const Scanned s = scanned(phantom::Level::clinical, 256, 96, 12);
+  const Inner before = inner_of(s.volume, s.skin);
+  for (const FaceRemoval policy : {FaceRemoval::deface, FaceRemoval::crop}) {
+    DefaceParams p;
+    p.policy = policy;
+    Report report;
+    const HuVolume out = deface(s.volume, s.skin, s.region, p, report);
+    const Field skin = segment(out, {}, skin_recipe(), report);
+    const Inner after = inner_of(out, skin);
+    const Lattice& l = lattice_of(s.volume);
+    const double of_brain = dice(before.brain, after.brain, l),
+                 of_ventricles = dice(before.ventricles, after.ventricles, l);
+    std::printf("Dice before and after: brain %.5f, ventricles %.5f\n", of_brain, of_ventricles);
+    EXPECT_GT(of_brain, 0.999);
+    EXPECT_GT(of_ventricles, 0.999);
+    Vec3 where;
+    EXPECT_GT(least_distance_mm(s.head, std::get<0>(out), where), face_clearance_mm);
+  }
+}
+
+}  // namespace
+}  // namespace trephine
