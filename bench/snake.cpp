@@ -111,10 +111,10 @@ Field itk_parallel(const Field& speed, const Field& start, int iterations, int& 
   function->SetLowerThreshold(0);
   function->SetUpperThreshold(10);
   function->SetEdgeWeight(0);
+  function->Initialize(itk::Size<3>{{1, 1, 1}});  // sets the weights to its own: before ours
   function->SetPropagationWeight(1);
   function->SetCurvatureWeight(float(curvature_mm / voxel_mm));
   function->SetAdvectionWeight(0);
-  function->Initialize(itk::Size<3>{{1, 1, 1}});
   function->AllocateSpeedImage();
   function->CalculateSpeedImage();
   auto filter = itk::ParallelSparseFieldLevelSetImageFilter<Image, Image>::New();
@@ -143,7 +143,7 @@ int main(int argc, char** argv) {
   const int iterations = argc > 1 ? std::atoi(argv[1]) : 300, repetitions = argc > 2 ? std::atoi(argv[2]) : 3;
   set_thread_count(argc > 3 ? std::atoi(argv[3]) : 2);
   phantom::HeadParams head;
-  head.level = phantom::Level::clinical;
+  head.level = phantom::Level::simple;
   phantom::ScanParams scan;
   scan.columns_count = 200;
   scan.rows_count = 240;
