@@ -12,9 +12,11 @@ namespace {
 
 constexpr int n = CanalWall::directions;
 constexpr double escaped_mm = 1.0;  ///< a ray that goes so much farther than the wall around it has left the canal
-constexpr double course_sigma_mm = 3;
+constexpr double rim_mm = 0.3;      ///< the same beside a gap
+constexpr double rim_reach_mm = 2;  ///< along the canal, the rim of bone beside a gap
+constexpr double course_sigma_mm = 6;
 constexpr int rounds = 3;  ///< of centring
-constexpr int rejections = 6;
+constexpr int rejections = 10;
 constexpr float none = -1;
 
 struct Direction {
@@ -78,6 +80,17 @@ void relax(std::vector<float>& radius, const std::vector<float>& hits, const std
       }
 }
 
+/// Whether a neighbour, in its slice or (where slices are thin) in the next, is no hit.
+bool beside_gap(const std::vector<char>& near, std::size_t v, double dz_mm) {
+  const std::size_t s = v / n, a = v % n;
+  for (std::size_t d : {std::size_t(1), std::size_t(2)})
+    if (!near[s * n + (a + d) % n] || !near[s * n + (a + n - d) % n]) return true;
+  const std::size_t reach = std::size_t(rim_reach_mm / dz_mm);
+  for (std::size_t d = 1; d <= reach; ++d)
+    if ((v >= d * n && !near[v - d * n]) || (v + d * n < near.size() && !near[v + d * n])) return true;
+  return false;
+}
+
 CanalWall wall_of(const Field& bone, const CanalCourse& course, const CanalParams& p, const Progress& progress) {
   const int slices = int(course.points.size());
   std::vector<float> hits(std::size_t(slices) * n);
@@ -94,19 +107,22 @@ CanalWall wall_of(const Field& bone, const CanalCourse& course, const CanalParam
   std::vector<float> first(hits.size());
   for (int s = 0; s < slices; ++s)
     for (int a = 0; a < n; ++a) {
-      std::vector<float> near;
+      std::vector<float> around;
       for (int t = std::max(0, s - window); t <= std::min(slices - 1, s + window); ++t)
-        for (int b : {a + n - 2, a, a + 2}) near.push_back(hits[std::size_t(t) * n + b % n]);
-      first[std::size_t(s) * n + a] = middle(near, usual);
+        for (int b : {a + n - 2, a, a + 2}) around.push_back(hits[std::size_t(t) * n + b % n]);
+      first[std::size_t(s) * n + a] = middle(around, usual);
     }
   CanalWall wall;
   wall.radius_mm = first;
   wall.is_bone.assign(hits.size(), 0);
+  std::vector<char> near(hits.size());
   double limit_mm = 3 * escaped_mm;
   for (int r = 0; r < rejections; ++r) {
     progress.check();
+    for (std::size_t v = 0; v < hits.size(); ++v) near[v] = hits[v] != none && hits[v] < wall.radius_mm[v] + limit_mm;
+    // Beside a gap the bone's rim is round and blurred, and met too late: it must not say where the gap's wall begins.
     for (std::size_t v = 0; v < hits.size(); ++v)
-      wall.is_bone[v] = hits[v] != none && hits[v] < wall.radius_mm[v] + limit_mm;
+      wall.is_bone[v] = near[v] && (hits[v] < wall.radius_mm[v] + rim_mm || !beside_gap(near, v, bone.spacing_mm.z));
     relax(wall.radius_mm, hits, wall.is_bone, slices, bone.spacing_mm.z, usual, r + 1 < rejections ? 60 : 200);
     limit_mm = std::max(escaped_mm, limit_mm * 0.6);
   }
@@ -129,17 +145,22 @@ void centre(CanalCourse& course, const CanalWall& wall, const Lattice& l) {
     moved[s].i += x / area / l.spacing_mm.x;
     moved[s].j += y / area / l.spacing_mm.y;
   }
+  // A line through the points around, by how much of their wall is bone: over gaps the course goes straight on.
   const int reach = std::max(1, int(std::ceil(3 * course_sigma_mm / l.spacing_mm.z)));
   for (int s = 0; s < slices; ++s) {
-    double sum = 0, i = 0, j = 0;
-    const int here = std::min({reach, s, slices - 1 - s});  // symmetric, lest slanted ends bend
-    for (int t = s - here; t <= s + here; ++t) {
-      const double d = (t - s) * l.spacing_mm.z / course_sigma_mm, w = std::exp(-d * d / 2);
-      sum += w;
-      i += w * moved[t].i;
-      j += w * moved[t].j;
+    double w0 = 1e-9, w1 = 0, w2 = 0, i0 = 0, i1 = 0, j0 = 0, j1 = 0;
+    for (int t = std::max(0, s - reach); t <= std::min(slices - 1, s + reach); ++t) {
+      const double z = (t - s) * l.spacing_mm.z, u = z / course_sigma_mm, walled = wall.walled_ratio(std::size_t(t));
+      const double w = std::exp(-u * u / 2) * (0.001 + walled * walled * walled);
+      w0 += w, w1 += w * z, w2 += w * z * z;
+      i0 += w * moved[t].i, i1 += w * z * moved[t].i;
+      j0 += w * moved[t].j, j1 += w * z * moved[t].j;
     }
-    course.points[s] = {i / sum, j / sum};
+    const double turn = w0 * w2 - w1 * w1;
+    if (turn > 1e-6 * w0 * w0)
+      course.points[s] = {(w2 * i0 - w1 * i1) / turn, (w2 * j0 - w1 * j1) / turn};
+    else
+      course.points[s] = {i0 / w0, j0 / w0};
   }
 }
 

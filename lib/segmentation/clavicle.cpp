@@ -54,12 +54,25 @@ Mask seeds_of(const BitMask& bone, const BlobChain& chain) {
   return seeds;
 }
 
-/// Other pieces of the core in the chain's planes, which are bone of others.
-void add_others(Mask& seeds, const BitMask& core, const BlobChain& chain) {
-  for (int k = 0; k < seeds.size[2]; ++k)
-    for (int j = 0; j < seeds.size[1]; ++j)
-      for (int i = chain.blobs.front().i; i <= chain.blobs.back().i; ++i)
-        if (seeds.at(i, j, k) == 0 && core.get(i, j, k)) seeds.at(i, j, k) = 2;
+/// And in what lies beside the chain in its planes, or beyond them and hangs together with it only by a narrower neck.
+void add_others(Mask& seeds, const BitMask& bone, const BlobChain& chain, double core_mm, const Progress& progress) {
+  const BitMask mine = make_mask(seeds, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < seeds.size[0]; ++i) row[i] = seeds.at(i, j, k) == 1;
+  });
+  for (int step = 0; step <= 3; ++step) {
+    const BitMask core = step == 0 ? bone : eroded(bone, step * core_mm, progress);
+    const Components pieces = components(core);
+    const BitMask hanging = select(pieces, touching(pieces, mine));
+    const bool in_planes = step == (core_mm > 0 ? 1 : 0);
+    for (int k = 0; k < seeds.size[2]; ++k)
+      for (int j = 0; j < seeds.size[1]; ++j)
+        for (int i = 0; i < seeds.size[0]; ++i)
+          if (seeds.at(i, j, k) == 0 && core.get(i, j, k)) {
+            const bool beside = i >= chain.blobs.front().i && i <= chain.blobs.back().i;
+            if (!hanging.get(i, j, k) || (in_planes && beside)) seeds.at(i, j, k) = 2;
+          }
+    if (core_mm == 0) break;
+  }
 }
 
 struct Parted {
@@ -90,7 +103,7 @@ Parted parted(const BitMask& bone, const BlobChain& chain, const ClavicleParams&
     for (Blob::Run& r : b.runs) r.k -= box.begin[2], r.begin -= box.begin[1], r.end -= box.begin[1];
   }
   Mask seeds = seeds_of(here, moved);
-  add_others(seeds, p.core_mm > 0 ? eroded(here, p.core_mm, progress) : here, moved);
+  add_others(seeds, here, moved, p.core_mm, progress);
   BitMask air = here;
   air.invert();
   const Mask labels = flood(distance_mm(air, progress), here, seeds, progress);
@@ -129,6 +142,7 @@ std::vector<ClavicleCourse> clavicle_courses(const Field& bone, const ClaviclePa
     if (!wanted(params.side, chain.side)) continue;
     ClavicleCourse course;
     course.side = chain.side;
+    std::vector<double> areas_mm2;
     const int n = int(chain.blobs.size()), reach = std::max(1, int(std::lround(6 / bone.spacing_mm.x)));
     for (int b = 0; b < n; ++b) {
       const int around = std::min({reach, b, n - 1 - b});
@@ -139,7 +153,13 @@ std::vector<ClavicleCourse> clavicle_courses(const Field& bone, const ClaviclePa
         area += chain.blobs[o].area_mm2;
       }
       course.points_mm.push_back(bone.to_world_mm(sum / (2 * around + 1)));
-      course.radius_mm.push_back(std::sqrt(area / (2 * around + 1) / M_PI) + params.core_mm);
+      areas_mm2.push_back(area / (2 * around + 1));
+    }
+    for (int b = 0; b < n; ++b) {
+      const Vec3 along =
+          normalized(course.points_mm[std::min(b + reach, n - 1)] - course.points_mm[std::max(b - reach, 0)]);
+      const double across = std::abs(dot(along, bone.direction.column[0]));
+      course.radius_mm.push_back(std::sqrt(areas_mm2[b] * across / M_PI) + params.core_mm);
     }
     if (course.points_mm.front().y > course.points_mm.back().y) {
       std::reverse(course.points_mm.begin(), course.points_mm.end());
@@ -150,7 +170,8 @@ std::vector<ClavicleCourse> clavicle_courses(const Field& bone, const ClaviclePa
   return courses;
 }
 
-Field find_clavicles(const Field& bone, const ClavicleParams& params, Report& report, const Progress& progress) {
+Field find_clavicles(const Field& bone, const ClavicleParams& params, Report& report, const Progress& progress,
+                     const Field* without) {
   using namespace segmentation;
   const BitMask whole = bone_mask(bone);
   const auto chains = chains_of(whole, params, progress);
@@ -193,6 +214,7 @@ Field find_clavicles(const Field& bone, const ClavicleParams& params, Report& re
   if (params.part == ClaviclePart::rest) {
     BitMask rest = whole;
     all = rest.remove(all);
+    if (without) all.remove(positive(*without, whole.lattice()));
   }
   check_mask(all, whole.lattice().count(), report);
   const Box box = grown(all.bounds(), 2, bone);

@@ -38,7 +38,7 @@ struct ClavicleParams {
 struct ClavicleCourse {
   BodySide side = BodySide::left;
   std::vector<Vec3> points_mm;    ///< about a voxel apart, LPS
-  std::vector<double> radius_mm;  ///< of a circle with the cross-section's area in a sagittal plane
+  std::vector<double> radius_mm;  ///< of a circle with the cross-section's area
 };
 
 /// The clavicles' middle lines, the right one first; none where nothing looks like one. `bone` as below.
@@ -51,13 +51,15 @@ std::vector<ClavicleCourse> clavicle_courses(const Field& bone, const ClaviclePa
 /// on the depth in the bone), and the cut is smoothed. Arms down or raised; for a patient who lies straight to about 30
 /// degrees. A clavicle that the scan cuts is found as far as it goes.
 ///
-/// Returns a field in bone's unit, positive inside, cropped as segment() does; part rest: all of bone but them.
+/// Returns a field in bone's unit, positive inside, cropped as segment() does; part rest: all of bone but them, and
+/// nothing inside `without` (a vein so bright that it was taken for bone).
 /// Report: right_length_mm, right_ml, right_joint_mm2 (cut through bone) and the same of left, as far as found;
 /// volume_ml. Warns of a side that was not found, and of one that hangs on other bone over more than max_joint_mm2:
 /// there it was not parted by a joint, and its end is where the bone happens to be narrow.
 ///
 /// The same bits whatever the thread count. Throws Error 80 where the bone is empty, or no clavicle of the side asked
 /// for is found; Cancelled.
-Field find_clavicles(const Field& bone, const ClavicleParams& params, Report& report, const Progress& progress = {});
+Field find_clavicles(const Field& bone, const ClavicleParams& params, Report& report, const Progress& progress = {},
+                     const Field* without = nullptr);
 
 }  // namespace trephine

@@ -40,9 +40,10 @@ struct Vein {
   Box box;  ///< in the volume's indices
 };
 
-Vein vein_of(const ClavicleCourse& clavicle, const HuView& hu, const Field& bone, const VeinParams& p, Report& report,
-             const Progress& progress) {
+Vein vein_of(const ClavicleCourse& clavicle, const HuView& hu, const Field& all_bone, const VeinParams& p,
+             Report& report, const Progress& progress) {
   const std::string name = clavicle.side == BodySide::right ? "right" : "left";
+  const Field bone = p.source == VeinSource::automatic ? without_dense_vein(all_bone, clavicle, p, progress) : all_bone;
   const VeinCourse course = estimated_course(clavicle, hu, bone, p, progress);
   Vein vein;
   EnhancedVein enhanced;

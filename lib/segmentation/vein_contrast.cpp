@@ -7,19 +7,7 @@
 #include "segmentation/vein_parts.h"
 
 namespace trephine::segmentation {
-namespace {
 
-constexpr double sigma_mm = 1.0;
-constexpr double clear_of_noise = 4;                 ///< times the spread of the tissue without contrast medium
-constexpr double bone_blur_mm = 1.5;                 ///< HU this near to bone are not believed
-constexpr float soft_from_hu = 0, soft_to_hu = 120;  ///< tissue without contrast medium
-constexpr float known_from_hu = -150;                ///< neither air nor lung
-constexpr double open_mm = 1.0;                      ///< bridges to other vessels and specks of noise
-constexpr double least_follow = 0.6;                 ///< of the course has the vein beside it
-constexpr double least_radius_mm = 1.5, most_radius_mm = 11;
-constexpr double cut_sigma_mm = 1.0;
-
-/// How much of the course has a voxel of the mask within reach_mm.
 double followed(const BitMask& mask, const VeinCourse& course, double reach_mm) {
   const Lattice& l = mask.lattice();
   std::size_t beside = 0;
@@ -36,6 +24,18 @@ double followed(const BitMask& mask, const VeinCourse& course, double reach_mm) 
   }
   return double(beside) / double(course.points_mm.size());
 }
+
+namespace {
+
+constexpr double sigma_mm = 1.0;
+constexpr double clear_of_noise = 4;                 ///< times the spread of the tissue without contrast medium
+constexpr double bone_blur_mm = 1.5;                 ///< HU this near to bone are not believed
+constexpr float soft_from_hu = 0, soft_to_hu = 120;  ///< tissue without contrast medium
+constexpr float known_from_hu = -150;                ///< neither air nor lung
+constexpr double open_mm = 1.0;                      ///< bridges to other vessels and specks of noise
+constexpr double least_follow = 0.6;                 ///< of the course has the vein beside it
+constexpr double least_radius_mm = 1.5, most_radius_mm = 11;
+constexpr double cut_sigma_mm = 1.0;
 
 /// The piece of the mask that reaches along most of the course, the largest of equals.
 BitMask best_piece(const BitMask& mask, const VeinCourse& course, double reach_mm, double& share) {

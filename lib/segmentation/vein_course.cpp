@@ -10,6 +10,8 @@ namespace trephine::segmentation {
 namespace {
 
 constexpr double step_mm = 2;
+constexpr double bridge_mm = 1;  ///< between dense vein and bone
+constexpr double dense_least_mm3 = 300, dense_follow = 0.6;
 constexpr double film_mm = 1;  ///< of soft tissue between vein and bone or lung
 constexpr float air_below_hu = -300;
 constexpr double room_mm = 15;       ///< how far the course may leave the first guess
@@ -190,6 +192,40 @@ std::vector<Vec3> with_room(const std::vector<Vec3>& first, const Grid<float>& r
 }
 
 }  // namespace
+
+Field without_dense_vein(const Field& bone, const ClavicleCourse& clavicle, const VeinParams& p,
+                         const Progress& progress) {
+  VeinCourse course;
+  course.points_mm = first_guess(clavicle, p);
+  const Box box = box_around(course, bone, p.search_mm + 5);
+  if (box.empty()) return bone;
+  const BitMask here = crop(positive(bone, bone), box);
+  const Components pieces = components(eroded(here, bridge_mm, progress));
+  std::vector<char> is_vein(pieces.list.size());
+  for (std::size_t c = 0; c < is_vein.size(); ++c) {
+    if (double(pieces.list[c].voxels) * bone.voxel_volume_mm3() < dense_least_mm3) continue;
+    std::vector<char> one(is_vein.size());
+    one[c] = 1;
+    const BitMask piece = select(pieces, one);
+    is_vein[c] = followed(piece, course, 0.75 * p.search_mm) >= dense_follow;
+    for (const Vec3& q : clavicle.points_mm) {
+      const Vec3 at = piece.lattice().to_index(q);
+      if (piece.at(int(std::lround(at.x)), int(std::lround(at.y)), int(std::lround(at.z)))) is_vein[c] = 0;
+    }
+  }
+  const BitMask core = select(pieces, is_vein);
+  if (!core.any()) return bone;
+  const BitMask vein = grown_within(core, here, 2 * bridge_mm, progress);
+  Field out = bone;
+  for (int k = 0; k < vein.lattice().size[2]; ++k)
+    for (int j = 0; j < vein.lattice().size[1]; ++j)
+      for (int i = 0; i < vein.lattice().size[0]; ++i)
+        if (vein.get(i, j, k)) {
+          float& f = out.at(i + box.begin[0], j + box.begin[1], k + box.begin[2]);
+          f = -std::abs(f);
+        }
+  return out;
+}
 
 VeinCourse estimated_course(const ClavicleCourse& clavicle, const HuView& hu, const Field& bone, const VeinParams& p,
                             const Progress& progress) {

@@ -18,13 +18,14 @@ StageType clavicle_stage() {
       "scapula where the bone is narrowest. The report says over which area it had to be cut, and warns where that is "
       "more than a joint's bridge, and where a side is missing.";
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
-             {"bone", DataKind::field, true, "all bone of the chest, filled"}};
+             {"bone", DataKind::field, true, "all bone of the chest, filled"},
+             {"without", DataKind::field, false, "part rest: a vein so bright that it was taken for bone"}};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<ClavicleParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
     place_in(*in.get<Field>("bone"), lattice_of(*in.get<HuVolume>("volume")));  // the same raster, else refused
-    return std::make_shared<const Field>(
-        find_clavicles(*in.get<Field>("bone"), params.as<ClavicleParams>(), report, progress));
+    return std::make_shared<const Field>(find_clavicles(*in.get<Field>("bone"), params.as<ClavicleParams>(), report,
+                                                        progress, in.get<Field>("without")));
   };
   return s;
 }
