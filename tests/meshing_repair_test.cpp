@@ -6,8 +6,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <map>
+#include <string>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -313,6 +317,58 @@ TEST(Repair, MixedFaultsAtMost5PercentRefused) {  // M7
 TEST(LongRepair, MixedFaultsAtMost5PercentRefused) {
   const Corpus c = corpus(1000, 1600);
   EXPECT_LE(c.refused, c.total / 20);
+}
+
+/// Plain OFF, polygons as fans; nothing where it is something else.
+TriMesh read_off(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::string word;
+  std::vector<double> n;
+  in >> word;
+  if (word != "OFF") return {};
+  while (in >> word)
+    if (word[0] == '#')
+      std::getline(in, word);
+    else
+      n.push_back(std::strtod(word.c_str(), nullptr));
+  TriMesh m;
+  if (n.size() < 3) return m;
+  const auto points = std::size_t(n[0]), faces = std::size_t(n[1]);
+  std::size_t at = 3;
+  for (std::size_t i = 0; i < points; ++i, at += 3) m.points_mm.push_back({n.at(at), n.at(at + 1), n.at(at + 2)});
+  for (std::size_t i = 0; i < faces; ++i) {
+    const auto corners = std::size_t(n.at(at++));
+    const auto v = [&](std::size_t c) { return std::uint32_t(n.at(at + c)); };
+    for (std::size_t c = 2; c < corners; ++c) m.triangles.push_back({v(0), v(c - 1), v(c)});
+    at += corners;
+  }
+  return m;
+}
+
+TEST(Repair, OthersMeshesWithHoles) {
+  const char* data = std::getenv("TREPHINE_DATA");
+  const auto root = std::filesystem::path(data ? data : std::string(std::getenv("HOME")) + "/.cache/trephine-data") /
+                    "bad_meshes" / "cgal";
+  if (!std::filesystem::exists(root)) GTEST_SKIP() << root << " is not there";
+  int repaired_count = 0;
+  for (const char* name : {"corner_with_hole", "elephant-with-holes", "hole", "mech-holes-shark", "triangular_hole"}) {
+    const TriMesh m = read_off(root / (std::string(name) + ".off"));
+    ASSERT_FALSE(m.triangles.empty()) << name;
+    RepairParams p;
+    p.recontour_voxels_count = 96;
+    try {
+      const Result r = repaired(m, p);
+      const Bounds b = bounds_of(m);
+      std::printf("%s: %s, %d holes, %.2g of its size from the input\n", name, r.method().c_str(),
+                  int(r.count("holes_filled_count")), r.number("from_input_max_mm") / norm(b.max_mm - b.min_mm));
+      EXPECT_LT(r.number("from_input_max_mm"), 0.02 * norm(b.max_mm - b.min_mm)) << name;
+      ++repaired_count;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::quality);
+      std::printf("%s: refused: %s\n", name, e.what());
+    }
+  }
+  EXPECT_GE(repaired_count, 3);
 }
 
 TEST(Repair, BeyondItsTimeTheLastResort) {  // M11

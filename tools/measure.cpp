@@ -4,9 +4,13 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/write_file.h"
 #include "commands.h"
 #include "grid/nrrd.h"
+#include "meshio/read_mesh.h"
 #include "meshio/vtp.h"
+#include "metrics/certify.h"
+#include "metrics/deviation_picture.h"
 #include "phantom/truth.h"
 #include "stage_command.h"
 
@@ -54,6 +58,9 @@ phantom::Anatomy anatomy_named(const std::string& name) {
 void check_flags(const ParsedCommand& parsed) {
   if (parsed.has("reference") + parsed.has("labels") + parsed.has("truth") > 1)
     throw Error(ExitCode::usage, "", "--reference, --labels, --truth", "at most one of them can be given");
+  if (!parsed.has("reference") && (parsed.has("picture") || parsed.params<CertifyParams>().certify))
+    throw Error(ExitCode::usage, "", parsed.has("picture") ? "--picture" : "--certify",
+                "is of a comparison, give --reference too");
   if (parsed.has("anatomy") && !parsed.has("truth"))
     throw Error(ExitCode::usage, "", "--anatomy", "is of the truth, give --truth too");
   for (const char* label : {"label", "last_label"})
@@ -80,6 +87,24 @@ Report measure_against_truth(const ParsedCommand& parsed, const TriMesh& surface
   return measure_surface(surface, reference, parsed.params<MeasureParams>(), progress.part(0.5, 1));
 }
 
+// A file of ours as it is, another program's as its reader has it.
+TriMesh read_surface(const std::filesystem::path& file) {
+  if (file.extension() == ".vtp") return read_vtp(file);
+  Report ignored;
+  return read_mesh_file(file, ignored);
+}
+
+Report measure_against_mesh(const ParsedCommand& parsed, const TriMesh& mesh, const Progress& progress) {
+  const TriMesh reference = read_surface(parsed.path("reference"));
+  Report report =
+      measure_surface(mesh, MeshReference{&reference}, parsed.params<MeasureParams>(), progress.part(0, 0.4));
+  if (const auto& certify = parsed.params<CertifyParams>(); certify.certify)
+    add_certified(report, certify_deviation(mesh, reference, certify.certify_tolerance_mm, progress.part(0.4, 0.8)));
+  if (parsed.has("picture"))
+    write_file(parsed.path("picture"), encode_png(deviation_picture(mesh, reference, 0, progress.part(0.8, 1))));
+  return report;
+}
+
 }  // namespace
 
 Command measure_command() {
@@ -93,24 +118,31 @@ Command measure_command() {
       "caps, where the scan cuts it, are left out).";
   c.examples = {"trephine measure skull.vtp",
                 "trephine measure fewer.vtp --reference skull.vtp --report deviation.json",
+                "trephine measure fewer.vtp --reference skull.vtp --certify --picture deviation.png",
                 "trephine measure skull.vtp --truth head/truth/truth.json --anatomy skull"};
-  Argument surface = file_argument("surface", "Surface to measure (.vtp).");
+  Argument surface = file_argument("surface", "Surface to measure (.vtp, .stl, .ply, .obj, .vtk, .glb).");
   surface.positional = surface.required = true;
   Argument anatomy = file_argument("anatomy", "Which anatomy of the truth the surface is.");
   anatomy.kind = Argument::Kind::choice;
   for (const phantom::Anatomy a : phantom::all_anatomies) anatomy.choices.push_back(phantom::name_of(a));
+  Argument picture = file_argument(
+      "picture", "With --reference: the surface coloured by its distance to it, red outside, blue inside (.png).");
+  picture.kind = Argument::Kind::out_file;
   c.arguments = {surface,
-                 file_argument("reference", "Surface to compare with (.vtp)."),
+                 file_argument("reference", "Surface to compare with, likewise."),
                  file_argument("labels", "Labels to compare with (.nrrd)."),
                  file_argument("truth", "Truth of a phantom (truth.json)."),
                  anatomy,
+                 picture,
                  report_argument()};
-  c.groups = {{"Parameters", stage.make_params}, ParameterGroup::of<LabelParams>("Labels")};
+  c.groups = {{"Parameters", stage.make_params},
+              ParameterGroup::of<LabelParams>("Labels"),
+              ParameterGroup::of<CertifyParams>("Proof")};
   c.run = [](const ParsedCommand& parsed) {
     check_flags(parsed);
     run_with_report(parsed, [&](const Progress& progress) {
       if (parsed.has("truth")) anatomy_named(parsed.text("anatomy"));
-      const TriMesh mesh = read_vtp(parsed.path("surface"));
+      const TriMesh mesh = read_surface(parsed.path("surface"));
       const auto& params = parsed.params<MeasureParams>();
       if (parsed.has("truth")) return measure_against_truth(parsed, mesh, progress);
       if (parsed.has("labels")) {
@@ -118,8 +150,7 @@ Command measure_command() {
         return measure_surface(mesh, LabelReference{&labels, 0}, params, progress);
       }
       if (!parsed.has("reference")) return measure_surface(mesh, {}, params, progress);
-      const TriMesh reference = read_vtp(parsed.path("reference"));
-      return measure_surface(mesh, MeshReference{&reference}, params, progress);
+      return measure_against_mesh(parsed, mesh, progress);
     });
     return ExitCode::ok;
   };
