@@ -52,7 +52,7 @@ SegmentParams recipe(Anatomy anatomy) {
       break;
     case Anatomy::brain:
       p.method = SegmentMethod::brain;
-      p.lower_hu = 24;
+      p.lower_hu = 22.5;
       p.edge = SegmentEdge::half_maximum;
       break;
     case Anatomy::ventricles:
@@ -141,6 +141,23 @@ Deviation deviation(const Head& head, Anatomy anatomy, const Field& field, const
   std::nth_element(size.begin(), size.begin() + std::ptrdiff_t(size.size() * 99 / 100), size.end());
   d.p99 = size[size.size() * 99 / 100];
   return d;
+}
+
+TEST(SegmentPhantom, ClinicalScanOfHalfTheResolution) {
+  phantom::HeadParams who;
+  who.level = phantom::Level::clinical;  // sulci, cupping of 15 HU, a filling
+  phantom::ScanParams how;
+  how.columns_count = how.rows_count = 256;
+  how.pixel_mm = 0.94;
+  how.slices_count = 96;
+  how.slice_step_mm = how.slice_thickness_mm = 2;
+  how.noise_hu = 8;
+  const Scene s = scanned(who, how);
+  const Found f = segment_all(s.volume);
+  EXPECT_GT(dice(s.head, Anatomy::brain, f.brain, s.volume), 0.955) << "sulci are outside";
+  EXPECT_GT(dice(s.head, Anatomy::ventricles, f.ventricles, s.volume), 0.91);
+  EXPECT_LT(std::abs(deviation(s.head, Anatomy::ventricles, f.ventricles, s.volume, 2).mean), 0.15);
+  EXPECT_LT(std::abs(deviation(s.head, Anatomy::skull, f.skull, s.volume, 20).mean), 0.15);
 }
 
 TEST(LongSegmentPhantom, CoarseScan) {

@@ -87,7 +87,8 @@ Side measure_side(const TriMesh& from, const PointToMesh& to, const DeviationPar
   side.signed_mm =
       to.signed_distances_mm(kept(points_on_surface(from, std::size_t(params.sample_count)), within), progress);
   progress.report(0.7);
-  side.vertex_max_mm = to.largest_distance_mm(kept(used_points(from), within), largest(side.signed_mm), progress);
+  if (params.at_vertices)
+    side.vertex_max_mm = to.largest_distance_mm(kept(used_points(from), within), largest(side.signed_mm), progress);
   progress.report(1);
   return side;
 }
@@ -125,6 +126,25 @@ void check_surface(const TriMesh& mesh, const char* which) {
 }
 
 }  // namespace
+
+namespace {
+
+void add_stats(Report& report, const std::string& prefix, const DeviationStats& s) {
+  report.add(prefix + "max_mm", s.max_mm);
+  report.add(prefix + "p99_mm", s.p99_mm);
+  report.add(prefix + "rms_mm", s.rms_mm);
+  report.add(prefix + "mean_mm", s.mean_mm);
+  report.add(prefix + "bias_mm", s.bias_mm);
+}
+
+}  // namespace
+
+void add_deviation(Report& report, const Deviation& d) {
+  add_stats(report, "deviation_", d.both);
+  add_stats(report, "to_reference_", d.mesh_to_reference);
+  add_stats(report, "from_reference_", d.reference_to_mesh);
+  report.add("samples_count", d.both.samples);
+}
 
 std::vector<Vec3> points_on_surface(const TriMesh& mesh, std::size_t count) {
   std::vector<Vec3> points;
@@ -176,7 +196,7 @@ Deviation measure_deviation_to_truth(const TriMesh& mesh, const DistanceFunction
   const auto samples = std::size_t(params.sample_count);
   forth.signed_mm = evaluate(truth, kept(points_on_surface(mesh, samples), within), progress);
   progress.report(0.3);
-  forth.vertex_max_mm = largest(evaluate(truth, kept(used_points(mesh), within), progress));
+  if (params.at_vertices) forth.vertex_max_mm = largest(evaluate(truth, kept(used_points(mesh), within), progress));
   progress.report(0.5);
   const PointToMesh to_mesh(mesh, progress);
   progress.report(0.7);

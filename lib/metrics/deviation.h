@@ -5,6 +5,7 @@
 
 #include "base/params.h"
 #include "base/progress.h"
+#include "base/report.h"
 #include "surface/distance_function.h"
 #include "surface/trimesh.h"
 
@@ -12,6 +13,7 @@ namespace trephine {
 
 struct DeviationParams {
   int sample_count = 200000;
+  bool at_vertices = true;  ///< no parameter of a user: whether max_mm is also of every vertex
   template <class V>
   static void describe(V& v) {
     v.integer(&DeviationParams::sample_count, "sample_count", Range{1000, 100000000},
@@ -53,6 +55,10 @@ Deviation measure_deviation(const TriMesh& mesh, const TriMesh& reference, const
 Deviation measure_deviation_to_truth(const TriMesh& mesh, const DistanceFunction& truth, const TriMesh& truth_mesh,
                                      const DeviationParams& params = {}, const Bounds& within = everywhere,
                                      const Progress& progress = {});
+
+/// Adds deviation_{max,p99,rms,mean,bias}_mm of both directions together, to_reference_... and from_reference_... of
+/// each, and samples_count.
+void add_deviation(Report& report, const Deviation& deviation);
 
 /// The points described above, world. For `count` = 0 none.
 std::vector<Vec3> points_on_surface(const TriMesh& mesh, std::size_t count);

@@ -15,19 +15,8 @@
 namespace trephine {
 namespace {
 
-void add_stats(Report& report, const std::string& prefix, const DeviationStats& s) {
-  report.add(prefix + "max_mm", s.max_mm);
-  report.add(prefix + "p99_mm", s.p99_mm);
-  report.add(prefix + "rms_mm", s.rms_mm);
-  report.add(prefix + "mean_mm", s.mean_mm);
-  report.add(prefix + "bias_mm", s.bias_mm);
-}
-
 void add_deviation(Report& report, const Deviation& d, double volume, double reference_volume) {
-  add_stats(report, "deviation_", d.both);
-  add_stats(report, "to_reference_", d.mesh_to_reference);
-  add_stats(report, "from_reference_", d.reference_to_mesh);
-  report.add("samples_count", d.both.samples);
+  add_deviation(report, d);
   report.add("reference_volume_mm3", reference_volume);
   if (reference_volume != 0) report.add("volume_difference_ratio", (volume - reference_volume) / reference_volume);
 }

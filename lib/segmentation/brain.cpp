@@ -4,53 +4,67 @@
 #include "base/error.h"
 #include "segmentation/filters.h"
 #include "segmentation/methods.h"
+#include "segmentation/soft_tissue.h"
 #include "segmentation/surface_field.h"
 
 namespace trephine::segmentation {
 namespace {
 
-constexpr double default_sigma_mm = 1.0;
+constexpr double strength_ratio = 0.4;  ///< of denoising to the noise, mm^-0.5
+constexpr float thin_bone_hu = 226;
 constexpr double bone_blur_mm = 1.5;    ///< HU this near to bone are not believed
 constexpr double bone_margin_mm = 1.0;  ///< and the brain never comes nearer than this: dura and a film of CSF
 constexpr double default_open_mm = 2.5;
 constexpr double default_close_mm = 3.0;
 constexpr double default_fill_close_mm = 10.0;
-constexpr double inner_hu = 6;  ///< inside, tissue may be this much darker than at its surface (white matter, oedema)
-constexpr double peel_mm = 4;   ///< the surface's threshold works this deep
+constexpr double inner_hu = 6;         ///< inside, tissue may be this much darker than at its surface (white matter)
+constexpr double csf_reach_mm = 60;    ///< sulci, fissures and cisterns are followed this far from the envelope
+constexpr double ventricle_hu = 18.5;  ///< the edge between CSF and white matter
+constexpr double ventricle_wall_mm = 1.5;
+constexpr double wide_mm = 2.0;   ///< CSF wider than twice this is as dark as CSF,
+constexpr double lesion_hu = 15;  ///< and what is brighter is oedema or an old infarct: brain
+constexpr double lesion_ml = 0.3;
+constexpr double crumb_mm = 0.8;  ///< flaps thinner than twice this (dura, vessels) do not hold to the brain
 constexpr double cut_sigma_mm = 1.5;
 constexpr double cut_scale_hu = 10;
 
 double or_default(double value, double otherwise) { return value > 0 ? value : otherwise; }
 
-/// The box's HU smoothed over the voxels that hold brain or fluid, far from bone.
-Grid<float> soft_tissue(const HuView& hu, const Box& box, const BitMask& cavity, const BitMask& near_bone,
-                        double sigma_mm, const Progress& progress) {
+/// The box's HU where brain or fluid is, far from bone; denoised, tissue at 30.
+Grid<float> soft_of(const HuView& hu, const Box& box, const BitMask& cavity, const BitMask& near_bone,
+                    const SegmentParams& p, Report& report, const Progress& progress) {
   Grid<float> v = crop(hu, box);
   BitMask known = make_mask(v, [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < v.size[0]; ++i) row[i] = v.at(i, j, k) > -60 && v.at(i, j, k) < 130;
+    for (int i = 0; i < v.size[0]; ++i) row[i] = v.at(i, j, k) > -100 && v.at(i, j, k) < 160;
   });
   known &= cavity;
   known.remove(near_bone);
-  return masked_gaussian(std::move(v), known, sigma_mm, -1000, 0.02, progress);
+  if (p.smoothing_sigma_mm > 0) v = masked_gaussian(std::move(v), known, p.smoothing_sigma_mm, -1000, 0.02, progress);
+  return soft_tissue(std::move(v), known, p.edge == SegmentEdge::half_maximum, strength_ratio, -1000, report, progress);
+}
+
+/// Dark and wide, but not as dark as CSF.
+BitMask lesions(const Grid<float>& soft, const BitMask& dark, const Progress& progress) {
+  BitMask core = eroded(dark, wide_mm, progress);
+  core &= make_mask(soft, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < soft.size[0]; ++i) row[i] = soft.at(i, j, k) > lesion_hu;
+  });
+  const Components pieces = components(core);
+  std::vector<char> keep;
+  for (const Component& c : pieces.list) keep.push_back(c.voxels * soft.voxel_volume_mm3() / 1000 >= lesion_ml);
+  return dilated(select(pieces, keep), wide_mm + 1, progress);
 }
 
 }  // namespace
 
-double tissue_shift_hu(const Grid<float>& soft, const BitMask& where, Report& report) {
-  constexpr double usual_hu = 30, most_hu = 15;
-  std::vector<float> values;
-  for (int k = 0; k < soft.size[2]; ++k)
-    for (int j = 0; j < soft.size[1]; ++j)
-      for (int i = (j + k) % 3; i < soft.size[0]; i += 3)
-        if (where.get(i, j, k)) values.push_back(soft.at(i, j, k));
-  const double middle = median(values, float(usual_hu));
-  report.add("tissue_hu", middle);
-  return std::clamp(middle - usual_hu, -most_hu, most_hu);
-}
-
 Field segment_brain(const HuView& hu, const SegmentMasks& masks, const SegmentParams& p, Report& report,
                     const Progress& progress) {
   BitMask bone = masks.skull ? positive(*masks.skull, hu.lattice()) : bone_of(hu);
+  // Thin plates of bone that the skull's own edge leaves out (orbital roofs in thick slices) are no brain either.
+  const Components bright = components(make_mask(hu.lattice(), [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < hu.lattice().size[0]; ++i) row[i] = hu(i, j, k) > thin_bone_hu;
+  }));
+  bone |= select(bright, touching(bright, bone));
   BitMask cavity = cranial_cavity(bone, report, progress);
   const Box roi = region_of_interest(hu.lattice(), p);
   progress.report(0.3);
@@ -63,12 +77,10 @@ Field segment_brain(const HuView& hu, const SegmentMasks& masks, const SegmentPa
   cavity &= placed(roi_mask.invert(), cavity.lattice());
 
   const BitMask near_bone = dilated(bone, bone_blur_mm, progress);
-  Field soft = soft_tissue(hu, box, cavity, near_bone, or_default(p.smoothing_sigma_mm, default_sigma_mm), progress);
+  Field soft = soft_of(hu, box, cavity, near_bone, p, report, progress);
   progress.report(0.6);
   cavity.remove(dilated(bone, bone_margin_mm, progress));
-  const double shift = p.edge == SegmentEdge::half_maximum ? tissue_shift_hu(soft, cavity, report) : 0;
-  const float lower = float(p.lower_hu + shift), upper = float(p.upper_hu);
-  report.add("lower_hu", double(lower));
+  const float lower = float(p.lower_hu), upper = float(p.upper_hu);
   const auto within = [&](float from) {
     BitMask tissue = make_mask(soft, [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < soft.size[0]; ++i) row[i] = soft.at(i, j, k) > from && soft.at(i, j, k) < upper;
@@ -89,11 +101,23 @@ Field segment_brain(const HuView& hu, const SegmentMasks& masks, const SegmentPa
   filled &= cavity;
   shape |= filled;
   report.add("filled_ml", double(filled.count()) * hu.lattice().voxel_volume_mm3() / 1000);
-  // The surface at its own threshold: what is darker is peeled off from outside.
-  BitMask outside = shape, dark = within(lower);
-  outside.invert();
+  shape = largest(components(shape));
+  report.add("envelope_ml", double(shape.count()) * hu.lattice().voxel_volume_mm3() / 1000);
+
+  // Sulci, fissures and cisterns: the CSF that is reached from outside, past the ventricles.
+  BitMask closed_off = dilated(find_ventricles(soft, shape, -15, ventricle_hu, progress), ventricle_wall_mm, progress);
+  closed_off &= shape;
+  BitMask dark = within(lower);
   dark.invert();
-  shape.remove(grown_within(outside, dark, peel_mm, progress));
+  dark &= shape;
+  dark.remove(closed_off);
+  dark.remove(lesions(soft, dark, progress));
+  BitMask outside = shape;
+  outside.invert();
+  dark |= outside;
+  shape.remove(grown_within(outside, dark, csf_reach_mm, progress));
+  BitMask solid = dilated(largest(components(eroded(shape, crumb_mm, progress))), crumb_mm + 0.5, progress);
+  shape &= solid;
   shape = largest(components(shape));
   progress.report(0.8);
   for (float& v : soft.voxels) v = std::min(v - lower, upper - v);

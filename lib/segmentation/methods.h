@@ -46,9 +46,11 @@ BitMask bone_of(const HuView& hu);
 /// found.
 BitMask cranial_cavity(const BitMask& bone, Report& report, const Progress& progress);
 
-/// HU of brain tissue differ between scanners by several units: by how much the middle value of `soft` over `where`
-/// lies above 30, the middle of a well calibrated scan of a brain; at most 15. Adds "tissue_hu".
-double tissue_shift_hu(const Grid<float>& soft, const BitMask& where, Report& report);
+/// Ventricles in tissue as soft_tissue() gives it, within the brain's envelope (sulci filled): CSF between `lower_hu`
+/// and `upper_hu` deep in it, parted from cisterns, the fourth ventricle and sulci at the narrowest places. Empty where
+/// there is none.
+BitMask find_ventricles(const Grid<float>& soft, const BitMask& envelope, double lower_hu, double upper_hu,
+                        const Progress& progress);
 
 Field segment_threshold(const HuView& hu, const SegmentMasks& masks, const SegmentParams& params, Report& report,
                         const Progress& progress);

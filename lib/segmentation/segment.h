@@ -98,10 +98,13 @@ struct SegmentMasks {
 ///   half_maximum the fixed threshold decides what is bone and the surface lies at half the contrast, which kernel blur
 ///   moves far less.
 /// - brain: the space in the skull is found on a 2 mm raster by a watershed on the distance to bone, so that every
-/// foramen
-///   is cut at its narrowest; inside it tissue brighter than CSF, opened, closed and filled: ventricles belong to it.
+///   foramen is cut at its narrowest. Inside it HU are levelled (half_maximum: tissue to 30 everywhere) and denoised as
+///   strongly as their noise needs (total variation); tissue brighter than CSF, opened, closed and filled, is the
+///   envelope, from which sulci, fissures and cisterns are cut as far as CSF reaches in from outside. Ventricles
+///   belong to the brain; wide dark places that are not as dark as CSF (oedema, old infarcts) too.
 /// - ventricles: CSF deep inside the brain (the lateral ones and the third), parted from cisterns, fourth ventricle and
-///   sulci at the narrowest places by the same watershed.
+///   sulci at the narrowest places by the same watershed; half_maximum: the surface lies halfway between CSF and the
+///   tissue beside it, as averaged along the surface.
 ///
 /// Brain and ventricles are a first unattended estimate for a head that lies straight to about 15 degrees: blood or a
 /// tumour in the ventricles, wide ways out of them, strong cupping and a skull with a large defect mislead it. The

@@ -130,9 +130,12 @@ Vec3 gradient(const Field& f, int i, int j, int k) {
   return {g.x / f.spacing_mm.x, g.y / f.spacing_mm.y, g.z / f.spacing_mm.z};
 }
 
+constexpr float sharp_mm = 0.9f, blurred_mm = 3.f;  ///< slices that blur a table of bone not at all, and most
+constexpr float most_gain = 0.5f;                   ///< and how much of its HU they then take
 struct Profile {
   float high, low;
-  bool leaves;  ///< the way downhill leaves the mask
+  bool leaves;        ///< the way downhill leaves the mask
+  float blur_mm = 0;  ///< what the slices' thickness blurs along the way
 };
 
 Profile profile(const Field& hu, const BitMask& shape, int i, int j, int k, float ceiling, double reach_mm,
@@ -141,10 +144,12 @@ Profile profile(const Field& hu, const BitMask& shape, int i, int j, int k, floa
   const Vec3 step{uphill.x * step_mm / hu.spacing_mm.x, uphill.y * step_mm / hu.spacing_mm.y,
                   uphill.z * step_mm / hu.spacing_mm.z};
   const float here = std::min(hu.at(i, j, k), ceiling);
-  Profile p{here, here, !shape.get(i, j, k)};
+  Profile p{here, here, !shape.get(i, j, k), 0};
   // A turn of a tenth of the contrast so far, and more than noise, ends the profile: another structure begins.
   const auto turned = [&](float back) { return back > 40 && back > 0.1f * (p.high - p.low); };
-  const int steps = int(reach_mm / step_mm);
+  // Slices blur by their thickness, too: across them a profile takes longer to end.
+  p.blur_mm = float(std::abs(uphill.z) * hu.spacing_mm.z);
+  const int steps = int(std::sqrt(reach_mm * reach_mm + double(p.blur_mm) * p.blur_mm) / step_mm);
   for (int s = 1; s <= steps; ++s) {
     const float v = std::min(sample(hu, i + s * step.x, j + s * step.y, k + s * step.z), ceiling);
     p.high = std::max(p.high, v);
@@ -161,6 +166,24 @@ Profile profile(const Field& hu, const BitMask& shape, int i, int j, int k, floa
   return p;
 }
 
+/// What bone's tables reach where the slices' thickness does not blur them.
+float compact_bone(const std::vector<Profile>& profiles) {
+  std::vector<float> high;
+  for (std::size_t n = 0; n < profiles.size(); n += 7)
+    if (profiles[n].leaves && profiles[n].blur_mm < sharp_mm) high.push_back(profiles[n].high);
+  if (high.size() < 100) return 0;
+  const auto at = high.begin() + std::ptrdiff_t(high.size() * 3 / 4);
+  std::nth_element(high.begin(), at, high.end());
+  return *at;
+}
+
+/// A table thinner than the blur never reaches its own HU, and half of what it does reach lies outside of it; at its
+/// edge the value is half of its own, as long as it is thicker than half the blur.
+float unblurred(const Profile& p, float compact) {
+  const float gain = 1 + most_gain * std::clamp((p.blur_mm - sharp_mm) / (blurred_mm - sharp_mm), 0.f, 1.f);
+  return std::max(p.high, std::min(compact, gain * p.high));
+}
+
 }  // namespace
 
 void apply_half_maximum(Field& hu, BitMask& shape, double lower_hu, double reach_mm, double brightest_hu,
@@ -168,7 +191,8 @@ void apply_half_maximum(Field& hu, BitMask& shape, double lower_hu, double reach
   const Lattice& l = hu;
   BitMask outside = shape;
   outside.invert();
-  BitMask shell = dilated(outside, reach_mm, progress);
+  // Every voxel that may lose its bone, the next slice's too however thick it is.
+  BitMask shell = dilated(outside, std::hypot(reach_mm, hu.spacing_mm.z), progress);
   shell &= shape;
   BitMask rim = dilated_6(shape);
   rim.remove(shape);
@@ -181,7 +205,7 @@ void apply_half_maximum(Field& hu, BitMask& shape, double lower_hu, double reach
         for (int i = 0; i < l.size[0]; ++i) first[k + 1] += shell.get(i, j, k);
   });
   for (int k = 0; k < l.size[2]; ++k) first[k + 1] += first[k];
-  std::vector<float> fresh(first.back());
+  std::vector<Profile> profiles(first.back());
   const Vec3 sp = l.spacing_mm;
   const double step_mm = 0.5 * std::min({sp.x, sp.y, sp.z});
   const float ceiling = float(brightest_hu - lower_hu);
@@ -192,12 +216,11 @@ void apply_half_maximum(Field& hu, BitMask& shape, double lower_hu, double reach
       for (int j = 0; j < l.size[1]; ++j)
         for (int i = 0; i < l.size[0]; ++i) {
           if (!shell.get(i, j, k)) continue;
-          const float v = hu.at(i, j, k);
-          const Profile p = profile(hu, shape, i, j, k, ceiling, reach_mm, step_mm);
-          fresh[n++] = p.leaves ? v - std::max(0.f, 0.5f * (p.high + p.low)) : v;
+          profiles[n++] = profile(hu, shape, i, j, k, ceiling, reach_mm, step_mm);
         }
     }
   });
+  const float compact = compact_bone(profiles);
   parallel_for(0, l.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k) {
       std::size_t n = first[k];
@@ -206,7 +229,8 @@ void apply_half_maximum(Field& hu, BitMask& shape, double lower_hu, double reach
           if (!shell.get(i, j, k)) continue;
           float& v = hu.at(i, j, k);
           const bool was_material = v > 0;
-          v = fresh[n++];
+          const Profile& p = profiles[n++];
+          if (p.leaves) v -= std::max(0.f, 0.5f * (unblurred(p, compact) + p.low));
           if (was_material && v <= 0) shape.clear(i, j, k);
         }
     }

@@ -3,26 +3,31 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "segmentation/along_surface.h"
 #include "segmentation/filters.h"
 #include "segmentation/methods.h"
+#include "segmentation/soft_tissue.h"
 #include "segmentation/surface_field.h"
 
 namespace trephine::segmentation {
 namespace {
 
-constexpr double default_sigma_mm = 1.1;
-constexpr double cistern_depth_mm = 8;  ///< CSF this near to the brain's surface is sulci and cisterns
-constexpr double core_ml = 0.02;        ///< ventricles hold a core at least this large in one of the boxes below
+constexpr double strength_ratio = 0.4;   ///< of denoising to the noise, mm^-0.5
+constexpr double envelope_close_mm = 8;  ///< sulci narrower than twice this do not count as the brain's outside
+constexpr double shell_mm = 4;           ///< so near to it no ventricle is looked for
+constexpr double cistern_depth_mm = 8;   ///< CSF this near to the brain's surface is sulci and cisterns
+constexpr double core_ml = 0.02;         ///< ventricles hold a core at least this large in one of the boxes below
 
-constexpr double strict_hu = 4;   ///< what is connected is decided this much below the edge, lest oedema joins in,
+constexpr double strict_hu = 1;   ///< what is connected is decided this much below the edge, lest oedema joins in,
 constexpr double regrow_mm = 2;   ///< and then grown to the edge by at most this
 constexpr double speck_ml = 0.2;  ///< pieces of ventricle smaller than this are noise
 constexpr double cut_sigma_mm = 1.0;
 constexpr double cut_scale_hu = 8;
+constexpr int rounds = 2;
+constexpr double reach_mm = 2.5;
+constexpr double beside_sigma_mm = 5;
 constexpr double edge_may_move_hu = 5;
-constexpr double edge_share = 0.54;  ///< of the contrast: a half, and what smoothing takes from a slender convex shape
-
-double or_default(double value, double otherwise) { return value > 0 ? value : otherwise; }
+constexpr double edge_share = 0.5;
 
 /// A box about the brain's centre, LPS, in an adult; heads lie straight to about 15 degrees.
 struct Place {
@@ -114,7 +119,87 @@ double half_of_both_sides(const Grid<float>& hu, const BitMask& shape, const Bit
   return std::clamp(low + edge_share * (high - low), otherwise - edge_may_move_hu, otherwise + edge_may_move_hu);
 }
 
+/// The surface where the mean along it is halfway between CSF and the tissue beside: `shape` is where to look. Returns
+/// the field, positive inside, on the shape's lattice, and moves the shape with it.
+Field placed_halfway(const Grid<float>& hu, BitMask& shape, const BitMask& brain, double noise,
+                     const Progress& progress) {
+  const Lattice& l = hu;
+  Field field(l);
+  // The more noise, the larger the patch that places a point: about the same error.
+  const double patch_mm = std::clamp(1.2 + 0.05 * noise, 1.2, 4.0), shape_sigma_mm = 0.4 * patch_mm;
+  for (int round = 0; round < rounds; ++round) {
+    for (int k = 0; k < l.size[2]; ++k)
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i) field.at(i, j, k) = shape.get(i, j, k) ? 0.5f : -0.5f;
+    gaussian(field, shape_sigma_mm, progress);
+    Grid<float> distance = signed_distance_mm(field, progress);
+    for (float& d : distance.voxels) d = std::clamp(d, -8.f, 8.f);
+    gaussian(distance, shape_sigma_mm, progress);
+    const Grid<float> mean = averaged_along(hu, distance, reach_mm, patch_mm, progress);
+    std::vector<float> inside;
+    BitMask beside(l);
+    for (int k = 0; k < l.size[2]; ++k)
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i) {
+          const float d = distance.at(i, j, k);
+          if (d > 1.2f) inside.push_back(hu.at(i, j, k));
+          if (d < -1.5f && d > -5 && brain.get(i, j, k) && hu.at(i, j, k) < 100) beside.set(i, j, k);
+        }
+    if (inside.size() < 100 || !beside.any()) return field;
+    const float low = float(middle_of(inside));
+    const Grid<float> high = masked_gaussian(hu, beside, beside_sigma_mm, 30, 0.0005, progress);
+    BitMask next(l);
+    for (int k = 0; k < l.size[2]; ++k)
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i) {
+          const std::size_t v = l.index(i, j, k);
+          const float d = distance.voxels[v];
+          float& f = field.voxels[v];
+          f = 0.5f * (low + high.voxels[v]) - mean.voxels[v];
+          if (std::abs(d) >= reach_mm) f = d > 0 ? std::max(f, 5.f) : std::min(f, -5.f);
+          if (f > 0 && brain.get(i, j, k)) next.set(i, j, k);
+        }
+    const Components pieces = components(next);
+    std::vector<char> keep;
+    for (const Component& c : pieces.list) keep.push_back(c.voxels * l.voxel_volume_mm3() / 1000 >= speck_ml / 2);
+    shape = select(pieces, keep);
+  }
+  return field;
+}
+
 }  // namespace
+
+BitMask find_ventricles(const Grid<float>& soft, const BitMask& envelope, double lower_hu, double upper_hu,
+                        const Progress& progress) {
+  const Lattice& l = soft;
+  const auto fluid = [&](double below) {
+    BitMask mask = make_mask(l, [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < l.size[0]; ++i) row[i] = soft.at(i, j, k) > lower_hu && soft.at(i, j, k) < below;
+    });
+    return mask &= envelope;
+  };
+  BitMask outside = envelope;
+  outside.invert();
+  const Grid<float> depth = distance_mm(outside, progress);
+  const BitMask csf = fluid(upper_hu - strict_hu);
+  BitMask other = csf;
+  other.invert();
+  const Mask labels =
+      flood(distance_mm(other, progress), csf, seeds_of(csf, depth, centre_of(envelope), progress), progress);
+  BitMask mine = make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 1;
+  });
+  const Components pieces = components(mine);
+  std::vector<char> keep;
+  for (const Component& c : pieces.list) keep.push_back(c.voxels * l.voxel_volume_mm3() / 1000 >= speck_ml);
+  mine = select(pieces, keep);
+  // Back to the edge, but not into the fluid of others.
+  BitMask free = fluid(upper_hu);
+  free.remove(make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 2;
+  }));
+  return grown_within(mine, free, regrow_mm, progress);
+}
 
 Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const SegmentParams& p, Report& report,
                          const Progress& progress) {
@@ -130,55 +215,30 @@ Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const Segm
   const Box roi = region_of_interest(hu.lattice(), p);
   BitMask allowed(cropped(hu.lattice(), roi));
   allowed = placed(allowed.invert(), l);
-  allowed &= brain;
   if (masks.without) allowed.remove(positive(*masks.without, l));
 
-  const Grid<float> raw = crop(hu, box);
-  BitMask known = make_mask(l, [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < l.size[0]; ++i) row[i] = raw.at(i, j, k) > -60 && raw.at(i, j, k) < 100;
+  // The brain's surface with its sulci closed: how deep something lies is meant from there.
+  BitMask envelope = closed(brain, envelope_close_mm, progress);
+  envelope |= holes(envelope, {0, 1000, true}, progress);
+  BitMask known = eroded(envelope, shell_mm, progress);
+  Grid<float> raw = crop(hu, box);
+  known &= make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i) row[i] = raw.at(i, j, k) > -100 && raw.at(i, j, k) < 160;
   });
-  known &= brain;
-  Field soft = masked_gaussian(raw, known, or_default(p.smoothing_sigma_mm, default_sigma_mm), 1000, 0.02, progress);
-  progress.report(0.3);
-  const double shift = p.edge == SegmentEdge::half_maximum ? tissue_shift_hu(soft, brain, report) : 0;
-  const double lower = p.lower_hu + shift;
-  double upper = p.upper_hu + shift;
-  const auto fluid = [&](double below) {
-    BitMask mask = make_mask(l, [&](int j, int k, std::uint8_t* row) {
-      for (int i = 0; i < l.size[0]; ++i) row[i] = soft.at(i, j, k) > lower && soft.at(i, j, k) < below;
-    });
-    return mask &= allowed;
-  };
-
-  BitMask outside = brain;
-  outside.invert();
-  const Grid<float> depth = distance_mm(outside, progress);
-  const Vec3 centre_mm = centre_of(brain);
-  const auto find = [&] {
-    const BitMask csf = fluid(upper - strict_hu);
-    BitMask other = csf;
-    other.invert();
-    const Mask labels = flood(distance_mm(other, progress), csf, seeds_of(csf, depth, centre_mm, progress), progress);
-    BitMask mine = make_mask(l, [&](int j, int k, std::uint8_t* row) {
-      for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 1;
-    });
-    const Components pieces = components(mine);
-    std::vector<char> keep;
-    for (const Component& c : pieces.list)
-      keep.push_back(c.voxels * l.voxel_volume_mm3() / 1000 >= std::max(speck_ml, p.min_component_ml));
-    mine = select(pieces, keep);
-    // Back to the edge, but not into the fluid of others.
-    BitMask free = fluid(upper);
-    free.remove(make_mask(l, [&](int j, int k, std::uint8_t* row) {
-      for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 2;
-    }));
-    return grown_within(mine, free, regrow_mm, progress);
-  };
-  BitMask shape = find();
+  if (p.smoothing_sigma_mm > 0)
+    raw = masked_gaussian(std::move(raw), known, p.smoothing_sigma_mm, 1000, 0.02, progress);
+  if (p.edge == SegmentEdge::half_maximum) level_tissue(raw, known, report, progress);
+  Field soft = soft_tissue(raw, known, false, strength_ratio, 1000, report, progress);
+  const double noise = tissue_noise(raw, known, progress);
+  progress.report(0.4);
+  const double lower = p.lower_hu;
+  double upper = p.upper_hu;
+  envelope &= allowed;
+  BitMask shape = find_ventricles(soft, envelope, lower, upper, progress);
   progress.report(0.6);
   if (p.edge == SegmentEdge::half_maximum && shape.any()) {
-    upper = half_of_both_sides(raw, shape, brain, upper, progress);
-    shape = find();
+    upper = half_of_both_sides(soft, shape, brain, upper, progress);
+    shape = find_ventricles(soft, envelope, lower, upper, progress);
   }
   report.add("upper_hu", upper);
   if (p.close_mm > 0) shape = closed(shape, p.close_mm, progress);
@@ -186,10 +246,19 @@ Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const Segm
   shape &= brain;
   if (!shape.any()) check_mask(shape, hu.lattice().count(), report);
   progress.report(0.8);
-  for (float& v : soft.voxels) v = std::min(v - float(lower), float(upper) - v);
-  const Box cut = grown(shape.bounds(), 3, l);
-  Field field = trephine::crop(soft, cut);
-  const std::size_t cut_count = place_surface(field, crop(shape, cut), cut_sigma_mm, cut_scale_hu, progress);
+  const Box cut =
+      grown(shape.bounds(), int(std::ceil(6 / std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z}))), l);
+  shape = crop(shape, cut);
+  Field field;
+  if (p.edge == SegmentEdge::half_maximum) {
+    field = placed_halfway(trephine::crop(raw, cut), shape, crop(brain, cut), noise, progress);
+    shape |= holes(shape, {p.fill_close_mm, 5, false}, progress);
+    if (!shape.any()) check_mask(shape, hu.lattice().count(), report);
+  } else {
+    for (float& v : soft.voxels) v = std::min(v - float(lower), float(upper) - v);
+    field = trephine::crop(soft, cut);
+  }
+  const std::size_t cut_count = place_surface(field, shape, cut_sigma_mm, cut_scale_hu, progress);
   report.add("cut_voxels_count", cut_count);
   const double ml = double(shape.count()) * l.voxel_volume_mm3() / 1000;
   if (ml < 3 || ml > 200) report.warn("the ventricles found are not of the size of an adult's");

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "metrics/field.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "meshing/contour.h"
+#include "metrics/overlap.h"
+
+namespace trephine {
+namespace {
+
+Mask inside_of(const Field& field, const Lattice& lattice) {
+  const Box box = place_in(field, lattice);
+  Mask mask(lattice);
+  for (int k = std::max(0, box.begin[2]); k < std::min(lattice.size[2], box.end[2]); ++k)
+    for (int j = std::max(0, box.begin[1]); j < std::min(lattice.size[1], box.end[1]); ++j)
+      for (int i = std::max(0, box.begin[0]); i < std::min(lattice.size[0], box.end[0]); ++i)
+        mask.at(i, j, k) = field.at(i - box.begin[0], j - box.begin[1], k - box.begin[2]) > 0;
+  return mask;
+}
+
+bool holds(const Bounds& b, Vec3 p) {
+  return p.x >= b.min_mm.x && p.y >= b.min_mm.y && p.z >= b.min_mm.z && p.x <= b.max_mm.x && p.y <= b.max_mm.y &&
+         p.z <= b.max_mm.z;
+}
+
+void add_shell(Report& report, const TriMesh& surface, const FieldTruth& truth, int sample_count,
+               const Progress& progress) {
+  const std::vector<Vec3> points = points_on_surface(surface, std::size_t(sample_count));
+  std::vector<double> distance(points.size());
+  std::vector<char> side(points.size(), 2);
+  parallel_for(0, std::int64_t(points.size()), 1024, [&](std::int64_t from, std::int64_t to) {
+    progress.check();
+    for (std::int64_t i = from; i < to; ++i) {
+      if (!holds(truth.within, points[i])) continue;
+      distance[i] = truth.distance(points[i]);
+      side[i] = truth.is_inner(points[i]) ? 0 : 1;
+    }
+  });
+  double sum[2] = {0, 0};
+  std::size_t count[2] = {0, 0};
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (side[i] < 2) sum[int(side[i])] += distance[i], ++count[int(side[i])];
+  if (count[0] == 0 || count[1] == 0) return;
+  const double inner = sum[0] / double(count[0]), outer = sum[1] / double(count[1]);
+  report.add("inner_bias_mm", inner);
+  report.add("outer_bias_mm", outer);
+  report.add("width_bias_mm", inner + outer);
+}
+
+}  // namespace
+
+Report measure_field(const Field& field, const FieldTruth& truth, int sample_count, const Progress& progress) {
+  Report report;
+  const Mask found = inside_of(field, *truth.solid);
+  const double volume = volume_mm3(found), reference = volume_mm3(*truth.solid);
+  if (!(reference > 0)) throw Error(ExitCode::bad_input, "", "truth", "nothing of it lies in the field's volume");
+  report.add("dice_ratio", dice(found, *truth.solid));
+  report.add("volume_ml", volume / 1000);
+  report.add("reference_volume_ml", reference / 1000);
+  report.add("volume_difference_ratio", volume / reference - 1);
+  progress.report(0.1);
+
+  ContourParams all;
+  all.min_component_mm3 = 0;
+  all.keep_cavities = true;
+  Report ignored;
+  const TriMesh surface = contour(field, all, ignored, progress.part(0.1, 0.3));
+  DeviationParams samples;
+  samples.sample_count = sample_count;
+  samples.at_vertices = false;
+  const Deviation d =
+      measure_deviation_to_truth(surface, truth.distance, *truth.mesh, samples, truth.within, progress.part(0.3, 0.9));
+  add_deviation(report, d);
+  if (truth.is_inner) add_shell(report, surface, truth, sample_count, progress.part(0.9, 1));
+  return report;
+}
+
+}  // namespace trephine

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <functional>
+
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+#include "metrics/deviation.h"
+#include "surface/distance_function.h"
+#include "surface/trimesh.h"
+
+namespace trephine {
+
+/// What a field is measured against; what is pointed to must outlive the call.
+struct FieldTruth {
+  const Mask* solid =
+      nullptr;                ///< 1 inside, on the field's raster (maybe more of it): there alone the two are compared
+  DistanceFunction distance;  ///< to the truth's surface, negative inside
+  const TriMesh* mesh = nullptr;                ///< the truth's own surface
+  std::function<bool(Vec3 world_mm)> is_inner;  ///< null, or whether a point near the truth's surface is of its inner
+                                                ///< side: a shell's thickness is then measured
+  Bounds within = everywhere;                   ///< where distances are taken
+};
+
+/// A field (positive inside) against a known shape: dice_ratio, volume_ml, reference_volume_ml, volume_difference_ratio
+/// of the voxels whose centres lie inside; of the surface at 0 to the truth's and back
+/// deviation_{max,p99,rms,mean,bias}_mm, to_reference_..., from_reference_... (metrics/deviation.h, over sample_count
+/// points a side), samples_count; with is_inner also inner_bias_mm and outer_bias_mm (positive where the surface lies
+/// outside of the truth's, from the surface's points) and their sum, width_bias_mm: how much too thick the shell is.
+/// Throws 65 where the rasters differ or nothing is there to be measured, 80 as contour() does.
+Report measure_field(const Field& field, const FieldTruth& truth, int sample_count, const Progress& progress = {});
+
+}  // namespace trephine
