@@ -35,7 +35,7 @@ class Cut {
     behind_ = std::max(params.behind_mm, 2 * voxel + 1);
     ramp_ = 1.5 * std::cbrt(lattice.voxel_volume_mm3());
     // What the distances and the gate's steps may be off by, and the ramp's outer half.
-    least_depth_ = face_clearance_mm + 0.9 + ramp_ / 2;
+    least_depth_ = face_clearance_mm + 1 + ramp_ / 2;
     side_depth_ = std::max(params.side_depth_mm, least_depth_);
     depth_ = std::max(params.depth_mm, side_depth_);
     for (int a = 0; a < 3; ++a) {

@@ -14,21 +14,22 @@ namespace {
 using segmentation::SkinDistance;
 
 constexpr double node_mm = 2;
+constexpr double slack_mm = 0.1;                     // what would be nearer by less than this is not looked at
 constexpr double triangle_mm = 0.1, cell_mm = 0.25;  // to which triangles and cells are divided
 
 /// The least distance so far; only what could be nearer is looked at.
 class Nearest {
  public:
   Nearest(const SkinDistance& skin, const FaceRegion& region) : skin_(skin), region_(region), error_(skin.error_mm()) {}
-  double distance_mm() const { return least_; }
+  double distance_mm() const { return least_ < face_search_mm ? std::max(0.0, least_ - slack_mm) : face_search_mm; }
 
   void triangle(Vec3 a, Vec3 b, Vec3 c) {
     if (beyond(a, b, c, &FaceRegion::in_front_mm) || beyond(a, b, c, &FaceRegion::below_mm)) return;
     const Vec3 middle = (a + b + c) / 3;
     const double radius = std::max({norm(a - middle), norm(b - middle), norm(c - middle)});
-    if (skin_.about_mm(middle) - SkinDistance::loose_mm - error_ - radius >= least_) return;
+    if (skin_.about_mm(middle) - SkinDistance::loose_mm - error_ - radius >= least_ - slack_mm) return;
     const double d = skin_.distance_mm(middle) - error_;
-    if (d - radius >= least_) return;
+    if (d - radius >= least_ - slack_mm) return;
     if (region_.contains(middle)) least_ = std::min(least_, std::max(0.0, d));
     if (radius < triangle_mm) {
       least_ = std::min(least_, std::max(0.0, d - radius));
@@ -51,9 +52,9 @@ class Nearest {
     if (region_.in_front_mm(middle) < -support(l, region_.front, half) ||
         region_.below_mm(middle) < -support(l, region_.up, half))
       return;
-    if (skin_.about_mm(middle) - SkinDistance::loose_mm - error_ - radius >= least_) return;
+    if (skin_.about_mm(middle) - SkinDistance::loose_mm - error_ - radius >= least_ - slack_mm) return;
     const double d = skin_.distance_mm(middle) - error_;
-    if (d - radius >= least_) return;
+    if (d - radius >= least_ - slack_mm) return;
     if (region_.contains(middle)) least_ = std::min(least_, std::max(0.0, d));
     if (radius < cell_mm) {
       least_ = std::min(least_, std::max(0.0, d - radius));
