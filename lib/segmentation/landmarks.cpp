@@ -52,6 +52,7 @@ class Finder {
     set_frame(skull);
     if (!out_.find("nasion"))
       add("nasion", find_nasion(skin, skull, head_), "found", "no hollow between brow and nose");
+    level_roughly();
     for (const int side : {1, -1}) {
       progress.check();
       const char* name = side > 0 ? "tragus_left" : "tragus_right";
@@ -64,7 +65,11 @@ class Finder {
       if (vertex && !levelled_) vertex->confidence *= 0.5;
       add("vertex", vertex, "found", "the scan ends below it");
     }
-    if (!out_.find("inion")) add("inion", find_inion(skin, skull, head_, inion_levels()), "found", "no bone there");
+    if (!out_.find("inion")) {
+      auto inion = find_inion(skin, skull, head_, inion_levels());
+      if (inion && !levelled_) inion->confidence *= 0.5;
+      add("inion", inion, "found", "no protuberance of the bone there");
+    }
     progress.report(0.85);
     measure_arcs(skin);
     if (in_.ventricles) {
@@ -164,6 +169,19 @@ class Finder {
     head_.origin_mm = middle - head_.left * dot(middle - p.point_mm, head_.left);
   }
 
+  /// Ears are looked for with the nasion level with the skull's middle, or up to 20 degrees above it (where the vertex
+  /// was not scanned that middle is low): in a head that hangs more the hollow of the cheek looks like a concha.
+  void level_roughly() {
+    const Vec3* nasion = known("nasion", 0.5);
+    if (!nasion) return;
+    const Vec3 way = *nasion - head_.origin_mm;
+    const double degree = std::acos(-1.0) / 180, angle = std::atan2(dot(way, head_.up), -dot(way, head_.back));
+    const double turn = angle - std::clamp(angle, 0.0, 20 * degree);
+    if (std::abs(turn) > 40 * degree) return;
+    head_.back = head_.back * std::cos(turn) - head_.up * std::sin(turn);
+    head_.up = cross(head_.left, head_.back);
+  }
+
   /// Turns the axes so that the line from the tragi to the nasion rises by 20 degrees to the front, as it does where
   /// the Frankfurt plane is level.
   void level_frame() {
@@ -176,7 +194,7 @@ class Finder {
     // `way` is front * cos + up * sin.
     const Vec3 upwards = cross(way, head_.left);
     const Vec3 front = way * std::cos(angle) - upwards * std::sin(angle);
-    if (dot(upwards, head_.up) < 0.8) return;
+    if (dot(upwards, head_.up) < 0.7) return;
     head_.back = -front;
     head_.up = cross(head_.left, head_.back);
     ears_level_mm_ = dot(ears - head_.origin_mm, head_.up);
@@ -185,7 +203,7 @@ class Finder {
 
   std::array<double, 2> inion_levels() const {
     if (levelled_) return {ears_level_mm_ - 22, ears_level_mm_ + 32};
-    return {-75, -5};
+    return {-75, 5};
   }
 
   void measure_arcs(const FieldView& skin) {

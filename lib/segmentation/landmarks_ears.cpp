@@ -48,11 +48,11 @@ std::vector<float> pit_depth(const SideMap& map) {
   return depth;
 }
 
-/// How far behind the auricle's free edge lies, the nearest step of 5 mm down within 4 mm; 99 where there is none.
+/// How far behind the auricle's free edge lies, the nearest step of 8 mm down within 3 mm; 99 where there is none.
 int to_free_edge_mm(const SideMap& map, int column, int row) {
   for (int c = column + 4; c <= std::min(column + 38, SideMap::columns - 5); ++c)
-    for (int t = 1; t <= 4; ++t)
-      if (map(c + t, row) > 0 && map(c, row) - map(c + t, row) >= 5) return c - column;
+    for (int t = 1; t <= 3; ++t)
+      if (map(c + t, row) > 0 && map(c, row) - map(c + t, row) >= 8) return c - column;
   return 99;
 }
 

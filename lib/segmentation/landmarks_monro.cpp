@@ -13,7 +13,7 @@
 namespace trephine::segmentation {
 namespace {
 
-constexpr double step_mm = 0.7, half_width_mm = 26;
+constexpr double step_mm = 0.7, half_width_mm = 22;
 /// Walls up to this thick (twice the distance) are crossed where the foramen was not resolved.
 constexpr double most_outside_mm = 2.0;
 
@@ -50,7 +50,7 @@ Local local_distance(const FieldView& view, const HeadFrame& head) {
       for (int j = 0; j < f.size[1]; ++j)
         for (int i = 0; i < f.size[0]; ++i) f.at(i, j, k) = float(view(out.to_world(out.in_head(i, j, k))));
   });
-  out.distance = signed_distance_mm(f);
+  out.distance = near_distance_mm(f, 9);
   return out;
 }
 
@@ -181,6 +181,64 @@ std::vector<std::size_t> way(const Grid<float>& d, const std::vector<char>& seed
   return {};
 }
 
+/// The foramina mirror each other about the septum (at `septum_mm` to the left): two that do not are doubtful, and a
+/// missing or doubtful one is taken from a sure one.
+void check_pair(std::array<std::optional<FoundPoint>, 2>& found, const HeadFrame& head, double septum_mm) {
+  const auto mirrored = [&](Vec3 p) { return p - head.left * (2 * (dot(p - head.origin_mm, head.left) - septum_mm)); };
+  constexpr double most_apart_mm = 4, of_a_mirrored = 0.5;
+  const bool agree =
+      found[0] && found[1] && norm(mirrored(found[0]->position_mm) - found[1]->position_mm) < most_apart_mm;
+  if (agree) return;
+  for (int s = 0; s < 2; ++s) {
+    const auto &here = found[s], &there = found[1 - s];
+    if (there && there->confidence > 0.6 && (!here || here->confidence < 0.6)) {
+      found[s] = FoundPoint{mirrored(there->position_mm), of_a_mirrored * there->confidence};
+      return;
+    }
+  }
+  for (auto& p : found)
+    if (p) p->confidence *= 0.5;
+}
+
+/// Where the passage runs between two places of the way: their middle, moved into the middle of the passage's cross
+/// section, for the way itself has corners.
+Vec3 middle_of_passage(const Local& local, const std::vector<std::size_t>& path, std::size_t from, std::size_t to,
+                       double septum_mm, int side) {
+  const Grid<float>& d = local.distance;
+  const auto at = [&](std::size_t i) {
+    const std::size_t v = path[i];
+    return local.in_head(int(v % d.size[0]), int(v / d.size[0] % d.size[1]), int(v / d.size[0] / d.size[1]));
+  };
+  Vec3 sum;
+  for (std::size_t i = from; i <= to; ++i) sum += at(i);
+  Vec3 middle = sum / double(to - from + 1);
+  const std::size_t around = std::size_t(5 / step_mm);
+  const Vec3 along = normalized(at(std::min(path.size() - 1, to + around)) - at(from > around ? from - around : 0));
+  constexpr double reach_mm = 3;
+  for (int pass = 0; pass < 3; ++pass) {
+    Vec3 moved;
+    double weights = 0;
+    const Vec3 c = (middle - local.corner_mm) / step_mm;
+    const int r = int(std::ceil(reach_mm / step_mm));
+    for (int k = int(c.z) - r; k <= int(c.z) + r + 1; ++k)
+      for (int j = int(c.y) - r; j <= int(c.y) + r + 1; ++j)
+        for (int i = int(c.x) - r; i <= int(c.x) + r + 1; ++i) {
+          if (!d.contains(i, j, k) || d.at(i, j, k) <= 0) continue;
+          // The other side's foramen opens beside it.
+          if ((local.in_head(i, j, k).x - septum_mm) * side < 0) continue;
+          Vec3 off = local.in_head(i, j, k) - middle;
+          if (norm(off) > reach_mm || std::abs(dot(off, along)) > 0.8) continue;
+          off = off - along * dot(off, along);
+          const double w = d.at(i, j, k);
+          moved += off * w;
+          weights += w;
+        }
+    if (!(weights > 0)) break;
+    middle += moved / weights;
+  }
+  return middle;
+}
+
 }  // namespace
 
 std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles, const HeadFrame& head) {
@@ -203,17 +261,22 @@ std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles,
         for (int i = 0; i < d.size[0]; ++i) {
           const std::size_t v = d.index(i, j, k);
           const double off_mm = (i - *column) * step_mm * side, in_mm = d.voxels[v];
-          if (!(in_mm > -most_outside_mm) || off_mm < -4) continue;
+          // Not over the other side's foramen and through the septum.
+          if (!(in_mm > -most_outside_mm) || off_mm < (k > third.top ? 0 : -4)) continue;
           allowed[v] = 1;
           seeds[v] = in_mm > 0 && third.row[std::size_t(k) * d.size[1] + j] && k < third.top - int(2 / step_mm);
           ends[v] = in_mm > 1 && off_mm > 3 && k > third.top + int(1.5 / step_mm);
         }
-    // In the lateral ventricle the way ends where that is wide.
-    float widest = 0;
-    for (std::size_t v = 0; v < ends.size(); ++v)
-      if (ends[v]) widest = std::max(widest, d.voxels[v]);
-    for (std::size_t v = 0; v < ends.size(); ++v)
-      if (ends[v] && d.voxels[v] < 0.7f * widest) ends[v] = 0;
+    // From the third ventricle's core to that of the lateral one: beside a wall all is narrow.
+    float third_mm = 0, lateral_mm = 0;
+    for (std::size_t v = 0; v < ends.size(); ++v) {
+      if (seeds[v]) third_mm = std::max(third_mm, d.voxels[v]);
+      if (ends[v]) lateral_mm = std::max(lateral_mm, d.voxels[v]);
+    }
+    for (std::size_t v = 0; v < ends.size(); ++v) {
+      if (d.voxels[v] < 0.7f * third_mm) seeds[v] = 0;
+      if (d.voxels[v] < 0.7f * lateral_mm) ends[v] = 0;
+    }
     const auto path = way(d, seeds, ends, allowed);
     if (path.size() < 3) continue;
     std::size_t narrow = 0;
@@ -224,17 +287,14 @@ std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles,
     const float limit = d.voxels[path[narrow]] + 0.4f;
     while (from > 0 && d.voxels[path[from - 1]] < limit) --from;
     while (to + 1 < path.size() && d.voxels[path[to + 1]] < limit) ++to;
-    Vec3 sum;
-    for (std::size_t i = from; i <= to; ++i) {
-      const std::size_t v = path[i];
-      sum += local.in_head(int(v % d.size[0]), int(v / d.size[0] % d.size[1]), int(v / d.size[0] / d.size[1]));
-    }
     FoundPoint p;
-    p.position_mm = local.to_world(sum / double(to - from + 1));
+    p.position_mm =
+        local.to_world(middle_of_passage(local, path, from, to, local.corner_mm.x + *column * step_mm, side));
     // Open: sure; where a wall was crossed, the less the thicker it is.
     p.confidence = d.voxels[path[narrow]] > 0 ? 1 : ramp(d.voxels[path[narrow]], -most_outside_mm, 0) * 0.8;
     found[s] = p;
   }
+  check_pair(found, head, local.corner_mm.x + *column * step_mm);
   return found;
 }
 

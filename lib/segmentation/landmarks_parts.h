@@ -22,6 +22,11 @@ struct FoundPoint {
 /// 0 at `zero`, 1 at `one`, linear between them; `one` may be the smaller.
 double ramp(double value, double zero, double one);
 
+/// Signed distance in mm to the field's zero crossing (positive inside), to the nearest of its crossings between voxels,
+/// as far as `reach` voxels; that far beyond. The spacing is the same along all axes. Much faster than
+/// signed_distance_mm where only the surroundings of the surface matter.
+Grid<float> near_distance_mm(const Field& field, int reach);
+
 /// The midline's skin from the vertex down over the face, or over the back of the head: points every 0.5 mm, smoothed.
 std::vector<Vec3> midline_profile(const FieldView& view, const HeadFrame& head, bool front, double sigma_mm);
 

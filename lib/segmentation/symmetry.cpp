@@ -8,10 +8,12 @@
 
 #include "base/parallel.h"
 #include "segmentation/filters.h"
+#include "segmentation/landmarks_parts.h"
 
 namespace trephine::segmentation {
 namespace {
 
+constexpr int reach_voxels = 3;
 constexpr double raster_mm = 2.5, cut_off_mm = 6, midline_reach_mm = 35, midline_sigma_mm = 14;
 
 /// A shape's signed distance on the coarse raster, and points of its surface.
@@ -47,7 +49,7 @@ Shape make_shape(const FieldView& view, const Progress& progress) {
     }
   });
   Shape s;
-  s.distance = signed_distance_mm(coarse, progress);
+  s.distance = near_distance_mm(coarse, reach_voxels);
   for (int k = 1; k + 1 < coarse.size[2]; ++k)
     for (int j = 1; j + 1 < coarse.size[1]; ++j)
       for (int i = 1; i + 1 < coarse.size[0]; ++i) {
@@ -207,8 +209,6 @@ Pose search(const Mirror& mirror, const Progress& progress) {
   }
   return best;
 }
-
-double ramp(double v, double zero, double one) { return std::clamp((v - zero) / (one - zero), 0.0, 1.0); }
 
 }  // namespace
 

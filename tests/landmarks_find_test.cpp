@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Landmarks of the analytic head against its own, whole and cut, straight and turned.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "boolean/burr_hole.h"
+#include "landmarks_scenes.h"
+#include "meshing/contour.h"
+
+namespace trephine {
+namespace {
+
+const LandmarkScene& scene() {
+  static const LandmarkScene s = [] {
+    phantom::HeadParams who;
+    who.seed = 3;
+    who.level = phantom::Level::clinical;
+    phantom::ScanParams how;
+    how.columns_count = how.rows_count = 256;
+    how.slices_count = 120;
+    how.pixel_mm = 0.94;
+    how.slice_step_mm = how.slice_thickness_mm = 1.6;
+    return make_scene(who, how);
+  }();
+  return s;
+}
+
+LandmarkParams as_the_truth() {
+  LandmarkParams p;
+  p.lateral_mm = 30;
+  return p;
+}
+
+HeadLandmarks find(const LandmarkScene& s, Report& report) {
+  return find_landmarks(s.volume, s.inputs(), as_the_truth(), report);
+}
+HeadLandmarks find(const LandmarkScene& s) {
+  Report report;
+  return find(s, report);
+}
+
+double confidence(const HeadLandmarks& l, const char* name) {
+  const CaseLandmark* found = l.find(name);
+  return found ? found->confidence : 0;
+}
+double off_plane_mm(const HeadLandmarks& l, Vec3 p) {
+  return std::abs(dot(l.midsagittal.normal, p - l.midsagittal.point_mm));
+}
+ExitCode code_of(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e.code();
+  }
+  return ExitCode::ok;
+}
+
+const char* const with_truth[] = {"nasion",      "inion",        "tragus_left", "tragus_right",
+                                  "kocher_left", "kocher_right", "monro_left",  "monro_right"};
+
+TEST(LandmarksFind, AllOfAPhantomWithinTwoMillimetres) {
+  Report report;
+  const HeadLandmarks found = find(scene(), report);
+  for (const char* name : with_truth) {
+    ASSERT_TRUE(found.find(name)) << name;
+    EXPECT_LT(norm(found.find(name)->position_mm - scene().head.landmark(name)), 2.2) << name;
+    EXPECT_GT(found.find(name)->confidence, 0.8) << name;
+    EXPECT_EQ(found.find(name)->source, "found");
+  }
+  EXPECT_LT(off_plane_mm(found, scene().head.landmark("nasion")), 0.8);
+  EXPECT_LT(off_plane_mm(found, scene().head.landmark("inion")), 0.8);
+  EXPECT_GT(found.midsagittal.normal.x, 0.99);
+  EXPECT_GT(found.midsagittal.confidence, 0.9);
+  ASSERT_TRUE(found.find("vertex") && found.find("bregma"));
+  EXPECT_EQ(found.find("bregma")->source, "estimated");
+  EXPECT_LT(found.find("bregma")->confidence, 0.7);
+  EXPECT_LT(std::get<double>(*report.find("symmetry_residual_mm")), 1);
+  EXPECT_TRUE(report.warnings.empty());
+}
+
+TEST(LandmarksFind, TurnedHeadsGiveTheSamePlaces) {
+  const HeadLandmarks straight = find(scene());
+  for (const Vec3 deg : {Vec3{18, 0, 0}, Vec3{-15, 8, -8}, Vec3{5, -15, 15}}) {
+    const Mat3 m = turn_deg(deg.x, deg.y, deg.z);
+    const Vec3 move{31, -47, 120};
+    Report report;
+    const HeadLandmarks found = find(turned(scene(), m, move), report);
+    for (const char* name : with_truth) {
+      ASSERT_TRUE(found.find(name)) << name << " " << deg.x
+                                    << (report.warnings.empty() ? "" : ": " + report.warnings[0]);
+      EXPECT_LT(norm(found.find(name)->position_mm - (m * scene().head.landmark(name) + move)), 3.0)
+          << name << " " << deg.x << " " << deg.y << " " << deg.z;
+    }
+    EXPECT_LT(norm(m * straight.midsagittal.normal - found.midsagittal.normal), 0.01);
+    EXPECT_LT(norm(found.find("vertex")->position_mm - (m * straight.find("vertex")->position_mm + move)), 6);
+  }
+}
+
+TEST(LandmarksFind, WhatWasNotScannedIsLeftOut) {
+  const auto absent = [](const HeadLandmarks& found, std::initializer_list<const char*> names, const char* why) {
+    for (const char* name : names) EXPECT_LT(confidence(found, name), 0.3) << name << ": " << why;
+  };
+  const auto there = [](const HeadLandmarks& found, std::initializer_list<const char*> names, const char* why) {
+    for (const char* name : names) {
+      ASSERT_TRUE(found.find(name)) << name << ": " << why;
+      EXPECT_LT(norm(found.find(name)->position_mm - scene().head.landmark(name)), 3.0) << name << ": " << why;
+    }
+  };
+  const double all = 1e4;
+  HeadLandmarks found = find(cut(scene(), {-all, -all, -all}, {all, all, 90}));
+  absent(found, {"vertex", "kocher_left", "kocher_right", "bregma"}, "no vertex scanned");
+  there(found, {"nasion", "inion", "tragus_left", "tragus_right", "monro_left", "monro_right"}, "no vertex scanned");
+
+  found = find(cut(scene(), {-all, -all, 22}, {all, all, all}));
+  absent(found, {"inion", "tragus_left", "tragus_right"}, "no base scanned");
+  there(found, {"nasion", "kocher_left", "kocher_right"}, "no base scanned");
+
+  found = find(cut(scene(), {-all, -70, -all}, {all, all, all}));
+  absent(found, {"nasion", "kocher_left", "kocher_right", "bregma"}, "no face scanned");
+  there(found, {"inion", "tragus_left", "tragus_right"}, "no face scanned");
+
+  found = find(cut(scene(), {-60, -all, -all}, {all, all, all}));
+  absent(found, {"tragus_right"}, "no right side scanned");
+  there(found, {"nasion", "inion", "tragus_left"}, "no right side scanned");
+  for (const CaseLandmark& l : found.landmarks)
+    EXPECT_GE(lattice_of(cut(scene(), {-60, -all, -all}, {all, all, all}).volume).to_index(l.position_mm).x, 0);
+}
+
+TEST(LandmarksFind, AHeadWithoutAFaceHasNoNasion) {
+  // Everything in front of a plane from the brow down is taken away, as defacing programs do.
+  LandmarkScene s = scene();
+  for (Field* f : {&s.skin, &s.skull})
+    for (int k = 0; k < f->size[2]; ++k)
+      for (int j = 0; j < f->size[1]; ++j)
+        for (int i = 0; i < f->size[0]; ++i) {
+          const Vec3 p = f->to_world_mm({double(i), double(j), double(k)});
+          if (p.z < 60 && p.y + 0.35 * (p.z - 60) < -82) f->at(i, j, k) = -100;
+        }
+  const HeadLandmarks found = find(s);
+  EXPECT_LT(confidence(found, "nasion"), 0.3);
+  EXPECT_LT(confidence(found, "kocher_right"), 0.3);
+  ASSERT_TRUE(found.find("inion"));
+  EXPECT_LT(norm(found.find("inion")->position_mm - scene().head.landmark("inion")), 2.5);
+}
+
+TEST(LandmarksFind, AMassAndAMissingFlapDoNotPullThePlane) {
+  LandmarkScene s = scene();
+  const Vec3 mass = {-38, -66, 88};
+  for (Field* f : {&s.skin, &s.skull})
+    for (int k = 0; k < f->size[2]; ++k)
+      for (int j = 0; j < f->size[1]; ++j)
+        for (int i = 0; i < f->size[0]; ++i) {
+          const double d = norm(f->to_world_mm({double(i), double(j), double(k)}) - mass);
+          if (f == &s.skin && d < 32) f->at(i, j, k) = std::max(f->at(i, j, k), float(20 * (32 - d)));
+          if (f == &s.skull && d < 30) f->at(i, j, k) = -100;
+        }
+  const HeadLandmarks found = find(s);
+  EXPECT_LT(off_plane_mm(found, scene().head.landmark("nasion")), 1.0);
+  EXPECT_LT(off_plane_mm(found, scene().head.landmark("inion")), 1.0);
+  EXPECT_LT(norm(found.find("nasion")->position_mm - scene().head.landmark("nasion")), 2.5);
+  EXPECT_LT(norm(found.find("kocher_left")->position_mm - scene().head.landmark("kocher_left")), 2.5);
+}
+
+TEST(LandmarksFind, GivenOnesWinAndAreMeasuredFrom) {
+  LandmarkInputs in = scene().inputs();
+  for (const char* name : {"nasion", "inion", "tragus_left", "tragus_right"})
+    in.given.push_back({name, scene().head.landmark(name), 1, "given"});
+  in.given.push_back({"lesion", {1, 2, 3}, 1, "given"});
+  Report report;
+  const HeadLandmarks found = find_landmarks(scene().volume, in, as_the_truth(), report);
+  for (const CaseLandmark& g : in.given) {
+    ASSERT_TRUE(found.find(g.name)) << g.name;
+    EXPECT_EQ(found.find(g.name)->position_mm, g.position_mm);
+    EXPECT_EQ(found.find(g.name)->source, "given");
+  }
+  EXPECT_EQ(std::get<std::string>(*report.find("midsagittal_from")), "given landmarks");
+  EXPECT_EQ(found.midsagittal.confidence, 1);
+  // From the true nasion what is left is how the arcs are measured.
+  for (const char* name : {"kocher_left", "kocher_right"})
+    EXPECT_LT(norm(found.find(name)->position_mm - scene().head.landmark(name)), 0.7) << name;
+
+  const HeadLandmarks both =
+      merged(find(scene()), {{"nasion", {0, -90, 30}, 1, "given"}, {"x", {0, 0, 0}, 1, "given"}});
+  EXPECT_EQ(both.find("nasion")->position_mm, (Vec3{0, -90, 30}));
+  EXPECT_EQ(both.landmarks.size(), find(scene()).landmarks.size() + 1);
+}
+
+TEST(LandmarksFind, KochersPointIsThatOfTheBurrHole) {
+  LandmarkParams params;
+  Report report;
+  LandmarkInputs in = scene().inputs();
+  std::map<std::string, Vec3> marks;
+  for (const char* name : {"nasion", "inion", "tragus_left", "tragus_right"}) {
+    marks[name] = scene().head.landmark(name);
+    in.given.push_back({name, marks[name], 1, "given"});
+  }
+  const HeadLandmarks found = find_landmarks(scene().volume, in, params, report);
+  const TriMesh skin = contour(scene().skin, ContourParams(), report),
+                skull = contour(scene().skull, ContourParams(), report);
+  for (const bool right : {true, false}) {
+    BurrHoleRequest request;
+    request.side = right ? BurrHoleRequest::Side::right : BurrHoleRequest::Side::left;
+    ASSERT_EQ(request.lateral_mm, params.lateral_mm);
+    ASSERT_EQ(request.along_mm, params.along_mm);
+    const BurrHole hole = place_burr_hole(request, marks, &skin, skull, report);
+    const Vec3 ours = found.find(right ? "kocher_right" : "kocher_left")->position_mm;
+    EXPECT_LT(norm(hole.skin_mm - ours), 0.5);
+  }
+}
+
+TEST(LandmarksFind, TheSameBytesWithOneTwoAndEightThreads) {
+  std::string first;
+  for (const int threads : {1, 2, 8}) {
+    set_thread_count(threads);
+    const std::string json = landmarks_json(find(scene()));
+    if (first.empty()) first = json;
+    EXPECT_EQ(json, first) << threads;
+  }
+  set_thread_count(0);
+}
+
+Field ball(const Lattice& l, Vec3 centre, double radius_mm, double inner_mm) {
+  Field f(l);
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        const double r = norm(l.to_world_mm({double(i), double(j), double(k)}) - centre);
+        f.at(i, j, k) = float(std::min(radius_mm - r, r - inner_mm));
+      }
+  return f;
+}
+
+TEST(LandmarksFind, WhatIsNoHeadIsRefused) {
+  Lattice l;
+  l.size = {90, 90, 90};
+  l.spacing_mm = {2.5, 2.5, 2.5};
+  l.origin_mm = {-111, -111, -111};
+  const HuVolume volume = Grid<std::int16_t>(l);
+  const Field skin = ball(l, {0, 0, 0}, 90, -1), skull = ball(l, {0, 0, 0}, 80, 72);
+  LandmarkInputs in;
+  Report report;
+  const auto run = [&] { find_landmarks(volume, in, {}, report); };
+  EXPECT_EQ(code_of(run), ExitCode::usage);
+  in.skin = &skin;
+  EXPECT_EQ(code_of(run), ExitCode::usage);
+  in.skull = &skull;
+  // Every plane is one of symmetry of a ball: none is the midsagittal one.
+  try {
+    run();
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::quality);
+    EXPECT_NE(std::string(e.what()).find("give nasion"), std::string::npos) << e.what();
+  }
+  // Lopsided rubbish.
+  Field rubbish = ball(l, {0, 0, 0}, 80, 72);
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i)
+        if (i > 20 + j / 2 && k > 70 - j / 3 - i / 4) rubbish.at(i, j, k) = -1;
+  in.skull = &rubbish;
+  EXPECT_EQ(code_of(run), ExitCode::quality);
+  const Field empty(l, -1.f);
+  in.skull = &empty;
+  EXPECT_EQ(code_of(run), ExitCode::quality);
+  Lattice other = l;
+  other.spacing_mm = {2, 2, 2};
+  const Field elsewhere(other, -1.f);
+  in.skull = &elsewhere;
+  EXPECT_EQ(code_of(run), ExitCode::bad_input);
+  in.skull = &skull;
+  in.given = {{"nasion", {0, NAN, 0}, 1, "given"}};
+  EXPECT_EQ(code_of(run), ExitCode::bad_input);
+  in.given = {{"nasion", {0, 0, 0}, 1, "given"}, {"nasion", {0, 0, 0}, 1, "given"}};
+  EXPECT_EQ(code_of(run), ExitCode::bad_input);
+}
+
+TEST(LandmarksFind, Cancels) {
+  const std::atomic<bool> stop{true};
+  Report report;
+  EXPECT_THROW(find_landmarks(scene().volume, scene().inputs(), {}, report, Progress({}, &stop)), Cancelled);
+}
+
+TEST(LongLandmarksPhantom, ALibraryOfVariants) {
+  using phantom::Variant;
+  std::vector<double> errors;
+  int n = 0;
+  for (const Variant variant : {Variant::normal, Variant::hydrocephalic, Variant::shifted, Variant::small})
+    for (const double thickness : {1.5, 3.0}) {
+      phantom::HeadParams who;
+      who.variant = variant;
+      who.seed = 40 + n;
+      who.level = phantom::Level::clinical;
+      phantom::ScanParams how;
+      how.slices_count = int(192 / thickness);
+      how.slice_step_mm = how.slice_thickness_mm = thickness;
+      how.noise_hu = 8 + 4 * (n % 4);
+      const LandmarkScene s = make_scene(who, how);
+      const HeadLandmarks found = find(s);
+      for (const char* name : with_truth) {
+        if (!found.find(name) || found.find(name)->confidence < 0.5) {
+          EXPECT_TRUE(variant == Variant::small && name[0] == 'm') << name << " " << n;
+          continue;
+        }
+        errors.push_back(norm(found.find(name)->position_mm - s.head.landmark(name)));
+        EXPECT_LT(errors.back(), 4) << name << " " << n;
+      }
+      ++n;
+    }
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LT(errors[errors.size() / 2], 2);
+  EXPECT_GT(errors.size(), 55u);
+}
+
+}  // namespace
+}  // namespace trephine

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// Phantoms with the fields that pipelines/ventriculostomy.yaml makes of them.
+#include <cmath>
+
+#include "phantom/head.h"
+#include "phantom/scan.h"
+#include "segmentation/landmarks.h"
+#include "segmentation/segment.h"
+
+namespace trephine {
+
+struct LandmarkScene {
+  phantom::Head head{phantom::HeadParams{}};
+  HuVolume volume;
+  Field skin, skull, brain, ventricles;
+
+  LandmarkInputs inputs() const {
+    LandmarkInputs in;
+    in.skin = &skin;
+    in.skull = &skull;
+    in.ventricles = &ventricles;
+    return in;
+  }
+};
+
+inline void segment_scene(LandmarkScene& s) {
+  Report report;
+  SegmentParams p;
+  p.lower_hu = -475;
+  p.open_mm = 3;
+  p.components = SegmentComponents::largest;
+  p.fill = SegmentFill::cavities_and_cut;
+  p.fill_close_mm = 6;
+  s.skin = segment(s.volume, {}, p, report);
+  SegmentMasks masks;
+  masks.within = &s.skin;
+  p = {};
+  p.lower_hu = 226;
+  p.seed_lower_hu = 400;
+  p.edge = SegmentEdge::half_maximum;
+  p.min_component_ml = 1;
+  p.fill = SegmentFill::cavities;
+  p.fill_close_mm = 2;
+  p.fill_max_ml = 100;
+  s.skull = segment(s.volume, masks, p, report);
+  masks = {};
+  masks.skull = &s.skull;
+  p = {};
+  p.method = SegmentMethod::brain;
+  p.lower_hu = 24;
+  p.edge = SegmentEdge::half_maximum;
+  s.brain = segment(s.volume, masks, p, report);
+  masks = {};
+  masks.within = &s.brain;
+  p = {};
+  p.method = SegmentMethod::ventricles;
+  p.lower_hu = -15;
+  p.upper_hu = 18.5;
+  p.edge = SegmentEdge::half_maximum;
+  s.ventricles = segment(s.volume, masks, p, report);
+}
+
+inline LandmarkScene make_scene(const phantom::HeadParams& who, const phantom::ScanParams& how) {
+  LandmarkScene s;
+  s.head = phantom::Head(who);
+  phantom::Scan scan = phantom::scan(s.head, how);
+  Grid<std::int16_t> volume;
+  static_cast<Lattice&>(volume) = phantom::lattice_of(scan);
+  volume.voxels = std::move(scan.hu);
+  s.volume = std::move(volume);
+  segment_scene(s);
+  return s;
+}
+
+/// A turn about x, then y, then z, degrees.
+inline Mat3 turn_deg(double x, double y, double z) {
+  const double k = std::acos(-1.0) / 180;
+  Mat3 m;
+  for (Vec3& c : m.column) {
+    c = {c.x, c.y * std::cos(x * k) - c.z * std::sin(x * k), c.y * std::sin(x * k) + c.z * std::cos(x * k)};
+    c = {c.x * std::cos(y * k) + c.z * std::sin(y * k), c.y, -c.x * std::sin(y * k) + c.z * std::cos(y * k)};
+    c = {c.x * std::cos(z * k) - c.y * std::sin(z * k), c.x * std::sin(z * k) + c.y * std::cos(z * k), c.z};
+  }
+  return m;
+}
+
+/// The same voxels in a head that is turned about the origin and moved.
+inline void turn(Lattice& l, const Mat3& m, Vec3 move) {
+  l.origin_mm = m * l.origin_mm + move;
+  for (Vec3& c : l.direction.column) c = m * c;
+}
+inline LandmarkScene turned(LandmarkScene s, const Mat3& m, Vec3 move) {
+  std::visit([&](auto& g) { turn(g, m, move); }, s.volume);
+  for (Field* f : {&s.skin, &s.skull, &s.brain, &s.ventricles}) turn(*f, m, move);
+  return s;
+}
+
+/// What a scan of a part of the head would have given: the volume and the fields within the world's box.
+inline LandmarkScene cut(LandmarkScene s, Vec3 low, Vec3 high) {
+  const auto box_of = [&](const Lattice& l) {
+    Box b = whole_box(l);
+    const Vec3 from = l.to_index(low), to = l.to_index(high);
+    for (int a = 0; a < 3; ++a) {
+      b.begin[a] = std::max(b.begin[a], int(std::ceil(from[a])));
+      b.end[a] = std::min(b.end[a], int(std::floor(to[a])) + 1);
+    }
+    return b;
+  };
+  std::visit([&](auto& g) { g = crop(g, box_of(g)); }, s.volume);
+  for (Field* f : {&s.skin, &s.skull, &s.brain, &s.ventricles})
+    if (!box_of(*f).empty()) *f = crop(*f, box_of(*f));
+  return s;
+}
+
+}  // namespace trephine
