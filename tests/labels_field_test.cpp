@@ -184,6 +184,18 @@ TEST(LabelField, WhereTheVolumeCutsTheLabel) {
   }
 }
 
+TEST(LabelField, AVoxelOnTheVolumesVeryEdge) {
+  // The label's first voxels lie half a voxel outside of the volume's first ones: index -0.5, which rounds to -1.
+  const Lattice l = around(centre, {1, 1, 1}, 30);
+  Lattice g = l;
+  g.origin_mm = l.origin_mm - Vec3{0.5, 0.5, 0.5};
+  TestLabels t{g, 1, std::vector<int>(g.count(), 3)};
+  Report report;
+  const Field f = taken(Grid<std::int16_t>(l, 30), nrrd_bytes(t, {}), report);
+  EXPECT_TRUE(flag(report, "resampled"));
+  EXPECT_EQ(f.size, l.size);
+}
+
 std::string refused(const HuVolume& volume, const std::string& bytes, LabelParams params = {}) {
   Report report;
   try {

@@ -39,7 +39,7 @@ void expect_lattice(const Lattice& is, const Lattice& want, double off_mm) {
   }
 }
 
-void expect_values(const LabelMap& map, const TestLabels& t) {
+void expect_values(const LabelFile& map, const TestLabels& t) {
   for (int value = 1; value <= 4; ++value) {
     const PickedLabel p = pick_label(map, std::to_string(value));
     ASSERT_EQ(p.mask.voxels.size(), t.values.size());
@@ -62,7 +62,7 @@ TEST(Nifti, EveryDatatypeFormAndByteOrder) {
           s.extension_bytes = datatype == 8 ? 160 : 0;
           SCOPED_TRACE(std::to_string(datatype) + " " + std::to_string(version) + " " + std::to_string(int(form)) +
                        std::to_string(big));
-          const LabelMap map = decode_labels(nifti_bytes(t, s));
+          const LabelFile map = decode_labels(nifti_bytes(t, s));
           EXPECT_EQ(map.format, "NIfTI");
           EXPECT_TRUE(map.warnings.empty());
           expect_lattice(map.lattice, t.lattice, 1e-4);
@@ -80,7 +80,7 @@ TEST(Nifti, LeftHandedGridsUnitsAndScaling) {
       s.per_mm = per_mm;
       s.slope = 0.5;
       s.inter = -2;
-      const LabelMap map = decode_labels(nifti_bytes(t, s));
+      const LabelFile map = decode_labels(nifti_bytes(t, s));
       expect_lattice(map.lattice, t.lattice, 1e-3);
       expect_values(map, t);
     }
@@ -89,7 +89,7 @@ TEST(Nifti, LeftHandedGridsUnitsAndScaling) {
 TEST(Nifti, WithoutAFrameItSaysSo) {
   NiftiStyle s;
   s.form = Form::pixdim;
-  const LabelMap map = decode_labels(nifti_bytes(counted(oblique()), s));
+  const LabelFile map = decode_labels(nifti_bytes(counted(oblique()), s));
   ASSERT_EQ(map.warnings.size(), 1u);
   EXPECT_NE(map.warnings[0].find("neither"), std::string::npos);
 }
@@ -170,7 +170,7 @@ TEST(SegNrrd, SegmentsByNameValueAndLayer) {
       "Segment2_ID:=Segment_3",      "Segment2_Name:=skin",       "Segment2_LabelValue:=1", "Segment2_Layer:=1",
       "Segment2_Extent:=0 9 0 5 0 4"};
   for (const bool ras : {false, true}) {
-    const LabelMap map = decode_labels(nrrd_bytes(t, keys, ras));
+    const LabelFile map = decode_labels(nrrd_bytes(t, keys, ras));
     EXPECT_EQ(map.format, "seg.nrrd");
     EXPECT_EQ(map.layers, 2);
     ASSERT_EQ(map.segments.size(), 3u);
@@ -208,7 +208,7 @@ TEST(SegNrrd, FormerFilesHaveALayerASegment) {
     t.values.push_back(v % 3 == 0);
     t.values.push_back(v % 5 == 0);
   }
-  const LabelMap map =
+  const LabelFile map =
       decode_labels(nrrd_bytes(t, {"Segment0_ID:=a", "Segment0_Name:=left", "Segment1_ID:=b", "Segment1_Name:=right"}));
   const PickedLabel right = pick_label(map, "right");
   for (std::size_t v = 0; v < right.mask.voxels.size(); ++v) ASSERT_EQ(right.mask.voxels[v], v % 5 == 0);
@@ -225,7 +225,7 @@ TEST(SegNrrd, RefusesNamingTheField) {
 }
 
 TEST(LabelMapNrrd, AValueThatIsNotThere) {
-  const LabelMap map = decode_labels(nrrd_bytes(counted(oblique()), {}));
+  const LabelFile map = decode_labels(nrrd_bytes(counted(oblique()), {}));
   EXPECT_EQ(map.format, "NRRD");
   try {
     pick_label(map, "9");
@@ -258,7 +258,7 @@ TEST(Labels, MutantsNeverCrash) {
     }
     if (random() < 0.3) bytes.resize(std::size_t(random() * double(bytes.size())));
     try {
-      const LabelMap map = decode_labels(bytes);
+      const LabelFile map = decode_labels(bytes);
       const std::size_t samples = std::visit([](const auto& g) { return g.voxels.size(); }, map.samples);
       EXPECT_LE(samples, bytes.size() * 1032);
       pick_label(map, "");

@@ -70,7 +70,6 @@ Command anatomy_command() {
     a.help = "File of " + port.help + " (" + file_extension(port.kind) + ").";
     c.arguments.push_back(a);
   }
-  c.arguments.push_back(argument("volume", Argument::Kind::in_file, "CT volume for the picture (.nrrd)."));
   c.arguments.push_back(argument("picture", Argument::Kind::out_file,
                                  "Where slices through the worst place go if something is wrong (.png)."));
   c.arguments.push_back(report_argument());

@@ -84,7 +84,7 @@ struct Wanted {
 };
 
 template <class T>
-std::size_t take(const Grid<T>& samples, const LabelMap& map, const Wanted& wanted, Mask& mask) {
+std::size_t take(const Grid<T>& samples, const LabelFile& map, const Wanted& wanted, Mask& mask) {
   std::size_t count = 0;
   const std::size_t layers = std::size_t(map.layers);
   for (std::size_t v = 0; v < mask.voxels.size(); ++v) {
@@ -101,7 +101,7 @@ std::size_t take(const Grid<T>& samples, const LabelMap& map, const Wanted& want
 }
 
 /// The values other than 0, at most `most_named` of them and one more.
-std::set<long long> values_of(const LabelMap& map) {
+std::set<long long> values_of(const LabelFile& map) {
   std::set<long long> values;
   std::visit(
       [&](const auto& g) {
@@ -118,7 +118,7 @@ std::set<long long> values_of(const LabelMap& map) {
   return values;
 }
 
-std::string names_of(const LabelMap& map) {
+std::string names_of(const LabelFile& map) {
   std::string text;
   std::size_t n = 0;
   const auto add = [&](const std::string& item) {
@@ -131,7 +131,7 @@ std::string names_of(const LabelMap& map) {
   return text.empty() ? "no label" : text;
 }
 
-void check_whole(const LabelMap& map) {
+void check_whole(const LabelFile& map) {
   const auto* g = std::get_if<Grid<float>>(&map.samples);
   if (!g) return;
   for (std::size_t v = 0; v < g->voxels.size(); ++v)
@@ -140,7 +140,7 @@ void check_whole(const LabelMap& map) {
                          ": no map of labels, which are whole numbers");
 }
 
-std::vector<const LabelSegment*> segments_called(const LabelMap& map, const std::string& label) {
+std::vector<const LabelSegment*> segments_called(const LabelFile& map, const std::string& label) {
   for (const bool exact : {true, false}) {
     std::vector<const LabelSegment*> found;
     for (const LabelSegment& s : map.segments)
@@ -151,7 +151,7 @@ std::vector<const LabelSegment*> segments_called(const LabelMap& map, const std:
   return {};
 }
 
-Wanted wanted_of(const LabelMap& map, const std::string& label, PickedLabel& out) {
+Wanted wanted_of(const LabelFile& map, const std::string& label, PickedLabel& out) {
   Wanted wanted;
   if (label.empty()) {
     out.name = "all";
@@ -178,8 +178,8 @@ Wanted wanted_of(const LabelMap& map, const std::string& label, PickedLabel& out
 
 }  // namespace
 
-LabelMap decode_labels(std::string_view bytes) {
-  LabelMap map;
+LabelFile decode_labels(std::string_view bytes) {
+  LabelFile map;
   if (bytes.substr(0, 4) == "NRRD") {
     LayeredNrrd file = decode_layered_nrrd(bytes);
     map.segments = segments_of(file.keys, file);
@@ -205,12 +205,12 @@ LabelMap decode_labels(std::string_view bytes) {
   return map;
 }
 
-LabelMap read_labels(const std::filesystem::path& file) {
+LabelFile read_labels(const std::filesystem::path& file) {
   const std::vector<char> bytes = read_file(file);
   return with_file(file.string(), [&] { return decode_labels({bytes.data(), bytes.size()}); });
 }
 
-PickedLabel pick_label(const LabelMap& map, const std::string& label) {
+PickedLabel pick_label(const LabelFile& map, const std::string& label) {
   PickedLabel out;
   const Wanted wanted = wanted_of(map, label, out);
   out.mask = Mask(map.lattice);

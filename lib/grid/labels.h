@@ -17,7 +17,7 @@ struct LabelSegment {
 };
 
 /// A file of labels: a label map (NRRD, NIfTI), or segments (.seg.nrrd), several layers of which may overlap.
-struct LabelMap {
+struct LabelFile {
   Lattice lattice;  ///< LPS, mm
   int layers = 1;
   AnyGrid samples;  ///< (layer, i, j, k) at lattice.index(i, j, k) * layers + layer
@@ -28,9 +28,9 @@ struct LabelMap {
 
 /// By what is in the bytes, not by a name. Throws Error 65 naming the field, without a file: as read_nrrd and
 /// decode_nifti; neither of the two; a fractional segmentation.
-LabelMap decode_labels(std::string_view bytes);
+LabelFile decode_labels(std::string_view bytes);
 /// The same of a file; throws 66, and 65 with the file.
-LabelMap read_labels(const std::filesystem::path& file);
+LabelFile read_labels(const std::filesystem::path& file);
 
 /// What was taken of it: 1 where the label is, on the map's lattice.
 struct PickedLabel {
@@ -42,6 +42,6 @@ struct PickedLabel {
 /// The label by its value ("3"), by a segment's name or ID ("brain"; upper and lower case alike where it is the only
 /// one), or, for "", all that is not 0. Throws Error 65 for field "label": there is none of that name or value (naming
 /// those that there are), a name or value in several segments or layers, samples that are no whole numbers.
-PickedLabel pick_label(const LabelMap& map, const std::string& label);
+PickedLabel pick_label(const LabelFile& map, const std::string& label);
 
 }  // namespace trephine

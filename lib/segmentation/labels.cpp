@@ -91,11 +91,16 @@ Fit fit_of(const HuView& hu, const Mask& mask, std::size_t voxels, bool flip) {
         if (flip) p = {-p.x, -p.y, p.z};
         const Vec3 q = l.to_index(p);
         bool in = true;
-        for (int a = 0; a < 3; ++a) in = in && q[a] >= -0.5 && q[a] < l.size[a] - 0.5;
+        int at[3];
+        for (int a = 0; a < 3; ++a) {
+          in = in && q[a] >= -0.5 && q[a] < l.size[a] - 0.5;
+          at[a] = in ? std::max(0, int(std::floor(q[a] + 0.5))) : 0;
+        }
         if (!in)
           ++outside;
         else
-          air += hu(int(std::lround(q.x)), int(std::lround(q.y)), int(std::lround(q.z))) < air_hu;
+          air += hu(std::min(at[0], l.size[0] - 1), std::min(at[1], l.size[1] - 1), std::min(at[2], l.size[2] - 1)) <
+                 air_hu;
       }
   return {double(outside) / double(taken), double(air) / double(taken)};
 }
@@ -238,7 +243,7 @@ void check_cut(const PickedLabel& label, const Lattice& volume, Report& report) 
 
 }  // namespace
 
-Field label_field(const HuVolume& volume, const LabelMap& map, const LabelParams& params, Report& report,
+Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParams& params, Report& report,
                   const Progress& progress) {
   const HuView hu(volume);
   const Lattice& l = hu.lattice();

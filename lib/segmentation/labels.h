@@ -45,7 +45,7 @@ struct LabelParams {
 /// Throws Error 80 where the label is empty, lies outside of the volume or in air by more than is allowed (saying
 /// whether it would fit with x and y negated, RAS taken for LPS or the reverse), or nothing of it is left; 65 where
 /// the volume's voxels are not finite; Cancelled. The same bits whatever the thread count.
-Field label_field(const HuVolume& volume, const LabelMap& map, const LabelParams& params, Report& report,
+Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParams& params, Report& report,
                   const Progress& progress = {});
 
 }  // namespace trephine
