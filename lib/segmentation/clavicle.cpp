@@ -188,10 +188,10 @@ Field find_clavicles(const Field& bone, const ClavicleParams& params, Report& re
                norm(bone.to_world_mm(chain.blobs.front().middle) - bone.to_world_mm(chain.blobs.back().middle)));
     report.add(name + "_ml", ml);
     report.add(name + "_joint_mm2", one.joint_mm2);
-    if (one.joint_mm2 > params.max_joint_mm2)
+    if (params.part == ClaviclePart::clavicle && one.joint_mm2 > params.max_joint_mm2)
       report.warn(
           fmt::format("the {} clavicle hangs on other bone over {:.0f} mm^2: it is cut from it where the bone is "
-                      "narrow, not at a joint",
+                      "narrow, which may not be its joint",
                       name, one.joint_mm2));
     if (ml < 8 || ml > 80)
       report.warn(
