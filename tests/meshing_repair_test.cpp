@@ -260,6 +260,25 @@ TEST(Repair, LastResort) {
   EXPECT_EQ(r.report.warnings.size(), 1u);
 }
 
+TEST(Repair, ScalesAndOffsets) {  // M6
+  const auto soup = [](double scale, double offset) {
+    Random random(2);
+    TriMesh m = surface(sphere(18, scale, {offset, -offset, offset}));
+    punch(m, random, 2, 0.2 * scale);
+    unmerge(m, random);
+    flip(m, random, 0.1);
+    return m;
+  };
+  const double unit = volume_mm3(repaired(soup(1, 0)).mesh);
+  for (const double scale : {1e-6, 1e-3, 30.0, 1e6})
+    for (const double offset : {0.0, 1e6}) {
+      if (offset > 0 && scale < 1) continue;  // a lattice origin in doubles has no digits left for it
+      const Result r = repaired(soup(scale, offset));
+      EXPECT_EQ(r.method(), "mended");
+      EXPECT_NEAR(volume_mm3(r.mesh) / (unit * scale * scale * scale), 1, 1e-5) << scale << " " << offset;
+    }
+}
+
 struct Corpus {
   int refused = 0, total = 0;
   std::map<std::string, int> methods;

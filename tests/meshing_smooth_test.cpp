@@ -138,6 +138,19 @@ TEST(Smooth, PointsAreHeldBackRatherThanCrossed) {
   EXPECT_GT(held, 0);
 }
 
+TEST(Smooth, ScalesAndOffsets) {  // M6
+  for (const SmoothMethod method : every_method) {
+    const double unit = volume_mm3(smoothed(surface(sphere(20, 1)), 10, 0.02, 0.1, method).mesh);
+    for (const double scale : {1e-6, 1e-3, 30.0, 1e6})
+      for (const double offset : {0.0, 1e6}) {
+        if (offset > 0 && scale < 1) continue;  // a lattice origin in doubles has no digits left for it
+        const TriMesh m = surface(sphere(20, scale, {offset, -offset, offset}));
+        const Result r = smoothed(m, 10, 0.02 * scale, 0.1, method);
+        EXPECT_NEAR(volume_mm3(r.mesh) / (unit * scale * scale * scale), 1, 1e-5) << scale << " " << offset;
+      }
+  }
+}
+
 TEST(Smooth, RefusesWhatIsNotFinite) {
   TriMesh m = stairs();
   m.points_mm[5].x = std::numeric_limits<double>::infinity();
