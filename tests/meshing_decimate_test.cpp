@@ -186,11 +186,12 @@ TEST(CollapseMesh, UndoingRestoresTheMesh) {
   const TriMesh m = surface(sphere(12, 5));
   CollapseMesh c(m);
   Random random(3);
-  std::vector<Vec3> places;
+  CollapseMesh::Log log = c.open_log(400);
   for (int n = 0; n < 400; ++n) {
     const auto h = static_cast<std::uint32_t>(random() * 3 * double(c.triangles()));
-    if (c.live_triangle(h / 3) && c.keeps_manifold(h)) c.collapse(h, c.point_mm(c.from(h)) + Vec3{0.1, 0, 0});
+    if (c.live_triangle(h / 3) && c.keeps_manifold(h)) c.collapse(h, c.point_mm(c.from(h)) + Vec3{0.1, 0, 0}, log);
   }
+  c.keep(std::move(log));
   ASSERT_LT(c.live_triangles(), m.triangles.size() / 2);
   const Topology t = topology_of(c.to_mesh({}));
   EXPECT_TRUE(t.closed() && t.manifold());
@@ -199,7 +200,8 @@ TEST(CollapseMesh, UndoingRestoresTheMesh) {
     // Any live triangle's last change, in random order; what depends on it goes with it.
     const auto triangle = static_cast<std::uint32_t>(random() * double(c.triangles()));
     if (!c.live_triangle(triangle) || c.last_change(triangle) == CollapseMesh::none) continue;
-    c.undo(c.last_change(triangle), [](std::uint32_t, std::uint32_t) {});
+    c.undo(
+        c.last_change(triangle), [](std::uint32_t, std::uint32_t) {}, [](std::uint32_t, std::uint32_t) {});
     const Topology now = topology_of(c.to_mesh({}));
     ASSERT_TRUE(now.closed() && now.manifold());
   }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "meshing/carried_points.h"
 
-#include <algorithm>
 #include <limits>
 
+#include "base/parallel.h"
 #include "meshing/triangle_tree.h"
 
 namespace trephine {
@@ -21,35 +21,81 @@ void for_each_around(const CollapseMesh& mesh, std::uint32_t u, std::uint32_t v,
   });
 }
 
-}  // namespace
-
-CarriedPoints::CarriedPoints(const TriMesh& input)
-    : input_(input),
-      first_(input.triangles.size(), none),
-      next_(input.points_mm.size(), none),
-      carrier_(input.points_mm.size(), none),
-      squared_distance_(input.points_mm.size(), 0.0f) {
-  for (std::uint32_t t = 0; t < input.triangles.size(); ++t)
-    for (const std::uint32_t p : input.triangles[t]) {
-      if (carrier_[p] != none) continue;
-      carrier_[p] = t;
-      next_[p] = first_[t];
-      first_[t] = p;
-    }
+double squared_to(const CollapseMesh& mesh, std::uint32_t triangle, Vec3 p) {
+  const auto& t = mesh.triangle(triangle);
+  const Vec3 d = p - closest_on_triangle(p, mesh.point_mm(t[0]), mesh.point_mm(t[1]), mesh.point_mm(t[2]));
+  return dot(d, d);
 }
 
-void CarriedPoints::gather(const CollapseMesh& mesh, std::uint32_t u, std::uint32_t v) {
-  gathered_.clear();
+/// The triangle where going around the corners of the best so far leads no nearer.
+std::uint32_t descend(const CollapseMesh& mesh, std::uint32_t start, Vec3 p, double& best) {
+  best = std::numeric_limits<double>::infinity();
+  std::uint32_t triangle = none;
+  std::array<std::uint32_t, 3> seen{none, none, none};  // corners whose surroundings hold nothing nearer
+  const auto look_around = [&](std::uint32_t v) {
+    bool nearer = false;
+    mesh.for_each_leaving(v, [&](std::uint32_t e) {
+      const double d2 = squared_to(mesh, e / 3, p);
+      if (!(d2 < best)) return;
+      best = d2;
+      triangle = e / 3;
+      nearer = true;
+    });
+    return nearer;
+  };
+  look_around(start);
+  seen[0] = start;
+  for (bool again = true; again && best > 0;) {
+    again = false;
+    for (const std::uint32_t v : mesh.triangle(triangle)) {
+      if (v == seen[0] || v == seen[1] || v == seen[2]) continue;
+      again = look_around(v);
+      if (again) {
+        seen = {v, none, none};
+        break;
+      }
+      (seen[1] == none ? seen[1] : seen[2]) = v;
+    }
+  }
+  return triangle;
+}
+
+}  // namespace
+
+void CarriedPoints::take_up(const CollapseMesh& mesh) {
+  const std::size_t count = input_.points_mm.size();
+  carrier_ = mesh.survivors();
+  squared_distance_.resize(count);
+  moved_.assign(count, 0);
+  parallel_for(0, static_cast<std::int64_t>(count), 8192, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t p = from; p < to; ++p) {
+      double d2 = 0;
+      carrier_[p] = descend(mesh, carrier_[p], input_.points_mm[p], d2);
+      squared_distance_[p] = static_cast<float>(d2);
+    }
+  });
+  first_.assign(mesh.triangles(), none);
+  next_.resize(count);
+  for (std::uint32_t p = 0; p < count; ++p) {
+    next_[p] = first_[carrier_[p]];
+    first_[carrier_[p]] = p;
+  }
+}
+
+void CarriedPoints::gather(const CollapseMesh& mesh, std::uint32_t u, std::uint32_t v, Hand& hand) const {
+  hand.points.clear();
+  hand.places.clear();
   for_each_around(mesh, u, v, [&](std::uint32_t t) {
-    for (std::uint32_t p = first_[t]; p != none; p = next_[p]) gathered_.push_back(p);
+    for (std::uint32_t p = first_[t]; p != none; p = next_[p]) {
+      hand.points.push_back(p);
+      hand.places.push_back(input_.points_mm[p]);
+    }
   });
 }
 
-bool CarriedPoints::assign(const std::vector<std::array<Vec3, 3>>& corners, double squared_limit) {
-  assigned_.clear();
-  farthest_ = 0;
-  for (const std::uint32_t point : gathered_) {
-    const Vec3 p = input_.points_mm[point];
+bool CarriedPoints::assign(const std::vector<std::array<Vec3, 3>>& corners, double squared_limit, Hand& hand) const {
+  hand.assigned.clear();
+  for (const Vec3 p : hand.places) {
     double best = std::numeric_limits<double>::infinity();
     std::uint32_t where = 0;
     for (std::uint32_t n = 0; n < corners.size() && best > 0; ++n) {
@@ -59,19 +105,19 @@ bool CarriedPoints::assign(const std::vector<std::array<Vec3, 3>>& corners, doub
       where = n;
     }
     if (!(best <= squared_limit)) return false;
-    farthest_ = std::max(farthest_, best);
-    assigned_.emplace_back(where, static_cast<float>(best));
+    hand.assigned.emplace_back(where, static_cast<float>(best));
   }
   return true;
 }
 
 void CarriedPoints::commit(const CollapseMesh& mesh, std::uint32_t u, std::uint32_t v,
-                           const std::vector<std::uint32_t>& triangles) {
+                           const std::vector<std::uint32_t>& triangles, const Hand& hand) {
   for_each_around(mesh, u, v, [&](std::uint32_t t) { first_[t] = none; });
-  for (std::size_t n = 0; n < gathered_.size(); ++n) {
-    const std::uint32_t point = gathered_[n], t = triangles[assigned_[n].first];
+  for (std::size_t n = 0; n < hand.points.size(); ++n) {
+    const std::uint32_t point = hand.points[n], t = triangles[hand.assigned[n].first];
     carrier_[point] = t;
-    squared_distance_[point] = assigned_[n].second;
+    moved_[point] = 1;
+    squared_distance_[point] = hand.assigned[n].second;
     next_[point] = first_[t];
     first_[t] = point;
   }

@@ -1,57 +1,84 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "meshing/collapse_mesh.h"
 
-#include "surface/incidence.h"
+#include <algorithm>
+
+#include "base/parallel.h"
 
 namespace trephine {
+namespace {
+
+constexpr std::int64_t grain = 32768;
+
+}  // namespace
 
 CollapseMesh::CollapseMesh(const TriMesh& mesh)
-    : points_mm_(mesh.points_mm),
+    : points_mm_(mesh.points_mm.size()),
       triangles_(mesh.triangles),
       twin_(3 * mesh.triangles.size(), none),
       out_(mesh.points_mm.size(), none),
       killed_by_(mesh.points_mm.size(), none),
       changed_by_(mesh.triangles.size(), none),
-      mark_(mesh.points_mm.size(), 0),
       dead_(mesh.triangles.size(), 0),
       live_triangles_(mesh.triangles.size()) {
-  const auto half_edge = [&](std::uint32_t t, std::uint32_t start) {
-    const auto& v = triangles_[t];
-    return 3 * t + (v[0] == start ? 0 : v[1] == start ? 1 : 2);
-  };
-  for_each_edge(mesh, Incidence(mesh), [&](std::uint32_t low, auto first, auto) {
-    const auto& second = *(first + 1);
-    const std::uint32_t a = half_edge(first->triangle, first->forward ? low : first->other);
-    const std::uint32_t b = half_edge(second.triangle, second.forward ? low : second.other);
-    twin_[a] = b;
-    twin_[b] = a;
+  for (std::uint32_t v = 0; v < points_mm_.size(); ++v) move(v, mesh.points_mm[v]);
+  // The half-edges by the point that they leave: the twin of one is among those that leave its end.
+  std::vector<std::uint32_t> begin(points_mm_.size() + 1, 0), leaving(twin_.size());
+  for (const auto& t : triangles_)
+    for (const std::uint32_t v : t) ++begin[v + 1];
+  for (std::size_t v = 1; v < begin.size(); ++v) begin[v] += begin[v - 1];
+  std::copy(begin.begin(), begin.end() - 1, out_.begin());
+  for (std::uint32_t h = 0; h < twin_.size(); ++h) leaving[out_[from(h)]++] = h;
+  parallel_for(0, static_cast<std::int64_t>(twin_.size()), 3 * grain, [&](std::int64_t first, std::int64_t last) {
+    for (auto h = static_cast<std::uint32_t>(first); h < last; ++h) {
+      const std::uint32_t u = from(h), v = to(h);
+      for (std::uint32_t n = begin[v]; n < begin[v + 1]; ++n)
+        if (to(leaving[n]) == u) twin_[h] = leaving[n];
+    }
   });
-  for (std::uint32_t h = 0; h < twin_.size(); ++h) out_[from(h)] = h;
+  for (std::size_t v = 0; v < out_.size(); ++v) out_[v] = begin[v] < begin[v + 1] ? leaving[begin[v + 1] - 1] : none;
 }
 
-bool CollapseMesh::keeps_manifold(std::uint32_t h) {
+CollapseMesh::Log CollapseMesh::open_log(std::size_t capacity) {
+  Log log;
+  log.first_id = next_id_;
+  next_id_ += static_cast<std::uint32_t>(capacity);
+  return log;
+}
+
+void CollapseMesh::keep(Log&& log) {
+  if (log.records.empty()) return;
+  live_triangles_ -= 2 * log.records.size();
+  logs_.push_back(std::move(log));
+}
+
+CollapseMesh::Record& CollapseMesh::record(std::uint32_t id) {
+  const auto after = std::upper_bound(logs_.begin(), logs_.end(), id,
+                                      [](std::uint32_t i, const Log& log) { return i < log.first_id; });
+  Log& log = *(after - 1);
+  return log.records[id - log.first_id];
+}
+
+bool CollapseMesh::keeps_manifold(std::uint32_t h) const {
   const std::uint32_t u = from(h), v = to(h);
-  ++stamp_;
   int around_u = 0, around_v = 0, common = 0;
-  for_each_leaving(u, [&](std::uint32_t e) {
-    mark_[to(e)] = stamp_;
-    ++around_u;
-  });
+  for_each_leaving(u, [&](std::uint32_t) { ++around_u; });
   for_each_leaving(v, [&](std::uint32_t e) {
-    common += mark_[to(e)] == stamp_;
+    const std::uint32_t w = to(e);
+    for_each_leaving(u, [&](std::uint32_t f) { common += to(f) == w; });
     ++around_v;
   });
   // The two ends may share the two points opposite the edge and no other; a tetrahedron would fold flat.
   return common == 2 && !(around_u == 3 && around_v == 3);
 }
 
-void CollapseMesh::collapse(std::uint32_t h, Vec3 place_mm) {
-  const auto id = static_cast<std::uint32_t>(records_.size());
+void CollapseMesh::collapse(std::uint32_t h, Vec3 place_mm, Log& log) {
+  const auto id = log.first_id + static_cast<std::uint32_t>(log.records.size());
   const std::uint32_t u = from(h), v = to(h), g = twin_[h];
   const std::uint32_t t0 = h / 3, t1 = g / 3;
   const std::uint32_t a_to_v = twin_[next(h)], u_to_a = twin_[previous(h)];
   const std::uint32_t b_to_u = twin_[next(g)], v_to_b = twin_[previous(g)];
-  records_.push_back({h, points_mm_[u], journal_.size(), false});
+  log.records.push_back({h, points_mm_[u], static_cast<std::uint32_t>(log.journal.size())});
 
   for_each_leaving(v, [&](std::uint32_t e) {
     if (e / 3 != t0 && e / 3 != t1) triangles_[e / 3][e % 3] = u;
@@ -61,27 +88,29 @@ void CollapseMesh::collapse(std::uint32_t h, Vec3 place_mm) {
   twin_[b_to_u] = v_to_b;
   twin_[v_to_b] = b_to_u;
   dead_[t0] = dead_[t1] = 1;
-  live_triangles_ -= 2;
   killed_by_[v] = id;
-  points_mm_[u] = place_mm;
+  move(u, place_mm);
   out_[u] = u_to_a;
   out_[from(a_to_v)] = a_to_v;
   out_[from(b_to_u)] = b_to_u;
   for_each_leaving(u, [&](std::uint32_t e) {
-    journal_.push_back(changed_by_[e / 3]);
+    log.journal.push_back(changed_by_[e / 3]);
     changed_by_[e / 3] = id;
   });
 }
 
 void CollapseMesh::undo_now(std::uint32_t id) {
-  Record& r = records_[id];
+  Log& log =
+      *(std::upper_bound(logs_.begin(), logs_.end(), id, [](std::uint32_t i, const Log& l) { return i < l.first_id; }) -
+        1);
+  Record& r = log.records[id - log.first_id];
   const std::uint32_t h = r.half_edge, g = twin_[h];
   const std::uint32_t t0 = h / 3, t1 = g / 3;
   const std::uint32_t u = from(h), v = to(h);
   const std::uint32_t u_to_a = twin_[previous(h)];
   std::size_t at = r.journal;
   out_[u] = u_to_a;  // the turn in which the journal was written
-  for_each_leaving(u, [&](std::uint32_t e) { changed_by_[e / 3] = journal_[at++]; });
+  for_each_leaving(u, [&](std::uint32_t e) { changed_by_[e / 3] = log.journal[at++]; });
   for (const std::uint32_t e : {next(h), previous(h), next(g), previous(g)}) twin_[twin_[e]] = e;
   dead_[t0] = dead_[t1] = 0;
   live_triangles_ += 2;
@@ -90,32 +119,51 @@ void CollapseMesh::undo_now(std::uint32_t id) {
   out_[u] = h;
   out_[v] = next(h);
   for_each_leaving(v, [&](std::uint32_t e) { triangles_[e / 3][e % 3] = v; });
-  r.undone = true;
+  r.journal = none;
 }
 
-void CollapseMesh::undo(std::uint32_t collapse, const std::function<void(std::uint32_t, std::uint32_t)>& undone) {
+void CollapseMesh::undo(std::uint32_t collapse, const Visit& before, const Visit& undone) {
   std::vector<std::uint32_t> todo{collapse};
   while (!todo.empty()) {
     const std::uint32_t id = todo.back();
-    const Record& r = records_[id];
-    if (r.undone) {
+    const Record& r = record(id);
+    if (r.journal == none) {
       todo.pop_back();
       continue;
     }
     const std::uint32_t u = from(r.half_edge), v = to(r.half_edge);
-    std::uint32_t before = killed_by_[u];
-    if (before == none)
+    std::uint32_t later = killed_by_[u];
+    if (later == none)
       for_each_leaving(u, [&](std::uint32_t e) {
-        if (changed_by_[e / 3] != id) before = changed_by_[e / 3];
+        if (changed_by_[e / 3] != id) later = changed_by_[e / 3];
       });
-    if (before != none) {
-      todo.push_back(before);
+    if (later != none) {
+      todo.push_back(later);
       continue;
     }
+    before(u, v);
     undo_now(id);
     undone(u, v);
     todo.pop_back();
   }
+}
+
+std::vector<std::uint32_t> CollapseMesh::survivors() const {
+  std::vector<std::uint32_t> into(points_mm_.size());
+  for (std::uint32_t v = 0; v < into.size(); ++v) into[v] = v;
+  for (const Log& log : logs_)
+    for (const Record& r : log.records)
+      if (r.journal != none) into[to(r.half_edge)] = from(r.half_edge);
+  for (std::uint32_t v = 0; v < into.size(); ++v) {
+    std::uint32_t end = v;
+    while (into[end] != end) end = into[end];
+    for (std::uint32_t at = v; into[at] != end;) {
+      const std::uint32_t then = into[at];
+      into[at] = end;
+      at = then;
+    }
+  }
+  return into;
 }
 
 TriMesh CollapseMesh::to_mesh(Vec3 origin_mm, std::vector<std::uint32_t>* triangle_of) const {
@@ -125,7 +173,7 @@ TriMesh CollapseMesh::to_mesh(Vec3 origin_mm, std::vector<std::uint32_t>* triang
   for (std::uint32_t v = 0; v < points_mm_.size(); ++v) {
     if (!live_point(v) || out_[v] == none) continue;
     where[v] = static_cast<std::uint32_t>(mesh.points_mm.size());
-    mesh.points_mm.push_back(points_mm_[v]);
+    mesh.points_mm.push_back(point_mm(v));
   }
   mesh.triangles.reserve(live_triangles_);
   if (triangle_of) triangle_of->clear();

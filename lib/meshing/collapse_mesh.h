@@ -10,12 +10,16 @@
 namespace trephine {
 
 /// A closed, 2-manifold mesh that shrinks by edge collapses, any of which can be undone later, whatever came after it.
+/// Points are kept in float32: they must lie on its raster (snap_to_float32), then nothing is rounded.
 ///
 /// Half-edge 3 t + c runs from corner c of triangle t to the next one. A collapse of half-edge h (u to v) removes v and
 /// the two triangles at the edge; u stays, at a new place. What is dead keeps its labels and links, so that undoing
 /// needs little more than h and u's old place. Each live triangle knows the collapse that last changed it: a collapse
 /// can be undone once every triangle around its point is as it left it, so undoing one first undoes those that came
 /// later there.
+///
+/// Collapses may run at the same time, each thread with a log of its own, where no point's triangles are shared: a
+/// collapse writes the triangles around its two ends and the links of those beside them across their shared edges.
 class CollapseMesh {
  public:
   static constexpr std::uint32_t none = 0xffffffffu;
@@ -23,12 +27,34 @@ class CollapseMesh {
   /// The mesh must be closed and 2-manifold.
   explicit CollapseMesh(const TriMesh& mesh);
 
+  struct Record {
+    std::uint32_t half_edge;
+    std::array<float, 3> old_place_mm;
+    std::uint32_t journal;  ///< into the log's journal: what last changed the triangles around u before; none: undone
+  };
+  /// Some collapses, one after another; their ids begin at first_id.
+  struct Log {
+    std::uint32_t first_id = 0;
+    std::vector<Record> records;
+    std::vector<std::uint32_t> journal;
+  };
+  /// A log for at most that many collapses.
+  Log open_log(std::size_t capacity);
+  /// Ends the log; in the order in which they were opened.
+  void keep(Log&& log);
+
   std::size_t live_triangles() const { return live_triangles_; }
   bool live_triangle(std::uint32_t t) const { return !dead_[t]; }
   bool live_point(std::uint32_t v) const { return killed_by_[v] == none; }
   std::size_t points() const { return points_mm_.size(); }
   std::size_t triangles() const { return triangles_.size(); }
-  Vec3 point_mm(std::uint32_t v) const { return points_mm_[v]; }
+  Vec3 point_mm(std::uint32_t v) const {
+    const auto& p = points_mm_[v];
+    return {p[0], p[1], p[2]};
+  }
+  void move(std::uint32_t v, Vec3 place_mm) {
+    points_mm_[v] = {static_cast<float>(place_mm.x), static_cast<float>(place_mm.y), static_cast<float>(place_mm.z)};
+  }
   const std::array<std::uint32_t, 3>& triangle(std::uint32_t t) const { return triangles_[t]; }
 
   static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
@@ -49,33 +75,34 @@ class CollapseMesh {
   }
 
   /// The collapse leaves the surface a closed 2-manifold (link condition).
-  bool keeps_manifold(std::uint32_t h);
-  void collapse(std::uint32_t h, Vec3 place_mm);
+  bool keeps_manifold(std::uint32_t h) const;
+  /// live_triangles() counts it once the log is kept.
+  void collapse(std::uint32_t h, Vec3 place_mm, Log& log);
 
   /// The collapse that last changed the triangle, or none.
   std::uint32_t last_change(std::uint32_t t) const { return changed_by_[t]; }
-  /// Undoes the collapse, and first those that depend on it; calls undone(u, v) after each.
-  void undo(std::uint32_t collapse, const std::function<void(std::uint32_t u, std::uint32_t v)>& undone);
+  /// The collapse that took the dead point.
+  std::uint32_t killer(std::uint32_t v) const { return killed_by_[v]; }
+  /// Undoes the collapse, and first those that depend on it; calls undone(u, v) after each, and before(u, v) before.
+  using Visit = std::function<void(std::uint32_t u, std::uint32_t v)>;
+  void undo(std::uint32_t collapse, const Visit& before, const Visit& undone);
+
+  /// For each point itself where it is alive, else a live point that it was collapsed into.
+  std::vector<std::uint32_t> survivors() const;
 
   /// What is alive, as a mesh; triangle_of gives for each of its triangles the one here.
   TriMesh to_mesh(Vec3 origin_mm, std::vector<std::uint32_t>* triangle_of = nullptr) const;
 
  private:
-  struct Record {
-    std::uint32_t half_edge;
-    Vec3 old_place_mm;
-    std::size_t journal;  ///< into journal_: what last changed the triangles around u before
-    bool undone = false;
-  };
-  void undo_now(std::uint32_t collapse);
+  Record& record(std::uint32_t id);
+  void undo_now(std::uint32_t id);
 
-  std::vector<Vec3> points_mm_;
+  std::vector<std::array<float, 3>> points_mm_;
   std::vector<std::array<std::uint32_t, 3>> triangles_;
-  std::vector<std::uint32_t> twin_, out_, killed_by_, changed_by_, mark_;
+  std::vector<std::uint32_t> twin_, out_, killed_by_, changed_by_;
   std::vector<char> dead_;
-  std::vector<Record> records_;
-  std::vector<std::uint32_t> journal_;
-  std::uint32_t stamp_ = 0;
+  std::vector<Log> logs_;
+  std::uint32_t next_id_ = 0;
   std::size_t live_triangles_ = 0;
 };
 

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/error.h"
 #include "meshing/edge_collapse.h"
+#include "meshing/exact.h"
 #include "meshing/measure_deviation.h"
 #include "meshing/validity.h"
 
@@ -25,13 +27,42 @@ std::size_t target_count(const TriMesh& mesh, const DecimateParams& p) {
   return asked > 0 ? static_cast<std::size_t>(std::max<std::int64_t>(asked, 4)) : p.max_deviation_mm > 0 ? 4 : 0;
 }
 
-std::vector<std::uint32_t> invalid_triangles(const TriMesh& mesh, const Progress& progress) {
-  std::vector<std::uint32_t> faults = degenerate_triangles(mesh);
-  for (const auto& pair : self_intersections(mesh, progress)) faults.insert(faults.end(), pair.begin(), pair.end());
-  std::sort(faults.begin(), faults.end());
-  faults.erase(std::unique(faults.begin(), faults.end()), faults.end());
-  return faults;
-}
+/// Finds what is invalid in a mesh that collapses, looking only at what changed since the last time.
+class Inspection {
+ public:
+  /// The collapsing mesh's triangles that are degenerate or intersect; the mesh is given as a plain one as well.
+  std::vector<std::uint32_t> faults(const CollapseMesh& mesh, const TriMesh& plain,
+                                    const std::vector<std::uint32_t>& triangle_of, const Progress& progress) {
+    std::vector<std::uint32_t> changed, found;
+    const bool first = seen_.empty();
+    seen_.resize(mesh.triangles(), unseen);
+    std::vector<std::uint32_t> seen(mesh.triangles(), unseen);  // what is dead now is new when it comes back
+    for (std::uint32_t t = 0; t < triangle_of.size(); ++t) {
+      const auto& v = plain.triangles[t];
+      const std::uint32_t now = mesh.last_change(triangle_of[t]);
+      seen[triangle_of[t]] = now;
+      if (seen_[triangle_of[t]] == now) continue;
+      changed.push_back(t);
+      if (on_a_line(plain.points_mm[v[0]], plain.points_mm[v[1]], plain.points_mm[v[2]])) found.push_back(t);
+    }
+    seen_.swap(seen);
+    if (first) changed.clear();  // stands for all of them
+    if (first || !changed.empty())
+      for (const auto& pair : self_intersections(plain, progress, changed))
+        found.insert(found.end(), pair.begin(), pair.end());
+    for (auto& t : found) {
+      t = triangle_of[t];
+      seen_[t] = unseen;
+    }
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+  }
+
+ private:
+  static constexpr std::uint32_t unseen = CollapseMesh::none - 1;
+  std::vector<std::uint32_t> seen_;  ///< what had last changed the triangle when it was looked at
+};
 
 struct Outcome {
   TriMesh mesh;
@@ -43,15 +74,17 @@ struct Outcome {
 Outcome collapse_all(const TriMesh& input, std::size_t target, double limit_mm, const Progress& progress) {
   Outcome o;
   const double step = float32_step_mm(input);
-  DeviationMeter meter(input, limit_mm);
-  EdgeCollapse collapse(input, meter, limit_mm, step);
+  EdgeCollapse collapse(input, limit_mm, step);
+  std::optional<DeviationMeter> meter;
+  Inspection inspection;
   std::vector<std::uint32_t> triangle_of;
   for (int round = 0;; ++round) {
     if (round < rounds_that_collapse)
       o.limited |= collapse.run(target, round == 0 ? progress.part(0.1, 0.7) : progress.part(0.9, 0.9));
+    if (!meter) meter.emplace(collapse.input(), limit_mm);
     o.mesh = collapse.mesh().to_mesh(input.origin_mm, &triangle_of);
-    std::vector<std::uint32_t> faults = invalid_triangles(o.mesh, progress.part(0.7, 0.75));
-    for (auto& t : faults) t = triangle_of[t];
+    std::vector<std::uint32_t> faults =
+        inspection.faults(collapse.mesh(), o.mesh, triangle_of, progress.part(0.7, 0.75));
     if (!faults.empty()) {
       const std::size_t n = collapse.undo(faults);
       if (n == 0) throw Error(ExitCode::quality, "", "decimate", "intersections that cannot be undone");
@@ -59,9 +92,9 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double limit_mm, 
       o.undone_for_validity += n;
       continue;
     }
-    faults = meter.measure(collapse.mesh(), o.mesh, triangle_of, collapse.carried(), progress.part(0.75, 0.9));
+    faults = meter->measure(o.mesh, triangle_of, collapse.carried(), progress.part(0.75, 0.9));
     if (faults.empty()) {
-      o.deviation = meter.figures();
+      o.deviation = meter->figures();
       return o;
     }
     const std::size_t n = collapse.undo(faults);

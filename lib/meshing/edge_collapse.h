@@ -1,29 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "base/progress.h"
 #include "meshing/carried_points.h"
 #include "meshing/collapse_mesh.h"
-#include "meshing/measure_deviation.h"
+#include "meshing/near_input.h"
 #include "meshing/quadric.h"
 
 namespace trephine {
 
 /// Edge collapses in the order of their quadric error. Every collapse keeps the surface a closed 2-manifold, turns no
-/// triangle over, makes none thinner than it must, and takes no carried point, nor a few samples of the triangles
-/// around it, further than the limit. Points lie on the raster of step_mm. The same result whatever the thread count.
+/// triangle over, makes none thinner than it must, and takes no carried point, nor a few
+/// samples of the triangles around it, further than the limit. Points lie on the
+/// raster of step_mm. The same result whatever the thread count.
 ///
-/// A large mesh is first thinned in sweeps, each of which collapses cheap edges in the order of memory, with no
-/// triangle touched twice (so that no chain of collapses hangs together, if one has to be undone): far from the target
-/// the exact order matters little, and the heap's order costs cache misses at every step.
+/// Far from the target the exact order matters little. There the mesh is thinned in rounds, each up to a cost that a
+/// share of the edges stays below: space is cut into cells, other ones each time, and each cell works off its edges in
+/// order, beside the other cells; an edge near a cell's wall waits for another round. What the rounds leave is done in
+/// one go. While the quadrics say that the surface lies far within the limit, and the count is far from the target,
+/// the input's points are not carried; they are taken up after that.
 class EdgeCollapse {
  public:
-  /// `input` and `meter` must outlive this. limit_mm 0: no limit.
-  EdgeCollapse(const TriMesh& input, const DeviationMeter& meter, double limit_mm, double step_mm);
+  /// `input` must outlive this. limit_mm 0: no limit.
+  EdgeCollapse(const TriMesh& input, double limit_mm, double step_mm);
 
   /// Collapses until at most target triangles are left, or no collapse is possible. Returns whether the limit was what
-  /// kept an edge from collapsing.
+  /// kept an edge from collapsing. Afterwards the points are carried.
   bool run(std::size_t target, const Progress& progress);
 
   /// Undoes what last changed these triangles, or the nearest around them that were changed, with what depends on it,
@@ -31,7 +36,9 @@ class EdgeCollapse {
   std::size_t undo(const std::vector<std::uint32_t>& triangles);
 
   const CollapseMesh& mesh() const { return mesh_; }
-  const CarriedPoints& carried() const { return carried_; }
+  CarriedPoints& carried() { return carried_; }
+  /// After the first run.
+  const NearInput& input() const { return *input_; }
 
  private:
   struct Candidate {
@@ -45,27 +52,50 @@ class EdgeCollapse {
     }
   };
   enum class Outcome { done, shape, limit };
-  bool sweep(std::size_t floor, bool& limited);
-  bool samples_within();
+  /// A triangle around a moving point, which leaves the point by half_edge to b and has c as the third corner.
+  struct Wing {
+    std::uint32_t half_edge, b, c;
+  };
+  /// What one thread needs to work off edges.
+  struct Worker {
+    std::vector<Candidate> heap;
+    std::vector<Wing> wings_u, wings_v;
+    std::vector<std::uint32_t> staying;  ///< the triangles that stay, with their corners after the collapse
+    std::vector<std::array<Vec3, 3>> corners;
+    CarriedPoints::Hand hand;
+    CollapseMesh::Log log;
+    bool limited = false;
+  };
+  struct Cells;
+  enum Flag : char { locked = 1, core = 2 };
+
+  void rounds(std::size_t target, std::size_t floor, bool& limited, const Progress& progress);
+  void finish(std::size_t target, bool& limited, const Progress& progress);
+  void take_up();
+  float cost_below(double share) const;
+  Cells cut(std::size_t round);
+  void gather(const std::uint32_t* from, const std::uint32_t* to, float cost_limit, Worker& w) const;
+  void work_off(std::size_t count, float cost_limit, Worker& w, const std::function<void()>& tick);
+  Vec3 place(std::uint32_t u, std::uint32_t v, double& cost, double& weight) const;
+  bool candidate(std::uint32_t half_edge, Candidate& c) const;
+  Outcome attempt(std::uint32_t half_edge, Worker& w);
+  bool keeps_manifold(std::uint32_t u, std::uint32_t v, Worker& w) const;
+  bool keeps_shape(std::uint32_t u, std::uint32_t v, Vec3 at, Worker& w) const;
+  bool near_input(Vec3 place, double limit2, const CarriedPoints::Hand& hand) const;
+  bool samples_within(Worker& w) const;
   std::size_t undo_at(std::uint32_t triangle);
   std::vector<std::uint32_t> widened(const std::vector<std::uint32_t>& triangles) const;
-  Vec3 place(std::uint32_t u, std::uint32_t v, double& cost) const;
-  bool candidate(std::uint32_t half_edge, Candidate& c) const;
-  Outcome attempt(std::uint32_t half_edge);
-  bool keeps_shape(std::uint32_t u, std::uint32_t v, Vec3 at);
 
-  const DeviationMeter& meter_;
+  const TriMesh& plain_input_;
   CollapseMesh mesh_;
-  double squared_limit_, step_;
+  double limit2_, step_, area_ = 0, sample_spacing_ = 0;
   CarriedPoints carried_;
-  std::vector<Quadric> quadrics_;
+  std::optional<NearInput> input_;       ///< once points are carried
+  std::vector<StoredQuadric> quadrics_;  ///< about the points themselves
   std::vector<std::uint32_t> versions_;
-  std::vector<char> locked_;
-  std::vector<std::uint32_t> near_;  ///< per live triangle a point of the input near it
-  std::vector<Candidate> heap_;
-  // What keeps_shape saw: the triangles that stay, with their corners after the collapse.
-  std::vector<std::uint32_t> staying_;
-  std::vector<std::array<Vec3, 3>> corners_;
+  std::vector<char> flags_;     ///< per point
+  std::vector<char> rejected_;  ///< per triangle a bit for each half-edge that did not collapse as things were
+  std::size_t round_ = 0;
 };
 
 }  // namespace trephine

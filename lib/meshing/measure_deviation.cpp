@@ -54,41 +54,19 @@ class Gathering {
 
 }  // namespace
 
-DeviationMeter::DeviationMeter(const TriMesh& input, double limit_mm)
-    : input_(input),
+DeviationMeter::DeviationMeter(const NearInput& input, double limit_mm)
+    : near_(input),
+      input_(input.mesh()),
       limit2_(limit_mm > 0 ? limit_mm * limit_mm : infinity),
-      edge_(mean_edge_of(input)),
+      edge_(mean_edge_of(input_)),
       spacing_(limit_mm > 0 ? std::clamp(1.5 * limit_mm, edge_ / 4, edge_) : edge_),
-      exact_beyond2_(limit_mm > 0 ? limit2_ / 4 : edge_ * edge_ / 1024),
-      tree_(input),
-      incidence_(input),
-      raster_of_(input.triangles.size(), CollapseMesh::none) {}
-
-/// Going from a point to its neighbours as long as that leads nearer: an upper bound of the squared distance.
-double DeviationMeter::downhill(Vec3 place, std::uint32_t& near) const {
-  const auto squared = [&](std::uint32_t v) {
-    const Vec3 d = place - input_.points_mm[v];
-    return dot(d, d);
-  };
-  double best = squared(near);
-  for (std::uint32_t centre = CollapseMesh::none; centre != near;) {
-    centre = near;
-    for (std::uint32_t n = incidence_.begin[centre]; n < incidence_.begin[centre + 1]; ++n) {
-      const auto& t = input_.triangles[incidence_.triangle[n]];
-      const std::uint32_t v = t[0] == centre ? t[1] : t[1] == centre ? t[2] : t[0];
-      const double d2 = squared(v);
-      if (d2 >= best) continue;
-      best = d2;
-      near = v;
-    }
-  }
-  for (std::uint32_t n = incidence_.begin[near]; n < incidence_.begin[near + 1]; ++n)
-    best = std::min(best, squared_to(input_, incidence_.triangle[n], place));
-  return best;
-}
+      raster_beyond2_(limit_mm > 0 ? 36 * limit2_ : infinity),
+      exact_beyond2_(limit_mm > 0 ? limit2_ / 4 : edge_ * edge_ / 16),
+      tree_(input_),
+      raster_of_(input_.triangles.size(), CollapseMesh::none) {}
 
 double DeviationMeter::squared_distance(Vec3 place, std::uint32_t& near) const {
-  const double bound = downhill(place, near);
+  const double bound = near_.squared_bound(place, near, exact_beyond2_ / 64);
   if (bound <= exact_beyond2_) return bound;
   std::uint32_t at = CollapseMesh::none;
   const double d2 = tree_.squared_distance(place, bound, &at);
@@ -96,36 +74,29 @@ double DeviationMeter::squared_distance(Vec3 place, std::uint32_t& near) const {
   return d2;
 }
 
-/// Calls visit(place) over the raster, back and forth, so that each lies beside the last, until it returns false.
-template <class Visit>
-void DeviationMeter::for_each_sample(const std::array<Vec3, 3>& corners, Visit&& visit) const {
-  const Vec3 a = corners[0], ab = corners[1] - a, ac = corners[2] - a;
+/// `points`: some of the input near the triangle; the search starts at the nearest of them.
+void DeviationMeter::from_triangle(Raster& raster, const std::vector<std::uint32_t>& points) const {
+  const Vec3 a = raster.corners[0], ab = raster.corners[1] - a, ac = raster.corners[2] - a;
   const double longest = std::max({norm(ab), norm(ac), norm(ac - ab)});
   const int n = static_cast<int>(std::clamp(std::ceil(longest / spacing_), 1.0, 256.0));
+  raster.beyond = false;
+  raster.distances.clear();
+  raster.distances.reserve(static_cast<std::size_t>(n + 1) * (n + 2) / 2);
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= n - i; ++j) {
-      const int k = i % 2 == 0 ? j : n - i - j;
-      if (!visit(a + ab * (double(i) / n) + ac * (double(k) / n))) return;
+      const Vec3 place = a + ab * (double(i) / n) + ac * (double(j) / n);
+      std::uint32_t near = points.front();
+      double best = infinity;
+      for (const std::uint32_t p : points) {
+        const Vec3 d = input_.points_mm[p] - place;
+        if (dot(d, d) >= best) continue;
+        best = dot(d, d);
+        near = p;
+      }
+      const double d2 = squared_distance(place, near);
+      raster.beyond |= d2 > limit2_;
+      raster.distances.push_back(static_cast<float>(std::sqrt(d2)));
     }
-}
-
-bool DeviationMeter::within(const std::array<Vec3, 3>& corners, std::uint32_t& near) const {
-  bool good = true;
-  for_each_sample(corners, [&](Vec3 p) { return good = squared_distance(p, near) <= limit2_; });
-  return good;
-}
-
-void DeviationMeter::from_triangle(std::uint32_t raster, const std::array<Vec3, 3>& corners, std::uint32_t near) {
-  Raster& r = rasters_[raster];
-  r.area = norm(cross(corners[1] - corners[0], corners[2] - corners[0])) / 2;
-  r.beyond = false;
-  r.distances.clear();
-  for_each_sample(corners, [&](Vec3 p) {
-    const double d2 = squared_distance(p, near);
-    r.beyond |= d2 > limit2_;
-    r.distances.push_back(static_cast<float>(std::sqrt(d2)));
-    return true;
-  });
 }
 
 void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
@@ -136,83 +107,114 @@ void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uin
   for (std::uint32_t t = 0; t < triangle_of.size(); ++t) plain_of[triangle_of[t]] = t;
   const auto triangles = static_cast<std::int64_t>(input_.triangles.size());
   std::vector<std::vector<std::uint32_t>> found((triangles + grain - 1) / grain);
-  std::vector<std::vector<float>> distances(found.size());
+  const bool first = forward_.empty();
+  // Between points of two carriers the nearest triangle can be a third: what lies beyond all points is looked up.
+  double exact_beyond2 = 0;
+  for (std::uint32_t p = 0; p < input_.points_mm.size(); ++p)
+    exact_beyond2 = std::max(exact_beyond2, carried.squared_distance(p));
+  exact_beyond2 = std::min(exact_beyond2, exact_beyond2_);
+  forward_.resize(found.size());
+  // The distance to one triangle is a convex function: between points of one carrier it is at most their mean.
   // A triangle samples its middle, the middles of the sides that it runs upwards, and the points that it is the first
-  // to use.
+  // to use; again only where what carries its points changed.
   parallel_for(0, triangles, grain, [&](std::int64_t from, std::int64_t to) {
     progress.check();
-    const auto add = [&](Vec3 p, double bound, const std::uint32_t(&carrier)[3]) {
-      if (bound * bound > exact_beyond2_) {
-        bound = std::sqrt(tree.squared_distance(p, bound * bound));
-        if (bound * bound > limit2_) found[from / grain].insert(found[from / grain].end(), carrier, carrier + 3);
-      }
-      distances[from / grain].push_back(static_cast<float>(bound));
-    };
+    auto& distances = forward_[from / grain];
+    std::size_t slot = 0;
     for (std::int64_t t = from; t < to; ++t) {
       const auto& v = input_.triangles[t];
+      const bool measure = first || carried.moved(v[0]) || carried.moved(v[1]) || carried.moved(v[2]);
       Vec3 p[3];
       std::uint32_t carrier[3];
       double d[3];
       for (int c = 0; c < 3; ++c) {
-        p[c] = input_.points_mm[v[c]];
         carrier[c] = carried.carrier(v[c]);
+        if (!measure) continue;
+        p[c] = input_.points_mm[v[c]];
         d[c] = std::sqrt(carried.squared_distance(v[c]));
       }
-      // The distance to one triangle is a convex function: between points of one carrier it is at most their mean.
+      const auto add = [&](Vec3 place, double bound) {
+        if (bound * bound > exact_beyond2) bound = std::sqrt(tree.squared_distance(place, bound * bound));
+        if (first) distances.push_back(0);
+        distances[slot] = static_cast<float>(bound);
+      };
+      const auto next = [&] {
+        if (double(distances[slot]) * distances[slot] > limit2_)
+          found[from / grain].insert(found[from / grain].end(), carrier, carrier + 3);
+        ++slot;
+      };
       const auto between = [&](Vec3 place, int a, int b) {
-        if (carrier[a] == carrier[b]) return (d[a] + d[b]) / 2;
         return std::sqrt(
             std::min(squared_to(plain, plain_of[carrier[a]], place), squared_to(plain, plain_of[carrier[b]], place)));
       };
       for (int c = 0; c < 3; ++c) {
-        if (incidence_.triangle[incidence_.begin[v[c]]] == t) add(p[c], d[c], carrier);
+        if (near_.incidence().triangle[near_.incidence().begin[v[c]]] == t) {
+          if (measure) add(p[c], d[c]);
+          next();
+        }
         const int e = (c + 1) % 3;
-        if (v[c] < v[e]) add((p[c] + p[e]) / 2, between((p[c] + p[e]) / 2, c, e), carrier);
+        if (v[c] < v[e]) {
+          const Vec3 middle = (p[c] + p[e]) / 2;
+          if (measure) add(middle, carrier[c] == carrier[e] ? (d[c] + d[e]) / 2 : between(middle, c, e));
+          next();
+        }
       }
-      const Vec3 middle = (p[0] + p[1] + p[2]) / 3;
-      if (carrier[0] == carrier[1] && carrier[1] == carrier[2])
-        add(middle, (d[0] + d[1] + d[2]) / 3, carrier);
-      else
-        add(middle, std::min(between(middle, 0, 1), between(middle, 1, 2)), carrier);
+      if (measure) {
+        const Vec3 middle = (p[0] + p[1] + p[2]) / 3;
+        if (carrier[0] == carrier[1] && carrier[1] == carrier[2])
+          add(middle, (d[0] + d[1] + d[2]) / 3);
+        else
+          add(middle, std::min(between(middle, 0, 1), between(middle, 1, 2)));
+      }
+      next();
+      // A triangle that is large beside the bound: also a raster.
+      const Vec3 o = input_.points_mm[v[0]], ab = input_.points_mm[v[1]] - o, ac = input_.points_mm[v[2]] - o;
+      const double longest = std::max({dot(ab, ab), dot(ac, ac), dot(ac - ab, ac - ab)});
+      if (longest <= raster_beyond2_) continue;
+      const int n = static_cast<int>(std::min(std::ceil(2 * std::sqrt(longest / raster_beyond2_)), 16.0));
+      for (int i = 0; i < n; ++i)
+        for (int j = i == 0 ? 1 : 0; j < n - i; ++j) {
+          const Vec3 place = o + ab * (double(i) / n) + ac * (double(j) / n);
+          if (measure) add(place, std::min(between(place, 0, 1), between(place, 1, 2)));
+          next();
+        }
     }
   });
-  forward_.clear();
-  for (const auto& d : distances) forward_.insert(forward_.end(), d.begin(), d.end());
   for (const auto& f : found) beyond.insert(beyond.end(), f.begin(), f.end());
 }
 
-std::vector<std::uint32_t> DeviationMeter::measure(const CollapseMesh& mesh, const TriMesh& plain,
-                                                   const std::vector<std::uint32_t>& triangle_of,
-                                                   const CarriedPoints& carried, const Progress& progress) {
+std::vector<std::uint32_t> DeviationMeter::measure(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
+                                                   CarriedPoints& carried, const Progress& progress) {
   std::vector<std::uint32_t> beyond;
   from_input(plain, triangle_of, carried, beyond, progress);
+  carried.forget_moves();
   progress.report(0.3);
 
   std::vector<std::uint32_t> to_do;  // triangles of `plain` that are new or changed
   live_.clear();
   for (std::uint32_t t = 0; t < triangle_of.size(); ++t) {
     std::uint32_t& raster = raster_of_[triangle_of[t]];
-    const std::uint32_t change = mesh.last_change(triangle_of[t]);
-    if (raster == CollapseMesh::none || rasters_[raster].measured_change != change) {
-      if (raster == CollapseMesh::none) {
-        raster = static_cast<std::uint32_t>(rasters_.size());
-        rasters_.emplace_back();
-      }
-      rasters_[raster].measured_change = change;
+    if (raster == CollapseMesh::none) {
+      raster = static_cast<std::uint32_t>(rasters_.size());
+      rasters_.emplace_back();
+    }
+    const auto& v = plain.triangles[t];
+    const std::array<Vec3, 3> corners{plain.points_mm[v[0]], plain.points_mm[v[1]], plain.points_mm[v[2]]};
+    if (rasters_[raster].distances.empty() || rasters_[raster].corners != corners) {
+      rasters_[raster].corners = corners;
       to_do.push_back(t);
     }
     live_.push_back(raster);
   }
-  // Searches start at a point that the triangle carries, or where the triangle of the same number lay in the input.
-  std::vector<std::uint32_t> start(input_.triangles.size());
-  for (std::uint32_t t = 0; t < start.size(); ++t) start[t] = input_.triangles[t][0];
-  for (std::uint32_t p = 0; p < input_.points_mm.size(); ++p) start[carried.carrier(p)] = p;
   parallel_for(0, static_cast<std::int64_t>(to_do.size()), 256, [&](std::int64_t from, std::int64_t to) {
     progress.check();
+    std::vector<std::uint32_t> points;
     for (std::int64_t n = from; n < to; ++n) {
-      const auto& v = plain.triangles[to_do[n]];
-      const std::array<Vec3, 3> corners{plain.points_mm[v[0]], plain.points_mm[v[1]], plain.points_mm[v[2]]};
-      from_triangle(live_[to_do[n]], corners, start[triangle_of[to_do[n]]]);
+      // Near it are what it carries, and the points at which the triangle of that number lay in the input.
+      const std::uint32_t t = triangle_of[to_do[n]];
+      points.assign(input_.triangles[t].begin(), input_.triangles[t].end());
+      for (std::uint32_t p = carried.first_of(t); p != CollapseMesh::none; p = carried.next_of(p)) points.push_back(p);
+      from_triangle(rasters_[live_[to_do[n]]], points);
     }
   });
   for (std::uint32_t t = 0; t < triangle_of.size(); ++t)
@@ -225,14 +227,19 @@ std::vector<std::uint32_t> DeviationMeter::measure(const CollapseMesh& mesh, con
 
 DeviationFigures DeviationMeter::figures() const {
   DeviationFigures f;
-  for (const float d : forward_) f.max_mm = std::max(f.max_mm, double(d));
+  for (const auto& distances : forward_)
+    for (const float d : distances) f.max_mm = std::max(f.max_mm, double(d));
   for (const std::uint32_t r : live_)
     for (const float d : rasters_[r].distances) f.max_mm = std::max(f.max_mm, double(d));
   Gathering forward(f.max_mm), backward(f.max_mm);
-  for (const float d : forward_) forward.add(d, 1);
-  for (const std::uint32_t r : live_)
+  for (const auto& distances : forward_)
+    for (const float d : distances) forward.add(d, 1);
+  for (const std::uint32_t r : live_) {
+    const auto& c = rasters_[r].corners;
+    const double area = norm(cross(c[1] - c[0], c[2] - c[0])) / 2;
     for (const float d : rasters_[r].distances)
-      backward.add(d, rasters_[r].area / static_cast<double>(rasters_[r].distances.size()));
+      backward.add(d, area / static_cast<double>(rasters_[r].distances.size()));
+  }
   forward.into(f);
   backward.into(f);
   return f;

@@ -1,145 +1,181 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/intersections.h>
-
+// Groups of neighbouring triangles against what lies in their box. Most pairs whose boxes meet share a point; those
+// are cleared together, a point at a time, where its triangles lie over one plane like a fan.
 #include <algorithm>
+#include <cmath>
 
 #include "base/parallel.h"
 #include "meshing/exact.h"
 #include "meshing/triangle_tree.h"
 #include "meshing/validity.h"
+#include "surface/incidence.h"
 
 namespace trephine {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Point = Kernel::Point_3;
+constexpr std::size_t group_leaves = 4, group_size = group_leaves * TriangleTree::width;
 
-Point exact(Vec3 p) { return {p.x, p.y, p.z}; }
+std::array<Vec3, 3> corners_of(const TriMesh& m, std::uint32_t t) {
+  const auto& v = m.triangles[t];
+  return {m.points_mm[v[0]], m.points_mm[v[1]], m.points_mm[v[2]]};
+}
 
-struct Corners {
-  std::array<Vec3, 3> p;
-  explicit Corners(const TriMesh& m, std::uint32_t t) {
-    for (int c = 0; c < 3; ++c) p[c] = m.points_mm[m.triangles[t][c]];
+/// Certainly no two triangles around p meet but in what they share: seen along the sum of their normals, all of them
+/// turn the same way about p, once around. Then each has a sector of the plane to itself. Rounding is allowed for.
+bool is_fan(const TriMesh& mesh, const Incidence& incidence, std::uint32_t p) {
+  constexpr double margin = 1e-10;
+  const std::uint32_t begin = incidence.begin[p], end = incidence.begin[p + 1];
+  if (end - begin < 3 || end - begin > 64) return false;
+  struct Wing {
+    Vec3 b, c, normal;
+    double scale;
+  };
+  std::array<Wing, 64> wings;
+  const Vec3 at = mesh.points_mm[p];
+  Vec3 sum;
+  for (std::uint32_t n = begin; n < end; ++n) {
+    const auto& t = mesh.triangles[incidence.triangle[n]];
+    const int k = t[0] == p ? 0 : t[1] == p ? 1 : 2;
+    Wing& w = wings[n - begin];
+    w.b = mesh.points_mm[t[(k + 1) % 3]] - at;
+    w.c = mesh.points_mm[t[(k + 2) % 3]] - at;
+    w.normal = cross(w.b, w.c);
+    w.scale = std::sqrt(dot(w.b, w.b) * dot(w.c, w.c));
+    if (!(w.scale > 0)) return false;
+    sum += w.normal / w.scale;
+  }
+  // A direction across the sum, in which side of it each neighbour lies.
+  const Vec3 across = std::abs(sum.x) > std::abs(sum.y) ? Vec3{-sum.z, 0, sum.x} : Vec3{0, sum.z, -sum.y};
+  const double length = norm(sum), across_length = norm(across);
+  int turns = 0;
+  for (std::uint32_t n = 0; n < end - begin; ++n) {
+    const Wing& w = wings[n];
+    if (!(dot(w.normal, sum) > margin * w.scale * length)) return false;
+    const double b = dot(w.b, across), c = dot(w.c, across);
+    if (!(std::abs(b) > margin * norm(w.b) * across_length) || !(std::abs(c) > margin * norm(w.c) * across_length))
+      return false;
+    turns += b < 0 && c > 0;
+  }
+  return turns == 1;
+}
+
+/// For each triangle: 2 where degenerate, 1 where each of its points has a fan, else 0.
+std::vector<char> classify(const TriMesh& mesh, const Incidence& incidence) {
+  std::vector<char> fan(mesh.points_mm.size()), kind(mesh.triangles.size());
+  parallel_for(0, static_cast<std::int64_t>(fan.size()), 8192, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t p = from; p < to; ++p) fan[p] = is_fan(mesh, incidence, static_cast<std::uint32_t>(p));
+  });
+  parallel_for(0, static_cast<std::int64_t>(kind.size()), 16384, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t t = from; t < to; ++t) {
+      const auto& v = mesh.triangles[t];
+      const auto p = corners_of(mesh, static_cast<std::uint32_t>(t));
+      kind[t] = on_a_line(p[0], p[1], p[2]) ? 2 : fan[v[0]] && fan[v[1]] && fan[v[2]];
+    }
+  });
+  return kind;
+}
+
+bool share(const std::array<std::uint32_t, 3>& a, const std::array<std::uint32_t, 3>& b) {
+  int n = 0;
+  for (const std::uint32_t i : a)
+    for (const std::uint32_t j : b) n |= i == j;
+  return n != 0;
+}
+
+/// Boxes of triangles, coordinate by coordinate.
+struct Boxes {
+  std::array<std::vector<float>, 3> min, max;
+  std::vector<std::uint32_t> number;  ///< in the tree's order
+  std::vector<std::int32_t> hit;
+  void clear() {
+    for (int a = 0; a < 3; ++a) min[a].clear(), max[a].clear();
+    number.clear();
+  }
+  void add(const FloatBox& box, std::uint32_t n) {
+    for (int a = 0; a < 3; ++a) min[a].push_back(box.min[a]), max[a].push_back(box.max[a]);
+    number.push_back(n);
+  }
+  /// Sets hit where a box meets this one.
+  void meet(const FloatBox& b) {
+    hit.resize(number.size());
+    const float *x0 = min[0].data(), *y0 = min[1].data(), *z0 = min[2].data();
+    const float *x1 = max[0].data(), *y1 = max[1].data(), *z1 = max[2].data();
+    const float bx0 = b.min[0], by0 = b.min[1], bz0 = b.min[2], bx1 = b.max[0], by1 = b.max[1], bz1 = b.max[2];
+    std::int32_t* h = hit.data();
+    const std::size_t count = number.size();
+    for (std::size_t n = 0; n < count; ++n)
+      h[n] = (x0[n] <= bx1) & (bx0 <= x1[n]) & (y0[n] <= by1) & (by0 <= y1[n]) & (z0[n] <= bz1) & (bz0 <= z1[n]);
   }
 };
 
-/// 1 or -1 where certain, else 0: Shewchuk's first error bound on the determinant.
-int quick_side(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
-  const Vec3 u = a - d, v = b - d, w = c - d;
-  const double vw = v.x * w.y, wv = w.x * v.y, wu = w.x * u.y, uw = u.x * w.y, uv = u.x * v.y, vu = v.x * u.y;
-  const double det = u.z * (vw - wv) + v.z * (wu - uw) + w.z * (uv - vu);
-  const double permanent = (std::abs(vw) + std::abs(wv)) * std::abs(u.z) +
-                           (std::abs(wu) + std::abs(uw)) * std::abs(v.z) +
-                           (std::abs(uv) + std::abs(vu)) * std::abs(w.z);
-  const double bound = 8e-16 * permanent;
-  return det > bound ? 1 : det < -bound ? -1 : 0;
-}
-
-/// All of the points certainly lie strictly on one side of the triangle's plane.
-template <std::size_t N>
-bool apart(const std::array<Vec3, 3>& t, const std::array<Vec3, N>& points) {
-  const int first = quick_side(t[0], t[1], t[2], points[0]);
-  if (first == 0) return false;
-  for (std::size_t i = 1; i < N; ++i)
-    if (quick_side(t[0], t[1], t[2], points[i]) != first) return false;
-  return true;
-}
-
-Kernel::Triangle_3 exact(const std::array<Vec3, 3>& t) { return {exact(t[0]), exact(t[1]), exact(t[2])}; }
-
-bool overlap_at_edge(Vec3 p, Vec3 q, Vec3 a, Vec3 b) {
-  if (quick_side(p, q, a, b) != 0) return false;
-  return CGAL::coplanar(exact(p), exact(q), exact(a), exact(b)) &&
-         CGAL::coplanar_orientation(exact(p), exact(q), exact(a), exact(b)) == CGAL::POSITIVE;
-}
-
-/// The triangles, given with the shared point first, meet beyond it: then one's far side meets the other.
-bool meet_beyond_point(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
-  if (apart(a, std::array<Vec3, 2>{b[1], b[2]}) || apart(b, std::array<Vec3, 2>{a[1], a[2]})) return false;
-  return CGAL::do_intersect(exact(a), Kernel::Segment_3(exact(b[1]), exact(b[2]))) ||
-         CGAL::do_intersect(exact(b), Kernel::Segment_3(exact(a[1]), exact(a[2])));
-}
-
 }  // namespace
-
-bool on_a_line(Vec3 a, Vec3 b, Vec3 c) {
-  const Vec3 n = cross(b - a, c - a);
-  const double scale = std::max(dot(b - a, b - a), dot(c - a, c - a));
-  if (dot(n, n) > 1e-24 * scale * scale) return false;
-  return CGAL::collinear(exact(a), exact(b), exact(c));
-}
-
-bool triangles_intersect(const std::array<std::uint32_t, 3>& ia, const std::array<Vec3, 3>& a,
-                         const std::array<std::uint32_t, 3>& ib, const std::array<Vec3, 3>& b) {
-  int shared = 0, sa[3], sb[3];
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      if (ia[i] == ib[j]) {
-        sa[shared] = i;
-        sb[shared++] = j;
-        break;
-      }
-  if (shared == 0) {
-    if (apart(a, b) || apart(b, a)) return false;
-    return CGAL::do_intersect(exact(a), exact(b));
-  }
-  if (shared == 1)
-    return meet_beyond_point({a[sa[0]], a[(sa[0] + 1) % 3], a[(sa[0] + 2) % 3]},
-                             {b[sb[0]], b[(sb[0] + 1) % 3], b[(sb[0] + 2) % 3]});
-  if (shared == 2) return overlap_at_edge(a[sa[0]], a[sa[1]], a[3 - sa[0] - sa[1]], b[3 - sb[0] - sb[1]]);
-  return true;
-}
 
 std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh, const Progress& progress,
                                                              const std::vector<std::uint32_t>& only) {
   if (mesh.triangles.empty()) return {};
+  return self_intersections(mesh, Incidence(mesh), progress, only);
+}
+
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh, const Incidence& incidence,
+                                                             const Progress& progress,
+                                                             const std::vector<std::uint32_t>& only) {
+  if (mesh.triangles.empty()) return {};
+  const std::vector<char> kind = classify(mesh, incidence);
+  progress.check();
   const TriangleTree tree(mesh);
   progress.check();
-  const auto flat = [&](std::uint32_t t) {
-    const Corners c(mesh, t);
-    return on_a_line(c.p[0], c.p[1], c.p[2]);
-  };
-  std::vector<char> degenerate(mesh.triangles.size());
-  parallel_for(0, static_cast<std::int64_t>(mesh.triangles.size()), 16384, [&](std::int64_t from, std::int64_t to) {
-    for (std::int64_t t = from; t < to; ++t) degenerate[t] = flat(static_cast<std::uint32_t>(t));
-  });
-
-  // Per leaf against the leaves from itself on, or per triangle asked for against all.
-  constexpr std::int64_t grain = 512;
-  const auto jobs = static_cast<std::int64_t>(only.empty() ? tree.leaves() : only.size());
-  std::vector<std::vector<std::array<std::uint32_t, 2>>> found((jobs + grain - 1) / grain);
   const auto& order = tree.order();
-  const auto test = [&](std::uint32_t s, std::uint32_t t, auto& out) {
-    if (s == t || degenerate[s] || degenerate[t]) return;
-    if (triangles_intersect(mesh.triangles[s], Corners(mesh, s).p, mesh.triangles[t], Corners(mesh, t).p))
+  using Pairs = std::vector<std::array<std::uint32_t, 2>>;
+  const auto test = [&](std::uint32_t s, std::uint32_t t, Pairs& out) {
+    if (s == t || ((kind[s] | kind[t]) & 2)) return;
+    const auto &a = mesh.triangles[s], &b = mesh.triangles[t];
+    if (((kind[s] | kind[t]) & 1) && share(a, b)) return;
+    if (triangles_intersect(a, corners_of(mesh, s), b, corners_of(mesh, t)))
       out.push_back({std::min(s, t), std::max(s, t)});
   };
   const auto end_of = [&](std::size_t leaf) { return std::min(TriangleTree::width * (leaf + 1), order.size()); };
+
+  // Per triangle asked for against all, or per group of leaves against itself and those that follow.
+  const std::int64_t grain = only.empty() ? 64 : 512;
+  const auto jobs =
+      static_cast<std::int64_t>(only.empty() ? (tree.leaves() + group_leaves - 1) / group_leaves : only.size());
+  std::vector<Pairs> found((jobs + grain - 1) / grain);
+  const auto one = [&](std::uint32_t t, Pairs& out) {
+    FloatBox box;
+    for (const std::uint32_t v : mesh.triangles[t]) box.add(mesh.points_mm[v]);
+    tree.for_each_leaf(box, 0, [&](std::size_t leaf) {
+      for (std::size_t n = TriangleTree::width * leaf; n < end_of(leaf); ++n)
+        if (box.meets(tree.box(n))) test(t, order[n], out);
+    });
+  };
+  const auto group = [&](std::size_t g, Boxes& boxes, Pairs& out) {
+    const std::size_t first = g * group_leaves, begin = g * group_size,
+                      end = std::min(begin + group_size, order.size());
+    FloatBox box;
+    for (std::size_t leaf = first; leaf < std::min(first + group_leaves, tree.leaves()); ++leaf)
+      box.add(tree.leaf_box(leaf));
+    boxes.clear();
+    tree.for_each_leaf(box, first, [&](std::size_t leaf) {
+      for (std::size_t n = TriangleTree::width * leaf; n < end_of(leaf); ++n)
+        if (box.meets(tree.box(n))) boxes.add(tree.box(n), static_cast<std::uint32_t>(n));
+    });
+    for (std::size_t m = begin; m < end; ++m) {
+      boxes.meet(tree.box(m));
+      for (std::size_t n = 0; n < boxes.number.size(); ++n)
+        if (boxes.hit[n] && boxes.number[n] > m) test(order[m], order[boxes.number[n]], out);
+    }
+  };
   parallel_for(0, jobs, grain, [&](std::int64_t from, std::int64_t to) {
     progress.check();
-    auto& out = found[from / grain];
+    Boxes boxes;
     for (std::int64_t job = from; job < to; ++job) {
-      if (!only.empty()) {
-        FloatBox box;
-        for (const std::uint32_t v : mesh.triangles[only[job]]) box.add(mesh.points_mm[v]);
-        tree.for_each_leaf(box, 0, [&](std::size_t leaf) {
-          for (std::size_t n = TriangleTree::width * leaf; n < end_of(leaf); ++n)
-            if (box.meets(tree.box(n))) test(only[job], order[n], out);
-        });
-        continue;
-      }
-      const auto own = static_cast<std::size_t>(job);
-      tree.for_each_leaf(tree.leaf_box(own), own, [&](std::size_t leaf) {
-        for (std::size_t n = TriangleTree::width * leaf; n < end_of(leaf); ++n) {
-          if (!tree.box(n).meets(tree.leaf_box(own))) continue;
-          for (std::size_t m = TriangleTree::width * own; m < end_of(own); ++m)
-            if ((leaf > own || n > m) && tree.box(n).meets(tree.box(m))) test(order[m], order[n], out);
-        }
-      });
+      if (only.empty())
+        group(static_cast<std::size_t>(job), boxes, found[from / grain]);
+      else
+        one(only[job], found[from / grain]);
     }
   });
-  std::vector<std::array<std::uint32_t, 2>> pairs;
+  Pairs pairs;
   for (const auto& f : found) pairs.insert(pairs.end(), f.begin(), f.end());
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());

@@ -10,6 +10,8 @@
 
 namespace trephine {
 
+struct Incidence;
+
 /// What the program promises of every surface from contour to export.
 struct Validity {
   Topology topology;
@@ -34,6 +36,9 @@ Validity check_validity(const TriMesh& mesh, const Progress& progress = {});
 /// The pairs of triangles (lower index first, ascending) that intersect: they share no point and touch, or share points
 /// and touch or overlap beyond them. Triangles in `only` (empty: all) against all.
 std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh, const Progress& progress = {},
+                                                             const std::vector<std::uint32_t>& only = {});
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh, const Incidence& incidence,
+                                                             const Progress& progress = {},
                                                              const std::vector<std::uint32_t>& only = {});
 
 /// The triangles whose three points lie exactly on a line, or coincide; ascending.

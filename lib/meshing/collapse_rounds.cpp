@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The order of the collapses.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "meshing/edge_collapse.h"
+
+namespace trephine {
+namespace {
+
+/// A round works off at most this share of the edges.
+constexpr double round_share = 0.35;
+/// Points carry once so many times the target is left.
+constexpr double carry_from = 2.5;
+/// The rounds end at so many times the target, or at this count.
+constexpr double rounds_to = 1.1;
+constexpr std::size_t rounds_to_count = 20000;
+/// A round that takes less than this share of the triangles is the last.
+constexpr double least_progress = 0.03;
+/// Points of a cell: enough for most to lie off its walls. At most so many cells along an axis.
+constexpr double points_per_cell = 1500;
+constexpr int most_cells = 64;
+/// Every so many points are looked at to find a round's cost.
+constexpr std::uint32_t sampling = 16;
+
+constexpr float infinite_cost = std::numeric_limits<float>::infinity();
+
+}  // namespace
+
+/// The points that a cell's thread may collapse: those whose neighbours lie in the cell as well.
+struct EdgeCollapse::Cells {
+  std::vector<std::uint32_t> points;  ///< cell by cell, ascending within
+  std::vector<std::uint32_t> begin;   ///< of each, and the end of the last
+};
+
+/// The cost that about this share of the edges lies below.
+float EdgeCollapse::cost_below(double share) const {
+  const std::size_t count = mesh_.points() / sampling + 1;
+  std::vector<std::vector<float>> found((count + 1023) / 1024);
+  parallel_for(0, static_cast<std::int64_t>(count), 1024, [&](std::int64_t from, std::int64_t to) {
+    for (auto n = static_cast<std::size_t>(from); n < static_cast<std::size_t>(to); ++n) {
+      // Spread over the residues, so that no regularity of the numbering matters.
+      const std::size_t u = n * sampling + (n * 7) % sampling;
+      if (u >= mesh_.points() || !mesh_.live_point(static_cast<std::uint32_t>(u))) continue;
+      mesh_.for_each_leaving(static_cast<std::uint32_t>(u), [&](std::uint32_t e) {
+        const std::uint32_t h = std::min(e, mesh_.twin(e));
+        Candidate c;
+        if (!(rejected_[h / 3] >> h % 3 & 1) && candidate(h, c)) found[from / 1024].push_back(c.cost);
+      });
+    }
+  });
+  std::vector<float> costs;
+  for (const auto& f : found) costs.insert(costs.end(), f.begin(), f.end());
+  if (costs.empty()) return infinite_cost;
+  const auto at = costs.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(costs.size() - 1));
+  std::nth_element(costs.begin(), at, costs.end());
+  return *at;
+}
+
+EdgeCollapse::Cells EdgeCollapse::cut(std::size_t round) {
+  const auto count = static_cast<std::uint32_t>(mesh_.points());
+  Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+  for (std::uint32_t v = 0; v < count; ++v) {
+    if (!mesh_.live_point(v)) continue;
+    const Vec3 p = mesh_.point_mm(v);
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], p[a]);
+      high[a] = std::max(high[a], p[a]);
+    }
+  }
+  const double per_point = 2 * area_ / static_cast<double>(mesh_.live_triangles());
+  const double extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+  const double side = std::max(std::sqrt(points_per_cell * per_point), extent / (most_cells - 1));
+  std::array<int, 3> cells{};
+  Vec3 shift;
+  for (int a = 0; a < 3; ++a) {
+    cells[a] = static_cast<int>((high[a] - low[a]) / side) + 2;
+    shift[a] = std::fmod(0.5 * double(round) + 0.25 * double(round / 2) + 0.3 * a, 1.0);
+  }
+  std::vector<std::uint32_t> cell(count, CollapseMesh::none);
+  parallel_for(0, count, 16384, [&](std::int64_t from, std::int64_t to) {
+    for (auto v = static_cast<std::uint32_t>(from); v < to; ++v) {
+      if (!mesh_.live_point(v)) continue;
+      const Vec3 p = (mesh_.point_mm(v) - low) / side + shift;
+      cell[v] = static_cast<std::uint32_t>((int(p.z) * cells[1] + int(p.y)) * cells[0] + int(p.x));
+    }
+  });
+  parallel_for(0, count, 16384, [&](std::int64_t from, std::int64_t to) {
+    for (auto v = static_cast<std::uint32_t>(from); v < to; ++v) {
+      flags_[v] &= ~core;
+      if (cell[v] == CollapseMesh::none) continue;
+      bool inner = true;
+      mesh_.for_each_leaving(v, [&](std::uint32_t e) { inner &= cell[mesh_.to(e)] == cell[v]; });
+      if (inner) flags_[v] |= core;
+    }
+  });
+  Cells c;
+  c.begin.assign(static_cast<std::size_t>(cells[0]) * cells[1] * cells[2] + 1, 0);
+  for (std::uint32_t v = 0; v < count; ++v)
+    if (flags_[v] & core) ++c.begin[cell[v] + 1];
+  for (std::size_t n = 1; n < c.begin.size(); ++n) c.begin[n] += c.begin[n - 1];
+  c.points.resize(c.begin.back());
+  std::vector<std::uint32_t> at(c.begin.begin(), c.begin.end() - 1);
+  for (std::uint32_t v = 0; v < count; ++v)
+    if (flags_[v] & core) c.points[at[cell[v]]++] = v;
+  // Only the cells that hold something.
+  c.begin.erase(std::unique(c.begin.begin(), c.begin.end()), c.begin.end());
+  return c;
+}
+
+/// The edges among these points.
+void EdgeCollapse::gather(const std::uint32_t* from, const std::uint32_t* to, float cost_limit, Worker& w) const {
+  w.heap.clear();
+  for (; from != to; ++from) {
+    const std::uint32_t u = *from;
+    mesh_.for_each_leaving(u, [&](std::uint32_t e) {
+      const std::uint32_t v = mesh_.to(e), h = std::min(e, mesh_.twin(e));
+      Candidate c;
+      if (u > v || !(flags_[v] & core) || (rejected_[h / 3] >> h % 3 & 1) || !candidate(h, c)) return;
+      if (c.cost <= cost_limit) w.heap.push_back(c);
+    });
+  }
+  std::make_heap(w.heap.begin(), w.heap.end(), Later());
+}
+
+/// Collapses at most so many edges, the cheapest first, with those that come up on the way.
+void EdgeCollapse::work_off(std::size_t count, float cost_limit, Worker& w, const std::function<void()>& tick) {
+  for (std::size_t steps = 0, done = 0; done < count && !w.heap.empty(); ++steps) {
+    if (steps % 4096 == 0) tick();
+    std::pop_heap(w.heap.begin(), w.heap.end(), Later());
+    const Candidate c = w.heap.back();
+    w.heap.pop_back();
+    const std::uint32_t h = c.half_edge;
+    if (!mesh_.live_triangle(h / 3)) continue;
+    const std::uint32_t u = mesh_.from(h);
+    if (versions_[u] + versions_[mesh_.to(h)] != c.version) continue;
+    const Outcome outcome = attempt(h, w);
+    w.limited |= outcome == Outcome::limit;
+    if (outcome != Outcome::done) {
+      rejected_[h / 3] |= static_cast<char>(1 << h % 3);
+      continue;
+    }
+    ++done;
+    mesh_.for_each_leaving(u, [&](std::uint32_t e) { rejected_[e / 3] = 0; });
+    mesh_.for_each_leaving(u, [&](std::uint32_t e) {
+      Candidate next;
+      if (!(flags_[mesh_.to(e)] & core) || !candidate(std::min(e, mesh_.twin(e)), next)) return;
+      if (!(next.cost <= cost_limit)) return;
+      w.heap.push_back(next);
+      std::push_heap(w.heap.begin(), w.heap.end(), Later());
+    });
+  }
+}
+
+void EdgeCollapse::rounds(std::size_t target, std::size_t floor, bool& limited, const Progress& progress) {
+  const std::size_t start = mesh_.live_triangles();
+  for (;;) {
+    const std::size_t live = mesh_.live_triangles();
+    progress.report(double(start - live) / double(std::max<std::size_t>(1, start - std::min(start, target))));
+    if (live <= std::max(floor, rounds_to_count)) return;
+    const double excess = double(live - target) / double(live);
+    const float cost_limit = cost_below(std::min(round_share, excess / 3));
+    const Cells cells = cut(round_++);
+    const std::size_t count = cells.begin.size() - 1;
+    std::vector<Worker> workers(count);
+    for (std::size_t n = 0; n < count; ++n) workers[n].log = mesh_.open_log(cells.begin[n + 1] - cells.begin[n]);
+    parallel_for(0, static_cast<std::int64_t>(count), 1, [&](std::int64_t from, std::int64_t to) {
+      progress.check();
+      for (std::int64_t n = from; n < to; ++n) {
+        Worker w;
+        std::swap(w.log, workers[n].log);
+        gather(cells.points.data() + cells.begin[n], cells.points.data() + cells.begin[n + 1], cost_limit, w);
+        // Together the cells cannot pass the target.
+        const std::size_t most = (live - target) / 2 * (cells.begin[n + 1] - cells.begin[n]) / cells.points.size();
+        work_off(most, cost_limit, w, [] {});
+        w.log.records.shrink_to_fit();
+        w.log.journal.shrink_to_fit();
+        workers[n].log = std::move(w.log);
+        workers[n].limited = w.limited;
+      }
+    });
+    for (Worker& w : workers) {
+      mesh_.keep(std::move(w.log));
+      limited |= w.limited;
+    }
+    if (double(live - mesh_.live_triangles()) < least_progress * double(live)) return;
+  }
+}
+
+void EdgeCollapse::finish(std::size_t target, bool& limited, const Progress& progress) {
+  const std::size_t live = mesh_.live_triangles();
+  if (live <= target) return;
+  std::vector<std::uint32_t> points;
+  for (std::uint32_t v = 0; v < mesh_.points(); ++v) {
+    if (!mesh_.live_point(v)) continue;
+    points.push_back(v);
+    flags_[v] |= core;
+  }
+  Worker w;
+  w.log = mesh_.open_log(points.size());
+  gather(points.data(), points.data() + points.size(), infinite_cost, w);
+  const auto gone = [&] { return double(2 * w.log.records.size()) / double(live - target); };
+  work_off((live - target + 1) / 2, infinite_cost, w, [&] { progress.report(gone()); });
+  limited |= w.limited;
+  mesh_.keep(std::move(w.log));
+}
+
+void EdgeCollapse::take_up() {
+  carried_.take_up(mesh_);
+  input_.emplace(plain_input_);
+}
+
+bool EdgeCollapse::run(std::size_t target, const Progress& progress) {
+  bool limited = false;
+  const bool bounded = limit2_ < std::numeric_limits<double>::infinity();
+  const auto floor_of = [&](double times) { return static_cast<std::size_t>(times * double(target)); };
+  if (!carried_.carries()) {
+    rounds(target, floor_of(bounded ? carry_from : rounds_to), limited, progress.part(0, 0.5));
+    if (bounded) {
+      limited = false;
+      std::fill(rejected_.begin(), rejected_.end(), 0);
+      take_up();
+      rounds(target, floor_of(rounds_to), limited, progress.part(0.5, 0.9));
+    }
+  }
+  finish(target, limited, progress.part(0.9, 1));
+  if (!carried_.carries()) take_up();
+  progress.report(1);
+  return limited;
+}
+
+}  // namespace trephine
