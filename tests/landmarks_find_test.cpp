@@ -19,12 +19,11 @@ const LandmarkScene& scene() {
   static const LandmarkScene s = [] {
     phantom::HeadParams who;
     who.seed = 3;
-    who.level = phantom::Level::clinical;
     phantom::ScanParams how;
-    how.columns_count = how.rows_count = 256;
-    how.slices_count = 120;
-    how.pixel_mm = 0.94;
-    how.slice_step_mm = how.slice_thickness_mm = 1.6;
+    how.columns_count = how.rows_count = 216;
+    how.slices_count = 104;
+    how.pixel_mm = 1.12;
+    how.slice_step_mm = how.slice_thickness_mm = 1.8;
     return make_scene(who, how);
   }();
   return s;
