@@ -22,8 +22,8 @@ struct FoundPoint {
 /// 0 at `zero`, 1 at `one`, linear between them; `one` may be the smaller.
 double ramp(double value, double zero, double one);
 
-/// Signed distance in mm to the field's zero crossing (positive inside), to the nearest of its crossings between voxels,
-/// as far as `reach` voxels; that far beyond. The spacing is the same along all axes. Much faster than
+/// Signed distance in mm to the field's zero crossing (positive inside), to the nearest of its crossings between
+/// voxels, as far as `reach` voxels; that far beyond. The spacing is the same along all axes. Much faster than
 /// signed_distance_mm where only the surroundings of the surface matter.
 Grid<float> near_distance_mm(const Field& field, int reach);
 
