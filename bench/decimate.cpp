@@ -8,12 +8,22 @@
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Count_stop_predicate.h>
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/GarlandHeckbert_policies.h>
 #include <CGAL/Surface_mesh_simplification/edge_collapse.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <vtkCellArray.h>
+#include <vtkDecimatePro.h>
 #include <vtkFlyingEdges3D.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
+#include <vtkPoints.h>
 #include <vtkPolyData.h>
+#include <vtkQuadricDecimation.h>
 #include <vtkShortArray.h>
+#ifdef BENCH_MESHOPTIMIZER
+#include <meshoptimizer.h>
+#endif
 
 #include <chrono>
 #include <cstdio>
@@ -69,13 +79,95 @@ TriMesh by_cgal(const TriMesh& mesh, std::size_t triangles, double& seconds) {
   return out;
 }
 
-void print_row(const char* name, double seconds, const TriMesh& mesh, const TriMesh& input) {
+vtkNew<vtkPolyData> to_vtk(const TriMesh& mesh) {
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (const Vec3 p : mesh.points_mm) points->InsertNextPoint(p.x, p.y, p.z);
+  vtkNew<vtkCellArray> cells;
+  for (const auto& t : mesh.triangles) {
+    const vtkIdType ids[3] = {t[0], t[1], t[2]};
+    cells->InsertNextCell(3, ids);
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetPolys(cells);
+  return data;
+}
+
+template <class Filter>
+TriMesh by_vtk(const TriMesh& mesh, std::size_t triangles, double& seconds) {
+  const vtkNew<vtkPolyData> data = to_vtk(mesh);
+  vtkNew<Filter> filter;
+  filter->SetInputData(data);
+  filter->SetTargetReduction(1 - double(triangles) / double(mesh.triangles.size()));
+  if constexpr (std::is_same_v<Filter, vtkDecimatePro>) filter->PreserveTopologyOn();
+  seconds = timed([&] { filter->Update(); });
+  TriMesh out;
+  out.origin_mm = mesh.origin_mm;
+  vtkPolyData* result = filter->GetOutput();
+  for (vtkIdType i = 0; i < result->GetNumberOfPoints(); ++i) {
+    double p[3];
+    result->GetPoint(i, p);
+    out.points_mm.push_back({p[0], p[1], p[2]});
+  }
+  vtkIdType n = 0;
+  const vtkIdType* ids = nullptr;
+  for (result->GetPolys()->InitTraversal(); result->GetPolys()->GetNextCell(n, ids);)
+    out.triangles.push_back({std::uint32_t(ids[0]), std::uint32_t(ids[1]), std::uint32_t(ids[2])});
+  drop_unused_points(out);
+  return out;
+}
+
+#ifdef BENCH_MESHOPTIMIZER
+TriMesh by_meshoptimizer(const TriMesh& mesh, std::size_t triangles, double& seconds) {
+  std::vector<float> points;
+  for (const Vec3 p : mesh.points_mm) points.insert(points.end(), {float(p.x), float(p.y), float(p.z)});
+  const auto* indices = mesh.triangles.front().data();
+  std::vector<unsigned> left(3 * mesh.triangles.size());
+  seconds = timed([&] {
+    left.resize(meshopt_simplify(left.data(), indices, left.size(), points.data(), mesh.points_mm.size(), 12,
+                                 3 * triangles, 1.0f, 0, nullptr));
+  });
+  TriMesh out;
+  out.origin_mm = mesh.origin_mm;
+  out.points_mm = mesh.points_mm;
+  for (std::size_t n = 0; n < left.size(); n += 3) out.triangles.push_back({left[n], left[n + 1], left[n + 2]});
+  drop_unused_points(out);
+  return out;
+}
+#endif
+
+double peak_mib() {
+  rusage r{};
+  getrusage(RUSAGE_SELF, &r);
+  return static_cast<double>(r.ru_maxrss) / 1024;
+}
+
+void print_row(const char* name, double seconds, double mib, const TriMesh& mesh, const TriMesh& input) {
   const Validity v = check_validity(mesh);
   const Deviation d = measure_deviation(mesh, input);
-  std::printf("%-28s %7.2f s %8zu  open %zu  non-manifold %zu  intersecting %zu  RMS %.4f  p99 %.4f  max %.4f mm\n",
-              name, seconds, mesh.triangles.size(), v.topology.boundary_edges,
-              v.topology.nonmanifold_edges + v.topology.nonmanifold_points, v.self_intersections, d.both.rms_mm,
-              d.both.p99_mm, d.both.max_mm);
+  const DeviationStats &to = d.mesh_to_reference, &from = d.reference_to_mesh;
+  std::printf("| %s | %.2f | %.0f | %zu | %zu | %zu | %zu | %.3f / %.3f / %.4f | %.3f / %.3f / %.4f | %.3f / %.4f |\n",
+              name, seconds, mib, mesh.triangles.size(), v.topology.boundary_edges,
+              v.topology.nonmanifold_edges + v.topology.nonmanifold_points + v.topology.duplicate_triangles,
+              v.self_intersections, to.max_mm, to.p99_mm, to.rms_mm, from.max_mm, from.p99_mm, from.rms_mm,
+              d.both.p99_mm, d.both.rms_mm);
+}
+
+/// Each in a child of its own, so that its peak of memory is its own (with the input's, which all have).
+void row(const char* name, const TriMesh& input, const std::function<TriMesh(double& seconds)>& decimator) {
+  std::fflush(stdout);
+  const pid_t child = fork();
+  if (child == 0) {
+    double seconds = 0;
+    const TriMesh out = decimator(seconds);
+    print_row(name, seconds, peak_mib(), out, input);
+    std::fflush(stdout);
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (status != 0) std::printf("| %s | died |\n", name);
 }
 
 void contours(const Grid<std::int16_t>& grid, double isovalue) {
@@ -98,35 +190,84 @@ void contours(const Grid<std::int16_t>& grid, double isovalue) {
               static_cast<long long>(edges->GetOutput()->GetNumberOfPolys()));
 }
 
+template <class T>
+void exchange(std::FILE* file, std::vector<T>& v, bool write) {
+  std::size_t n = v.size();
+  if (write) {
+    std::fwrite(&n, sizeof n, 1, file);
+    std::fwrite(v.data(), sizeof(T), n, file);
+  } else if (std::fread(&n, sizeof n, 1, file) == 1) {
+    v.resize(n);
+    if (std::fread(v.data(), sizeof(T), n, file) != n) v.clear();
+  }
+}
+
+/// In a child, so that this process has no threads that the rows' children would miss.
+TriMesh contour_in_child(const char* path, double isovalue) {
+  std::FILE* file = std::tmpfile();
+  TriMesh mesh;
+  const pid_t child = fork();
+  if (child == 0) {
+    try {
+      const HuVolume volume = read_hu_nrrd(path);
+      ContourParams c;
+      c.isovalue_hu = isovalue;
+      c.min_component_mm3 = 1e9;
+      if (const auto* grid = std::get_if<Grid<std::int16_t>>(&volume)) contours(*grid, c.isovalue_hu);
+      Report report;
+      const double seconds = timed([&] { mesh = contour(volume, c, report); });
+      std::printf("%-28s %7.2f s %8zu\n", "contour, checked", seconds, mesh.triangles.size());
+      const double checking = timed([&] { check_validity(mesh); });
+      std::printf("%-28s %7.2f s\n\n", "check_validity", checking);
+      std::fflush(stdout);
+      exchange(file, mesh.points_mm, true);
+      exchange(file, mesh.triangles, true);
+      std::fflush(file);
+    } catch (const Error& e) {
+      std::fprintf(stderr, "%s\n", e.line("bench_decimate").c_str());
+      _exit(static_cast<int>(e.code()));
+    }
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (status != 0) std::exit(1);
+  std::rewind(file);
+  exchange(file, mesh.points_mm, false);
+  exchange(file, mesh.triangles, false);
+  std::fclose(file);
+  return mesh;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
   if (argc < 2) return std::fprintf(stderr, "bench_decimate VOLUME.nrrd [isovalue_hu [triangles [bound_mm]]]\n"), 64;
-  const HuVolume volume = read_hu_nrrd(argv[1]);
-  ContourParams c;
-  c.isovalue_hu = argc > 2 ? std::atof(argv[2]) : 226.5;
-  c.min_component_mm3 = 1e9;
-  if (const auto* grid = std::get_if<Grid<std::int16_t>>(&volume)) contours(*grid, c.isovalue_hu);
-  Report report;
-  TriMesh input;
-  const double seconds = timed([&] { input = contour(volume, c, report); });
-  std::printf("%-28s %7.2f s %8zu\n", "contour, checked", seconds, input.triangles.size());
-
+  const TriMesh input = contour_in_child(argv[1], argc > 2 ? std::atof(argv[2]) : 226.5);
   const std::size_t count = argc > 3 ? std::strtoul(argv[3], nullptr, 10) : 80000;
   DecimateParams d;
   d.target_triangles_count = static_cast<std::int64_t>(count);
+  std::printf(
+      "| %zu triangles to %zu | s | peak MiB | triangles | open edges | non-manifold | intersecting pairs | result to "
+      "input: max / p99 / RMS mm | input to result | both: p99 / RMS |\n|---|---|---|---|---|---|---|---|---|---|\n",
+      input.triangles.size(), count);
   for (const double bound : {0.0, argc > 4 ? std::atof(argv[4]) : 0.3}) {
     d.max_deviation_mm = bound;
-    TriMesh out;
-    const double s = timed([&] {
-      Report r;
-      out = decimate(input, d, r);
+    row(bound > 0 ? "ours, count and bound" : "ours, count", input, [&](double& s) {
+      TriMesh out;
+      s = timed([&] {
+        Report r;
+        out = decimate(input, d, r);
+      });
+      return out;
     });
-    print_row(bound > 0 ? "decimate, count and bound" : "decimate, count only", s, out, input);
   }
-  double s = 0;
-  const TriMesh out = by_cgal(input, count, s);
-  print_row("CGAL Garland-Heckbert", s, out, input);
+  row("vtkDecimatePro, topology preserved", input, [&](double& s) { return by_vtk<vtkDecimatePro>(input, count, s); });
+  row("vtkQuadricDecimation", input, [&](double& s) { return by_vtk<vtkQuadricDecimation>(input, count, s); });
+#ifdef BENCH_MESHOPTIMIZER
+  row("meshoptimizer", input, [&](double& s) { return by_meshoptimizer(input, count, s); });
+#endif
+  row("CGAL edge_collapse, Garland-Heckbert", input, [&](double& s) { return by_cgal(input, count, s); });
   return 0;
 } catch (const Error& e) {
   std::fprintf(stderr, "%s\n", e.line("bench_decimate").c_str());
