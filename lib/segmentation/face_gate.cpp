@@ -169,11 +169,12 @@ void check_face_removed(const Field& original_skin, const FaceRegion& region, co
     if (d.distance_mm < least.distance_mm) least = d;
   report.add("face_distance_mm", least.distance_mm);
   if (least.distance_mm < face_clearance_mm)
-    throw Error(ExitCode::privacy, "", least.name,
-                "shows the patient's face: " + to_text(ParameterValue(std::floor(least.distance_mm * 100) / 100)) +
-                    " mm from the skin that was scanned, must be at least " +
-                    to_text(ParameterValue(face_clearance_mm)) +
-                    " mm; say `face: {policy: deface}` or crop, or keep with a reason");
+    throw Error(
+        ExitCode::privacy, "", least.name,
+        "shows the patient's face: " + to_text(ParameterValue(std::floor(least.distance_mm * 100) / 100)) +
+            " mm from the skin that was scanned, must be at least " + to_text(ParameterValue(face_clearance_mm)) +
+            " mm; the scene's face policy can be deface, crop, or keep with a reason; where it is deface already, "
+            "a larger deface.side_depth_mm or a finer haptic.spacing_mm helps");
 }
 
 }  // namespace trephine
