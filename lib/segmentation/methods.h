@@ -48,9 +48,9 @@ BitMask cranial_cavity(const BitMask& bone, Report& report, const Progress& prog
 
 /// Ventricles in tissue as soft_tissue() gives it, within the brain's envelope (sulci filled): CSF between `lower_hu`
 /// and `upper_hu` deep in it, parted from cisterns, the fourth ventricle and sulci at the narrowest places. Empty where
-/// there is none.
+/// there is none. `others` gets that CSF which it is parted from.
 BitMask find_ventricles(const Grid<float>& soft, const BitMask& envelope, double lower_hu, double upper_hu,
-                        const Progress& progress);
+                        const Progress& progress, BitMask* others = nullptr);
 
 Field segment_threshold(const HuView& hu, const SegmentMasks& masks, const SegmentParams& params, Report& report,
                         const Progress& progress);

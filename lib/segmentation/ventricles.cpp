@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "segmentation/along_surface.h"
 #include "segmentation/filters.h"
+#include "segmentation/horns.h"
 #include "segmentation/methods.h"
 #include "segmentation/soft_tissue.h"
 #include "segmentation/surface_field.h"
@@ -28,6 +29,8 @@ constexpr double reach_mm = 2.5;
 constexpr double beside_sigma_mm = 5;
 constexpr double edge_may_move_hu = 5;
 constexpr double edge_share = 0.5;
+constexpr double horns_reach_mm = 45;  ///< beyond the ventricles found, horns are looked for
+constexpr float horn_hu_per_mm = 6;    ///< of their field at the edge
 
 /// A box about the brain's centre, LPS, in an adult; heads lie straight to about 15 degrees.
 struct Place {
@@ -170,7 +173,7 @@ Field placed_halfway(const Grid<float>& hu, BitMask& shape, const BitMask& brain
 }  // namespace
 
 BitMask find_ventricles(const Grid<float>& soft, const BitMask& envelope, double lower_hu, double upper_hu,
-                        const Progress& progress) {
+                        const Progress& progress, BitMask* others) {
   const Lattice& l = soft;
   const auto fluid = [&](double below) {
     BitMask mask = make_mask(l, [&](int j, int k, std::uint8_t* row) {
@@ -195,9 +198,11 @@ BitMask find_ventricles(const Grid<float>& soft, const BitMask& envelope, double
   mine = select(pieces, keep);
   // Back to the edge, but not into the fluid of others.
   BitMask free = fluid(upper_hu);
-  free.remove(make_mask(l, [&](int j, int k, std::uint8_t* row) {
+  BitMask apart = make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 2;
-  }));
+  });
+  free.remove(apart);
+  if (others) *others = std::move(apart);
   return grown_within(mine, free, regrow_mm, progress);
 }
 
@@ -234,11 +239,12 @@ Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const Segm
   const double lower = p.lower_hu;
   double upper = p.upper_hu;
   envelope &= allowed;
-  BitMask shape = find_ventricles(soft, envelope, lower, upper, progress);
+  BitMask others;
+  BitMask shape = find_ventricles(soft, envelope, lower, upper, progress, &others);
   progress.report(0.6);
   if (p.edge == SegmentEdge::half_maximum && shape.any()) {
     upper = half_of_both_sides(soft, shape, brain, upper, progress);
-    shape = find_ventricles(soft, envelope, lower, upper, progress);
+    shape = find_ventricles(soft, envelope, lower, upper, progress, &others);
   }
   report.add("upper_hu", upper);
   if (p.close_mm > 0) shape = closed(shape, p.close_mm, progress);
@@ -246,12 +252,31 @@ Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const Segm
   shape &= brain;
   if (!shape.any()) check_mask(shape, hu.lattice().count(), report);
   progress.report(0.8);
-  const Box cut =
-      grown(shape.bounds(), int(std::ceil(6 / std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z}))), l);
+  const auto margin = [&](double mm) {
+    return int(std::ceil(mm / std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z})));
+  };
+  Field horns;
+  int horns_count = 0;
+  BitMask course(l);
+  if (p.edge == SegmentEdge::half_maximum) {
+    const Box around = grown(shape.bounds(), margin(horns_reach_mm), l);
+    horns = find_horns(trephine::crop(raw, around), crop(known, around), crop(envelope, around), crop(others, around),
+                       crop(shape, around), centre_of(envelope), noise, horns_count, progress);
+    report.add("horns_count", horns_count);
+    course = positive(horns, l);
+    course &= brain;
+  }
+  BitMask both = shape;
+  both |= course;
+  const Box cut = grown(both.bounds(), margin(6), l);
   shape = crop(shape, cut);
   Field field;
   if (p.edge == SegmentEdge::half_maximum) {
     field = placed_halfway(trephine::crop(raw, cut), shape, crop(brain, cut), noise, progress);
+    const Grid<float> tubes = fit(horns, field, -4.f);
+    for (std::size_t v = 0; v < tubes.voxels.size() && horns_count > 0; ++v)
+      field.voxels[v] = std::max(field.voxels[v], horn_hu_per_mm * tubes.voxels[v]);
+    shape |= crop(course, cut);
     shape |= holes(shape, {p.fill_close_mm, 5, false}, progress);
     if (!shape.any()) check_mask(shape, hu.lattice().count(), report);
   } else {
