@@ -213,7 +213,7 @@ TEST(CaseJson, Versions) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
-    EXPECT_NE(std::string(e.what()).find("version 2.2"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("version 2.3"), std::string::npos);
     EXPECT_NE(std::string(e.what()).find("version 1.2"), std::string::npos);
   }
 }

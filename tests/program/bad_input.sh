@@ -47,8 +47,11 @@ d ''
 expect 78 'd.yaml:1:1: burr_holes: is missing' "${drilled[@]}"
 d $'landmarks: {nasion: [0, -93, 40], inion: [0, 89, 6]}\nburr_holes: [{toward: monro}]'
 expect 78 'd.yaml:6:.*burr_hole_1.toward: monro, no such landmark' "${drilled[@]}"
+# A recipe that finds no landmarks needs them given.
+sed '/^landmarks:/d' "$work/configs/p.yaml" >"$work/configs/q.yaml"
 d 'burr_holes: [{side: right}]'
-expect 78 'd.yaml:5:.*burr_hole_1.landmarks: nasion, is missing' "${drilled[@]}"
+sed -i 's/p\.yaml/q.yaml/' "$work/configs/d.yaml"
+expect 78 'd.yaml:5:.*burr_hole_1.landmarks.nasion: is missing; give it' "${drilled[@]}"
 d 'burr_holes: [{at: position}]'
 expect 78 'd.yaml:5:.*burr_hole_1.position_mm: is missing' "${drilled[@]}"
 d 'burr_holes: [{at: position, position_mm: [0, 0, 300], direction: [1, 0, 0]}]'
