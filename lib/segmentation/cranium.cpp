@@ -70,8 +70,12 @@ double enclosure(const BitMask& bone, int i, int j, int k) {
 /// The cell farthest from bone among those that bone encloses.
 std::size_t core_of(const BitMask& bone, const Grid<float>& to_bone) {
   std::vector<std::uint32_t> order;
-  for (std::size_t v = 0; v < to_bone.count(); ++v)
-    if (to_bone.voxels[v] >= least_core_mm && to_bone.voxels[v] < 1e5) order.push_back(std::uint32_t(v));
+  // What bone encloses lies within its bounds; the air around a head in a wide field of view would be looked at first.
+  const Box box = bone.bounds();
+  for (int k = box.begin[2]; k < box.end[2]; ++k)
+    for (int j = box.begin[1]; j < box.end[1]; ++j)
+      for (int i = box.begin[0]; i < box.end[0]; ++i)
+        if (to_bone.at(i, j, k) >= least_core_mm) order.push_back(std::uint32_t(to_bone.index(i, j, k)));
   std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return to_bone.voxels[a] > to_bone.voxels[b]; });
   for (std::uint32_t v : order) {
