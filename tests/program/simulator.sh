@@ -47,8 +47,8 @@ for file in case.json $(cd "$work/sample" && ls meshes/*.glb haptic-*.nrrd hardn
 done
 # Another major version: both are named, and no checksum is asked.
 cp -r "$work/sample" "$work/newer"
-sed -i '2s/trephine-case 1\.1/trephine-case 2.0/' "$work/newer/case.json"
-expect 65 'newer/case\.json: format: version 2\.0, this program reads version 1\.1' "${check[@]}" "$work/newer"
+sed -i '2s/trephine-case 1\.2/trephine-case 2.0/' "$work/newer/case.json"
+expect 65 'newer/case\.json: format: version 2\.0, this program reads version 1\.2' "${check[@]}" "$work/newer"
 # A name that would forge a second line.
 mkdir "$work/$(printf 'a\nb')"
 expect 66 'a\?b' "${check[@]}" "$work/$(printf 'a\nb')"
