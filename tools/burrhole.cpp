@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/burr_hole.h"
 
-#include <algorithm>
-
 #include "commands.h"
 #include "named_values.h"
+#include "segmentation/landmarks.h"
 #include "stage_command.h"
 #include "stages/data_files.h"
 
@@ -13,13 +12,9 @@ namespace {
 
 // The file's landmarks; those of the command line win.
 StageData with_given(const std::filesystem::path& file, const std::map<std::string, Vec3>& given) {
-  HeadLandmarks all = *std::get<std::shared_ptr<const HeadLandmarks>>(load_data(file, DataKind::landmarks));
-  for (const auto& [name, position_mm] : given) {
-    const auto same = [&name = name](const CaseLandmark& l) { return l.name == name; };
-    all.landmarks.erase(std::remove_if(all.landmarks.begin(), all.landmarks.end(), same), all.landmarks.end());
-    all.landmarks.push_back({name, position_mm, 1, "given"});
-  }
-  return std::make_shared<const HeadLandmarks>(std::move(all));
+  std::vector<CaseLandmark> own;
+  for (const auto& [name, position_mm] : given) own.push_back({name, position_mm, 1, "given"});
+  return std::make_shared<const HeadLandmarks>(merged(read_head_landmarks(file), own));
 }
 
 }  // namespace

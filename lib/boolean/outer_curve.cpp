@@ -7,7 +7,7 @@
 namespace trephine::detail {
 namespace {
 
-constexpr double step_deg = 0.1, divider_mm = 2;
+constexpr double step_deg = 0.1;
 
 struct Flat {
   double x = 0, y = 0;
@@ -62,15 +62,6 @@ class Fan {
   std::vector<double> farthest_;
 };
 
-/// Where the segment from a (nearer than r to p) to b (not nearer) is at the distance r from p.
-Vec3 leaves_sphere(Vec3 a, Vec3 b, Vec3 p, double r) {
-  const Vec3 d = b - a, f = a - p;
-  const double dd = dot(d, d), df = dot(d, f), ff = dot(f, f) - r * r;
-  if (!(dd > 0)) return b;
-  const double s = (-df + std::sqrt(std::max(0.0, df * df - dd * ff))) / dd;
-  return a + d * std::clamp(s, 0.0, 1.0);
-}
-
 }  // namespace
 
 OuterCurve outer_curve(const TriMesh& mesh, const Sweep& sweep) {
@@ -100,21 +91,6 @@ OuterCurve outer_curve(const TriMesh& mesh, const Sweep& sweep) {
     curve.points_mm.push_back(sweep.centre_mm + (sweep.from * ray.x + sweep.onwards * ray.y) * fan.farthest(i));
   }
   return curve;
-}
-
-std::optional<Vec3> point_along(const OuterCurve& curve, double length_mm) {
-  if (curve.start >= curve.points_mm.size()) return {};
-  Vec3 p = curve.points_mm[curve.start];
-  std::size_t next = curve.start + 1;
-  for (double left = length_mm; left > 1e-9;) {
-    const double step = std::min(left, divider_mm);
-    Vec3 before = p;
-    while (next < curve.points_mm.size() && norm(curve.points_mm[next] - p) < step) before = curve.points_mm[next++];
-    if (next == curve.points_mm.size()) return {};
-    p = leaves_sphere(before, curve.points_mm[next], p, step);
-    left -= step;
-  }
-  return p;
 }
 
 }  // namespace trephine::detail

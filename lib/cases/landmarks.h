@@ -41,8 +41,10 @@ HeadLandmarks parse_landmarks_json(std::string_view text);
 std::vector<CaseLandmark> parse_slicer_markups(std::string_view text);
 std::vector<CaseLandmark> parse_slicer_fcsv(std::string_view text);
 
-/// A file of points by its ending: .mrk.json, .fcsv, or .json for our own. Throws Error 66; 65 as the parsers do,
-/// naming the file; 64 for another ending.
+/// A file by its ending: .mrk.json, .fcsv, or .json for our own. Throws Error 66; 65 as the parsers do, naming the
+/// file; and `other_ending` for any other.
+HeadLandmarks read_head_landmarks(const std::filesystem::path& file, ExitCode other_ending = ExitCode::bad_input);
+/// Its points alone; 64 for another ending.
 std::vector<CaseLandmark> read_landmark_file(const std::filesystem::path& file);
 
 }  // namespace trephine

@@ -189,21 +189,26 @@ std::vector<CaseLandmark> parse_slicer_fcsv(std::string_view text) {
   return points.take("fcsv");
 }
 
-std::vector<CaseLandmark> read_landmark_file(const std::filesystem::path& file) {
+HeadLandmarks read_head_landmarks(const std::filesystem::path& file, ExitCode other_ending) {
   const std::string name = file.filename().string();
   const auto ends = [&](const std::string& end) {
     return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
   };
   const bool table = ends(".fcsv"), markups = ends(".mrk.json");
   if (!table && !markups && !ends(".json"))
-    throw Error(ExitCode::usage, file.string(), "landmarks", "must end in .mrk.json, .fcsv, or .json for our own");
+    throw Error(other_ending, file.string(), "landmarks", "must end in .mrk.json, .fcsv, or .json for our own");
   const std::vector<char> bytes = read_file(file, most_bytes);
   const std::string_view text(bytes.data(), bytes.size());
   return with_file(file.string(), [&] {
-    if (table) return parse_slicer_fcsv(text);
-    if (markups) return parse_slicer_markups(text);
-    return parse_landmarks_json(text).landmarks;
+    HeadLandmarks points;
+    if (!table && !markups) return parse_landmarks_json(text);
+    points.landmarks = table ? parse_slicer_fcsv(text) : parse_slicer_markups(text);
+    return points;
   });
+}
+
+std::vector<CaseLandmark> read_landmark_file(const std::filesystem::path& file) {
+  return read_head_landmarks(file, ExitCode::usage).landmarks;
 }
 
 }  // namespace trephine

@@ -10,16 +10,7 @@
 namespace trephine::segmentation {
 namespace {
 
-constexpr double step_deg = 0.1, divider_mm = 2;
-
-// Where the segment from a (nearer than r to p) to b (not nearer) is at the distance r from p.
-Vec3 leaves_sphere(Vec3 a, Vec3 b, Vec3 p, double r) {
-  const Vec3 d = b - a, f = a - p;
-  const double dd = dot(d, d), df = dot(d, f), ff = dot(f, f) - r * r;
-  if (!(dd > 0)) return b;
-  const double s = (-df + std::sqrt(std::max(0.0, df * df - dd * ff))) / dd;
-  return a + d * std::clamp(s, 0.0, 1.0);
-}
+constexpr double step_deg = 0.1;
 
 }  // namespace
 
@@ -82,21 +73,6 @@ Outline outline(const FieldView& view, const Sweep& sweep) {
     if (met[i]) out.points_mm.push_back(*met[i]);
   }
   return out;
-}
-
-std::optional<Vec3> point_along(const Outline& curve, double length) {
-  if (curve.start >= curve.points_mm.size()) return {};
-  Vec3 p = curve.points_mm[curve.start];
-  std::size_t next = curve.start + 1;
-  for (double left = length; left > 1e-9;) {
-    const double step = std::min(left, divider_mm);
-    Vec3 before = p;
-    while (next < curve.points_mm.size() && norm(curve.points_mm[next] - p) < step) before = curve.points_mm[next++];
-    if (next == curve.points_mm.size()) return {};
-    p = leaves_sphere(before, curve.points_mm[next], p, step);
-    left -= step;
-  }
-  return p;
 }
 
 std::vector<Vec3> evenly_spaced(const std::vector<Vec3>& points, double step, double sigma) {

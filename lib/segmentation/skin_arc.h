@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "grid/grid.h"
+#include "surface/arc.h"
 
 namespace trephine::segmentation {
 
@@ -40,15 +41,8 @@ struct Sweep {
 
 /// The outermost point of the surface on each ray of the sweep, every 0.1 degrees; rays that meet nothing are left out.
 /// `start` is the number of the first point at or after `from`. The same rule as boolean/outer_curve.h has for a mesh.
-struct Outline {
-  std::vector<Vec3> points_mm;
-  std::size_t start = 0;
-};
+using Outline = Arc;
 Outline outline(const FieldView& view, const Sweep& sweep);
-
-/// The point `length_mm` along the outline from its start, measured as with dividers set to 2 mm, so that noise of the
-/// surface does not lengthen it. None where the outline ends before.
-std::optional<Vec3> point_along(const Outline& curve, double length_mm);
 
 /// The outline again with points every `step_mm` of its length, smoothed by a Gaussian along it; its ends keep theirs.
 std::vector<Vec3> evenly_spaced(const std::vector<Vec3>& points_mm, double step_mm, double sigma_mm);

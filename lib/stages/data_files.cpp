@@ -27,24 +27,7 @@ ParameterValue value_of(const Json& j) {
   return j.get<std::vector<double>>();
 }
 
-constexpr std::uint64_t max_cutters_bytes = 64 << 20, max_landmarks_bytes = 4 << 20;
-
-bool ends_in(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-HeadLandmarks landmarks_in(const std::string& name, std::string_view text) {
-  HeadLandmarks out;
-  if (ends_in(name, ".mrk.json"))
-    out.landmarks = parse_slicer_markups(text);
-  else if (ends_in(name, ".fcsv"))
-    out.landmarks = parse_slicer_fcsv(text);
-  else if (ends_in(name, ".json"))
-    out = parse_landmarks_json(text);
-  else
-    throw Error(ExitCode::bad_input, "", "landmarks", "must end in .mrk.json, .fcsv (3D Slicer) or .json (ours)");
-  return out;
-}
+constexpr std::uint64_t max_cutters_bytes = 64 << 20;
 
 }  // namespace
 
@@ -100,12 +83,8 @@ StageData load_data(const std::filesystem::path& file, DataKind kind) {
       return std::make_shared<const std::vector<Cutter>>(
           with_file(file.string(), [&] { return parse_cutters_json(std::string(bytes.begin(), bytes.end())); }));
     }
-    case DataKind::landmarks: {
-      const std::vector<char> bytes = read_file(file, max_landmarks_bytes);
-      return std::make_shared<const HeadLandmarks>(with_file(file.string(), [&] {
-        return landmarks_in(file.filename().string(), std::string_view(bytes.data(), bytes.size()));
-      }));
-    }
+    case DataKind::landmarks:
+      return std::make_shared<const HeadLandmarks>(read_head_landmarks(file));
     case DataKind::nothing:
       break;
   }
