@@ -7,6 +7,7 @@ namespace trephine {
 /// The program's commands, one a file in this folder.
 Command phantom_command();
 Command import_command();
+Command resample_command();
 Command deface_command();
 Command segment_command();
 Command labels_command();

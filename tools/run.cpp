@@ -23,6 +23,16 @@ class DisplayObserver : public RunObserver {
   ProgressDisplay display_;
 };
 
+struct ExplainParams {
+  bool explain = false;
+  template <class V>
+  static void describe(V& v) {
+    v.flag(&ExplainParams::explain, "explain",
+           "Say what would be computed, what is cached or pruned, what it took last time, and why; compute nothing "
+           "(with --json as JSON).");
+  }
+};
+
 Argument argument(const char* name, Argument::Kind kind, const char* help) {
   Argument a;
   a.name = name;
@@ -64,7 +74,7 @@ Command run_command() {
                  argument("keep", Kind::out_folder, "Also write every stage's output into this folder."),
                  argument("cache", Kind::out_folder, "Folder of the stage cache, instead of LIBRARY/.trephine-cache."),
                  argument("json", Kind::out_file, "Write run.json (times, reports, memory) here too.")};
-  c.groups = {ParameterGroup::of<RunParams>("Parameters")};
+  c.groups = {ParameterGroup::of<RunParams>("Parameters"), ParameterGroup::of<ExplainParams>("Explanation")};
   c.run = [](const ParsedCommand& parsed) {
     RunRequest request;
     request.config = parsed.path("config");
@@ -78,6 +88,12 @@ Command run_command() {
     request.cache = parsed.path("cache");
     request.json = parsed.path("json");
     request.program_version = TREPHINE_VERSION;
+    if (parsed.params<ExplainParams>().explain) {
+      const Explanation explanation = explain_case(request);
+      std::fputs(explanation_table(explanation).c_str(), stdout);
+      if (parsed.has("json")) write_file(parsed.path("json"), explanation_json(explanation));
+      return ExitCode::ok;
+    }
     RunResult result;
     {
       DisplayObserver observer(parsed.quiet);

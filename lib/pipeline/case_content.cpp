@@ -52,6 +52,7 @@ class Builder {
       cancelled.check();
       add_anatomy(graph_.anatomies[i], config_.scene[i]);
     }
+    hold_against_budget();
     if (graph_.haptic >= 0) add_haptic();
     for (const int hole : graph_.burr_holes) add_burr_hole(hole);
     if (pictures) add_pictures(cancelled);
@@ -168,6 +169,17 @@ class Builder {
     add_file("meshes/" + nodes.name, ".glb", std::move(bytes), out.file);
     manifest().anatomies.push_back(std::move(out));
     out_.anatomies.push_back(result);
+  }
+
+  void hold_against_budget() const {
+    const std::int64_t most = config_.trade.rule.triangles_count;
+    std::int64_t triangles = 0;
+    for (const AnatomyResult& a : out_.anatomies) triangles += a.triangles_after;
+    if (most > 0 && triangles > most)
+      throw Error(ExitCode::quality, "", "budget.triangles",
+                  std::to_string(triangles) + " triangles, the budget is " + std::to_string(most) + "; point " +
+                      config_.trade.choice.point.name + " of " + config_.trade.points.filename().string() +
+                      " kept it on the case that it was measured on");
   }
 
   void add_haptic() {

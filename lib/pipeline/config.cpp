@@ -63,10 +63,13 @@ class Reader {
     if (!overrides_.landmarks.empty()) read_points(overrides_.landmarks, true);
     const YamlNode* burr_holes = map.list("burr_holes");
     const YamlNode* set = map.map("set");
+    const TradeRule rule = read_rule(map);
+    const fs::path points_file = path_value(map, config_, "trade", tree);
     map.finish();
     if (!pipeline.empty()) read_recipe(pipeline);
     if (!scene.empty()) read_scene(scene);
     if (burr_holes) read_burr_holes(config_, *burr_holes, out_, faults_);
+    choose_point(map, tree, rule, points_file);
     if (set)
       for (const auto& [key, value] : set->entries)
         if (const std::string fault = paths_.set(key.text, value, absolute_path(config_).parent_path()); !fault.empty())
@@ -76,6 +79,7 @@ class Reader {
       for (RecipeStep& step : anatomy.steps) resolve_files(anatomy.name, step);
     // Last, for what smoothing takes of it may just have been set.
     for (const Budget& budget : budgets_) give(budget);
+    keep_rule();
     check_burr_holes(config_, tree, out_, faults_);
     drop_unused_landmarks(points_, out_);
     for (const SceneDrill& drilled : out_.drilled) leave_room(drilled);
@@ -114,6 +118,50 @@ class Reader {
     const fs::path path = path_value(map, config_, key, tree);
     if (!tree.find(key)) map.fault(tree, key, "is missing");
     return path;
+  }
+
+  // What the case asks of the front; --profile stands for all of it.
+  TradeRule read_rule(MapReader& map) {
+    TradeRule rule;
+    const auto read = [&](const char* group, const std::vector<std::pair<const char*, double*>>& members) {
+      const YamlNode* node = map.map(group);
+      if (!node) return;
+      MapReader body(config_, *node, group, faults_);
+      for (const auto& [name, value] : members) *value = body.number(name, {1e-3, 1e12}).value_or(0);
+      if (node->entries.empty()) body.fault(*node, group, "asks for nothing");
+      body.finish();
+    };
+    double triangles = 0, bytes = 0;
+    read("accuracy", {{"max_deviation_mm", &rule.max_deviation_mm},
+                      {"p99_deviation_mm", &rule.p99_deviation_mm},
+                      {"rms_deviation_mm", &rule.rms_deviation_mm}});
+    read("budget", {{"seconds", &rule.seconds}, {"triangles", &triangles}, {"bytes", &bytes}});
+    rule.triangles_count = static_cast<std::int64_t>(triangles);
+    rule.bytes = static_cast<std::int64_t>(bytes);
+    const bool asked = !rule.empty();
+    rule.profile = map.text("profile").value_or("");
+    if (asked && !rule.profile.empty())
+      map.fault(*map.any("profile"), "profile", "is a rule of its own, and there are accuracy or budget already");
+    if (overrides_.profile.empty()) return rule;
+    rule = {};
+    rule.profile = overrides_.profile;
+    return rule;
+  }
+
+  void choose_point(MapReader& map, const YamlNode& tree, const TradeRule& rule, const fs::path& file) {
+    if (rule.empty()) return;
+    if (file.empty()) {
+      if (!tree.find("trade"))
+        map.fault(tree, "trade", "is missing: which trade.json shall " + rule.text() + " be chosen from?");
+      return;
+    }
+    try {
+      out_.trade = {rule, file, choose(read_trade_points(file), rule)};
+    } catch (const Error& e) {
+      faults_.add(Error(e.code(), file.string(), e.field(), e.what()));
+      return;
+    }
+    for (const std::string& text : out_.trade.choice.point.settings) paths_.set_from_text(text, faults_);
   }
 
   void read_points(const fs::path& file, bool wins) {
@@ -160,7 +208,7 @@ class Reader {
     const YamlNode* anatomies = map.map("anatomies");
     if (!tree.find("anatomies")) map.fault(tree, "anatomies", "is missing");
     std::map<std::string, const YamlNode*> head;
-    for (const char* stage : {landmarks_step, deface_step, anatomy_step})
+    for (const char* stage : {resample_step, landmarks_step, deface_step, anatomy_step})
       if (const YamlNode* node = map.map(stage)) head[stage] = node;
     map.finish();
     if (!anatomies) return;
@@ -189,8 +237,12 @@ class Reader {
       out_.anatomies.push_back(std::move(anatomy));
     }
     check_ports(file, *anatomies);
-    for (const char* stage : {landmarks_step, deface_step, anatomy_step})
+    for (const char* stage : {resample_step, landmarks_step, deface_step, anatomy_step})
       if (head.count(stage)) read_head_step(file, stage, *head[stage], out_, faults_);
+    // Any scan can be resampled: the path is there whether the recipe names it or not.
+    YamlNode nothing;
+    nothing.kind = YamlNode::Kind::map;
+    if (!head.count(resample_step)) read_head_step(file, resample_step, nothing, out_, faults_);
   }
 
   // A step is `- name` or `- name: {parameters and ports}`.
@@ -326,14 +378,38 @@ class Reader {
     if (paths_.was_set(budget.anatomy + ".decimate.max_deviation_mm")) return;
     RecipeAnatomy& anatomy = *std::find_if(out_.anatomies.begin(), out_.anatomies.end(),
                                            [&](const RecipeAnatomy& a) { return a.name == budget.anatomy; });
-    double rest_mm = budget.allowed_mm;
-    if (const RecipeStep* smooth = anatomy.find_step("smooth"))
-      if (const Parameter* p = smooth->params.set->find("max_displacement_mm"))
-        rest_mm -= std::get<double>(smooth->params.get(*p));
+    const double rest_mm = budget.allowed_mm - smoothing_mm(anatomy);
     if (rest_mm > 0) return set_if_there(anatomy, "decimate", "max_deviation_mm", ParameterValue(rest_mm));
     faults_.add(budget.file, budget.at, "anatomies." + anatomy.name + ".max_deviation_mm",
                 to_text(budget.allowed_mm) + ", must exceed what smooth may move the surface by, " +
                     to_text(budget.allowed_mm - rest_mm));
+  }
+
+  // Whatever the chosen point's settings did to the head that it was measured on: here the rule holds by construction
+  // as far as decimation and smoothing go, and what is measured is held against it.
+  void keep_rule() {
+    const double limit_mm = out_.trade.rule.max_deviation_mm;
+    if (limit_mm <= 0) return;
+    for (SceneAnatomy& wanted : out_.scene) {
+      if (wanted.max_deviation_mm <= 0 || wanted.max_deviation_mm > limit_mm) wanted.max_deviation_mm = limit_mm;
+      RecipeAnatomy& anatomy = *std::find_if(out_.anatomies.begin(), out_.anatomies.end(),
+                                             [&](const RecipeAnatomy& a) { return a.name == wanted.name; });
+      const double rest_mm = limit_mm - smoothing_mm(anatomy);
+      if (rest_mm <= 0)
+        faults_.add(Error(ExitCode::bad_config, config_.string(), "accuracy.max_deviation_mm",
+                          to_text(ParameterValue(limit_mm)) + ", must exceed what smooth may move " + anatomy.name +
+                              " by, " + to_text(ParameterValue(limit_mm - rest_mm))));
+      else if (const RecipeStep* decimate = anatomy.find_step("decimate"))
+        if (const double now = std::get<double>(decimate->params.get(*decimate->params.set->find("max_deviation_mm")));
+            now == 0 || now > rest_mm)
+          set_if_there(anatomy, "decimate", "max_deviation_mm", ParameterValue(rest_mm));
+    }
+  }
+
+  static double smoothing_mm(const RecipeAnatomy& anatomy) {
+    const RecipeStep* smooth = anatomy.find_step("smooth");
+    const Parameter* p = smooth ? smooth->params.set->find("max_displacement_mm") : nullptr;
+    return p ? std::get<double>(smooth->params.get(*p)) : 0;
   }
 
   // The wall of a burr hole is triangles too, and they count against the scene's limit.

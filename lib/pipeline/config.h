@@ -9,6 +9,7 @@
 #include "base/vec3.h"
 #include "cases/case.h"
 #include "dicom/import.h"
+#include "pipeline/trade_front.h"
 #include "stages/burr_hole.h"
 #include "stages/haptic.h"
 #include "stages/stage.h"
@@ -23,6 +24,7 @@ struct RecipeStep {
 };
 
 /// The stages that see the whole head rather than one anatomy, in the order in which they may be needed.
+constexpr const char* resample_step = "resample";    ///< in every recipe, in force where a spacing is set
 constexpr const char* landmarks_step = "landmarks";  ///< finds them where the scene or a burr hole needs one
 constexpr const char* deface_step = "deface";        ///< where the scene's face policy is crop or deface
 constexpr const char* anatomy_step = "anatomy";      ///< the gate, over those of its anatomies that the scene computes
@@ -76,13 +78,21 @@ struct CaseDrill {
   AnyParams params;
 };
 
+/// What the case asks of a measured front, and the point of it that it got.
+struct CaseTrade {
+  TradeRule rule;                ///< empty: nothing is asked
+  std::filesystem::path points;  ///< the trade.json that it was chosen from
+  TradeChoice choice;
+};
+
 /// A case as its files and --set say it: every parameter has its effective value.
 struct CaseConfig {
   std::string case_token;        ///< empty: none given
   std::filesystem::path series;  ///< empty: none given
   ImportParams import;
   std::vector<RecipeAnatomy> anatomies;  ///< the whole recipe, in its order
-  std::vector<RecipeStep> head;          ///< its stages of the whole head; none where it is of another part of the body
+  std::vector<RecipeStep> head;          ///< its stages of the whole scan; of another part of the body than the head
+                                         ///< resample alone
   std::vector<SceneAnatomy> scene;       ///< what is wanted, in the recipe's order
   std::string face, face_reason;         ///< "", keep, crop or deface
   std::vector<CaseLandmark> landmarks;   ///< given, by the configuration or a file that it names
@@ -90,6 +100,7 @@ struct CaseConfig {
   std::vector<CaseDrill> burr_holes;  ///< none where the scene cuts none
   std::vector<SceneDrill> drilled;    ///< in the scene's order
   SceneHaptic haptic;
+  CaseTrade trade;
   std::map<std::string, Vec3> landmark_positions_mm() const;
   const RecipeAnatomy* find_anatomy(const std::string& name) const;
   const RecipeStep* find_head_step(const std::string& stage) const;
@@ -101,15 +112,17 @@ struct ConfigOverrides {
   std::filesystem::path series;     ///< from the command line, not bound to the root
   std::filesystem::path landmarks;  ///< a file of 3D Slicer's; its points win over the configuration's
   std::string case_token;
+  std::string profile;                       ///< instead of the rule that the configuration holds
   std::vector<std::string> set;              ///< "skull.decimate.max_deviation_mm=0.2", "import.series=s1"
   std::vector<std::filesystem::path> roots;  ///< folders beside the root that paths in the files may lead to
 };
 
 /// Reads the case's YAML, the recipe and the scene that it names, and the scene's materials. Order of what wins: the
-/// default, the recipe, the scene's limits, the case's `set`, the overrides; decimation's share of the scene's
-/// deviation is what the smoothing that is in force at last leaves of it. Throws ErrorList with every fault of all
-/// files and the overrides at once: 78 with file:line:column, 66 for a file that is missing, 64 for an override; the
-/// first one's code counts.
+/// default, the recipe, the scene's limits, the
+/// point of the trade that a rule of the case chooses, the case's `set`, the overrides; decimation's share of the
+/// scene's deviation is what the smoothing that is in force at last leaves of it. Throws ErrorList with every fault of
+/// all files and the overrides at once: 78 with file:line:column, 66 for a file that is missing, 64 for an override;
+/// the first one's code counts.
 CaseConfig read_case_config(const std::filesystem::path& file, const ConfigOverrides& overrides = {});
 
 }  // namespace trephine

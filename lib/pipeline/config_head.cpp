@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 namespace {
 
 const StageType* head_stage(const std::string& name) {
-  static const StageType types[] = {landmarks_stage(), deface_stage(), anatomy_stage()};
+  static const StageType types[] = {resample_stage(), landmarks_stage(), deface_stage(), anatomy_stage()};
   for (const StageType& type : types)
     if (type.name == name) return &type;
   return nullptr;
@@ -109,7 +109,7 @@ std::string fault_of_landmark(const std::string& name, const CaseConfig& config)
   for (const CaseLandmark& l : config.landmarks) known.push_back(l.name);
   if (std::find(known.begin(), known.end(), name) != known.end()) return "";
   const std::string near = nearest_name(name, known);
-  return name + ", no such landmark is given" + (config.head.empty() ? "" : " or can be found") +
+  return name + ", no such landmark is given" + (config.find_head_step(landmarks_step) ? " or can be found" : "") +
          (near.empty() ? "" : ", did you mean " + near + "?");
 }
 

@@ -63,6 +63,17 @@ std::string ConfigPaths::set(const std::string& path, const YamlNode& value, con
     return set_parameter(*found->second.params, *found->second.parameter, value);
   }
   if (config_.anatomies.empty()) return "";
+  if (path.rfind("*.", 0) == 0) {
+    bool any = false;
+    for (const RecipeAnatomy& anatomy : config_.anatomies)
+      if (const auto found = all.find(anatomy.name + path.substr(1)); found != all.end()) {
+        any = true;
+        set_in_[found->first] = said_in;
+        if (auto fault = set_parameter(*found->second.params, *found->second.parameter, value); !fault.empty())
+          return fault;
+      }
+    if (any) return "";
+  }
   std::vector<std::string> known;
   for (const auto& target : all) known.push_back(target.first);
   const std::string near = nearest_name(path, known);

@@ -10,8 +10,9 @@
 
 namespace trephine {
 
-/// Parameters of a case by their paths: "import.series", "skull.decimate.max_deviation_mm", "landmarks.lateral_mm",
-/// "haptic.spacing_mm", "burr_hole_1.diameter_mm". Part of read_case_config.
+/// Parameters of a case by their paths: "import.series", "resample.spacing_mm", "skull.decimate.max_deviation_mm",
+/// "landmarks.lateral_mm", "haptic.spacing_mm", "burr_hole_1.diameter_mm"; "*.decimate.max_deviation_mm" stands for
+/// those of every anatomy that has one. Part of read_case_config.
 class ConfigPaths {
  public:
   /// Both are changed in place and must outlive this.

@@ -220,7 +220,8 @@ class Executor {
     if (!options_.cache || cache_failed_) return;
     try {
       options_.cache->store(node.key, node.output,
-                            worth_storing(result.data, result.seconds) ? result.data : StageData{}, result.report);
+                            worth_storing(result.data, result.seconds) ? result.data : StageData{}, result.report,
+                            result.seconds);
     } catch (const Error& e) {
       if (!cache_failed_.exchange(true))
         log_warning("the cache keeps nothing more of this run: " + e.file() + ": " + e.what());
@@ -237,18 +238,9 @@ class Executor {
 
   void compute(const Node& node, NodeResult& result) {
     const Progress progress([this, &node](double f) { observer_.progressed(node.name, f); }, &stop_);
-    if (!node.type) {
-      ImportResult imported = import_series(options_.series, node.params.as<ImportParams>(), progress);
-      // Under the key of what was there before it would be found for ever after.
-      if (imported.input_sha256 != options_.input_sha256)
-        throw Error(ExitCode::bad_input, options_.series.string(), "", "the series changed while it was read");
-      result.data = std::make_shared<const HuVolume>(std::move(imported.volume));
-      result.report = std::move(imported.report);
-      return;
-    }
     StageInputs inputs;
     for (const auto& [port, source] : node.sources) inputs.by_port[port] = results_[source].data;
-    result.data = node.type->run(node.params, inputs, result.report, progress);
+    result.data = compute_node(node, inputs, options_, result.report, progress);
   }
 
   const Graph& graph_;
@@ -264,6 +256,17 @@ class Executor {
 };
 
 }  // namespace
+
+StageData compute_node(const Node& node, const StageInputs& inputs, const ExecuteOptions& options, Report& report,
+                       const Progress& progress) {
+  if (node.type) return node.type->run(node.params, inputs, report, progress);
+  ImportResult imported = import_series(options.series, node.params.as<ImportParams>(), progress);
+  // Under the key of what was there before it would be found for ever after.
+  if (imported.input_sha256 != options.input_sha256)
+    throw Error(ExitCode::bad_input, options.series.string(), "", "the series changed while it was read");
+  report = std::move(imported.report);
+  return std::make_shared<const HuVolume>(std::move(imported.volume));
+}
 
 std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,
                                 RunObserver& observer) {

@@ -36,6 +36,11 @@ struct ExecuteOptions {
   const std::atomic<bool>* cancel = nullptr;
 };
 
+/// One node's work: its stage on these inputs, or the import. Throws what the stage does, and 65 where the series is no
+/// longer what the graph was made for.
+StageData compute_node(const Node& node, const StageInputs& inputs, const ExecuteOptions& options, Report& report,
+                       const Progress& progress);
+
 /// Computes the nodes asked for and what they need that the cache does not have; independent nodes run at the same time
 /// on up to thread_count() threads. The results, one a node, are the same whatever the thread count. The error of the
 /// first node (in the graph's order) that failed is thrown, its field naming the node, after the others were stopped.

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/graph.h"
 
+#include <algorithm>
+
 #include "base/hash.h"
+#include "grid/resample.h"
 #include "stages/burr_hole.h"
 #include "stages/cut.h"
 #include "stages/face_gate.h"
@@ -31,6 +34,7 @@ class Builder {
   }
 
   Graph build() {
+    original_ = graph_.scan = resampled();
     if (config_.face == "crop" || config_.face == "deface") graph_.scan = deface();
     for (const SceneAnatomy& wanted : config_.scene) {
       const RecipeAnatomy& recipe = *config_.find_anatomy(wanted.name);
@@ -79,8 +83,8 @@ class Builder {
   // `before` a face is taken away: of the scan as it came.
   int node_of(const RecipeAnatomy& anatomy, std::size_t index, bool before = false) {
     const RecipeStep& step = anatomy.steps[index];
-    before &= graph_.scan != 0 || defacing_;
-    const int scan = before ? 0 : graph_.scan;
+    before &= graph_.scan != original_ || defacing_;
+    const int scan = before ? original_ : graph_.scan;
     const std::string name = (before ? "original." : "") + anatomy.name + "." + step.type->name;
     if (const int known = graph_.find(name); known >= 0) return known;
     Node node = node_of_step(step, name);
@@ -101,7 +105,7 @@ class Builder {
   // Skin and skull as they were before the face went: what tells its landmarks.
   Node whole_head(const RecipeStep& step, const std::string& name, bool required_only) {
     Node node = node_of_step(step, name);
-    give_scan(node, 0);
+    give_scan(node, original_);
     for (const auto& [port, source] : step.ports)
       if (step.type->find_port(port)->required)
         node.sources[port] = node_named(source, true);
@@ -143,7 +147,7 @@ class Builder {
   }
 
   int original_landmarks() {
-    if (graph_.scan == 0 && !defacing_) return landmarks();
+    if (graph_.scan == original_ && !defacing_) return landmarks();
     const int known = graph_.find("original.landmarks");
     return known >= 0 ? known : landmarks_node("original.landmarks", true);
   }
@@ -155,6 +159,17 @@ class Builder {
     for (const CaseDrill& hole : config_.burr_holes)
       if (!missing_landmark(hole.params.as<BurrHoleParams>(), given).empty()) return true;
     return false;
+  }
+
+  // The scan on the voxels that the case asks for; as it came where it asks for none.
+  int resampled() {
+    const RecipeStep* step = config_.find_head_step(resample_step);
+    if (!step) return 0;
+    const auto& spacing_mm = step->params.as<ResampleParams>().spacing_mm;
+    if (std::all_of(spacing_mm.begin(), spacing_mm.end(), [](double s) { return s == 0; })) return 0;
+    Node node = node_of_step(*step, resample_step);
+    give_scan(node, 0);
+    return add(std::move(node));
   }
 
   int deface() {
@@ -283,6 +298,7 @@ class Builder {
   const CaseConfig& config_;
   Graph graph_;
   bool defacing_ = false;
+  int original_ = 0;  // the scan before a face is taken away
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <random>
 
@@ -131,6 +132,16 @@ void tell_warnings(Run& run) {
   for (const std::string& w : run.warnings) log_warning(run.config.case_token + ": " + w);
 }
 
+// A budget of time cannot be kept by force: the case is done and good, only later.
+void tell_overrun(Run& run, double seconds) {
+  const double budget_s = run.config.trade.rule.seconds;
+  if (budget_s <= 0 || seconds <= budget_s) return;
+  run.warnings.push_back("took " + to_text(ParameterValue(std::round(10 * seconds) / 10)) + " s, the budget is " +
+                         to_text(ParameterValue(budget_s)) + " s: this machine or its load is not that of " +
+                         run.config.trade.points.filename().string());
+  log_warning(run.config.case_token + ": " + run.warnings.back());
+}
+
 // Pictures of an older state of the case would be taken for this one's.
 void remove_other_pictures(const fs::path& folder, const std::vector<CasePicture>& pictures) {
   std::error_code ignored;
@@ -170,31 +181,57 @@ void show_refusal(const fs::path& file, const AnatomyError& e) {
   }
 }
 
-}  // namespace
+fs::path cache_folder_of(const RunRequest& request) {
+  if (!request.params.use_cache) return {};
+  return request.cache.empty() ? request.library / ".trephine-cache" : request.cache;
+}
 
-RunResult run_case(const RunRequest& request, RunObserver& observer) {
-  const auto start = Clock::now();
-  Run run(request);
+CaseConfig read_config(const RunRequest& request) {
   ConfigOverrides overrides = request.overrides;
   if (!request.params.case_token.empty()) {
     validate_case_token(request.params.case_token, ExitCode::usage);
     overrides.case_token = request.params.case_token;
   }
-  run.config = read_case_config(request.config, overrides);
-  if (run.config.series.empty())
+  overrides.profile = request.params.profile;
+  CaseConfig config = read_case_config(request.config, overrides);
+  if (config.series.empty())
     throw Error(ExitCode::usage, request.config.string(), "series",
                 "the configuration names none, give --series FOLDER");
+  return config;
+}
+
+void tell_choice(const CaseConfig& config) {
+  if (!config.trade.rule.empty())
+    log_line(config.case_token + ": " + config.trade.rule.text() + ": point " + config.trade.choice.point.name +
+             " of " + config.trade.points.filename().string() + ", " + config.trade.choice.why);
+}
+
+}  // namespace
+
+Explanation explain_case(const RunRequest& request) {
+  Run run(request);
+  run.config = read_config(request);
+  run.graph = make_graph(run.config, hash_input(run, Progress({}, &cancel_requested())));
+  std::error_code ignored;
+  const fs::path cache = cache_folder_of(request);
+  return explain(run.config, run.graph, wanted_nodes(run.graph, request.params.pictures),
+                 StageCache(fs::exists(cache, ignored) ? cache : fs::path()));
+}
+
+RunResult run_case(const RunRequest& request, RunObserver& observer) {
+  const auto start = Clock::now();
+  Run run(request);
+  run.config = read_config(request);
   if (run.config.case_token.empty()) run.config.case_token = random_token();
   const std::string token = run.config.case_token;
   try {
     const fs::path folder = request.library / token;
-    const fs::path cache_folder = !request.params.use_cache ? fs::path()
-                                  : request.cache.empty()   ? request.library / ".trephine-cache"
-                                                            : request.cache;
+    const fs::path cache_folder = cache_folder_of(request);
     require_outside(folder, request.keep, "--keep");
     require_outside(folder, request.cache, "--cache");
     require_outside(folder, request.json, "--json");
     require_face_policy(run.config);
+    tell_choice(run.config);
 
     NewFolders new_folders;
     for (const fs::path& f : {request.library, cache_folder, request.keep})
@@ -233,10 +270,11 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     result.case_folder = folder;
     result.case_token = token;
     result.anatomies = content.anatomies;
-    result.warnings = run.warnings;
     result.table = case_table(content.anatomies);
-    result.json = run_json(run.graph, run.results, run.folder, content.anatomies, run.warnings,
-                           std::chrono::duration<double>(Clock::now() - start).count());
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    tell_overrun(run, seconds);
+    result.warnings = run.warnings;
+    result.json = run_json(run.graph, run.results, run.folder, content.anatomies, run.warnings, seconds);
     write_file(folder / "run.json", result.json);
     return result;
   } catch (AnatomyError& e) {

@@ -9,12 +9,14 @@
 #include "pipeline/case_table.h"
 #include "pipeline/config.h"
 #include "pipeline/executor.h"
+#include "pipeline/explain.h"
 
 namespace trephine {
 
 /// What `trephine run` takes besides files and folders.
 struct RunParams {
   std::string case_token;
+  std::string profile;
   bool use_cache = true;
   std::int64_t cache_limit_mb = 8192;
   bool pictures = true;
@@ -25,6 +27,8 @@ struct RunParams {
     v.text(&P::case_token, "case",
            "Name of the case: a-z, 0-9, _ and -, never a patient's; overrides the configuration's; random where "
            "neither gives one.");
+    v.text(&P::profile, "profile",
+           "draft, standard or fine, of the trade that the configuration names; instead of the rule that it holds.");
     v.flag(&P::use_cache, "use_cache",
            "Reuse and keep the outputs of stages whose inputs and parameters are the same.");
     v.integer(&P::cache_limit_mb, "cache_limit_mb", Range{0, 1e9},
@@ -60,5 +64,9 @@ struct RunResult {
 /// Pictures of the run before and files that case.json no longer names are removed afterwards: who is still reading the
 /// older case may get a 66 that names such a file, and reads case.json again.
 RunResult run_case(const RunRequest& request, RunObserver& observer);
+
+/// What run_case would compute, what from its cache, what not, and why. Reads the configuration and the series, writes
+/// and computes nothing; the library need not exist.
+Explanation explain_case(const RunRequest& request);
 
 }  // namespace trephine

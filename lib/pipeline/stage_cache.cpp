@@ -74,7 +74,8 @@ std::optional<StageData> StageCache::load_data(const std::string& key, DataKind 
   }
 }
 
-void StageCache::store(const std::string& key, DataKind kind, const StageData& data, const Report& report) const {
+void StageCache::store(const std::string& key, DataKind kind, const StageData& data, const Report& report,
+                       double seconds) const {
   if (folder_.empty()) return;
   nlohmann::ordered_json json;
   if (!std::holds_alternative<std::monostate>(data)) {
@@ -84,7 +85,22 @@ void StageCache::store(const std::string& key, DataKind kind, const StageData& d
   const std::string text = report_json(report);
   json["report"] = text;
   json["report_sha256"] = sha256_of_bytes(text);
+  json["seconds"] = seconds;
   write_file(file(key, index_extension), json.dump());
+}
+
+StageCache::Entry StageCache::look_up(const std::string& key) const {
+  std::error_code ignored;
+  const fs::path index = folder_.empty() ? fs::path() : file(key, index_extension);
+  if (index.empty() || !fs::exists(index, ignored)) return {};
+  const std::vector<char> bytes = read_file(index, 1 << 20);
+  const auto json = nlohmann::ordered_json::parse(bytes.begin(), bytes.end(), nullptr, false);
+  if (!json.is_object() || !json.contains("report")) return {};
+  Entry entry;
+  entry.has_report = true;
+  entry.has_data = json.contains("sha256");
+  if (const auto s = json.find("seconds"); s != json.end() && s->is_number()) entry.seconds = s->get<double>();
+  return entry;
 }
 
 void StageCache::shrink_to(std::uint64_t max_bytes) const {

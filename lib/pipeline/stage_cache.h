@@ -20,8 +20,15 @@ class StageCache {
   std::optional<Report> load_report(const std::string& key) const;
   /// The output, verified; nothing where it was not stored or is damaged (then the entry is removed).
   std::optional<StageData> load_data(const std::string& key, DataKind kind) const;
-  /// `data` may be empty: then only the report is kept.
-  void store(const std::string& key, DataKind kind, const StageData& data, const Report& report) const;
+  /// `data` may be empty: then only the report is kept. `seconds`: what it took, for who wants to know beforehand.
+  void store(const std::string& key, DataKind kind, const StageData& data, const Report& report, double seconds) const;
+
+  struct Entry {
+    bool has_report = false, has_data = false;
+    std::optional<double> seconds;
+  };
+  /// What is there, not verified and not marked as used.
+  Entry look_up(const std::string& key) const;
 
   /// Removes the entries used least recently until the rest is at most that large.
   void shrink_to(std::uint64_t max_bytes) const;

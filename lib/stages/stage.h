@@ -101,5 +101,7 @@ StageType remesh_stage();
 StageType measure_stage();
 /// Serves the whole case: between the import and all anatomies, where a scene says `face: {policy: deface}` or crop.
 StageType deface_stage();
+/// Serves the whole case too: right after the import, where a spacing is set.
+StageType resample_stage();
 
 }  // namespace trephine
