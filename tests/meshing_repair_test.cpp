@@ -404,7 +404,7 @@ TEST(Repair, BeyondItsTimeTheLastResort) {  // M11
     repair(m, p, r);
     FAIL();
   } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ExitCode::quality);
+    EXPECT_EQ(e.code(), ExitCode::internal);
     EXPECT_NE(std::string(e.what()).find("limit"), std::string::npos) << e.what();
   }
 }

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstring>
 #include <map>
 #include <numeric>
@@ -16,6 +15,7 @@
 
 #include "base/child.h"
 #include "base/error.h"
+#include "meshing/mesh_message.h"
 
 namespace trephine {
 namespace {
@@ -162,7 +162,6 @@ Difference corefine_difference(const TriMesh& surface, const TriMesh& solid, dou
   limits.memory_bytes = (std::uint64_t{3} << 30) + 4096 * (surface.triangles.size() + solid.triangles.size());
   limits.wall_s = time_limit_s;
   limits.cpu_s = 16 * time_limit_s + 10;
-  const auto start = std::chrono::steady_clock::now();
   try {
     const ChildResult result = run_child(worker_name, request, limits, progress);
     std::string_view in = result.bytes();
@@ -176,8 +175,7 @@ Difference corefine_difference(const TriMesh& surface, const TriMesh& solid, dou
     d.mesh.origin_mm = surface.origin_mm;
     return d;
   } catch (const Error& e) {
-    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >= time_limit_s)
-      throw Error(ExitCode::quality, "", worker_name, e.what());
+    if (is_child_limit(e)) throw;  // of time or memory: another try would meet it too
     Difference d;
     d.fault = e.what();
     return d;

@@ -21,8 +21,8 @@ struct Difference {
 
 /// CGAL's corefinement (Polygon mesh processing), in the bounded child. Both operands must be closed, 2-manifold,
 /// outwards oriented and free of self-intersections. Near a degenerate position rounding may leave self-intersections
-/// or degenerate triangles behind, which are not looked for. A child that dies or refuses is a fault; Error 80 where it
-/// runs longer than time_limit_s; Cancelled.
+/// or degenerate triangles behind, which are not looked for. A child that dies or refuses is a fault; Error 70 where it
+/// runs longer than time_limit_s or out of memory; Cancelled.
 Difference corefine_difference(const TriMesh& surface, const TriMesh& solid, double time_limit_s,
                                const Progress& progress = {});
 

@@ -123,13 +123,21 @@ Dropped drop_loose(Difference& d, double below_mm3) {
 /// Of what was cut out of a valid surface: triangles that were there before are known not to intersect each other.
 Validity validity_of(const Difference& d, const Progress& progress) {
   Validity v;
-  v.topology = topology_of(d.mesh);
+  const Incidence incidence(d.mesh);
+  v.topology = topology_of(d.mesh, incidence);
+  if (!v.topology.closed() || !v.topology.manifold()) locate_topology_faults(d.mesh, incidence, v.places);
   v.volume_mm3 = volume_mm3(d.mesh);
-  v.degenerate = degenerate_triangles(d.mesh).size();
+  const auto degenerate = degenerate_triangles(d.mesh);
+  v.degenerate = degenerate.size();
+  if (!degenerate.empty()) v.places.degenerate = {d.mesh.world_mm(d.mesh.triangles[degenerate.front()][0])};
   std::vector<std::uint32_t> fresh;
   for (std::uint32_t t = 0; t < d.old_triangle.size(); ++t)
     if (d.old_triangle[t] == Difference::none) fresh.push_back(t);
-  if (!fresh.empty()) v.self_intersections = self_intersections(d.mesh, progress, fresh).size();
+  if (fresh.empty()) return v;
+  const auto pairs = self_intersections(d.mesh, incidence, progress, fresh);
+  v.self_intersections = pairs.size();
+  if (!pairs.empty())
+    v.places.self_intersections = {place_of_intersection_mm(d.mesh, pairs.front()[0], pairs.front()[1])};
   return v;
 }
 
@@ -173,7 +181,8 @@ double Cutting::expected(const Cutter& cutter) const {
 
 bool Cutting::attempt(const Cutter& cutter, const Placing& placing, Removed& removed, const Progress& progress) {
   const double left = params_.time_limit_s - std::chrono::duration<double>(Clock::now() - start_).count();
-  if (left <= 0) refuse("takes longer than time_limit_s = " + to_text(params_.time_limit_s) + " s");
+  if (left <= 0)
+    throw Error(ExitCode::internal, "", "time_limit_s", to_text(params_.time_limit_s) + " s, the cut takes longer");
   const TriMesh solid = solid_of(cutter, params_.cutter_deviation_mm, placing);
   Difference d = corefine_difference(mesh, solid, left, progress.part(0, 0.6));
   fault_ = d.fault;
@@ -231,7 +240,10 @@ Cutting::Removed Cutting::cut(const Cutter& cutter, const Progress& progress) {
   }
   // What hardly touches is as well left as it is.
   if (removed.expected_mm3 <= 0.5) return {0, removed.expected_mm3};
-  refuse(fault_);
+  const Bounds b = bounds_of(cutter);
+  const Vec3 at = (b.min_mm + b.max_mm) / 2;
+  const auto rounded = [](double v) { return to_text(std::nearbyint(v * 100) / 100 + 0.0); };
+  refuse(fault_ + "; the cutter's middle is at " + rounded(at.x) + ", " + rounded(at.y) + ", " + rounded(at.z) + " mm");
 }
 
 /// On float32's raster and valid.

@@ -35,4 +35,9 @@ std::vector<T> take_array(std::string_view& bytes) {
   return v;
 }
 
+/// Whether a child ended because it reached a limit of its (time, memory): M11, 70. Else it refused, or died.
+inline bool is_child_limit(const Error& e) {
+  return e.code() == ExitCode::internal && std::string_view(e.what()).find("limit ") != std::string_view::npos;
+}
+
 }  // namespace trephine

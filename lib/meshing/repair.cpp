@@ -122,7 +122,7 @@ TriMesh repair(const TriMesh& input, const RepairParams& params, Report& report,
     method = "mended";
     if (!mend_in_place(before, params, r, cleaned, progress.part(0.1, 0.5))) {
       if (params.recontour_voxels_count == 0 || cleaned.triangles.empty())
-        throw Error(ExitCode::quality, "", "repair",
+        throw Error(r.mended.over_limit ? ExitCode::internal : ExitCode::quality, "", "repair",
                     cleaned.triangles.empty() ? "the triangles enclose nothing" : r.mended.fault);
       method = "recontoured";
       r.mesh = with_field("repair: last resort", [&] {

@@ -209,6 +209,7 @@ Mended mend(const TriMesh& mesh, double flattest_mm, double time_limit_s, const 
     check_mesh(mended.mesh);
   } catch (const Error& e) {
     mended.fault = e.what();
+    mended.over_limit = is_child_limit(e);
   }
   return mended;
 }

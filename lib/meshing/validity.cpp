@@ -6,23 +6,35 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/params.h"
 #include "meshing/exact.h"
 
 namespace trephine {
 
+namespace {
+
+std::string in_mm(Vec3 p) {
+  const auto rounded = [](double v) { return to_text(ParameterValue(std::nearbyint(v * 1000) / 1000 + 0.0)); };
+  return rounded(p.x) + ", " + rounded(p.y) + ", " + rounded(p.z) + " mm";
+}
+
+}  // namespace
+
 std::string Validity::text() const {
   std::string faults;
-  const auto add = [&](std::size_t n, const char* what) {
-    if (n > 0) faults += (faults.empty() ? "" : ", ") + std::to_string(n) + " " + what;
+  const auto add = [&](std::size_t n, const char* what, const std::vector<Vec3>& where) {
+    if (n == 0) return;
+    faults += (faults.empty() ? "" : ", ") + std::to_string(n) + " " + what;
+    if (!where.empty()) faults += (n > 1 ? " (the first at " : " (at ") + in_mm(where.front()) + ")";
   };
   if (topology.triangles == 0) return "no triangles";
-  add(topology.boundary_edges, "open edges");
-  add(topology.nonmanifold_edges, "edges of three or more triangles");
-  add(topology.nonmanifold_points, "points where the surface meets itself");
-  add(topology.misoriented_edges, "edges between triangles that look to opposite sides");
-  add(topology.duplicate_triangles, "duplicate triangles");
-  add(degenerate, "degenerate triangles");
-  add(self_intersections, "pairs of intersecting triangles");
+  add(topology.boundary_edges, "open edges", places.open_edges);
+  add(topology.nonmanifold_edges, "edges of three or more triangles", places.nonmanifold_edges);
+  add(topology.nonmanifold_points, "points where the surface meets itself", places.nonmanifold_points);
+  add(topology.misoriented_edges, "edges between triangles that look to opposite sides", places.misoriented_edges);
+  add(topology.duplicate_triangles, "duplicate triangles", places.duplicate_triangles);
+  add(degenerate, "degenerate triangles", places.degenerate);
+  add(self_intersections, "pairs of intersecting triangles", places.self_intersections);
   if (faults.empty() && !(volume_mm3 > 0)) return "looks inwards";
   return faults.empty() ? "closed, 2-manifold, no self-intersections" : faults;
 }
@@ -39,23 +51,29 @@ std::vector<std::uint32_t> degenerate_triangles(const TriMesh& mesh) {
 Validity check_validity(const TriMesh& mesh, const Progress& progress) {
   check_mesh(mesh);
   Validity v;
-  v.topology = topology_of(mesh);
+  const Incidence incidence(mesh);
+  v.topology = topology_of(mesh, incidence);
+  if (!v.topology.closed() || !v.topology.manifold()) locate_topology_faults(mesh, incidence, v.places);
   progress.report(0.3);
   v.volume_mm3 = volume_mm3(mesh);
   v.float32 = std::all_of(mesh.points_mm.begin(), mesh.points_mm.end(), [](Vec3 p) {
     return p.x == static_cast<float>(p.x) && p.y == static_cast<float>(p.y) && p.z == static_cast<float>(p.z);
   });
-  for (const auto& t : mesh.triangles) {
-    const Vec3 a = mesh.points_mm[t[0]], b = mesh.points_mm[t[1]], c = mesh.points_mm[t[2]];
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& i = mesh.triangles[t];
+    const Vec3 a = mesh.points_mm[i[0]], b = mesh.points_mm[i[1]], c = mesh.points_mm[i[2]];
     const double longest2 = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-    const double height = norm(cross(b - a, c - a)) / std::sqrt(longest2);
-    if (height > 1e-3 * std::sqrt(longest2)) continue;
-    if (on_a_line(a, b, c))
-      ++v.degenerate;
-    else
-      ++v.slivers;
+    const Vec3 n = cross(b - a, c - a);
+    if (dot(n, n) > 1e-6 * longest2 * longest2) continue;
+    const bool flat = on_a_line(a, b, c);
+    (flat ? v.degenerate : v.slivers)++;
+    auto& places = flat ? v.places.degenerate : v.places.slivers;
+    if (places.size() < FaultPlaces::limit) places.push_back(mesh.origin_mm + (a + b + c) / 3);
   }
-  v.self_intersections = self_intersections(mesh, progress.part(0.4, 1)).size();
+  const auto pairs = self_intersections(mesh, incidence, progress.part(0.4, 1));
+  v.self_intersections = pairs.size();
+  for (std::size_t i = 0; i < std::min(pairs.size(), FaultPlaces::limit); ++i)
+    v.places.self_intersections.push_back(place_of_intersection_mm(mesh, pairs[i][0], pairs[i][1]));
   progress.report(1);
   return v;
 }

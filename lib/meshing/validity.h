@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "meshing/fault_places.h"
 #include "surface/trimesh.h"
 
 namespace trephine {
-
-struct Incidence;
 
 /// What the program promises of every surface from contour to export.
 struct Validity {
@@ -19,12 +18,15 @@ struct Validity {
   std::size_t degenerate = 0;          ///< triangles whose three points lie exactly on a line, or coincide
   std::size_t slivers = 0;             ///< smallest height below 1e-3 of the longest side; allowed, only counted
   double volume_mm3 = 0;
+  FaultPlaces places;    ///< the first 20 of each kind, world, LPS, mm
   bool float32 = false;  ///< every coordinate of points_mm is one that float32 holds
   bool valid() const {
     return topology.triangles > 0 && topology.closed() && topology.manifold() && self_intersections == 0 &&
            degenerate == 0 && volume_mm3 > 0;
   }
-  /// "closed, 2-manifold, no self-intersections" or what is wrong, for an error's line.
+  /// Every edge's two triangles run along it in opposite directions, and what is closed looks outwards.
+  bool oriented() const { return topology.misoriented_edges == 0 && (!topology.closed() || volume_mm3 > 0); }
+  /// "closed, 2-manifold, no self-intersections" or what is wrong, and where first, for an error's line.
   std::string text() const;
 };
 

@@ -55,10 +55,25 @@ void add_quality(Report& report, const MeshMeasures& m) {
 }
 
 void add_validity(Report& report, const Validity& v) {
+  report.add("oriented", v.oriented());
   report.add("valid", v.valid());
-  report.add("self_intersections_count", v.self_intersections);
-  report.add("degenerate_count", v.degenerate);
-  report.add("slivers_count", v.slivers);
+  // How many, and where there are some the first of them: x, y, z, x, y, z ...
+  const auto add = [&](const std::string& what, std::size_t count, const std::vector<Vec3>& places) {
+    report.add(what + "_count", count);
+    if (places.empty()) return;
+    std::vector<double> flat;
+    for (const Vec3 p : places)
+      for (int a = 0; a < 3; ++a) flat.push_back(std::nearbyint(p[a] * 1e4) / 1e4 + 0.0);
+    report.figures.emplace_back(what + "_places_mm", std::move(flat));
+  };
+  add("open_edges", v.topology.boundary_edges, v.places.open_edges);
+  add("nonmanifold_edges", v.topology.nonmanifold_edges, v.places.nonmanifold_edges);
+  add("nonmanifold_points", v.topology.nonmanifold_points, v.places.nonmanifold_points);
+  add("misoriented_edges", v.topology.misoriented_edges, v.places.misoriented_edges);
+  add("duplicate_triangles", v.topology.duplicate_triangles, v.places.duplicate_triangles);
+  add("self_intersections", v.self_intersections, v.places.self_intersections);
+  add("degenerate", v.degenerate, v.places.degenerate);
+  add("slivers", v.slivers, v.places.slivers);
   if (!v.valid()) report.warn("the surface is not valid: " + v.text());
 }
 

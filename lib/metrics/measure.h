@@ -40,7 +40,9 @@ struct MeasureParams {
 
 /// What `measure` says of a surface:
 ///   triangles_count, points_count, components_count, genus_count (-1 where not closed and manifold), closed, manifold,
-///   with `validity` also valid, self_intersections_count, degenerate_count, slivers_count (meshing/validity.h)
+///   with `validity` also oriented, valid and how many open_edges, nonmanifold_edges, nonmanifold_points,
+///   misoriented_edges, duplicate_triangles, self_intersections, degenerate, slivers (meshing/validity.h) there are
+///   (..._count), and of each kind that there is the first 20 places, ..._places_mm: x, y, z of one after the other
 ///   area_mm2, volume_mm3, edge_{min,median,max}_mm, aspect_{median,p99,max}_ratio (metrics/quality.h)
 ///   reference: none, mesh, labels or truth; and unless none
 ///   deviation_{max,p99,rms,mean,bias}_mm of both directions together, to_reference_... and from_reference_... of each,

@@ -17,6 +17,10 @@ struct Incidence {
   explicit Incidence(const TriMesh& mesh);
 };
 
+/// As topology_of(mesh), of a mesh whose incidence is there already; parallel, the same counts whatever the thread
+/// count.
+Topology topology_of(const TriMesh& mesh, const Incidence& incidence);
+
 /// One use of an undirected edge by a triangle, seen from its lower point.
 struct EdgeUse {
   std::uint32_t other;  ///< the higher point
@@ -24,12 +28,17 @@ struct EdgeUse {
   bool forward;  ///< the triangle runs from the lower point to the higher
 };
 
-/// Calls visit(lower point, first use, past the last use) for each undirected edge, in ascending order of its points.
-/// Triangles with a repeated index have no edges.
+/// How many fans (groups of triangles joined by edges) meet in the point; 1 on a 2-manifold, 0 where no triangle uses
+/// it.
+int count_fans(const TriMesh& mesh, const Incidence& incidence, std::uint32_t point);
+
+/// Calls visit(lower point, first use, past the last use) for each undirected edge, in ascending order of its points;
+/// of those whose lower point is in [first, end). Triangles with a repeated index have no edges.
 template <class Visit>
-void for_each_edge(const TriMesh& mesh, const Incidence& incidence, Visit&& visit) {
+void for_each_edge(const TriMesh& mesh, const Incidence& incidence, std::uint32_t first, std::uint32_t end,
+                   Visit&& visit) {
   std::vector<EdgeUse> uses;
-  for (std::uint32_t p = 0; p < mesh.points_mm.size(); ++p) {
+  for (std::uint32_t p = first; p < end; ++p) {
     uses.clear();
     for (std::uint32_t n = incidence.begin[p]; n < incidence.begin[p + 1]; ++n) {
       const std::uint32_t t = incidence.triangle[n];
@@ -40,7 +49,14 @@ void for_each_edge(const TriMesh& mesh, const Incidence& incidence, Visit&& visi
       if (next > p) uses.push_back({next, t, true});
       if (previous > p) uses.push_back({previous, t, false});
     }
-    std::stable_sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) { return a.other < b.other; });
+    for (std::size_t i = 1; i < uses.size() && uses.size() <= 64; ++i) {  // few, and no allocation
+      const EdgeUse use = uses[i];
+      std::size_t k = i;
+      for (; k > 0 && uses[k - 1].other > use.other; --k) uses[k] = uses[k - 1];
+      uses[k] = use;
+    }
+    if (uses.size() > 64)
+      std::stable_sort(uses.begin(), uses.end(), [](const EdgeUse& a, const EdgeUse& b) { return a.other < b.other; });
     for (auto from = uses.begin(); from != uses.end();) {
       auto to = from;
       while (to != uses.end() && to->other == from->other) ++to;
@@ -48,6 +64,11 @@ void for_each_edge(const TriMesh& mesh, const Incidence& incidence, Visit&& visi
       from = to;
     }
   }
+}
+
+template <class Visit>
+void for_each_edge(const TriMesh& mesh, const Incidence& incidence, Visit&& visit) {
+  for_each_edge(mesh, incidence, 0, static_cast<std::uint32_t>(mesh.points_mm.size()), visit);
 }
 
 /// Disjoint sets over 0..n-1 with path halving; the representative is the lowest member.
