@@ -2,6 +2,9 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/parallel.h"
+#include "segmentation/along_sheets.h"
+#include "segmentation/coarse.h"
 #include "segmentation/filters.h"
 #include "segmentation/methods.h"
 #include "segmentation/soft_tissue.h"
@@ -10,15 +13,17 @@
 namespace trephine::segmentation {
 namespace {
 
-constexpr double strength_ratio = 0.4;  ///< of denoising to the noise, mm^-0.5
+constexpr double cell_mm = 1.0;              ///< at most: what it works on
+constexpr double sheet_mm_per_noise = 0.04;  ///< sigma of the means along sulci by the noise, mm per HU mm^1.5,
+constexpr double least_sheet_mm = 0.4, most_sheet_mm = 1.8;
+constexpr double strength_ratio = 0.13;  ///< of denoising to the noise that is left, mm^-0.5
 constexpr float thin_bone_hu = 226;
-constexpr double bone_blur_mm = 1.5;    ///< HU this near to bone are not believed
+constexpr double bone_blur_mm = 1.2;    ///< HU this near to bone are not believed
 constexpr double bone_margin_mm = 1.0;  ///< and the brain never comes nearer than this: dura and a film of CSF
-constexpr double default_open_mm = 2.5;
+constexpr double default_open_mm = 2.0;
 constexpr double default_close_mm = 3.0;
 constexpr double default_fill_close_mm = 10.0;
-constexpr double inner_hu = 6;         ///< inside, tissue may be this much darker than at its surface (white matter)
-constexpr double csf_reach_mm = 60;    ///< sulci, fissures and cisterns are followed this far from the envelope
+constexpr double inner_hu = 10;        ///< inside, tissue may be this much darker than at its surface (white matter)
 constexpr double ventricle_hu = 18.5;  ///< the edge between CSF and white matter
 constexpr double ventricle_wall_mm = 1.5;
 constexpr double wide_mm = 2.0;   ///< CSF wider than twice this is as dark as CSF,
@@ -30,17 +35,27 @@ constexpr double cut_scale_hu = 10;
 
 double or_default(double value, double otherwise) { return value > 0 ? value : otherwise; }
 
-/// The box's HU where brain or fluid is, far from bone; denoised, tissue at 30.
-Grid<float> soft_of(const HuView& hu, const Box& box, const BitMask& cavity, const BitMask& near_bone,
-                    const SegmentParams& p, Report& report, const Progress& progress) {
-  Grid<float> v = crop(hu, box);
-  BitMask known = make_mask(v, [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < v.size[0]; ++i) row[i] = v.at(i, j, k) > -100 && v.at(i, j, k) < 160;
+/// The cells' HU where brain or fluid is, far from bone; denoised, tissue at 30.
+Grid<float> soft_of(const HuView& hu, const Box& box, const CoarseRaster& raster, BitMask known, const SegmentParams& p,
+                    Report& report, const Progress& progress) {
+  known &= make_mask(raster.fine, [&](int j, int k, std::uint8_t* row) {
+    const std::size_t start = hu.lattice().index(box.begin[0], box.begin[1] + j, box.begin[2] + k);
+    for (int i = 0; i < raster.fine.size[0]; ++i) row[i] = hu(start + i) > -100 && hu(start + i) < 160;
   });
-  known &= cavity;
-  known.remove(near_bone);
+  Grid<float> v = coarse_mean(hu, known, raster, -1000);
+  known = coarse_mask(known, raster, 0);
   if (p.smoothing_sigma_mm > 0) v = masked_gaussian(std::move(v), known, p.smoothing_sigma_mm, -1000, 0.02, progress);
-  return soft_tissue(std::move(v), known, p.edge == SegmentEdge::half_maximum, strength_ratio, -1000, report, progress);
+  if (p.edge == SegmentEdge::half_maximum) level_tissue(v, known, report, progress);
+  // The more noise, the wider the planes over which it is averaged.
+  const double wide_mm = std::min(most_sheet_mm, sheet_mm_per_noise * tissue_noise(v, known, progress));
+  if (wide_mm >= least_sheet_mm) v = averaged_along_sheets(v, known, wide_mm, progress);
+  return soft_tissue(std::move(v), known, false, strength_ratio, -1000, report, progress);
+}
+
+/// Whether there is a way within `domain` from `start`: what belongs to its components that touch it.
+BitMask reached(const BitMask& start, const BitMask& domain) {
+  const Components pieces = components(domain);
+  return select(pieces, touching(pieces, start));
 }
 
 /// Dark and wide, but not as dark as CSF.
@@ -53,6 +68,21 @@ BitMask lesions(const Grid<float>& soft, const BitMask& dark, const Progress& pr
   std::vector<char> keep;
   for (const Component& c : pieces.list) keep.push_back(c.voxels * soft.voxel_volume_mm3() / 1000 >= lesion_ml);
   return dilated(select(pieces, keep), wide_mm + 1, progress);
+}
+
+/// Interpolated between cells the field may reach into a voxel of bone, and a voxel may come off.
+Field kept_within(Field field, const BitMask& allowed) {
+  constexpr float least = 0.002f * float(cut_scale_hu);
+  BitMask inside = positive(field, field);
+  inside &= allowed;
+  inside = largest(components(inside));
+  parallel_for(0, field.size[2], 4, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < field.size[1]; ++j)
+        for (int i = 0; i < field.size[0]; ++i)
+          if (float& f = field.at(i, j, k); !inside.get(i, j, k)) f = std::min(f, -least);
+  });
+  return field;
 }
 
 }  // namespace
@@ -76,10 +106,15 @@ Field segment_brain(const HuView& hu, const SegmentMasks& masks, const SegmentPa
   BitMask roi_mask(cropped(hu.lattice(), roi));
   cavity &= placed(roi_mask.invert(), cavity.lattice());
 
-  const BitMask near_bone = dilated(bone, bone_blur_mm, progress);
-  Field soft = soft_of(hu, box, cavity, near_bone, p, report, progress);
+  // All that follows is on cells of at most a millimetre: noise lets nothing finer be told.
+  const CoarseRaster raster = coarse_raster(cavity.lattice(), cell_mm, true);
+  BitMask known = cavity;
+  known.remove(dilated(bone, bone_blur_mm, progress));
+  Field soft = soft_of(hu, box, raster, std::move(known), p, report, progress);
   progress.report(0.6);
+  BitMask allowed = cavity;
   cavity.remove(dilated(bone, bone_margin_mm, progress));
+  cavity = coarse_mask(cavity, raster, 0.5);
   const float lower = float(p.lower_hu), upper = float(p.upper_hu);
   const auto within = [&](float from) {
     BitMask tissue = make_mask(soft, [&](int j, int k, std::uint8_t* row) {
@@ -100,9 +135,9 @@ Field segment_brain(const HuView& hu, const SegmentMasks& masks, const SegmentPa
   BitMask filled = holes(shape, {or_default(p.fill_close_mm, default_fill_close_mm), p.fill_max_ml, true}, progress);
   filled &= cavity;
   shape |= filled;
-  report.add("filled_ml", double(filled.count()) * hu.lattice().voxel_volume_mm3() / 1000);
+  report.add("filled_ml", double(filled.count()) * soft.voxel_volume_mm3() / 1000);
   shape = largest(components(shape));
-  report.add("envelope_ml", double(shape.count()) * hu.lattice().voxel_volume_mm3() / 1000);
+  report.add("envelope_ml", double(shape.count()) * soft.voxel_volume_mm3() / 1000);
 
   // Sulci, fissures and cisterns: the CSF that is reached from outside, past the ventricles.
   BitMask closed_off = dilated(find_ventricles(soft, shape, -15, ventricle_hu, progress), ventricle_wall_mm, progress);
@@ -115,14 +150,15 @@ Field segment_brain(const HuView& hu, const SegmentMasks& masks, const SegmentPa
   BitMask outside = shape;
   outside.invert();
   dark |= outside;
-  shape.remove(grown_within(outside, dark, csf_reach_mm, progress));
+  shape.remove(reached(outside, dark));
   BitMask solid = dilated(largest(components(eroded(shape, crumb_mm, progress))), crumb_mm + 0.5, progress);
   shape &= solid;
   shape = largest(components(shape));
   progress.report(0.8);
   for (float& v : soft.voxels) v = std::min(v - lower, upper - v);
   report.add("cut_voxels_count", place_surface(soft, shape, cut_sigma_mm, cut_scale_hu, progress));
-  return soft;
+  Field field = refined(soft, raster);
+  return kept_within(std::move(field), allowed);
 }
 
 }  // namespace trephine::segmentation

@@ -58,7 +58,7 @@ struct SegmentParams {
     v.number(&P::open_mm, "open_mm", Range{0, 10},
              "Parts that hang together only by bridges thinner than twice this are told apart (head and head holder); "
              "brain: "
-             "2.5 where it is 0.");
+             "2 where it is 0.");
     v.choice(&P::components, "components", {{"all", SegmentComponents::all}, {"largest", SegmentComponents::largest}},
              "Which connected pieces to keep.");
     v.number(&P::min_component_ml, "min_component_ml", Range{0, 10000}, "Pieces smaller than this are dropped.");
@@ -98,8 +98,9 @@ struct SegmentMasks {
 ///   half_maximum the fixed threshold decides what is bone and the surface lies at half the contrast, which kernel blur
 ///   moves far less.
 /// - brain: the space in the skull is found on a 2 mm raster by a watershed on the distance to bone, so that every
-///   foramen is cut at its narrowest. Inside it HU are levelled (half_maximum: tissue to 30 everywhere) and denoised as
-///   strongly as their noise needs (total variation); tissue brighter than CSF, opened, closed and filled, is the
+///   foramen is cut at its narrowest. Inside it, on cells of at most 1 mm, HU are levelled (half_maximum: tissue to 30
+///   everywhere) and denoised as strongly as their noise needs (means along edges and sulci, then total variation);
+///   tissue brighter than CSF, opened, closed and filled, is the
 ///   envelope, from which sulci, fissures and cisterns are cut as far as CSF reaches in from outside. Ventricles
 ///   belong to the brain; wide dark places that are not as dark as CSF (oedema, old infarcts) too.
 /// - ventricles: CSF deep inside the brain (the lateral ones and the third), parted from cisterns, fourth ventricle and
