@@ -21,41 +21,25 @@ void for_each_around(const CollapseMesh& mesh, std::uint32_t u, std::uint32_t v,
   });
 }
 
-double squared_to(const CollapseMesh& mesh, std::uint32_t triangle, Vec3 p) {
-  const auto& t = mesh.triangle(triangle);
-  const Vec3 d = p - closest_on_triangle(p, mesh.point_mm(t[0]), mesh.point_mm(t[1]), mesh.point_mm(t[2]));
-  return dot(d, d);
-}
-
-/// The triangle where going around the corners of the best so far leads no nearer.
+/// The nearest of the triangles around a point, and of those around a point of their rim where the nearest place lies
+/// there, as long as that leads nearer.
 std::uint32_t descend(const CollapseMesh& mesh, std::uint32_t start, Vec3 p, double& best) {
   best = std::numeric_limits<double>::infinity();
   std::uint32_t triangle = none;
-  std::array<std::uint32_t, 3> seen{none, none, none};  // corners whose surroundings hold nothing nearer
-  const auto look_around = [&](std::uint32_t v) {
-    bool nearer = false;
-    mesh.for_each_leaving(v, [&](std::uint32_t e) {
-      const double d2 = squared_to(mesh, e / 3, p);
+  for (std::uint32_t onward = start; onward != none;) {
+    const std::uint32_t centre = onward;
+    const Vec3 a = mesh.point_mm(centre);
+    onward = none;
+    mesh.for_each_leaving(centre, [&](std::uint32_t e) {
+      const auto& t = mesh.triangle(e / 3);
+      const std::uint32_t k = e % 3, b = t[k == 2 ? 0 : k + 1], c = t[k == 0 ? 2 : k - 1];
+      int across = 0;
+      const double d2 = squared_from_corner(p, a, mesh.point_mm(b), mesh.point_mm(c), across);
       if (!(d2 < best)) return;
       best = d2;
       triangle = e / 3;
-      nearer = true;
+      onward = across == 0 ? none : across == 1 ? b : c;
     });
-    return nearer;
-  };
-  look_around(start);
-  seen[0] = start;
-  for (bool again = true; again && best > 0;) {
-    again = false;
-    for (const std::uint32_t v : mesh.triangle(triangle)) {
-      if (v == seen[0] || v == seen[1] || v == seen[2]) continue;
-      again = look_around(v);
-      if (again) {
-        seen = {v, none, none};
-        break;
-      }
-      (seen[1] == none ? seen[1] : seen[2]) = v;
-    }
   }
   return triangle;
 }
@@ -88,14 +72,15 @@ void CarriedPoints::gather(const CollapseMesh& mesh, std::uint32_t u, std::uint3
   for_each_around(mesh, u, v, [&](std::uint32_t t) {
     for (std::uint32_t p = first_[t]; p != none; p = next_[p]) {
       hand.points.push_back(p);
-      hand.places.push_back(input_.points_mm[p]);
+      hand.places.add(input_.points_mm[p]);
     }
   });
 }
 
 bool CarriedPoints::assign(const std::vector<std::array<Vec3, 3>>& corners, double squared_limit, Hand& hand) const {
   hand.assigned.clear();
-  for (const Vec3 p : hand.places) {
+  for (std::size_t i = 0; i < hand.places.size(); ++i) {
+    const Vec3 p = hand.places.at(i);
     double best = std::numeric_limits<double>::infinity();
     std::uint32_t where = 0;
     for (std::uint32_t n = 0; n < corners.size() && best > 0; ++n) {

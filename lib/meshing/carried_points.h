@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "meshing/collapse_mesh.h"
+#include "meshing/place_list.h"
 #include "surface/trimesh.h"
 
 namespace trephine {
@@ -18,7 +19,7 @@ class CarriedPoints {
   /// What one thread holds between gather, assign and commit.
   struct Hand {
     std::vector<std::uint32_t> points;
-    std::vector<Vec3> places;
+    PlaceList places;
     std::vector<std::pair<std::uint32_t, float>> assigned;  ///< per point: number of the corners, squared distance
   };
 

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "meshing/enclosed.h"
+#include "meshing/known_valid.h"
 #include "meshing/marching_cubes.h"
 #include "meshing/validity.h"
 
@@ -87,7 +88,10 @@ std::size_t make_valid(TriMesh& mesh, const Lattice& lattice, const Progress& pr
     progress.check();
     snap_to_float32(mesh);
     const Validity v = check_validity(mesh, progress);
-    if (v.valid()) return moved;
+    if (v.valid()) {
+      remember_valid(mesh);
+      return moved;
+    }
     margin = std::min(2.5 * margin, 1.0);
     std::vector<std::uint32_t> faults = degenerate_triangles(mesh);
     for (const auto& pair : self_intersections(mesh, progress)) faults.insert(faults.end(), pair.begin(), pair.end());

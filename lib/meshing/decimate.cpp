@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "meshing/edge_collapse.h"
 #include "meshing/exact.h"
+#include "meshing/known_valid.h"
 #include "meshing/measure_deviation.h"
 #include "meshing/validity.h"
 
@@ -126,6 +127,7 @@ TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& repo
   }
   const Validity v = check_validity(o.mesh, progress.part(0.9, 1));
   if (!v.valid()) throw Error(ExitCode::quality, "", "decimate", v.text());
+  remember_valid(o.mesh);
 
   report.add("triangles_before_count", input.triangles.size());
   report.add("triangles_count", o.mesh.triangles.size());

@@ -36,7 +36,7 @@ struct DecimateParams {
 /// deviation_p99_mm, deviation_rms_mm, each the larger of the two directions); where a sample lies further than 0.9 of
 /// max_deviation_mm, collapses are undone. Samples: the input's points and the middles of its edges and triangles; over
 /// the result's triangles a raster not coarser than the input's mean edge or 1.5 times the bound (but a quarter of that
-/// edge). Between samples the distance may be larger; the last tenth is for that.
+/// edge); without a bound, twice the mean edge. Between samples the distance may be larger; the last tenth is for that.
 ///
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed, 2-manifold
 /// and free of self-intersections, or no limit can be kept.

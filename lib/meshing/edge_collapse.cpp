@@ -23,7 +23,7 @@ constexpr double least_compactness = 0.05;
 /// Share of the limit that the carried points may use; the rest is for what lies between them.
 constexpr double carried_share = 0.95;
 /// Share of the limit that a carried point must be away for the triangles to be sampled.
-constexpr double some_way = 0.2;
+constexpr double some_way = 0.35;
 /// Share of the limit that the root of the mean squared distance to the planes may use while no points are carried.
 constexpr double uncarried_share = 0.2;
 
@@ -50,8 +50,7 @@ EdgeCollapse::EdgeCollapse(const TriMesh& input, double limit_mm, double step_mm
   area_ = area_mm2(input);
   // An even triangle's side, were all of them.
   const double side = std::sqrt(area_ / double(input.triangles.size()) * 4 / std::sqrt(3.0));
-  sample_spacing_ =
-      limit_mm > 0 ? std::clamp(1.5 * limit_mm, side / 4, side) * (getenv("SP") ? atof(getenv("SP")) : 1.5) : side;
+  sample_spacing_ = limit_mm > 0 ? 2 * std::clamp(1.5 * limit_mm, side / 4, side) : side;
   parallel_for(0, static_cast<std::int64_t>(quadrics_.size()), 8192, [&](std::int64_t from, std::int64_t to) {
     for (auto v = static_cast<std::uint32_t>(from); v < to; ++v) {
       Quadric q;
@@ -152,16 +151,12 @@ bool EdgeCollapse::keeps_shape(std::uint32_t u, std::uint32_t v, Vec3 at, Worker
 
 /// By the triangles around the nearest of the points in hand.
 bool EdgeCollapse::near_input(Vec3 place, double limit2, const CarriedPoints::Hand& hand) const {
-  std::size_t nearest = 0;
-  double best = infinity;
-  for (std::size_t n = 0; n < hand.places.size(); ++n) {
-    const Vec3 d = hand.places[n] - place;
-    if (dot(d, d) >= best) continue;
-    best = dot(d, d);
-    nearest = n;
+  std::uint32_t near = 0;
+  if (!hand.points.empty()) {
+    bool certainly = false;
+    near = hand.points[hand.places.nearest(place, limit2, certainly)];
+    if (certainly) return true;
   }
-  if (best <= limit2) return true;
-  std::uint32_t near = hand.points.empty() ? 0 : hand.points[nearest];
   return input_->squared_bound(place, near, limit2) <= limit2;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "base/parallel.h"
 
@@ -59,14 +60,14 @@ DeviationMeter::DeviationMeter(const NearInput& input, double limit_mm)
       input_(input.mesh()),
       limit2_(limit_mm > 0 ? limit_mm * limit_mm : infinity),
       edge_(mean_edge_of(input_)),
-      spacing_(limit_mm > 0 ? std::clamp(1.5 * limit_mm, edge_ / 4, edge_) : edge_),
+      spacing_(limit_mm > 0 ? std::clamp(1.5 * limit_mm, edge_ / 4, edge_) : 2 * edge_),
       raster_beyond2_(limit_mm > 0 ? 36 * limit2_ : infinity),
-      exact_beyond2_(limit_mm > 0 ? limit2_ / 4 : edge_ * edge_ / 16),
+      exact_beyond2_(limit_mm > 0 ? 0.6 * 0.6 * limit2_ : edge_ * edge_ / 16),
       tree_(input_),
       raster_of_(input_.triangles.size(), CollapseMesh::none) {}
 
 double DeviationMeter::squared_distance(Vec3 place, std::uint32_t& near) const {
-  const double bound = near_.squared_bound(place, near, exact_beyond2_ / 64);
+  const double bound = near_.squared_bound(place, near, exact_beyond2_ / 128);
   if (bound <= exact_beyond2_) return bound;
   std::uint32_t at = CollapseMesh::none;
   const double d2 = tree_.squared_distance(place, bound, &at);
@@ -75,24 +76,26 @@ double DeviationMeter::squared_distance(Vec3 place, std::uint32_t& near) const {
 }
 
 /// `points`: some of the input near the triangle; the search starts at the nearest of them.
-void DeviationMeter::from_triangle(Raster& raster, const std::vector<std::uint32_t>& points) const {
+void DeviationMeter::from_triangle(Raster& raster, const std::vector<std::uint32_t>& points, PlaceList& places) const {
+  places.clear();
+  for (const std::uint32_t p : points) places.add(input_.points_mm[p]);
   const Vec3 a = raster.corners[0], ab = raster.corners[1] - a, ac = raster.corners[2] - a;
   const double longest = std::max({norm(ab), norm(ac), norm(ac - ab)});
   const int n = static_cast<int>(std::clamp(std::ceil(longest / spacing_), 1.0, 256.0));
   raster.beyond = false;
   raster.distances.clear();
   raster.distances.reserve(static_cast<std::size_t>(n + 1) * (n + 2) / 2);
+  // Without a limit a side's points belong to the one of its two triangles that runs along it from its lower end.
+  const auto runs_up = [](Vec3 p, Vec3 q) { return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z); };
+  const auto& c = raster.corners;
+  const bool own[3] = {runs_up(c[0], c[1]), runs_up(c[1], c[2]), runs_up(c[2], c[0])};
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= n - i; ++j) {
+      const int sides = (i == 0) + (j == 0) + (i + j == n);
+      if (limit2_ == infinity && sides == 1 && !own[j == 0 ? 0 : i == 0 ? 2 : 1]) continue;
       const Vec3 place = a + ab * (double(i) / n) + ac * (double(j) / n);
-      std::uint32_t near = points.front();
-      double best = infinity;
-      for (const std::uint32_t p : points) {
-        const Vec3 d = input_.points_mm[p] - place;
-        if (dot(d, d) >= best) continue;
-        best = dot(d, d);
-        near = p;
-      }
+      bool certainly = false;
+      std::uint32_t near = points[places.nearest(place, 0, certainly)];
       const double d2 = squared_distance(place, near);
       raster.beyond |= d2 > limit2_;
       raster.distances.push_back(static_cast<float>(std::sqrt(d2)));
@@ -143,7 +146,9 @@ void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uin
           found[from / grain].insert(found[from / grain].end(), carrier, carrier + 3);
         ++slot;
       };
-      const auto between = [&](Vec3 place, int a, int b) {
+      const auto between = [&](Vec3 place, int a, int b, double bound = infinity) {
+        if (bound * bound <= exact_beyond2 / 16) return bound;
+        if (carrier[a] == carrier[b]) return std::sqrt(squared_to(plain, plain_of[carrier[a]], place));
         return std::sqrt(
             std::min(squared_to(plain, plain_of[carrier[a]], place), squared_to(plain, plain_of[carrier[b]], place)));
       };
@@ -155,14 +160,14 @@ void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uin
         const int e = (c + 1) % 3;
         if (v[c] < v[e]) {
           const Vec3 middle = (p[c] + p[e]) / 2;
-          if (measure) add(middle, carrier[c] == carrier[e] ? (d[c] + d[e]) / 2 : between(middle, c, e));
+          if (measure) add(middle, between(middle, c, e, carrier[c] == carrier[e] ? (d[c] + d[e]) / 2 : infinity));
           next();
         }
       }
       if (measure) {
         const Vec3 middle = (p[0] + p[1] + p[2]) / 3;
         if (carrier[0] == carrier[1] && carrier[1] == carrier[2])
-          add(middle, (d[0] + d[1] + d[2]) / 3);
+          add(middle, between(middle, 0, 1, (d[0] + d[1] + d[2]) / 3));
         else
           add(middle, std::min(between(middle, 0, 1), between(middle, 1, 2)));
       }
@@ -209,12 +214,13 @@ std::vector<std::uint32_t> DeviationMeter::measure(const TriMesh& plain, const s
   parallel_for(0, static_cast<std::int64_t>(to_do.size()), 256, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     std::vector<std::uint32_t> points;
+    PlaceList places;
     for (std::int64_t n = from; n < to; ++n) {
       // Near it are what it carries, and the points at which the triangle of that number lay in the input.
       const std::uint32_t t = triangle_of[to_do[n]];
       points.assign(input_.triangles[t].begin(), input_.triangles[t].end());
       for (std::uint32_t p = carried.first_of(t); p != CollapseMesh::none; p = carried.next_of(p)) points.push_back(p);
-      from_triangle(rasters_[live_[to_do[n]]], points);
+      from_triangle(rasters_[live_[to_do[n]]], points, places);
     }
   });
   for (std::uint32_t t = 0; t < triangle_of.size(); ++t)

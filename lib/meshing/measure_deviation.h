@@ -20,7 +20,7 @@ struct DeviationFigures {
 
 /// Measures a collapsing mesh against its input, both ways. From the input: its points, and the middles of its edges
 /// and triangles. From the mesh: a raster over each triangle, its corners among it, not coarser than the input's mean
-/// edge. What did not change since the last measurement is not measured again.
+/// edge (without a limit twice that). What did not change since the last measurement is not measured again.
 class DeviationMeter {
  public:
   /// The input must outlive this. limit_mm 0: no limit.
@@ -29,7 +29,7 @@ class DeviationMeter {
   /// Measures the mesh, given also as a plain one with the map of its triangles. Returns the collapsing mesh's
   /// triangles at samples beyond the limit, or that carry the points beside them, ascending. Distances are upper
   /// bounds, from what carries a point or from the triangles around the nearest point; they are exact where they exceed
-  /// the limit, or half of it (without one: a quarter of the mean edge).
+  /// three fifths of the limit (without one: a quarter of the mean edge).
   std::vector<std::uint32_t> measure(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
                                      CarriedPoints& carried, const Progress& progress);
   /// Of the last measurement.
@@ -43,7 +43,7 @@ class DeviationMeter {
   };
   void from_input(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of, const CarriedPoints& carried,
                   std::vector<std::uint32_t>& beyond, const Progress& progress);
-  void from_triangle(Raster& raster, const std::vector<std::uint32_t>& points) const;
+  void from_triangle(Raster& raster, const std::vector<std::uint32_t>& points, PlaceList& places) const;
   double squared_distance(Vec3 place, std::uint32_t& near) const;
 
   const NearInput& near_;

@@ -14,48 +14,26 @@ class NearInput {
  public:
   explicit NearInput(const TriMesh& mesh) : mesh_(mesh), incidence_(mesh) {}
 
-  /// Goes from the point `near` to its neighbours as long as that leads nearer, looks at the triangles there, and goes
-  /// on around their corners as long as that leads nearer and the bound is above `enough`: an upper bound of the
-  /// squared distance to the surface. `near` becomes the point where it ended.
+  /// Looks at the triangles around the point `near`, and where the nearest place lies on their rim goes on to the
+  /// triangles around the rim's point, as long as that leads nearer and the bound is above `enough`: an upper bound of
+  /// the squared distance to the surface. `near` becomes the point where it ended.
   double squared_bound(Vec3 place, std::uint32_t& near, double enough) const {
-    const auto squared = [&](std::uint32_t v) {
-      const Vec3 d = place - mesh_.points_mm[v];
-      return dot(d, d);
-    };
-    double best = squared(near);
-    for (std::uint32_t centre = ~near; centre != near;) {
-      centre = near;
-      for (std::uint32_t n = incidence_.begin[centre]; n < incidence_.begin[centre + 1]; ++n) {
+    const Vec3 start = place - mesh_.points_mm[near];
+    double best = dot(start, start);
+    for (std::uint32_t onward = near; onward != none && best > enough;) {
+      near = onward;
+      onward = none;
+      const Vec3 a = mesh_.points_mm[near];
+      for (std::uint32_t n = incidence_.begin[near]; n < incidence_.begin[near + 1]; ++n) {
         const auto& t = mesh_.triangles[incidence_.triangle[n]];
-        const std::uint32_t v = t[0] == centre ? t[1] : t[1] == centre ? t[2] : t[0];
-        const double d2 = squared(v);
+        const int k = t[0] == near ? 0 : t[1] == near ? 1 : 2;
+        const std::uint32_t b = t[k == 2 ? 0 : k + 1], c = t[k == 0 ? 2 : k - 1];
+        int across = 0;
+        const double d2 = squared_from_corner(place, a, mesh_.points_mm[b], mesh_.points_mm[c], across);
         if (d2 >= best) continue;
         best = d2;
-        near = v;
-      }
-    }
-    std::uint32_t triangle = ~0u;
-    const auto look_around = [&](std::uint32_t v) {
-      bool nearer = false;
-      for (std::uint32_t n = incidence_.begin[v]; n < incidence_.begin[v + 1]; ++n) {
-        const auto& t = mesh_.triangles[incidence_.triangle[n]];
-        const Vec3 d =
-            place - closest_on_triangle(place, mesh_.points_mm[t[0]], mesh_.points_mm[t[1]], mesh_.points_mm[t[2]]);
-        if (dot(d, d) >= best) continue;
-        best = dot(d, d);
-        triangle = incidence_.triangle[n];
-        nearer = true;
-      }
-      return nearer;
-    };
-    std::uint32_t centre = near;
-    for (bool nearer = look_around(centre); nearer && best > enough;) {
-      nearer = false;
-      for (const std::uint32_t v : mesh_.triangles[triangle]) {
-        if (v == centre || !look_around(v)) continue;
-        centre = v;
-        nearer = true;
-        break;
+        if (best <= enough) return best;
+        onward = across == 0 ? none : across == 1 ? b : c;
       }
     }
     return best;
@@ -65,6 +43,7 @@ class NearInput {
   const Incidence& incidence() const { return incidence_; }
 
  private:
+  static constexpr std::uint32_t none = 0xffffffffu;
   const TriMesh& mesh_;
   Incidence incidence_;
 };

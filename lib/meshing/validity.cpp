@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "base/params.h"
 #include "meshing/exact.h"
+#include "meshing/known_valid.h"
 
 namespace trephine {
 
@@ -119,8 +120,10 @@ void snap_to_float32(TriMesh& mesh) {
 }
 
 void require_valid(const TriMesh& mesh, const Progress& progress) {
+  if (known_valid(mesh)) return;
   const Validity v = check_validity(mesh, progress);
   if (!v.valid()) throw Error(ExitCode::quality, "", "", v.text());
+  remember_valid(mesh);
 }
 
 }  // namespace trephine

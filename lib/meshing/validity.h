@@ -57,7 +57,8 @@ void centre_origin(TriMesh& mesh);
 /// The step that snap_to_float32 uses for that mesh.
 double float32_step_mm(const TriMesh& mesh);
 
-/// Throws Error 80 with the fault where the mesh is not valid.
+/// Throws Error 80 with the fault where the mesh is not valid. What passed a short while ago is not checked again
+/// (known_valid.h).
 void require_valid(const TriMesh& mesh, const Progress& progress = {});
 
 }  // namespace trephine
