@@ -27,9 +27,16 @@ Command anatomy_command();
 Command remesh_command();
 Command measure_command();
 Command run_command();
+Command trade_command();
 Command export_command();
 Command boolean_command();
 Command burrhole_command();
 Command voxelize_command();
+Command library_build_command();
+Command library_list_command();
+Command library_show_command();
+Command library_verify_command();
+Command library_gc_command();
+Command library_job_command();
 
 }  // namespace trephine

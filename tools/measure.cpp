@@ -2,7 +2,6 @@
 #include "metrics/measure.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/error.h"
 #include "base/write_file.h"
@@ -12,8 +11,7 @@
 #include "meshio/vtp.h"
 #include "metrics/certify.h"
 #include "metrics/deviation_picture.h"
-#include "metrics/field.h"
-#include "phantom/truth.h"
+#include "phantom/measure_truth.h"
 #include "stage_command.h"
 
 namespace trephine {
@@ -38,24 +36,6 @@ Mask selected(Mask labels, const LabelParams& params) {
   for (std::uint8_t& v : labels.voxels) v = v >= first && v <= last;
   return labels;
 }
-
-// Whether the truth's label is of the anatomy (phantom/head.h).
-bool is_of(phantom::Anatomy anatomy, std::uint8_t label) {
-  switch (anatomy) {
-    case phantom::Anatomy::skin:
-      return label > 0;
-    case phantom::Anatomy::skull:
-      return label == 2;
-    case phantom::Anatomy::brain:
-      return label == 3 || label == 4;
-    case phantom::Anatomy::ventricles:
-      return label == 4;
-  }
-  return false;
-}
-
-// Where the scan ends the surface is capped, and nothing is known of the cap's truth: it is left out.
-constexpr double cap_margin_mm = 3;
 
 Argument file_argument(const char* name, const char* help) {
   Argument a;
@@ -88,68 +68,25 @@ void check_flags(const ParsedCommand& parsed) {
     throw Error(ExitCode::usage, "", "--last-label", "ends a range, give --label, where it begins, too");
 }
 
-Report measure_against_truth(const ParsedCommand& parsed, const TriMesh& surface, const Progress& progress) {
-  const phantom::Truth truth = phantom::read_truth(parsed.path("truth"));
-  const phantom::Anatomy anatomy = anatomy_named(parsed.text("anatomy"));
-  Bounds seen = truth.box_mm;
-  for (int i = 0; i < 3; ++i) {
-    seen.min_mm[i] += cap_margin_mm;
-    seen.max_mm[i] -= cap_margin_mm;
-  }
-  const TriMesh mesh = phantom::truth_mesh(truth.head, anatomy, truth.box_mm, 1.0, progress.part(0, 0.5));
-  TruthReference reference;
-  reference.distance = [&](Vec3 p) { return truth.head.signed_distance_mm(anatomy, p); };
-  reference.mesh = &mesh;
-  reference.within = seen;
-  return measure_surface(surface, reference, parsed.params<MeasureParams>(), progress.part(0.5, 1));
-}
-
-/// A field against the truth's solid on the field's own voxels, as far as the scan reached.
-Report measure_field_against_truth(const ParsedCommand& parsed, const Field& field, const Progress& progress) {
-  const phantom::Truth truth = phantom::read_truth(parsed.path("truth"));
-  const phantom::Anatomy anatomy = anatomy_named(parsed.text("anatomy"));
-  Box box{{0, 0, 0}, {0, 0, 0}};
-  Bounds seen = truth.box_mm;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p =
-        field.to_index({corner & 1 ? seen.max_mm.x : seen.min_mm.x, corner & 2 ? seen.max_mm.y : seen.min_mm.y,
-                        corner & 4 ? seen.max_mm.z : seen.min_mm.z});
-    for (int a = 0; a < 3; ++a) {
-      box.begin[a] = std::min(box.begin[a], int(std::ceil(p[a] - 1e-3)));
-      box.end[a] = std::max(box.end[a], int(std::floor(p[a] + 1e-3)) + 1);
-    }
-  }
-  for (int a = 0; a < 3; ++a) box.end[a] = std::max(box.end[a], field.size[a]);
-  Lattice lattice = field;
-  lattice.origin_mm = field.to_world_mm({double(box.begin[0]), double(box.begin[1]), double(box.begin[2])});
-  for (int a = 0; a < 3; ++a) lattice.size[a] = box.end[a] - box.begin[a];
-  Mask solid = phantom::truth_labels(truth.head, lattice, progress.part(0, 0.3));
-  for (std::uint8_t& v : solid.voxels) v = is_of(anatomy, v);
-  for (int i = 0; i < 3; ++i) {
-    seen.min_mm[i] += cap_margin_mm;
-    seen.max_mm[i] -= cap_margin_mm;
-  }
-  const TriMesh mesh = phantom::truth_mesh(truth.head, anatomy, truth.box_mm, 1.0, progress.part(0.3, 0.5));
-  FieldTruth reference;
-  reference.solid = &solid;
-  reference.distance = [&](Vec3 p) { return truth.head.signed_distance_mm(anatomy, p); };
-  reference.mesh = &mesh;
-  reference.within = seen;
-  if (anatomy == phantom::Anatomy::skull)
-    reference.is_inner = [&](Vec3 p) {  // a millimetre outside of it lies what is within the dura
-      const Vec3 foot = truth.head.project_mm(anatomy, p);
-      Vec3 normal;
-      truth.head.implicit_mm(anatomy, foot, normal);
-      return truth.head.label(foot + normalized(normal)) >= 3;
-    };
-  return measure_field(field, reference, parsed.params<MeasureParams>().sample_count, progress.part(0.5, 1));
-}
-
 // A file of ours as it is, another program's as its reader has it.
 TriMesh read_surface(const std::filesystem::path& file) {
   if (file.extension() == ".vtp") return read_vtp(file);
   Report ignored;
   return read_mesh_file(file, ignored);
+}
+
+// The surface or, of a .nrrd, the field.
+Report measure_against_truth(const ParsedCommand& parsed, const Progress& progress) {
+  const phantom::Anatomy anatomy = anatomy_named(parsed.text("anatomy"));
+  const phantom::Truth truth = phantom::read_truth(parsed.path("truth"));
+  const auto& params = parsed.params<MeasureParams>();
+  const auto known = [&] { return phantom::truth_surface(truth, anatomy, progress.part(0, 0.4)); };
+  if (parsed.path("surface").extension() == ".nrrd") {
+    const Field field = read_field_nrrd(parsed.path("surface"));
+    return phantom::measure_against_truth(field, known(), params.sample_count, progress.part(0.4, 1));
+  }
+  const TriMesh surface = read_surface(parsed.path("surface"));
+  return phantom::measure_against_truth(surface, known(), params, progress.part(0.4, 1));
 }
 
 Report measure_against_mesh(const ParsedCommand& parsed, const TriMesh& mesh, const Progress& progress) {
@@ -203,16 +140,12 @@ Command measure_command() {
   c.run = [](const ParsedCommand& parsed) {
     check_flags(parsed);
     run_with_report(parsed, [&](const Progress& progress) {
-      if (parsed.has("truth")) anatomy_named(parsed.text("anatomy"));
-      if (parsed.path("surface").extension() == ".nrrd") {
-        if (!parsed.has("truth"))
-          throw Error(ExitCode::usage, parsed.path("surface").string(), "--truth",
-                      "is needed for a field: it is measured against a phantom's truth alone");
-        return measure_field_against_truth(parsed, read_field_nrrd(parsed.path("surface")), progress);
-      }
+      if (parsed.has("truth")) return measure_against_truth(parsed, progress);
+      if (parsed.path("surface").extension() == ".nrrd")
+        throw Error(ExitCode::usage, parsed.path("surface").string(), "--truth",
+                    "is needed for a field: it is measured against a phantom's truth alone");
       const TriMesh mesh = read_surface(parsed.path("surface"));
       const auto& params = parsed.params<MeasureParams>();
-      if (parsed.has("truth")) return measure_against_truth(parsed, mesh, progress);
       if (parsed.has("labels")) {
         const Mask labels = selected(read_mask_nrrd(parsed.path("labels")), parsed.params<LabelParams>());
         return measure_surface(mesh, LabelReference{&labels, 0}, params, progress);

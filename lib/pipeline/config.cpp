@@ -149,7 +149,7 @@ class Reader {
   }
 
   void choose_point(MapReader& map, const YamlNode& tree, const TradeRule& rule, const fs::path& file) {
-    if (rule.empty()) return;
+    if (rule.empty() || overrides_.without_rule) return;
     if (file.empty()) {
       if (!tree.find("trade"))
         map.fault(tree, "trade", "is missing: which trade.json shall " + rule.text() + " be chosen from?");

@@ -113,6 +113,7 @@ struct ConfigOverrides {
   std::filesystem::path landmarks;  ///< a file of 3D Slicer's; its points win over the configuration's
   std::string case_token;
   std::string profile;                       ///< instead of the rule that the configuration holds
+  bool without_rule = false;                 ///< the rule that the configuration holds chooses nothing
   std::vector<std::string> set;              ///< "skull.decimate.max_deviation_mm=0.2", "import.series=s1"
   std::vector<std::filesystem::path> roots;  ///< folders beside the root that paths in the files may lead to
 };

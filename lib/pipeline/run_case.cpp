@@ -34,7 +34,8 @@ std::string random_token() {
   return token;
 }
 
-// Skin of a head is a face, and so is a CT of it: it is published only where the scene says so, and why.
+}  // namespace
+
 void require_face_policy(const CaseConfig& config) {
   if (!config.face.empty()) return;
   std::string shown;
@@ -53,6 +54,8 @@ void require_face_policy(const CaseConfig& config) {
                     " shows the patient's face; the scene must say face: {policy: deface}, {policy: crop} or "
                     "{policy: keep, reason: ...}");
 }
+
+namespace {
 
 // A case folder in which nothing was ever published goes again where the run fails: nothing is left behind that looks
 // like a case. Made and destroyed under the case's lock, for only there it is certain that no other run publishes.

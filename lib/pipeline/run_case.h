@@ -57,6 +57,10 @@ struct RunResult {
   std::string table;                  ///< for a person
 };
 
+/// Skin of a head is a face, and so is a CT of it: throws 81 where the case would publish one and the scene does not
+/// say that it may, and why.
+void require_face_policy(const CaseConfig& config);
+
 /// Builds one case, idempotently: afterwards the library holds the old case or the new one. Before any work it reads
 /// the configuration, refuses outputs of its own inside the case's folder (64), checks the face policy (81), makes and
 /// checks the folders (73) and takes the case's lock (75 where another run builds the same case). Then it computes what

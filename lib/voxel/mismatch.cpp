@@ -20,17 +20,28 @@ struct SurfaceSample {
 
 constexpr double none = std::numeric_limits<double>::infinity();
 
+// Whether a point is in the shape as it is felt.
+struct FeltShape {
+  const HapticDecoder& decoder;
+  int number;
+  FeltSurface surface;
+  bool holds(Vec3 world_mm) const {
+    return (surface == FeltSurface::nearest ? decoder.nearest(number, world_mm) : decoder.trilinear(number, world_mm)) >
+           0.5;
+  }
+};
+
 // Whether the occupancy falls through 1/2 on the way from `from` to `to` (offsets along the normal, from < to); where.
-double fall_between(const HapticDecoder& decoder, int number, const SurfaceSample& s, double from, double to) {
+double fall_between(const FeltShape& shape, const SurfaceSample& s, double from, double to) {
   for (int n = 0; n < 30; ++n) {
     const double middle = (from + to) / 2;
-    (decoder.trilinear(number, s.point_mm + s.normal * middle) > 0.5 ? from : to) = middle;
+    (shape.holds(s.point_mm + s.normal * middle) ? from : to) = middle;
   }
   return (from + to) / 2;
 }
 
-double nearest_fall(const HapticDecoder& decoder, int number, const SurfaceSample& s, double step, double reach) {
-  const auto felt = [&](double offset) { return decoder.trilinear(number, s.point_mm + s.normal * offset) > 0.5; };
+double nearest_fall(const FeltShape& shape, const SurfaceSample& s, double step, double reach) {
+  const auto felt = [&](double offset) { return shape.holds(s.point_mm + s.normal * offset); };
   // Outwards and inwards at once, so that the first stretch with a fall is the nearest one, or the other of the pair.
   const int steps = std::max(1, int(std::ceil(reach / step)));
   const bool here = felt(0);
@@ -39,9 +50,9 @@ double nearest_fall(const HapticDecoder& decoder, int number, const SurfaceSampl
     const double before = (n - 1) * step, after = std::min(n * step, reach);
     const bool next_outer = felt(after), next_inner = felt(-after);
     double best = none;
-    if (outer && !next_outer) best = fall_between(decoder, number, s, before, after);
+    if (outer && !next_outer) best = fall_between(shape, s, before, after);
     if (next_inner && !inner) {
-      const double in = fall_between(decoder, number, s, -after, -before);
+      const double in = fall_between(shape, s, -after, -before);
       if (std::abs(in) < std::abs(best)) best = in;
     }
     if (best != none) return best;
@@ -95,6 +106,7 @@ Mismatch measure_mismatch(const TriMesh& mesh, const HapticVolume& volume, const
   check_mesh(mesh);
   const std::vector<SurfaceSample> displayed = samples_on(mesh, params.sample_count);
   const HapticDecoder decoder(volume);
+  const FeltShape felt{decoder, shape.number, params.felt};
   const Vec3 h = volume.voxels.spacing_mm;
   const double step = std::min({h.x, h.y, h.z}) / 4, skipped = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> offset(displayed.size(), skipped);
@@ -102,8 +114,7 @@ Mismatch measure_mismatch(const TriMesh& mesh, const HapticVolume& volume, const
     progress.check();
     for (std::int64_t n = from; n < to; ++n) {
       const SurfaceSample& s = displayed[std::size_t(n)];
-      if (well_within(volume.voxels, s.point_mm))
-        offset[std::size_t(n)] = nearest_fall(decoder, shape.number, s, step, params.reach_mm);
+      if (well_within(volume.voxels, s.point_mm)) offset[std::size_t(n)] = nearest_fall(felt, s, step, params.reach_mm);
     }
   });
   Mismatch m;

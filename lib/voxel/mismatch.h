@@ -9,14 +9,21 @@
 
 namespace trephine {
 
+/// Where a contact with the volume lies: at the shape's trilinear occupancy of 1/2, or at the face of the voxels that
+/// are at least half the shape's.
+enum class FeltSurface { sub_voxel, nearest };
+
 struct MismatchParams {
   int sample_count = 50000;
   double reach_mm = 3;
+  FeltSurface felt = FeltSurface::sub_voxel;
   template <class V>
   static void describe(V& v) {
     using P = MismatchParams;
     v.integer(&P::sample_count, "sample_count", Range{100, 100000000}, "Points on the displayed surface.");
     v.number(&P::reach_mm, "reach_mm", Range{0.01, 100}, "How far along the normal the felt surface is looked for.");
+    v.choice(&P::felt, "felt", {{"sub_voxel", FeltSurface::sub_voxel}, {"nearest", FeltSurface::nearest}},
+             "Which surface of the volume is felt: that between the voxels' values, or the voxels' own faces.");
   }
 };
 
@@ -28,7 +35,7 @@ struct Mismatch {
 };
 
 /// For points spread evenly over the displayed surface (closed or not; the same whatever the thread count), where along
-/// the triangle's normal the shape's trilinear occupancy falls through 1/2 nearest to the point, within reach_mm. Only
+/// the triangle's normal the shape's surface, as `felt` has it, is left nearest to the point, within reach_mm. Only
 /// outwards counts: the far side of a thin wall, or the boundary to a shape within, is not taken for the surface seen.
 /// What another shape of the volume took from this one is not felt there: it is missed, or counts. Throws 65 as
 /// check_mesh does.

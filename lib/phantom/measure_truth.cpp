@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "phantom/measure_truth.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "metrics/field.h"
+
+namespace trephine::phantom {
+namespace {
+
+// Whether the truth's label is of the anatomy (phantom/head.h).
+bool is_of(Anatomy anatomy, std::uint8_t label) {
+  switch (anatomy) {
+    case Anatomy::skin:
+      return label > 0;
+    case Anatomy::skull:
+      return label == 2;
+    case Anatomy::brain:
+      return label == 3 || label == 4;
+    case Anatomy::ventricles:
+      return label == 4;
+  }
+  return false;
+}
+
+constexpr double cap_margin_mm = 3;
+
+Bounds without_caps(Bounds box) {
+  for (int i = 0; i < 3; ++i) {
+    box.min_mm[i] += cap_margin_mm;
+    box.max_mm[i] -= cap_margin_mm;
+  }
+  return box;
+}
+
+// The field's raster, over all of it and of the box.
+Lattice raster_over(const Field& field, const Bounds& box_mm) {
+  Box box{{0, 0, 0}, {0, 0, 0}};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 p =
+        field.to_index({corner & 1 ? box_mm.max_mm.x : box_mm.min_mm.x, corner & 2 ? box_mm.max_mm.y : box_mm.min_mm.y,
+                        corner & 4 ? box_mm.max_mm.z : box_mm.min_mm.z});
+    for (int a = 0; a < 3; ++a) {
+      box.begin[a] = std::min(box.begin[a], int(std::ceil(p[a] - 1e-3)));
+      box.end[a] = std::max(box.end[a], int(std::floor(p[a] + 1e-3)) + 1);
+    }
+  }
+  Lattice lattice = field;
+  lattice.origin_mm = field.to_world_mm({double(box.begin[0]), double(box.begin[1]), double(box.begin[2])});
+  for (int a = 0; a < 3; ++a) lattice.size[a] = std::max(box.end[a], field.size[a]) - box.begin[a];
+  return lattice;
+}
+
+}  // namespace
+
+TruthSurface truth_surface(const Truth& truth, Anatomy anatomy, const Progress& progress) {
+  return {&truth, anatomy, truth_mesh(truth.head, anatomy, truth.box_mm, 1.0, progress)};
+}
+
+Report measure_against_truth(const TriMesh& surface, const TruthSurface& known, const MeasureParams& params,
+                             const Progress& progress) {
+  const Truth& truth = *known.truth;
+  TruthReference reference;
+  reference.distance = [&](Vec3 p) { return truth.head.signed_distance_mm(known.anatomy, p); };
+  reference.mesh = &known.mesh;
+  reference.within = without_caps(truth.box_mm);
+  return measure_surface(surface, reference, params, progress);
+}
+
+Report measure_against_truth(const Field& field, const TruthSurface& known, int sample_count,
+                             const Progress& progress) {
+  const Truth& truth = *known.truth;
+  Mask solid = truth_labels(truth.head, raster_over(field, truth.box_mm), progress.part(0, 0.4));
+  for (std::uint8_t& v : solid.voxels) v = is_of(known.anatomy, v);
+  FieldTruth reference;
+  reference.solid = &solid;
+  reference.distance = [&](Vec3 p) { return truth.head.signed_distance_mm(known.anatomy, p); };
+  reference.mesh = &known.mesh;
+  reference.within = without_caps(truth.box_mm);
+  if (known.anatomy == Anatomy::skull)
+    reference.is_inner = [&](Vec3 p) {  // a millimetre outside of it lies what is within the dura
+      const Vec3 foot = truth.head.project_mm(known.anatomy, p);
+      Vec3 normal;
+      truth.head.implicit_mm(known.anatomy, foot, normal);
+      return truth.head.label(foot + normalized(normal)) >= 3;
+    };
+  return measure_field(field, reference, sample_count, progress.part(0.4, 1));
+}
+
+}  // namespace trephine::phantom

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/progress.h"
+#include "pipeline/executor.h"
+#include "pipeline/stage_cache.h"
+
+namespace trephine {
+
+/// What one piece of work gave and took, each time that it was done.
+struct Measurement {
+  Report report;
+  std::vector<double> seconds;  ///< of each repeat, in their order; empty where it was refused
+  double peak_memory_mb = 0;    ///< of the process while it ran with its inputs and nothing else; 0: not known
+  std::string refused;          ///< the quality gate (80) that it did not pass; empty: it did
+  double median_s() const;
+  double spread_s() const;  ///< largest less smallest
+};
+
+/// Measurements on disk, by key, so that a sweep goes on where it was stopped and computes nothing twice. A record that
+/// cannot be read is one that was never there.
+class MeasurementStore {
+ public:
+  /// Throws 73 where the folder cannot be made.
+  explicit MeasurementStore(std::filesystem::path folder);
+  /// Null where there is none.
+  const Measurement* find(const std::string& key);
+  const Measurement& keep(const std::string& key, Measurement measurement);
+  /// Removes what no key of the sweep asked for since this object was made.
+  int remove_unused();
+
+ private:
+  std::filesystem::path folder_;
+  std::map<std::string, Measurement> known_;
+  std::set<std::string> absent_;
+};
+
+/// Does it `repeats` times, alone, and measures. An Error 80 is kept as `refused`; any other is thrown.
+Measurement measure_work(int repeats, const std::function<void(Report& report, bool is_first)>& work);
+
+/// The stages of a sweep: each is computed once for all the points that share it, timed alone, repeated, and kept with
+/// its output in a stage cache.
+class TimedStages {
+ public:
+  struct Options {
+    int repeats = 3;
+    const StageCache* cache = nullptr;
+    const std::atomic<bool>* cancel = nullptr;
+    std::function<void(const std::string& node, double fraction)> progress;
+  };
+  TimedStages(MeasurementStore& store, Options options) : store_(store), options_(std::move(options)) {}
+
+  /// Measures what is not measured yet. The first stage that a quality gate refused, or nothing.
+  struct Refusal {
+    std::string node, why;
+  };
+  std::optional<Refusal> measure(const Graph& graph, const ExecuteOptions& execution);
+  /// The node's output: from memory, the cache, or computed again.
+  StageData data(const Graph& graph, int node, const ExecuteOptions& execution);
+  /// Lets go of what is held in memory.
+  void forget() { held_.clear(); }
+  /// Stages that had to be computed since the last call.
+  int take_measured_count() { return std::exchange(measured_, 0); }
+
+ private:
+  StageInputs inputs(const Graph& graph, int node, const ExecuteOptions& execution);
+  Progress progress_of(const std::string& node) const;
+
+  MeasurementStore& store_;
+  Options options_;
+  std::map<std::string, StageData> held_;  // by key
+  int measured_ = 0;
+};
+
+}  // namespace trephine

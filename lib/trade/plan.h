@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace trephine {
+
+/// "path" and the values that it takes, each as --set has it ("0.3", "[1, 1, 1]").
+struct SweptParameter {
+  std::string path;
+  std::vector<std::string> values;
+};
+
+/// Every combination of the values, the last parameter's fastest.
+struct TradeSweep {
+  std::string name;                   ///< a-z, 0-9, _
+  std::vector<std::string> settings;  ///< of every point of the sweep
+  std::vector<SweptParameter> values;
+};
+
+struct TradePlan {
+  std::vector<std::string> finest;  ///< settings of the result that deviations are measured to; it is a point too
+  std::vector<TradeSweep> sweeps;
+};
+
+/// A point that is to be measured.
+struct PlannedPoint {
+  std::string name;  ///< "bound/0.3", "finest"
+  std::string sweep;
+  std::vector<std::string> settings;
+};
+
+/// The finest, then the sweeps' points in their order; names are unique (the same point of two sweeps is measured
+/// once anyway).
+std::vector<PlannedPoint> points_of(const TradePlan& plan);
+
+/// What is swept where no plan is given: the bound of decimation, its count, smoothing, the voxel size of the scan with
+/// and without a bound that goes with it, and of the haptic volume where the case has one.
+TradePlan standard_plan(bool haptic);
+
+/// Reads a plan:
+///   trephine: 1
+///   finest: {PATH: VALUE, ...}
+///   sweeps:
+///     NAME:
+///       set: {PATH: VALUE, ...}
+///       values: {PATH: [VALUE, ...], ...}
+/// A value is a scalar or a list of scalars. Throws ErrorList (78) with file:line:column, 66 where the file is missing.
+TradePlan read_trade_plan(const std::filesystem::path& file);
+
+}  // namespace trephine

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <set>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/write_file.h"
+#include "trade/trade.h"
+
+extern char** environ;
+
+namespace trephine {
+namespace fs = std::filesystem;
+namespace {
+
+struct Axis {
+  TradeCost cost;
+  const char* file;
+  const char* label;
+  double unit;
+};
+constexpr Axis axes[] = {{TradeCost::seconds, "error_seconds", "seconds, all stages", 1},
+                         {TradeCost::triangles, "error_triangles", "triangles, thousands", 1e3},
+                         {TradeCost::bytes, "error_bytes", "case, MB", 1e6}};
+
+bool is_plotted(const PointTrade& p) { return p.total.refused.empty() && p.total.deviation_rms_mm > 0; }
+
+double truth_rms_mm(const PointTrade& p) {
+  double worst = 0;
+  for (const AnatomyTrade& a : p.anatomies)
+    if (a.to_truth) worst = std::max(worst, a.to_truth->rms_mm);
+  return worst;
+}
+
+// gnuplot's script with the data in it: a series a sweep, those beyond the scene's limits hollow, the front as a line.
+std::string script_of(const TradeResult& result, const Axis& axis, const std::string& terminal, const fs::path& file) {
+  std::string text = "set terminal " + terminal + "\nset output '" + file.string() + "'\n";
+  text +=
+      "set encoding utf8\nset logscale xy\nset grid xtics ytics mxtics mytics lc rgb '#dddddd', lc rgb '#eeeeee'\n"
+      "set key outside right top\nset xlabel '" +
+      std::string(axis.label) + "'\nset ylabel 'RMS deviation of the worst anatomy, mm'\nset pointsize 1.1\n";
+  std::vector<std::string> sweeps;
+  for (const PointTrade& p : result.points)
+    if (is_plotted(p) && std::find(sweeps.begin(), sweeps.end(), p.planned.sweep) == sweeps.end())
+      sweeps.push_back(p.planned.sweep);
+  std::string plot;
+  const auto block = [&](const std::string& name, const std::vector<std::pair<double, double>>& points,
+                         const std::string& style) {
+    if (points.empty()) return;
+    text += "$" + name + " << END\n";
+    for (const auto& [x, y] : points) text += fmt::format("{:.6g} {:.6g}\n", x, y);
+    text += "END\n";
+    plot += (plot.empty() ? "plot " : ", ") + ("$" + name) + " using 1:2 " + style;
+  };
+  const auto choosable = result.choosable();
+  std::vector<std::pair<double, double>> front, truth;
+  for (const std::size_t i : pareto_front(choosable, axis.cost, TradeError::rms)) {
+    if (choosable[i].deviation_rms_mm <= 0) continue;
+    front.emplace_back(cost_of(choosable[i], axis.cost) / axis.unit, choosable[i].deviation_rms_mm);
+    for (const PointTrade& p : result.points)
+      if (p.total == choosable[i] && truth_rms_mm(p) > 0)
+        truth.emplace_back(cost_of(p.total, axis.cost) / axis.unit, truth_rms_mm(p));
+  }
+  block("front", front, "with lines lw 2 lc rgb '#444444' title 'Pareto front'");
+  block("truth", truth, "with linespoints lw 1.5 dt 2 pt 2 lc rgb '#888888' title 'front, to the truth'");
+  const char* colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b", "#f0e442"};
+  const int filled[] = {7, 5, 9, 13, 11, 7, 5, 9}, hollow[] = {6, 4, 8, 12, 10, 6, 4, 8};
+  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+    std::vector<std::pair<double, double>> within, beyond;
+    for (const PointTrade& p : result.points)
+      if (is_plotted(p) && p.planned.sweep == sweeps[s])
+        (p.beyond_scene.empty() ? within : beyond)
+            .emplace_back(cost_of(p.total, axis.cost) / axis.unit, p.total.deviation_rms_mm);
+    const std::string n = std::to_string(s), colour = colours[s % 8];
+    block("within" + n, within,
+          fmt::format("with points pt {} lc rgb '{}' title '{}'", filled[s % 8], colour, sweeps[s]));
+    block("beyond" + n, beyond,
+          fmt::format("with points pt {} lc rgb '{}' title '{}, beyond the scene'", hollow[s % 8], colour, sweeps[s]));
+  }
+  return plot.empty() ? "" : text + plot + "\n";
+}
+
+// Throws 70 where it fails or there is none.
+void run_gnuplot(const fs::path& script) {
+  const std::string path = script.string();
+  const char* arguments[] = {"gnuplot", path.c_str(), nullptr};
+  pid_t child = 0;
+  const int failed = posix_spawnp(&child, "gnuplot", nullptr, nullptr, const_cast<char**>(arguments), environ);
+  if (failed) throw Error(ExitCode::internal, "gnuplot", "", std::strerror(failed));
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) throw Error(ExitCode::internal, "gnuplot", "", std::strerror(errno));
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    throw Error(ExitCode::internal, "gnuplot", "", "failed on " + script.string());
+}
+
+bool holds(const fs::path& file, const std::string& bytes) {
+  std::error_code ignored;
+  if (!fs::exists(file, ignored) || fs::file_size(file, ignored) != bytes.size()) return false;
+  const std::vector<char> now = read_file(file);
+  return std::equal(now.begin(), now.end(), bytes.begin(), bytes.end());
+}
+
+void write_if_new(const fs::path& file, const std::string& bytes) {
+  if (!holds(file, bytes)) write_file(file, bytes);
+}
+
+// The script stays beside the measurements: it tells whether the picture is of these data.
+void plot(const TradeResult& result, const Axis& axis, const fs::path& out, const char* ending,
+          const std::string& terminal) {
+  const fs::path picture = out / (axis.file + std::string(ending));
+  const fs::path drawn = out / ".trade" / (axis.file + std::string(ending) + ".new");
+  const fs::path script = out / ".trade" / (axis.file + std::string(ending) + ".gp");
+  const std::string text = script_of(result, axis, terminal, drawn);
+  std::error_code ignored;
+  if (text.empty() || (holds(script, text) && fs::exists(picture, ignored))) return;
+  fs::remove(script, ignored);
+  const fs::path running = out / ".trade" / (axis.file + std::string(ending) + ".running.gp");
+  write_file(running, text);
+  run_gnuplot(running);
+  const std::vector<char> bytes = read_file(drawn);
+  write_file(picture, {bytes.data(), bytes.size()});
+  fs::remove(drawn, ignored);
+  fs::remove(running, ignored);
+  write_file(script, text);
+}
+
+}  // namespace
+
+void write_trade(const TradeResult& result, const fs::path& out, const std::string& program_version) {
+  write_if_new(out / "trade.csv", trade_csv(result));
+  write_if_new(out / "trade.json", trade_json(result, program_version));
+  try {
+    for (const Axis& axis : axes) {
+      plot(result, axis, out, ".png", "pngcairo size 1100,700 font 'sans,11'");
+      plot(result, axis, out, ".svg", "svg size 1100,700 font 'sans,11' background '#ffffff'");
+    }
+  } catch (const Error& e) {
+    if (e.code() != ExitCode::internal) throw;
+    log_warning("the plots are left out: " + e.file() + ": " + e.what());
+  }
+}
+
+}  // namespace trephine

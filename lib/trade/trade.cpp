@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "trade/trade.h"
+
+#include <algorithm>
+#include <map>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/log.h"
+#include "base/write_file.h"
+#include "cases/case.h"
+#include "metrics/deviation.h"
+#include "phantom/measure_truth.h"
+#include "pipeline/case_content.h"
+#include "pipeline/figures.h"
+#include "pipeline/run_case.h"
+#include "trade/measured.h"
+#include "voxel/mismatch.h"
+
+namespace trephine {
+namespace fs = std::filesystem;
+namespace {
+
+// Raised when what is compared changes, for the same surfaces.
+constexpr int comparison_version = 1;
+
+TradeDeviation deviation_in(const Report& report) {
+  TradeDeviation d;
+  d.rms_mm = number_in(report, "deviation_rms_mm");
+  d.p99_mm = number_in(report, "deviation_p99_mm");
+  d.max_mm = number_in(report, "deviation_max_mm");
+  d.to_reference_max_mm = number_in(report, "to_reference_max_mm");
+  d.from_reference_max_mm = number_in(report, "from_reference_max_mm");
+  d.to_reference_rms_mm = number_in(report, "to_reference_rms_mm");
+  d.from_reference_rms_mm = number_in(report, "from_reference_rms_mm");
+  return d;
+}
+
+// A point as it is run: without the scene's limits.
+struct Prepared {
+  PlannedPoint planned;
+  CaseConfig config;
+  std::vector<SceneAnatomy> limits;
+  Graph graph;
+  ExecuteOptions execution;
+};
+
+class Sweep {
+ public:
+  Sweep(const TradeRequest& request, const TradeObserver& observer)
+      : request_(request),
+        observer_(observer),
+        store_(request.out / ".trade" / "measured"),
+        cache_(request.out / ".trade" / "stages"),
+        stages_(store_, {request.params.repeats_count, &cache_, &cancel_requested(),
+                         [this](const std::string& work, double done) { tell(work, done); }}) {
+    if (!request.truth.empty()) truth_ = phantom::read_truth(request.truth);
+  }
+
+  TradeResult run() {
+    const CaseConfig plain = read({});
+    const TradePlan plan = request_.plan.empty() ? standard_plan(plain.haptic.wanted) : read_trade_plan(request_.plan);
+    // All of them before the first is computed: a fault in the last one's settings shows now.
+    for (PlannedPoint& p : points_of(plan)) prepared_.push_back(prepare(std::move(p)));
+    TradeResult result;
+    result.has_truth = truth_.has_value();
+    for (at_ = 0; at_ < prepared_.size(); ++at_) {
+      cancel_check();
+      result.points.push_back(measure(prepared_[at_]));
+      if (at_ == 0 && !result.points[0].total.refused.empty())
+        throw Error(
+            ExitCode::quality, request_.config.string(), "finest",
+            "the finest result is refused, so nothing can be measured against it: " + result.points[0].total.refused);
+    }
+    for (PointTrade& p : result.points) compare_volumes(result.points[0], p);
+    result.measured_count = measured_;
+    store_.remove_unused();
+    cache_.shrink_to(static_cast<std::uint64_t>(request_.params.cache_limit_mb) * 1'000'000);
+    return result;
+  }
+
+ private:
+  void tell(const std::string& work, double done) const {
+    if (observer_) observer_(at_, prepared_.size(), work, done);
+  }
+  static void cancel_check() { Progress({}, &cancel_requested()).check(); }
+
+  CaseConfig read(const std::vector<std::string>& settings) const {
+    ConfigOverrides overrides = request_.overrides;
+    overrides.without_rule = true;
+    // What the user sets on the command line holds for every point; a swept path wins over it.
+    overrides.set.insert(overrides.set.end(), settings.begin(), settings.end());
+    CaseConfig config = read_case_config(request_.config, overrides);
+    if (config.series.empty())
+      throw Error(ExitCode::usage, request_.config.string(), "series",
+                  "the configuration names none, give --series FOLDER");
+    return config;
+  }
+
+  Prepared prepare(PlannedPoint planned) {
+    Prepared p;
+    p.config = with_field("point " + planned.name, [&] { return read(planned.settings); });
+    p.planned = std::move(planned);
+    require_face_policy(p.config);
+    p.limits = p.config.scene;
+    for (SceneAnatomy& a : p.config.scene) a.max_deviation_mm = 0, a.max_triangles = 0;
+    p.config.trade = {};
+    if (p.config.case_token.empty()) p.config.case_token = "trade";
+    p.execution.series = p.config.series;
+    p.execution.input_sha256 = input_hash(p.config);
+    p.execution.cancel = &cancel_requested();
+    p.graph = make_graph(p.config, p.execution.input_sha256);
+    return p;
+  }
+
+  std::string input_hash(const CaseConfig& config) {
+    Sha256 hash;
+    hash.text(config.series.string());
+    const AnyParams import = AnyParams::make<ImportParams>(config.import);
+    for (const Parameter& p : import.set->parameters) hash.text(to_text(import.get(p)));
+    std::string& known = input_hashes_[hash.hex()];
+    if (known.empty()) known = hash_of_series_input(config.series, config.import, Progress({}, &cancel_requested()));
+    return known;
+  }
+
+  PointTrade measure(const Prepared& p) {
+    PointTrade out;
+    out.planned = p.planned;
+    out.total.name = p.planned.name;
+    out.total.settings = p.planned.settings;
+    stages_.forget();
+    const auto refusal = stages_.measure(p.graph, p.execution);
+    measured_ += stages_.take_measured_count();
+    if (refusal) {
+      out.total.refused = refusal->node + ": " + refusal->why;
+      return out;
+    }
+    for (const Node& node : p.graph.nodes) add_stage(out, node.name, *store_.find(node.key));
+    const Measurement& published = publish(p);
+    if (!published.refused.empty()) {
+      out.total.refused = published.refused;
+      return out;
+    }
+    add_stage(out, "publish", published);
+    out.total.bytes = static_cast<std::int64_t>(number_in(published.report, "bytes"));
+    for (std::size_t i = 0; i < p.graph.anatomies.size(); ++i) add_anatomy(p, i, published.report, out);
+    if (p.graph.haptic >= 0)
+      for (const SceneShape& shape : p.config.haptic.shapes) add_shape(p, shape.name, out);
+    return out;
+  }
+
+  static void add_stage(PointTrade& out, const std::string& name, const Measurement& m) {
+    out.stages.push_back({name, m.median_s(), m.spread_s(), m.peak_memory_mb});
+    out.total.seconds += m.median_s();
+    out.total.peak_memory_mb = std::max(out.total.peak_memory_mb, m.peak_memory_mb);
+  }
+
+  // The case's files, made and checked but not written.
+  const Measurement& publish(const Prepared& p) {
+    const std::vector<int> wanted = wanted_nodes(p.graph, false);
+    Sha256 hash;
+    hash.text("trade publish").integer(comparison_version);
+    for (const int node : wanted) hash.text(p.graph.nodes[std::size_t(node)].key);
+    const std::string key = hash.hex();
+    if (const Measurement* known = store_.find(key);
+        known && (!known->refused.empty() || int(known->seconds.size()) >= request_.params.repeats_count))
+      return *known;
+    tell("publish", 0);
+    ++measured_;
+    std::vector<NodeResult> results(p.graph.nodes.size());
+    for (std::size_t i = 0; i < results.size(); ++i) results[i].report = store_.find(p.graph.nodes[i].key)->report;
+    for (const int node : wanted) results[std::size_t(node)].data = stages_.data(p.graph, node, p.execution);
+    return store_.keep(key, measure_work(request_.params.repeats_count, [&](Report& report, bool) {
+                         const CaseContent content =
+                             make_case_content(p.config, p.graph, results, "trephine " + request_.program_version,
+                                               p.execution.input_sha256, false, Progress({}, &cancel_requested()));
+                         std::size_t bytes = 0;
+                         for (const CaseContent::File& f : content.files) bytes += f.bytes.size();
+                         report.add("bytes", bytes);
+                         for (const AnatomyResult& a : content.anatomies) {
+                           report.add(a.name + ".triangles", a.triangles_after);
+                           report.add(a.name + ".bytes", static_cast<std::int64_t>(a.bytes_after));
+                           report.add(a.name + ".volume_ml", a.volume_ml);
+                           report.add(a.name + ".deviation_max_mm", a.deviation_max_mm);
+                         }
+                       }));
+  }
+
+  // A comparison that is made once for all the points that share its sides.
+  const Report& compared(const std::string& what, const std::vector<std::string>& keys,
+                         const std::function<void(Report&)>& compare) {
+    Sha256 hash;
+    hash.text("trade " + what).integer(comparison_version).integer(request_.params.sample_count);
+    for (const std::string& k : keys) hash.text(k);
+    const std::string key = hash.hex();
+    if (const Measurement* known = store_.find(key); known && known->refused.empty()) return known->report;
+    tell(what, 0);
+    ++measured_;
+    Measurement m;
+    compare(m.report);
+    return store_.keep(key, std::move(m)).report;
+  }
+
+  TriMesh mesh(const Prepared& p, int node) {
+    return *std::get<std::shared_ptr<const TriMesh>>(stages_.data(p.graph, node, p.execution));
+  }
+  static const std::string& key_of(const Prepared& p, int node) { return p.graph.nodes[std::size_t(node)].key; }
+
+  void add_anatomy(const Prepared& p, std::size_t index, const Report& published, PointTrade& out) {
+    const Graph::Anatomy& nodes = p.graph.anatomies[index];
+    const Prepared& finest = prepared_[0];
+    const int reference = finest.graph.anatomies[index].surface;
+    AnatomyTrade a;
+    a.name = nodes.name;
+    a.triangles_count = static_cast<std::int64_t>(number_in(published, a.name + ".triangles"));
+    a.bytes = static_cast<std::int64_t>(number_in(published, a.name + ".bytes"));
+    a.volume_ml = number_in(published, a.name + ".volume_ml");
+    DeviationParams params;
+    params.sample_count = request_.params.sample_count;
+    if (key_of(p, nodes.surface) != key_of(finest, reference))
+      a.to_finest = deviation_in(
+          compared("deviation", {key_of(p, nodes.surface), key_of(finest, reference)}, [&](Report& report) {
+            add_deviation(report, measure_deviation(mesh(p, nodes.surface), mesh(finest, reference), params));
+          }));
+    if (truth_) add_truth(p, nodes, a);
+    if (p.graph.mismatch >= 0) {
+      const Report& report = store_.find(key_of(p, p.graph.mismatch))->report;
+      if (report.find(a.name + ".mismatch_rms_mm")) a.mismatch_rms_mm = number_in(report, a.name + ".mismatch_rms_mm");
+    }
+    out.total.triangles_count += a.triangles_count;
+    out.total.deviation_max_mm = std::max(out.total.deviation_max_mm, a.to_finest.max_mm);
+    out.total.deviation_p99_mm = std::max(out.total.deviation_p99_mm, a.to_finest.p99_mm);
+    out.total.deviation_rms_mm = std::max(out.total.deviation_rms_mm, a.to_finest.rms_mm);
+    const SceneAnatomy& limit = p.limits[index];
+    if (out.beyond_scene.empty() && limit.max_triangles > 0 && a.triangles_count > limit.max_triangles)
+      out.beyond_scene = a.name + ": " + std::to_string(a.triangles_count) + " triangles, the scene allows " +
+                         std::to_string(limit.max_triangles);
+    if (const double moved_mm = number_in(published, a.name + ".deviation_max_mm");
+        out.beyond_scene.empty() && limit.max_deviation_mm > 0 && moved_mm > limit.max_deviation_mm)
+      out.beyond_scene = a.name + ": " + to_text(ParameterValue(moved_mm)) +
+                         " mm from the unreduced surface, the scene allows " +
+                         to_text(ParameterValue(limit.max_deviation_mm));
+    out.anatomies.push_back(std::move(a));
+  }
+
+  const phantom::TruthSurface* truth_of(const std::string& anatomy) {
+    const auto known = truth_surfaces_.find(anatomy);
+    if (known != truth_surfaces_.end()) return &known->second;
+    for (const phantom::Anatomy a : phantom::all_anatomies)
+      if (anatomy == phantom::name_of(a)) return &(truth_surfaces_[anatomy] = phantom::truth_surface(*truth_, a));
+    return nullptr;
+  }
+
+  void add_truth(const Prepared& p, const Graph::Anatomy& nodes, AnatomyTrade& out) {
+    const bool known = std::any_of(phantom::all_anatomies.begin(), phantom::all_anatomies.end(),
+                                   [&](phantom::Anatomy a) { return out.name == phantom::name_of(a); });
+    if (!known) return;
+    if (truth_sha256_.empty()) truth_sha256_ = sha256_of_file(request_.truth);
+    MeasureParams params;
+    params.sample_count = request_.params.sample_count;
+    params.validity = false;
+    out.to_truth =
+        deviation_in(compared("truth " + out.name, {key_of(p, nodes.surface), truth_sha256_}, [&](Report& report) {
+          report = phantom::measure_against_truth(mesh(p, nodes.surface), *truth_of(out.name), params);
+        }));
+    const Node& contour = p.graph.nodes[std::size_t(nodes.first_surface)];
+    const int field = contour.sources.begin()->second;
+    if (p.graph.nodes[std::size_t(field)].output != DataKind::field) return;
+    out.dice_ratio =
+        number_in(compared("Dice " + out.name, {key_of(p, field), truth_sha256_},
+                           [&](Report& report) {
+                             report = phantom::measure_against_truth(
+                                 *std::get<std::shared_ptr<const Field>>(stages_.data(p.graph, field, p.execution)),
+                                 *truth_of(out.name), params.sample_count);
+                           }),
+                  "dice_ratio");
+  }
+
+  void add_shape(const Prepared& p, const std::string& name, PointTrade& out) {
+    const Prepared& finest = prepared_[0];
+    const auto& sources = finest.graph.nodes[std::size_t(finest.graph.haptic)].sources;
+    const auto contour = sources.find("shape." + name);
+    if (contour == sources.end()) return;  // a volume of raw HU
+    const Report& report =
+        compared("felt " + name, {key_of(p, p.graph.haptic), name, key_of(finest, contour->second)}, [&](Report& r) {
+          const auto haptic =
+              std::get<std::shared_ptr<const HapticVolume>>(stages_.data(p.graph, p.graph.haptic, p.execution));
+          const TriMesh surface = mesh(finest, contour->second);
+          for (const FeltSurface felt : {FeltSurface::sub_voxel, FeltSurface::nearest}) {
+            MismatchParams params;
+            params.sample_count = request_.params.sample_count;
+            params.felt = felt;
+            const Mismatch m = measure_mismatch(surface, *haptic, *haptic->find_shape(name), params);
+            const std::string prefix = felt == FeltSurface::nearest ? "nearest_" : "sub_voxel_";
+            r.add(prefix + "rms_mm", m.rms_mm);
+            r.add(prefix + "p99_mm", m.p99_mm);
+            r.add(prefix + "missed_ratio", m.missed_ratio);
+          }
+        });
+    out.shapes.push_back({name, number_in(report, "sub_voxel_rms_mm"), number_in(report, "sub_voxel_p99_mm"),
+                          number_in(report, "nearest_rms_mm"), number_in(report, "nearest_p99_mm"),
+                          number_in(report, "sub_voxel_missed_ratio")});
+  }
+
+  static void compare_volumes(const PointTrade& finest, PointTrade& p) {
+    for (std::size_t i = 0; i < p.anatomies.size(); ++i)
+      if (const double volume_ml = finest.anatomies[i].volume_ml; volume_ml > 0)
+        p.anatomies[i].volume_change_percent = 100 * (p.anatomies[i].volume_ml / volume_ml - 1);
+  }
+
+  const TradeRequest& request_;
+  const TradeObserver& observer_;
+  MeasurementStore store_;
+  StageCache cache_;
+  TimedStages stages_;
+  std::optional<phantom::Truth> truth_;
+  std::string truth_sha256_;
+  std::map<std::string, phantom::TruthSurface> truth_surfaces_;
+  std::map<std::string, std::string> input_hashes_;
+  std::vector<Prepared> prepared_;
+  std::size_t at_ = 0;
+  int measured_ = 0;
+};
+
+}  // namespace
+
+std::vector<TradePoint> TradeResult::choosable() const {
+  std::vector<TradePoint> all;
+  for (const PointTrade& p : points)
+    if (p.total.refused.empty() && p.beyond_scene.empty()) all.push_back(p.total);
+  return all;
+}
+
+TradeResult measure_trade(const TradeRequest& request, const TradeObserver& observer) {
+  make_output_folder(request.out);
+  make_output_folder(request.out / ".trade");
+  return Sweep(request, observer).run();
+}
+
+}  // namespace trephine

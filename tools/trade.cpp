@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "trade/trade.h"
+
+#include <cstdio>
+
+#include "cli/progress_display.h"
+#include "commands.h"
+
+namespace trephine {
+namespace {
+
+Argument argument(const char* name, Argument::Kind kind, const char* help) {
+  Argument a;
+  a.name = name;
+  a.kind = kind;
+  a.help = help;
+  return a;
+}
+
+}  // namespace
+
+Command trade_command() {
+  using Kind = Argument::Kind;
+  Command c;
+  c.name = "trade";
+  c.summary = "measures what accuracy costs in a case: seconds, triangles, bytes";
+  c.description =
+      "Makes the configuration's case many times over with other parameters, each stage timed alone and repeated, and "
+      "measures every result against the finest one and, of a phantom, against the truth. Stages that two points share "
+      "are computed once; a sweep that was stopped goes on where it was. OUT gets trade.csv, trade.json, from which "
+      "`trade:` with accuracy, budget or profile in a configuration chooses a point, and plots.";
+  c.examples = {"trephine trade configs/sample.yaml --out trade",
+                "trephine trade configs/ct_head.yaml --series head/dicom --truth head/truth/truth.json --out trade",
+                "trephine trade configs/sample.yaml --plan configs/trade/quick.yaml --out trade --repeats-count 1"};
+  Argument config = argument("config", Kind::in_file, "Configuration of the case (.yaml).");
+  config.positional = config.required = true;
+  Argument out = argument("out", Kind::out_folder, "Folder of the results.");
+  out.required = true;
+  Argument set = argument("set", Kind::text, "Override of all points, as `run` has it; what is swept wins over it.");
+  Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
+  set.repeated = root.repeated = true;
+  c.arguments = {
+      config,
+      out,
+      argument("plan", Kind::in_file, "What is swept (.yaml); without it bounds, counts, smoothing, voxels."),
+      argument("series", Kind::in_path, "Folder of the CT series; overrides the configuration's."),
+      argument("truth", Kind::in_file, "Truth of a phantom (truth.json)."),
+      argument("landmarks", Kind::in_file, "Landmarks that a person placed, as `run` has it."),
+      set,
+      root};
+  c.groups = {ParameterGroup::of<TradeParams>("Parameters")};
+  c.run = [](const ParsedCommand& parsed) {
+    TradeRequest request;
+    request.config = parsed.path("config");
+    request.plan = parsed.path("plan");
+    request.out = parsed.path("out");
+    request.truth = parsed.path("truth");
+    request.overrides.series = parsed.path("series");
+    request.overrides.landmarks = parsed.path("landmarks");
+    request.overrides.set = parsed.all("set");
+    for (const std::string& r : parsed.all("root")) request.overrides.roots.emplace_back(r);
+    request.params = parsed.params<TradeParams>();
+    request.program_version = TREPHINE_VERSION;
+    TradeResult result;
+    {
+      ProgressDisplay display(parsed.quiet);
+      display.start("sweep");
+      std::string shown;
+      result = measure_trade(request, [&](std::size_t point, std::size_t count, const std::string& work, double done) {
+        if (work != shown) {
+          if (!shown.empty()) display.finish(shown);
+          display.start(shown = work);
+        }
+        display.report(work, done);
+        display.report("sweep", double(point) / double(count));
+      });
+      if (!shown.empty()) display.finish(shown);
+      display.finish("sweep", std::to_string(result.points.size()) + " points, " +
+                                  std::to_string(result.measured_count) + " measurements made");
+    }
+    write_trade(result, request.out, request.program_version);
+    if (!parsed.quiet) std::printf("\n%s\n%s\n", trade_table(result).c_str(), (request.out / "trade.json").c_str());
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+}  // namespace trephine
