@@ -49,7 +49,7 @@ struct ParameterGroup {
 struct ParsedCommand;
 
 struct Command {
-  std::string name;         ///< one word
+  std::string name;         ///< one word; or two, of which commands of a group share the first ("library build")
   std::string summary;      ///< one line, without a full stop
   std::string description;  ///< a paragraph or more (empty lines between them)
   std::vector<Argument> arguments;

@@ -16,6 +16,17 @@ void check_name(const std::string& command, const std::string& name) {
 
 }  // namespace
 
+std::string page_of(const Command& command) {
+  std::string page = command.name;
+  std::replace(page.begin(), page.end(), ' ', '-');
+  return page;
+}
+
+std::string group_of(const Command& command) {
+  const std::size_t space = command.name.find(' ');
+  return space == std::string::npos ? std::string() : command.name.substr(0, space);
+}
+
 std::string flag_of(const std::string& name) {
   std::string flag = "--" + name;
   std::replace(flag.begin(), flag.end(), '_', '-');
@@ -99,7 +110,11 @@ void check_declarations(const Program& program) {
     if (!commands.insert(c.name).second) throw Error(ExitCode::internal, "", c.name, "declared twice");
     if (c.summary.empty() || !c.run)
       throw Error(ExitCode::internal, "", c.name, "declared without a summary or a function");
-    check_name(c.name, c.name);
+    const std::string group = group_of(c);
+    if (!group.empty()) check_name(c.name, group);
+    check_name(c.name, group.empty() ? c.name : c.name.substr(group.size() + 1));
+    for (const Command& other : program.commands)
+      if (!group.empty() && other.name == group) throw Error(ExitCode::internal, "", group, "declared as a group too");
     std::set<std::string> flags = {"--help"};
     const auto add = [&](const std::string& name, const std::string& help) {
       check_name(c.name, name);

@@ -13,6 +13,10 @@ constexpr const char* help_help = "Show this help and end.";
 constexpr const char* version_help = "Show the version and end.";
 constexpr const char* common_title = "Common";
 
+/// "library build" -> library-build: what pages and completion call a command.
+std::string page_of(const Command& command);
+/// "library" of "library build"; empty for a command of one word.
+std::string group_of(const Command& command);
 /// max_deviation_mm -> --max-deviation-mm
 std::string flag_of(const std::string& name);
 /// What stands for an argument's value: FILE, FOLDER, PATH, TEXT, or its choices.

@@ -131,7 +131,7 @@ std::string head(const Program& program, const std::string& page, const std::str
 std::string reference_to(const std::string& page) { return ".BR " + literal(page) + " (1)"; }
 
 std::string command_page(const Program& program, const Command& c) {
-  std::string page = head(program, program.name + "-" + c.name, c.summary) + ".SH SYNOPSIS\n";
+  std::string page = head(program, program.name + "-" + page_of(c), c.summary) + ".SH SYNOPSIS\n";
   const std::vector<std::string> parts = usage_of(program, c);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     std::string part = i == 0 ? bold(parts[i]) : literal(parts[i]);
@@ -171,7 +171,7 @@ std::string program_page(const Program& program) {
   for (const Command& c : program.commands) {
     if (c.hidden) continue;
     page += entry(bold(c.name), sentence(c.summary));
-    pages += (pages.empty() ? "" : ",\n") + reference_to(program.name + "-" + c.name);
+    pages += (pages.empty() ? "" : ",\n") + reference_to(program.name + "-" + page_of(c));
   }
   page += entry(bold("help") + " [" + italic("COMMAND") + "]", "Show what a command takes.");
   page += ".SH OPTIONS\n" + entry(bold("--help"), help_help) + entry(bold("--version"), version_help);
@@ -189,7 +189,7 @@ std::vector<std::pair<std::string, std::string>> man_pages(const Program& progra
   check_declarations(program);
   std::vector<std::pair<std::string, std::string>> pages = {{program.name + ".1", program_page(program)}};
   for (const Command& c : program.commands)
-    if (!c.hidden) pages.emplace_back(program.name + "-" + c.name + ".1", command_page(program, c));
+    if (!c.hidden) pages.emplace_back(program.name + "-" + page_of(c) + ".1", command_page(program, c));
   return pages;
 }
 

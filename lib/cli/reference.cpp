@@ -56,7 +56,7 @@ std::string index_page(const Program& program) {
   page += "A parameter has one name: `--max-gap-mm` on the command line is `max_gap_mm` in YAML and in manifests.\n\n";
   page += "| Command | Purpose |\n|---|---|\n";
   for (const Command& c : program.commands)
-    if (!c.hidden) page += "| [" + c.name + "](" + c.name + ".md) | " + cell(c.summary) + " |\n";
+    if (!c.hidden) page += "| [" + c.name + "](" + page_of(c) + ".md) | " + cell(c.summary) + " |\n";
   page += "\nExit codes and the form of error messages are the same for all commands.\n";
   return page;
 }
@@ -119,7 +119,7 @@ std::string schema_page(const Program& program) {
     if (c.hidden || c.groups.empty()) continue;
     Json properties = Json::object();
     for (const ParameterGroup& g : c.groups) add_properties(properties, g.make());
-    root["$defs"][c.name] = {
+    root["$defs"][page_of(c)] = {
         {"description", c.summary}, {"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
   }
   return root.dump(2) + "\n";
@@ -138,7 +138,7 @@ std::vector<std::pair<std::string, std::string>> reference_pages(const Program& 
   std::vector<std::pair<std::string, std::string>> pages = {{"index.md", index_page(program)},
                                                             {"parameters.schema.json", schema_page(program)}};
   for (const Command& c : program.commands)
-    if (!c.hidden) pages.emplace_back(c.name + ".md", command_page(program, c));
+    if (!c.hidden) pages.emplace_back(page_of(c) + ".md", command_page(program, c));
   if (program.more_reference_pages)
     for (auto& page : program.more_reference_pages()) pages.push_back(std::move(page));
   return pages;

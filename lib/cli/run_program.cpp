@@ -54,16 +54,48 @@ void add_own_commands(Program& program) {
   program.commands.push_back(std::move(completion));
 }
 
-const Command& find_command(const Program& program, const std::string& name) {
-  std::vector<std::string> known = {"--help", "--version", "help"};
+[[noreturn]] void refuse_in_group(const std::string& group, const std::string& word,
+                                  const std::vector<std::string>& known) {
+  std::string all;
+  for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
+  const std::string near = nearest_name(word, known);
+  throw Error(ExitCode::usage, "", word.empty() ? group : group + " " + word,
+              word.empty()   ? "needs one of these after it: " + all
+              : near.empty() ? "unknown command; these are known: " + all
+                             : "unknown command; did you mean " + group + " " + near + "?");
+}
+
+// The command that the words begin with, and how many of them are its name.
+const Command& find_command(const Program& program, const std::vector<std::string>& words, std::size_t& taken) {
+  const std::string name = words[0], second = words.size() > 1 ? words[1] : "";
+  std::vector<std::string> known = {"--help", "--version", "help"}, in_group;
   for (const Command& c : program.commands) {
-    if (c.name == name) return c;
-    if (!c.hidden) known.push_back(c.name);
+    const std::string group = group_of(c);
+    taken = group.empty() ? 1 : 2;
+    if (c.name == (group.empty() ? name : name + " " + second)) return c;
+    if (!c.hidden && group == name) in_group.push_back(c.name.substr(group.size() + 1));
+    if (!c.hidden && (group.empty() || known.back() != group)) known.push_back(group.empty() ? c.name : group);
   }
+  if (!in_group.empty()) refuse_in_group(name, second, in_group);
   const std::string near = nearest_name(name, known);
   throw Error(ExitCode::usage, "", name,
               std::string("unknown ") + (name.rfind("-", 0) == 0 ? "flag" : "command") +
                   (near.empty() ? "; " + program.name + " --help lists them" : "; did you mean " + near + "?"));
+}
+
+// Of a command; of a group's first word alone what all its commands are.
+std::string help_of(const Program& program, const std::vector<std::string>& words, std::size_t& taken) {
+  Program group = program;
+  group.name += " " + words[0];
+  group.commands.clear();
+  for (Command c : program.commands)
+    if (group_of(c) == words[0]) {
+      c.name.erase(0, words[0].size() + 1);
+      group.commands.push_back(std::move(c));
+    }
+  if (words.size() > 1 || group.commands.empty()) return command_help(program, find_command(program, words, taken));
+  taken = 1;
+  return program_help(group);
 }
 
 ExitCode run(const Program& program, const std::vector<std::string>& words, std::string& who) {
@@ -73,19 +105,26 @@ ExitCode run(const Program& program, const std::vector<std::string>& words, std:
     std::cout << program_help(program);
     return ExitCode::ok;
   }
+  std::size_t taken = 0;
   if (words[0] == "help") {
     who += " help";
-    if (words.size() > 2) throw Error(ExitCode::usage, "", words[2], "is one word too many");
-    std::cout << (words.size() == 1 ? program_help(program) : command_help(program, find_command(program, words[1])));
+    const std::vector<std::string> rest(words.begin() + 1, words.end());
+    const std::string text = rest.empty() ? program_help(program) : help_of(program, rest, taken);
+    if (rest.size() > taken) throw Error(ExitCode::usage, "", rest[taken], "is one word too many");
+    std::cout << text;
     return ExitCode::ok;
   }
   if (words[0] == "--version") {
     std::cout << program.name << " " << program.version << "\n";
     return ExitCode::ok;
   }
-  const Command& command = find_command(program, words[0]);
+  if (words.size() == 2 && (words[1] == "--help" || words[1] == "-h")) {
+    std::cout << help_of(program, {words[0]}, taken);
+    return ExitCode::ok;
+  }
+  const Command& command = find_command(program, words, taken);
   who += " " + command.name;
-  const std::vector<std::string> own(words.begin() + 1, words.end());
+  const std::vector<std::string> own(words.begin() + static_cast<std::ptrdiff_t>(taken), words.end());
   for (const std::string& word : own) {
     if (word == "--") break;
     if (word != "--help" && word != "-h") continue;

@@ -29,7 +29,7 @@ version=$(dpkg-deb -f "$deb" Version)
 [[ $("$TREPHINE" --version) == "trephine $version" ]] || fail "version $version"
 [[ $(head -1 "$SOURCE/cmake/debian/changelog") == "trephine ($version) "* ]] || fail "cmake/debian/changelog is not of $version"
 dpkg-deb -f "$deb" Depends >"$work/depends"
-for library in libc6 libstdc++6 libfmt libssl libvtk libgdcm libyaml-cpp; do
+for library in ninja-build libc6 libstdc++6 libfmt libssl libvtk libgdcm libyaml-cpp; do
   grep -q "$library" "$work/depends" || { cat "$work/depends"; fail "does not depend on $library"; }
 done
 [[ $(dpkg-deb -f "$dev" Depends) == *libfmt-dev* ]] || fail "trephine-dev does not depend on libfmt-dev"
@@ -40,7 +40,7 @@ dpkg-deb -c "$deb" >"$work/list"
 ! awk '$2 != "root/root" || $1 !~ /^(-rw-r--r--|[-d]rwxr-xr-x)$/' "$work/list" | grep . || fail "owner or mode"
 ! awk '!/\/$/ { print $6 }' "$work/list" | grep -vxE -e '\./usr/bin/trephine(-sim)?' \
   -e '\./usr/share/trephine/(trephine\.root|(pipelines|configs|configs/scenes)/[a-z_]+\.yaml|sample_dicom/slice_[0-9]{4}\.dcm)' \
-  -e '\./usr/share/doc/trephine/docs/(reference|reference-sim)/[a-z.]+\.(md|json)' \
+  -e '\./usr/share/doc/trephine/docs/(reference|reference-sim)/[a-z.-]+\.(md|json)' \
   -e '\./usr/share/doc/trephine/(README\.md|LICENSE|copyright|changelog\.gz|docs/[a-z-]+\.(md|schema\.json))' \
   -e '\./usr/share/man/man1/trephine[a-z-]*\.1\.gz' \
   -e '\./usr/share/bash-completion/completions/trephine(-sim)?' || fail "these do not belong there"
@@ -71,7 +71,7 @@ cmp <(cd "$work/library/sample" && ls meshes haptic*) <(cd "$work/library/own" &
 
 # A page for every command, which renders without a warning.
 for program in trephine trephine-sim; do
-  pages=$("${clean[@]}" $program --help | sed -n '/^Commands:/,/^$/ s/^  \([a-z]*\) .*/-\1/p')
+  pages=$("${clean[@]}" $program --help | sed -n '/^Commands:/,/^$/ { s/^  \([a-z]*\) \([a-z]\+\)  .*/-\1-\2/p; s/^  \([a-z]*\) .*/-\1/p }')
   [[ $(wc -w <<<"$pages") -ge 2 ]] || fail "commands of $program: $pages"
   for page in '' $pages; do
     page=$root/usr/share/man/man1/$program$page.1.gz

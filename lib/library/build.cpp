@@ -1,0 +1,410 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "library/build.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "base/log.h"
+#include "base/parallel.h"
+#include "base/text.h"
+#include "base/write_file.h"
+#include "library/ninja.h"
+#include "library/sheet.h"
+#include "pipeline/case_lock.h"
+
+namespace trephine {
+namespace fs = std::filesystem;
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::size_t most_reasons = 3;
+constexpr const char* cache_name = ".trephine-cache";
+
+std::string rounded(double v) { return to_text(std::round(v * 10) / 10); }
+
+// What the kernel says is free, and the group's limit where the build runs in one.
+double free_memory_mb() {
+  double mb = 1024;
+  std::ifstream info("/proc/meminfo");
+  std::string key, rest;
+  for (double kb; info >> key >> kb && std::getline(info, rest);)
+    if (key == "MemAvailable:") mb = kb / 1024;
+  std::ifstream limit("/sys/fs/cgroup/memory.max"), used("/sys/fs/cgroup/memory.current");
+  double most = 0, now = 0;
+  if (limit >> most && used >> now) mb = std::min(mb, (most - now) / (1 << 20));
+  return std::max(mb, 256.0);
+}
+
+// The stage that the log names last: "skull.decimate 45 % ..." or "skull.decimate: 12.3 s".
+std::string stage_in(const fs::path& log) {
+  std::ifstream in(log, std::ios::binary);
+  in.seekg(0, std::ios::end);
+  const auto size = static_cast<long long>(in.tellg());
+  if (size <= 0) return "";
+  const long long from = std::max(0LL, size - 400);
+  in.seekg(from);
+  std::string text(static_cast<std::size_t>(size - from), '\0'), line, stage;
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  for (std::size_t at = 0, end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
+    line = text.substr(at, end - at);
+    const std::string word = line.substr(0, line.find_first_of(": "));
+    if (!word.empty() && line.size() > word.size() &&
+        (line[word.size()] == ':' || line.find(" %") != std::string::npos) && word != "warning")
+      stage = word;
+  }
+  return stage;
+}
+
+class Build {
+ public:
+  Build(const LibraryBuildRequest& request, LibraryObserver& observer)
+      : request_(request), observer_(observer), state_(fs::absolute(request.library).lexically_normal()) {}
+
+  LibraryBuildResult run() {
+    config_ = read_library_config(request_.config, request_.overrides);
+    const bool dry = request_.params.dry_run || !request_.why.empty();
+    if (dry) {
+      plan(false);
+      request_.why.empty() ? tell_plan() : tell_why();
+      return result_;
+    }
+    make_output_folder(request_.library);
+    state_.make_folders();
+    const auto lock = take_lock();
+    remove_leftovers();
+    plan(true);
+    check_disk();
+    const std::vector<NinjaJob> jobs = make_jobs();
+    if (!jobs.empty()) work(jobs);
+    collect();
+    if (request_.params.sheet && (result_.built > 0 || !has_sheet(state_.library()))) make_sheet_or_warn();
+    tell_result();
+    return result_;
+  }
+
+ private:
+  std::unique_ptr<CaseLock> take_lock() const {
+    try {
+      return std::make_unique<CaseLock>(state_.folder());
+    } catch (const Error& e) {
+      if (e.code() != ExitCode::busy) throw;
+      throw Error(ExitCode::busy, request_.library.string(), "",
+                  "another build works on this library, try again when it is done");
+    }
+  }
+
+  // Of a build that was killed.
+  void remove_leftovers() const {
+    remove_stale_temporaries(state_.library());
+    for (const char* name : {"", "cases", "settings", "phantoms", "logs"})
+      remove_stale_temporaries(state_.folder() / name);
+  }
+
+  void plan(bool write) {
+    PlanOptions options;
+    options.rehash = request_.params.rehash;
+    options.rebuild = request_.params.rebuild;
+    options.pictures = request_.params.pictures;
+    options.only = request_.only;
+    for (const std::string& token : request_.why) options.only.push_back(token);
+    options.program_version = request_.program_version;
+    options.write = write;
+    const Progress progress([this](double f) { observer_.planning(f); }, &cancel_requested());
+    plan_ = make_plan(config_, state_, options, progress);
+    if (plan_.repeated > 0)
+      log_warning(std::to_string(plan_.repeated) + " series were found that are there under another name: left out");
+  }
+
+  void check_disk() const {
+    if (!request_.params.check_disk) return;
+    double cases_mb = 0, other_mb = 0;
+    for (const PlannedPhantom& p : plan_.phantoms)
+      if (p.needed && !p.reasons.empty()) other_mb += p.estimate.disk_mb;
+    for (const PlannedCase& c : plan_.cases)
+      if (!c.reasons.empty()) cases_mb += c.estimate.disk_mb;
+    const double need_mb = cases_mb + other_mb;
+    std::error_code error;
+    const double free_mb = static_cast<double>(fs::space(state_.library(), error).available) / 1e6;
+    if (error || need_mb <= free_mb) return;
+    throw Error(ExitCode::cannot_create, request_.library.string(), "disk",
+                rounded(need_mb / 1000) + " GB are needed by estimate, " + rounded(free_mb / 1000) +
+                    " GB are free; --no-check-disk begins all the same");
+  }
+
+  std::vector<NinjaJob> make_jobs() {
+    std::vector<NinjaJob> jobs;
+    for (std::size_t i = 0; i < plan_.phantoms.size(); ++i)
+      if (plan_.phantoms[i].needed && !plan_.phantoms[i].reasons.empty()) jobs.push_back(phantom_job(i));
+    // Cases of one series share stages: the second takes them from the cache when it comes after the first.
+    std::map<fs::path, std::string> last;
+    for (const PlannedCase& c : plan_.cases) {
+      if (c.fault || c.reasons.empty()) continue;
+      NinjaJob job = case_job(c);
+      if (const auto before = last.find(c.series); before != last.end()) job.after.push_back(before->second);
+      last[c.series] = job.job.name;
+      weights_[job.job.name] = static_cast<double>(c.voxels) + 1e6;
+      jobs.push_back(std::move(job));
+    }
+    return jobs;
+  }
+
+  NinjaJob phantom_job(std::size_t index) {
+    const PlannedPhantom& p = plan_.phantoms[index];
+    const phantom::PhantomParams& params = config_.phantoms[index].params;
+    NinjaJob out;
+    out.memory_mb = p.estimate.memory_mb;
+    LibraryJob& job = out.job;
+    job.name = "phantom." + p.name;
+    job.token = p.name;
+    job.is_phantom = true;
+    job.identity = p.identity;
+    job.arguments = {"phantom", state_.phantom_folder(p.name).string(), "--threads=1"};
+    add_flags(params.head, job.arguments);
+    add_flags(params.scan, job.arguments);
+    add_flags(params.series, job.arguments);
+    add_flags(params.truth, job.arguments);
+    set_common(job);
+    weights_[job.name] = 1e6;
+    return out;
+  }
+
+  template <class P>
+  static void add_flags(const P& params, std::vector<std::string>& out) {
+    for (const Parameter& p : parameters_of<P>().parameters) {
+      std::string name = p.name;
+      std::replace(name.begin(), name.end(), '_', '-');
+      const ParameterValue value = p.get(&params);
+      if (const bool* flag = std::get_if<bool>(&value)) {
+        out.push_back((*flag ? "--" : "--no-") + name);
+      } else if (const auto* numbers = std::get_if<std::vector<double>>(&value)) {
+        std::string text;
+        for (const double n : *numbers) text += (text.empty() ? "" : ",") + to_text(n);
+        out.push_back("--" + name + "=" + text);
+      } else if (const auto* text = std::get_if<std::string>(&value)) {
+        out.push_back("--" + name + "=" + *text);
+      } else {
+        out.push_back("--" + name + "=" + to_text(value));
+      }
+    }
+  }
+
+  NinjaJob case_job(const PlannedCase& c) {
+    NinjaJob out;
+    out.memory_mb = c.estimate.memory_mb;
+    LibraryJob& job = out.job;
+    job.name = "case." + c.token;
+    job.token = c.token;
+    job.settings_sha256 = c.inputs.settings_sha256;
+    job.series = c.series;
+    job.time_limit_s = request_.params.case_limit_s;
+    job.arguments = {"run",
+                     c.entry.config.string(),
+                     "--series",
+                     c.series.string(),
+                     "--out",
+                     state_.library().string(),
+                     "--case",
+                     c.token,
+                     "--threads=1",
+                     "--cache",
+                     (state_.library() / cache_name).string(),
+                     "--cache-limit-mb=" + std::to_string(request_.params.cache_limit_mb)};
+    if (!request_.params.pictures) job.arguments.emplace_back("--no-pictures");
+    for (const std::string& s : c.entry.set) job.arguments.push_back("--set=" + s);
+    if (!c.entry.landmarks.empty()) job.arguments.push_back("--landmarks=" + c.entry.landmarks.string());
+    for (const fs::path& root : config_.roots) job.arguments.push_back("--root=" + fs::absolute(root).string());
+    if (c.entry.phantom >= 0) {
+      const PlannedPhantom& p = plan_.phantoms[static_cast<std::size_t>(c.entry.phantom)];
+      job.phantom = p.name;
+      job.identity = p.identity;
+      if (!p.reasons.empty()) out.after.push_back("phantom." + p.name);
+    }
+    set_common(job);
+    return out;
+  }
+  void set_common(LibraryJob& job) const {
+    job.library = state_.library();
+    job.keep_going = request_.params.keep_going;
+  }
+
+  void work(const std::vector<NinjaJob>& jobs) {
+    std::vector<double> memory;
+    for (const NinjaJob& j : jobs) memory.push_back(j.memory_mb);
+    const double budget_mb =
+        request_.params.memory_mb > 0 ? static_cast<double>(request_.params.memory_mb) : 0.85 * free_memory_mb();
+    const int wanted = request_.params.jobs > 0 ? request_.params.jobs : thread_count();
+    const MemoryPools pools = make_pools(memory, budget_mb, wanted);
+    const double largest = *std::max_element(memory.begin(), memory.end());
+    if (largest > budget_mb)
+      log_warning("a case needs " + rounded(largest) + " MB by estimate, more than the " + rounded(budget_mb) +
+                  " MB that there are: tried alone");
+    start_ = Clock::now();
+    observer_.began(static_cast<int>(jobs.size()));
+    NinjaOptions options;
+    options.folder = state_.folder();
+    options.keep_going = request_.params.keep_going;
+    run_ninja(
+        jobs, pools, options, [this](const JobEvent& e) { take(e); }, [this] { tick(); });
+  }
+
+  void take(const JobEvent& e) {
+    if (!e.is_end) {
+      running_.push_back(e.name);
+      observer_.started(e.name);
+      return;
+    }
+    running_.erase(std::remove(running_.begin(), running_.end(), e.name), running_.end());
+    results_[e.name] = e.result;
+    done_weight_ += weights_[e.name];
+    ++(e.result.code == 0 ? done_ : failed_);
+    if (e.name.rfind("case.", 0) == 0 && e.result.code != static_cast<int>(ExitCode::cancelled)) try {
+        write_result(state_, e.name.substr(5), e.result);
+      } catch (const Error& error) {
+        if (!told_full_) log_warning(std::string("results cannot be recorded: ") + error.what());
+        told_full_ = true;
+      }
+    observer_.finished(e.name, e.result);
+  }
+
+  void tick() {
+    std::vector<std::pair<std::string, std::string>> running;
+    for (const std::string& name : running_) running.emplace_back(name, stage_in(state_.log_file(name)));
+    double all = 0;
+    for (const auto& [name, weight] : weights_) all += weight;
+    const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
+    observer_.working(running, done_, failed_, done_weight_ > 0 ? elapsed * (all - done_weight_) / done_weight_ : -1);
+  }
+
+  void collect() {
+    result_.cases = static_cast<int>(plan_.cases.size());
+    for (const PlannedCase& c : plan_.cases) {
+      if (c.fault) {
+        fail(c.token, {static_cast<int>(c.fault->code()), text_of(*c.fault), 0, 0});
+        if (!c.entry.token.empty()) write_result(state_, c.token, failures_.back().second);
+      } else if (c.reasons.empty()) {
+        ++result_.fresh;
+      } else if (const auto found = results_.find("case." + c.token); found == results_.end()) {
+        fail(c.token, {static_cast<int>(ExitCode::busy), "not begun: the build stopped before", 0, 0});
+      } else if (found->second.code != 0) {
+        fail(c.token, found->second);
+      } else {
+        ++result_.built;
+      }
+    }
+    result_.failed = static_cast<int>(failures_.size());
+    // What was not begun has no fault of its own.
+    for (const auto& [token, r] : failures_)
+      if (result_.code == 0 && r.code != static_cast<int>(ExitCode::busy)) result_.code = r.code;
+    if (result_.code == 0 && !failures_.empty()) result_.code = failures_.front().second.code;
+  }
+  static std::string text_of(const Error& e) {
+    std::string text;
+    for (const std::string& part : {e.file(), e.field()})
+      if (!part.empty()) text += part + ": ";
+    return printable(text + e.what());
+  }
+  void fail(const std::string& token, const JobResult& r) { failures_.emplace_back(token, r); }
+
+  void make_sheet_or_warn() const {
+    try {
+      make_sheet(state_.library());
+    } catch (const Error& e) {
+      log_warning(std::string("the contact sheet could not be made: ") + e.what());
+    }
+  }
+
+  void tell_result() {
+    result_.table = std::to_string(result_.cases) + (result_.cases == 1 ? " case: " : " cases: ") +
+                    std::to_string(result_.built) + " built, " + std::to_string(result_.fresh) + " as they were, " +
+                    std::to_string(result_.failed) + " failed\n";
+    std::size_t width = 0;
+    for (const auto& [token, r] : failures_) width = std::max(width, token.size());
+    for (const auto& [token, r] : failures_)
+      result_.table +=
+          token + std::string(width + 2 - token.size(), ' ') + std::to_string(r.code) + "  " + r.reason + "\n";
+    nlohmann::ordered_json json = counts();
+    json["built"] = result_.built;
+    json["failed"] = result_.failed;
+    json["jobs"] = nlohmann::ordered_json::object();
+    for (const auto& [name, r] : results_)
+      json["jobs"][name] = {{"code", r.code}, {"seconds", r.seconds}, {"memory_mb", r.memory_mb}};
+    json["failures"] = nlohmann::ordered_json::object();
+    for (const auto& [token, r] : failures_) json["failures"][token] = {{"code", r.code}, {"reason", r.reason}};
+    result_.json = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  }
+  nlohmann::ordered_json counts() const {
+    nlohmann::ordered_json json = {{"cases", result_.cases}, {"fresh", result_.fresh}};
+    json["stale"] = nlohmann::ordered_json::object();
+    for (const PlannedCase& c : plan_.cases)
+      if (!c.reasons.empty()) json["stale"][c.token] = c.reasons;
+    return json;
+  }
+
+  void tell_plan() {
+    std::string lines;
+    int stale = 0;
+    result_.cases = static_cast<int>(plan_.cases.size());
+    for (const PlannedCase& c : plan_.cases) {
+      if (c.fault) {
+        lines += c.token + ": cannot be built: " + text_of(*c.fault) + "\n";
+        ++result_.failed;
+        if (result_.code == 0) result_.code = static_cast<int>(c.fault->code());
+        continue;
+      }
+      result_.fresh += c.reasons.empty();
+      stale += !c.reasons.empty();
+      for (std::size_t i = 0; i < std::min(most_reasons, c.reasons.size()); ++i)
+        lines += (i == 0 ? c.token + ": " : std::string(c.token.size() + 2, ' ')) + c.reasons[i] + "\n";
+      if (c.reasons.size() > most_reasons)
+        lines += std::string(c.token.size() + 2, ' ') + "and " + std::to_string(c.reasons.size() - most_reasons) +
+                 " more; --why " + c.token + " tells them\n";
+    }
+    result_.table = std::to_string(stale) + " of " + std::to_string(result_.cases) + " cases would be built, " +
+                    std::to_string(result_.failed) + " cannot be\n" + lines;
+    result_.json = counts().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  }
+
+  void tell_why() {
+    for (const PlannedCase& c : plan_.cases) {
+      result_.table += c.token + ":";
+      if (c.fault) {
+        result_.table += " cannot be built: " + text_of(*c.fault) + "\n";
+      } else if (c.reasons.empty()) {
+        result_.table += " is up to date\n";
+      } else {
+        result_.table += " would be built\n";
+        for (const std::string& r : c.reasons) result_.table += "  " + r + "\n";
+      }
+      if (const auto last = read_result(state_, c.token); last && last->code != 0)
+        result_.table += "  its last build failed with " + std::to_string(last->code) + ": " + last->reason + "\n";
+    }
+    result_.json = counts().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  }
+
+  const LibraryBuildRequest& request_;
+  LibraryObserver& observer_;
+  const LibraryState state_;
+  LibraryConfig config_;
+  LibraryPlan plan_;
+  LibraryBuildResult result_;
+  Clock::time_point start_;
+  std::vector<std::string> running_;
+  std::map<std::string, JobResult> results_;
+  std::map<std::string, double> weights_;
+  std::vector<std::pair<std::string, JobResult>> failures_;
+  double done_weight_ = 0;
+  int done_ = 0, failed_ = 0;
+  bool told_full_ = false;
+};
+
+}  // namespace
+
+LibraryBuildResult build_library(const LibraryBuildRequest& request, LibraryObserver& observer) {
+  return Build(request, observer).run();
+}
+
+}  // namespace trephine

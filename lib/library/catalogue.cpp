@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "library/catalogue.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/text.h"
+#include "base/write_file.h"
+
+namespace trephine {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr std::uint64_t most_bytes = std::uint64_t{16} << 20;
+
+bool is_token(const std::string& name) {
+  try {
+    validate_case_token(name, ExitCode::usage);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+void read_manifest_of(const fs::path& folder, CaseRow& row) {
+  try {
+    const std::vector<char> bytes = read_file(folder / "case.json", most_bytes);
+    row.manifest = parse_case_json({bytes.data(), bytes.size()});
+    row.bytes = bytes.size();
+    if (row.manifest.case_token != row.token) row.fault = "case.json is of case " + printable(row.manifest.case_token);
+  } catch (const Error& e) {
+    row.fault = printable((e.field().empty() ? "case.json: " : "case.json: " + e.field() + ": ") + e.what());
+    return;
+  }
+  for (const CaseAnatomy& a : row.manifest.anatomies) {
+    row.triangles += a.triangles;
+    row.deviation_max_mm = std::max(row.deviation_max_mm, a.deviation.max_mm);
+  }
+  for (const CaseFile& f : row.manifest.files) row.bytes += f.bytes;
+  if (const ParameterValue* v = row.figure("class"))
+    if (const auto* text = std::get_if<std::string>(v)) row.patient_class = *text;
+  std::error_code error;
+  const auto written = fs::last_write_time(folder / "case.json", error);
+  if (!error) row.age_s = std::chrono::duration<double>(fs::file_time_type::clock::now() - written).count();
+}
+
+// run.json is for people and may be missing.
+void read_run(const fs::path& file, CaseRow& row) {
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return;
+  try {
+    const std::vector<char> bytes = read_file(file, most_bytes);
+    const Json json = Json::parse(bytes.begin(), bytes.end());
+    for (const auto& w : json.at("warnings")) row.warnings.push_back(printable(w.get<std::string>()));
+    row.seconds = json.at("wall_s").get<double>();
+  } catch (const nlohmann::json::exception&) {
+    row.warnings.clear();
+  } catch (const Error&) {
+    row.warnings.clear();
+  }
+}
+
+CaseRow read_row(const LibraryState& state, const std::string& token) {
+  CaseRow row;
+  row.token = token;
+  const fs::path folder = state.library() / token;
+  std::error_code ignored;
+  if (fs::exists(folder / "case.json", ignored)) {
+    read_manifest_of(folder, row);
+    read_run(folder / "run.json", row);
+  } else {
+    row.fault = "was never built";
+  }
+  if (const auto last = read_result(state, token)) row.last = *last;
+  return row;
+}
+
+bool fits(const CaseRow& row, const LibraryFilter& filter) {
+  if (filter.failed && row.fault.empty() && row.last.code == 0) return false;
+  if (filter.patient_class != CaseClass::any) {
+    static const char* names[] = {"any", "normal", "hydrocephalic", "shifted", "small", ""};
+    if (row.patient_class != names[static_cast<int>(filter.patient_class)] || !row.fault.empty()) return false;
+  }
+  if (filter.max_deviation_mm > 0 && (!row.fault.empty() || row.deviation_max_mm > filter.max_deviation_mm))
+    return false;
+  return filter.max_warnings_count < 0 ||
+         (row.fault.empty() && static_cast<std::int64_t>(row.warnings.size()) <= filter.max_warnings_count);
+}
+
+Json value_json(const ParameterValue& value) {
+  return std::visit([](const auto& v) { return Json(v); }, value);
+}
+
+std::string state_of(const CaseRow& row) {
+  if (!row.fault.empty()) return row.fault;
+  return row.last.code == 0 ? "" : fmt::format("last build failed: {}", row.last.code);
+}
+
+}  // namespace
+
+const ParameterValue* CaseRow::figure(const std::string& name) const {
+  for (const auto& [key, value] : manifest.figures)
+    if (key == name) return &value;
+  return nullptr;
+}
+
+std::vector<CaseRow> read_library(const fs::path& library, const LibraryFilter& filter) {
+  std::error_code error;
+  if (!fs::is_directory(library, error))
+    throw Error(ExitCode::no_input, library.string(), "", "is no library's folder");
+  const LibraryState state(library);
+  std::set<std::string> tokens;
+  for (fs::directory_iterator it(library, error), end; !error && it != end; it.increment(error)) {
+    std::error_code ignored;
+    if (is_token(it->path().filename().string()) && fs::exists(it->path() / "case.json", ignored))
+      tokens.insert(it->path().filename().string());
+  }
+  if (error) throw Error(ExitCode::no_input, library.string(), "", error.message());
+  std::error_code no_state;
+  const std::string ending = ".result.json";
+  for (fs::directory_iterator it(state.folder() / "cases", no_state), end; !no_state && it != end;
+       it.increment(no_state)) {
+    const std::string name = it->path().filename().string();
+    if (name.size() > ending.size() && name.compare(name.size() - ending.size(), ending.size(), ending) == 0 &&
+        is_token(name.substr(0, name.size() - ending.size())))
+      tokens.insert(name.substr(0, name.size() - ending.size()));
+  }
+  const std::vector<std::string> list(tokens.begin(), tokens.end());
+  std::vector<CaseRow> rows(list.size()), out;
+  parallel_for(0, static_cast<std::int64_t>(list.size()), 4, [&](std::int64_t from, std::int64_t to) {
+    for (auto i = static_cast<std::size_t>(from); i < static_cast<std::size_t>(to); ++i)
+      rows[i] = read_row(state, list[i]);
+  });
+  for (CaseRow& row : rows)
+    if (fits(row, filter)) out.push_back(std::move(row));
+  return out;
+}
+
+CaseRow read_library_case(const fs::path& library, const std::string& token) {
+  validate_case_token(token, ExitCode::usage);
+  const std::vector<CaseRow> rows = read_library(library);
+  std::vector<std::string> known;
+  for (const CaseRow& row : rows) {
+    if (row.token == token) return row;
+    known.push_back(row.token);
+  }
+  const std::string near = nearest_name(token, known);
+  throw Error(ExitCode::no_input, library.string(), token,
+              "the library has no such case" + (near.empty() ? "" : ", did you mean " + near + "?"));
+}
+
+std::string fixed_text(double v, int decimals) { return fmt::format("{:.{}f}", v, decimals); }
+
+std::string age_text(double seconds) {
+  if (seconds < 90) return fmt::format("{:.0f} s", std::max(seconds, 0.0));
+  if (seconds < 5400) return fmt::format("{:.0f} min", seconds / 60);
+  if (seconds < 36 * 3600) return fmt::format("{:.0f} h", seconds / 3600);
+  return fmt::format("{:.0f} d", seconds / 86400);
+}
+
+std::string figure_text(const CaseRow& row, const std::string& name, int decimals, double factor) {
+  const ParameterValue* v = row.figure(name);
+  if (!v) return "";
+  if (const auto* d = std::get_if<double>(v)) return fixed_text(factor * *d, decimals);
+  return to_text(*v);
+}
+
+std::string library_table(const std::vector<CaseRow>& rows) {
+  std::vector<std::vector<std::string>> cells = {{"case", "class", "ventricles ml", "Evans", "shift mm", "triangles",
+                                                  "max mm", "MB", "s", "warnings", "age", "version"}};
+  for (const CaseRow& row : rows) {
+    const bool good = row.fault.empty();
+    cells.push_back({row.token, row.patient_class, figure_text(row, "ventricles_ml", 1),
+                     figure_text(row, "evans_index_ratio", 2), figure_text(row, "midline_shift_mm", 1),
+                     good ? grouped_text(static_cast<long long>(row.triangles)) : "",
+                     good ? fixed_text(row.deviation_max_mm, 2) : "",
+                     good ? fixed_text(static_cast<double>(row.bytes) / 1e6, 1) : "",
+                     good && row.seconds > 0 ? fixed_text(row.seconds, 0) : "",
+                     good ? std::to_string(row.warnings.size()) : "", good ? age_text(row.age_s) : "",
+                     row.manifest.program_version.substr(row.manifest.program_version.find(' ') + 1)});
+  }
+  std::vector<std::size_t> width(cells[0].size(), 0);
+  for (const auto& line : cells)
+    for (std::size_t i = 0; i < line.size(); ++i) width[i] = std::max(width[i], line[i].size());
+  std::string out;
+  for (std::size_t r = 0; r < cells.size(); ++r) {
+    std::string line;
+    for (std::size_t i = 0; i < width.size(); ++i)
+      line += i < 2 ? fmt::format("{:<{}}  ", cells[r][i], width[i]) : fmt::format("{:>{}}  ", cells[r][i], width[i]);
+    if (r > 0) line += state_of(rows[r - 1]);
+    out += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  return out + std::to_string(rows.size()) + (rows.size() == 1 ? " case\n" : " cases\n");
+}
+
+std::string library_json(const std::vector<CaseRow>& rows) {
+  Json all = Json::array();
+  for (const CaseRow& row : rows) {
+    Json json = {{"case", row.token}};
+    if (!row.fault.empty()) json["fault"] = row.fault;
+    if (row.last.code != 0) json["last_build"] = {{"code", row.last.code}, {"reason", row.last.reason}};
+    if (row.fault.empty()) {
+      json["class"] = row.patient_class;
+      json["figures"] = Json::object();
+      for (const auto& [name, value] : row.manifest.figures) json["figures"][name] = value_json(value);
+      for (const CaseAnatomy& a : row.manifest.anatomies)
+        json["anatomies"][a.name] = {{"triangles", a.triangles},
+                                     {"volume_ml", a.volume_ml},
+                                     {"area_cm2", a.area_cm2},
+                                     {"deviation_max_mm", a.deviation.max_mm},
+                                     {"deviation_p99_mm", a.deviation.p99_mm}};
+      for (const CaseShape& s : row.manifest.haptic.shapes)
+        json["haptic"][s.name] = {{"volume_ml", s.volume_ml}, {"mismatch_p99_mm", s.mismatch.p99_mm}};
+      json["burr_holes_count"] = row.manifest.burr_holes.size();
+      json["triangles"] = row.triangles;
+      json["deviation_max_mm"] = row.deviation_max_mm;
+      json["bytes"] = row.bytes;
+      json["seconds"] = row.seconds;
+      json["warnings"] = row.warnings;
+      json["age_s"] = std::max(0.0, row.age_s);
+      json["version"] = row.manifest.program_version;
+      json["input_sha256"] = row.manifest.input_sha256;
+    }
+    all.push_back(std::move(json));
+  }
+  return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string case_text(const CaseRow& row) {
+  std::string out = row.token + "\n";
+  if (!row.fault.empty()) out += "  " + row.fault + "\n";
+  if (row.last.code != 0) out += fmt::format("  its last build failed with {}: {}\n", row.last.code, row.last.reason);
+  if (!row.fault.empty()) return out;
+  const CaseManifest& m = row.manifest;
+  out += fmt::format("  {}, {} old, {:.1f} MB, face: {}\n", m.program_version, age_text(row.age_s),
+                     static_cast<double>(row.bytes) / 1e6, m.face_policy);
+  for (const CaseAnatomy& a : m.anatomies)
+    out += fmt::format("  {:<14} {:>9} triangles  {:>8.1f} ml  {:>7.1f} cm2  max {:.3f}  p99 {:.3f} mm\n", a.name,
+                       grouped_text(static_cast<long long>(a.triangles)), a.volume_ml, a.area_cm2, a.deviation.max_mm,
+                       a.deviation.p99_mm);
+  for (const CaseShape& s : m.haptic.shapes)
+    out +=
+        fmt::format("  felt {:<14} {:>8.1f} ml{}{}\n", s.name, s.volume_ml, s.cuttable ? "  cuttable" : "",
+                    s.mismatch.samples > 0 ? fmt::format("  p99 {:.2f} mm off what is seen", s.mismatch.p99_mm) : "");
+  for (const CaseLandmark& l : m.landmarks)
+    out += fmt::format("  {:<14} {:>8.1f} {:>8.1f} {:>8.1f} mm  {} {:.2f}\n", l.name, l.position_mm.x, l.position_mm.y,
+                       l.position_mm.z, l.source, l.confidence);
+  for (const CaseBurrHole& b : m.burr_holes)
+    out += fmt::format("  {:<14} {:>8.1f} {:>8.1f} {:>8.1f} mm  {:.1f} mm wide\n", b.name, b.position_mm.x,
+                       b.position_mm.y, b.position_mm.z, b.diameter_mm);
+  for (const auto& [name, value] : m.figures) out += fmt::format("  {}: {}\n", name, to_text(value));
+  for (const std::string& w : row.warnings) out += "  warning: " + w + "\n";
+  return out;
+}
+
+}  // namespace trephine

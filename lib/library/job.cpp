@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "library/job.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "base/text.h"
+#include "base/write_file.h"
+#include "library/series_state.h"
+#include "library/spawn.h"
+
+namespace trephine {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
+constexpr int busy_tries = 6;
+constexpr double busy_pause_s = 0.5, patience_s = 10;
+constexpr std::size_t most_reason = 1500;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+LibraryJob find_job(const std::string& name) {
+  const char* where = std::getenv(jobs_variable);
+  if (!where) throw Error(ExitCode::usage, "", "library job", "is started by `trephine library build` only");
+  std::ifstream file(where, std::ios::binary);
+  const Json json = Json::parse(file).at(name);
+  LibraryJob job;
+  job.name = name;
+  job.token = json.at("token");
+  job.is_phantom = json.at("is_phantom");
+  job.arguments = json.at("arguments").get<std::vector<std::string>>();
+  job.settings_sha256 = json.at("settings");
+  job.phantom = json.at("phantom");
+  job.identity = json.at("identity");
+  job.library = json.at("library").get<std::string>();
+  job.series = json.at("series").get<std::string>();
+  job.time_limit_s = json.at("time_limit_s");
+  job.keep_going = json.at("keep_going");
+  return job;
+}
+
+void send(const JobEvent& event) {
+  const char* where = std::getenv(events_variable);
+  const int fd = where ? open(where, O_WRONLY | O_CLOEXEC) : -1;
+  if (fd < 0) return;
+  const std::string line = event_line(event);
+  if (write(fd, line.data(), line.size()) < 0) {
+  }  // a build that is gone needs no events
+  close(fd);
+}
+
+std::string read_log(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+void replace_all(std::string& text, const std::string& what, const std::string& by) {
+  if (what.size() < 2) return;
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
+    text.replace(at, what.size(), by);
+}
+
+// The errors that the command ended with, without its name; the last line where there is none.
+std::string reason_in(const std::string& log, const std::string& tool, const std::string& token) {
+  std::istringstream lines(log);
+  std::string line, last, reason;
+  const std::string prefix = "trephine " + tool + ": ";
+  while (std::getline(lines, line)) {
+    if (!line.empty()) last = line;
+    if (line.rfind(prefix, 0) != 0) continue;
+    line.erase(0, prefix.size());
+    if (line.rfind(token + ": ", 0) == 0) line.erase(0, token.size() + 2);
+    reason += (reason.empty() ? "" : "; ") + line;
+  }
+  return printable(reason.empty() ? last : reason).substr(0, most_reason);
+}
+
+// Runs the command once, within its time; afterwards nothing of it runs any more.
+Ended run_once(const LibraryJob& job, const fs::path& log) {
+  SpawnRequest request;
+  request.argv = job.arguments;
+  request.argv.insert(request.argv.begin(), own_program().string());
+  request.output = log;
+  const pid_t pid = spawn(request);
+  const auto start = Clock::now();
+  for (;;) {
+    Ended end = wait_for(pid, 1);
+    if (end.ended) return end;
+    if (job.time_limit_s <= 0 || seconds_since(start) < job.time_limit_s) continue;
+    kill(pid, SIGTERM);  // it tidies up; its own children die with it
+    end = wait_for(pid, patience_s);
+    if (!end.ended) {
+      kill(pid, SIGKILL);
+      end = wait_for(pid, 1e6);
+    }
+    end.code = -1;
+    return end;
+  }
+}
+
+void record_phantom(const LibraryState& state, const LibraryJob& job) {
+  const fs::path series = state.phantom_folder(job.token) / "dicom";
+  const Json record = {
+      {"identity", job.identity}, {"files", sign_files(series).sha256}, {"series", hash_of_series_input(series, {})}};
+  write_file(state.phantom_record(job.token), record.dump(1) + "\n");
+}
+
+bool phantom_is_there(const LibraryState& state, const LibraryJob& job) {
+  try {
+    const std::vector<char> bytes = read_file(state.phantom_record(job.phantom), 1 << 16);
+    return Json::parse(bytes.begin(), bytes.end()).at("identity") == job.identity;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+JobResult do_job(const LibraryJob& job) {
+  const LibraryState state(job.library);
+  const fs::path log = state.log_file(job.name);
+  if (!job.phantom.empty() && !phantom_is_there(state, job))
+    return {static_cast<int>(ExitCode::no_input), "its phantom " + job.phantom + " could not be made", 0, 0};
+  std::error_code ignored;
+  if (job.is_phantom) fs::remove(state.phantom_record(job.token), ignored);
+  const auto start = Clock::now();
+  JobResult result;
+  Ended end;
+  for (int attempt = 1;; ++attempt) {
+    end = run_once(job, log);
+    if (end.code != static_cast<int>(ExitCode::busy) || attempt == busy_tries || cancel_requested()) break;
+    poll(nullptr, 0, static_cast<int>(1000 * busy_pause_s));
+  }
+  result.code = end.code;
+  result.memory_mb = end.memory_mb;
+  if (end.code == 0) {
+    if (job.is_phantom) {
+      record_phantom(state, job);
+    } else {
+      const BuiltCase built = describe_built(job.library / job.token, job.settings_sha256);
+      // The series of a phantom that was just made was not known to the plan.
+      if (!job.phantom.empty()) write_inputs(state, job.token, built.inputs);
+      write_built(state, job.token, built);
+    }
+  } else {
+    std::string text = read_log(log);
+    const std::string before = text;
+    replace_all(text, job.series.string(), "SERIES");
+    if (text != before) try {
+        write_file(log, text);
+      } catch (const Error&) {  // the reason is what counts
+        fs::remove(log, ignored);
+      }
+    result.reason = reason_in(text, job.arguments.front(), job.token);
+    if (end.code < 0)
+      result = {static_cast<int>(ExitCode::internal),
+                "stopped after " + to_text(job.time_limit_s) + " s, its time limit", 0, end.memory_mb};
+    else if (end.signal == SIGINT || end.signal == SIGTERM || cancel_requested())
+      result.code = static_cast<int>(ExitCode::cancelled);
+    else if (end.signal)
+      result = {static_cast<int>(ExitCode::internal), "killed by signal " + std::to_string(end.signal), 0,
+                end.memory_mb};
+  }
+  result.seconds = seconds_since(start);
+  return result;
+}
+
+}  // namespace
+
+std::string jobs_json(const std::vector<LibraryJob>& jobs) {
+  Json all = Json::object();
+  for (const LibraryJob& job : jobs)
+    all[job.name] = {{"token", job.token},
+                     {"is_phantom", job.is_phantom},
+                     {"arguments", job.arguments},
+                     {"settings", job.settings_sha256},
+                     {"phantom", job.phantom},
+                     {"identity", job.identity},
+                     {"library", job.library.string()},
+                     {"series", job.series.string()},
+                     {"time_limit_s", job.time_limit_s},
+                     {"keep_going", job.keep_going}};
+  return all.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string event_line(const JobEvent& event) {
+  Json json = {{"job", event.name}};
+  if (event.is_end) {
+    json["code"] = event.result.code;
+    json["reason"] = event.result.reason;
+    json["seconds"] = event.result.seconds;
+    json["memory_mb"] = event.result.memory_mb;
+  }
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+bool parse_event(const std::string& line, JobEvent& event) {
+  try {
+    const Json json = Json::parse(line);
+    event = {};
+    event.name = json.at("job");
+    event.is_end = json.contains("code");
+    if (event.is_end) event.result = {json.at("code"), json.at("reason"), json.at("seconds"), json.at("memory_mb")};
+    return true;
+  } catch (const nlohmann::json::exception&) {
+    return false;
+  }
+}
+
+int run_library_job(const std::string& name) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // of Ninja's end, however it came
+  LibraryJob job;
+  try {
+    job = find_job(name);
+  } catch (const nlohmann::json::exception&) {
+    throw Error(ExitCode::usage, "", name, "no such job");
+  }
+  send({name, false, {}});
+  JobResult result;
+  try {
+    result = do_job(job);
+  } catch (const Error& e) {
+    result.code = static_cast<int>(e.code());
+    result.reason = printable(e.line("library")).substr(0, most_reason);
+  } catch (const std::bad_alloc&) {
+    result = {static_cast<int>(ExitCode::internal), "out of memory", 0, 0};
+  }
+  send({name, true, result});
+  return job.keep_going && result.code != static_cast<int>(ExitCode::cancelled) ? 0 : result.code;
+}
+
+}  // namespace trephine

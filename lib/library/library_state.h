@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace trephine {
+
+/// What `library build` keeps beside the cases, in <library>/.library/: only tokens, hashes and figures, no path, name
+/// or identifier of a patient. All of it can be lost: then everything is looked at, and built where need be, again.
+///   cases/CASE.inputs.json   what the case should be made of; rewritten only when that changes
+///   cases/CASE.built.json    what it was made of when it was published last
+///   cases/CASE.result.json   how its last build ended
+///   settings/HASH.json       settings that these two name
+///   phantoms/NAME.json       what a phantom was made of
+///   series.json              content of series by signature of their files
+///   logs/CASE.log            all that the case's last build said
+class LibraryState {
+ public:
+  explicit LibraryState(std::filesystem::path library) : library_(std::move(library)) {}
+
+  const std::filesystem::path& library() const { return library_; }
+  std::filesystem::path folder() const { return library_ / ".library"; }
+  std::filesystem::path series_file() const { return folder() / "series.json"; }
+  std::filesystem::path log_file(const std::string& job) const { return folder() / "logs" / (job + ".log"); }
+  std::filesystem::path phantom_folder(const std::string& name) const { return library_ / ".phantoms" / name; }
+  std::filesystem::path phantom_record(const std::string& name) const {
+    return folder() / "phantoms" / (name + ".json");
+  }
+  std::filesystem::path settings_file(const std::string& sha256) const {
+    return folder() / "settings" / (sha256 + ".json");
+  }
+  std::filesystem::path case_file(const std::string& token, const char* what) const {
+    return folder() / "cases" / (token + "." + what + ".json");
+  }
+  /// Makes the folders (0700). Throws 73.
+  void make_folders() const;
+
+ private:
+  std::filesystem::path library_;
+};
+
+/// What a case is, or should be, made of.
+struct CaseInputs {
+  std::string settings_sha256, series_sha256;
+};
+
+/// A case that was published by a library build.
+struct BuiltCase {
+  CaseInputs inputs;
+  std::string case_sha256;                                   ///< of case.json
+  std::vector<std::pair<std::string, std::uint64_t>> files;  ///< that it names, and their sizes
+};
+
+struct JobResult {
+  int code = 0;
+  std::string reason;  ///< the error's line; empty where there was none
+  double seconds = 0, memory_mb = 0;
+};
+
+/// Nothing where the file is missing or damaged.
+std::optional<CaseInputs> read_inputs(const LibraryState& state, const std::string& token);
+std::optional<BuiltCase> read_built(const LibraryState& state, const std::string& token);
+std::optional<JobResult> read_result(const LibraryState& state, const std::string& token);
+std::optional<std::map<std::string, std::string>> read_settings(const LibraryState& state, const std::string& sha256);
+
+/// Throw 73 and 74. write_inputs leaves a file alone that says the same.
+void write_inputs(const LibraryState& state, const std::string& token, const CaseInputs& inputs);
+void write_built(const LibraryState& state, const std::string& token, const BuiltCase& built);
+void write_result(const LibraryState& state, const std::string& token, const JobResult& result);
+
+/// Reads case.json as it is now and says what the record of it is. Throws as parse_case_json does.
+BuiltCase describe_built(const std::filesystem::path& case_folder, const std::string& settings_sha256);
+
+/// Why the case's folder is not what was built: case.json or a file that it names is missing or of another size. Empty:
+/// it is. Contents are not read (library verify does).
+std::string fault_of_built(const std::filesystem::path& case_folder, const BuiltCase& built);
+
+}  // namespace trephine

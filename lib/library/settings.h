@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "dicom/import.h"
+#include "library/library_config.h"
+
+namespace trephine {
+
+/// All that a case's bytes depend on besides its series, as text by name: effective parameters of the stages that the
+/// scene demands ("skull.decimate.max_deviation_mm"), versions of these stages ("stage skull.decimate"), what the
+/// configuration's files say elsewhere ("scene.anatomies.skin.max_triangles"; comments and layout do not count),
+/// landmarks, the program.
+struct CaseSettings {
+  std::map<std::string, std::string> values;
+  std::string sha256;            ///< of them
+  std::filesystem::path series;  ///< that the configuration names; may be empty
+  ImportParams import;
+};
+
+/// Reads a case's configuration. Throws what read_case_config throws.
+CaseSettings read_case_settings(const LibraryCase& one, const std::vector<std::filesystem::path>& roots, bool pictures,
+                                const std::string& program_version);
+
+/// The same as a JSON object, and back (throws Error 65).
+std::string settings_json(const CaseSettings& settings);
+std::map<std::string, std::string> parse_settings_json(std::string_view json);
+
+/// What differs, a line each: "skull.decimate.max_deviation_mm: 0.2, was 0.3".
+std::vector<std::string> explain_difference(const std::map<std::string, std::string>& before,
+                                            const std::map<std::string, std::string>& now);
+
+}  // namespace trephine

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "library/sheet.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/text.h"
+#include "base/write_file.h"
+
+namespace trephine {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char *picture_name = "contact_sheet.png", *page_name = "index.html";
+constexpr double most_pixels = 4e7;  // of the whole picture: with many cases they become smaller
+constexpr int most_side_px = 240, least_side_px = 40, columns_count = 5, most_png_bytes = 1 << 26;
+
+// What sets a case apart, the first that there is, and a slice through it.
+std::vector<std::string> pictures_of(const fs::path& library, const CaseRow& row) {
+  std::vector<std::string> out;
+  std::error_code ignored;
+  const auto add_first = [&](std::initializer_list<const char*> names) {
+    for (const char* name : names) {
+      const std::string file = row.token + "/report/" + name + ".png";
+      if (row.fault.empty() && fs::exists(library / file, ignored)) {
+        out.push_back(file);
+        return;
+      }
+    }
+  };
+  add_first({"ventricles", "canal", "vein", "clavicle", "skull", "bone", "skin"});
+  add_first({"axial"});
+  return out;
+}
+
+// Each pixel the mean of those that it covers.
+Image scaled(const Image& image, int side) {
+  Image out(side, side, {1, 1, 1});
+  if (image.width < 1 || image.height < 1) return out;
+  const double scale = static_cast<double>(std::max(image.width, image.height)) / side;
+  const int w = std::max(1, static_cast<int>(image.width / scale)),
+            h = std::max(1, static_cast<int>(image.height / scale));
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const int x0 = static_cast<int>(x * scale), y0 = static_cast<int>(y * scale);
+      const int x1 = std::min(image.width, std::max(x0 + 1, static_cast<int>((x + 1) * scale)));
+      const int y1 = std::min(image.height, std::max(y0 + 1, static_cast<int>((y + 1) * scale)));
+      long sum[3] = {0, 0, 0};
+      for (int v = y0; v < y1; ++v)
+        for (int u = x0; u < x1; ++u)
+          for (int c = 0; c < 3; ++c) sum[c] += image.at(u, v)[c];
+      const long n = long(x1 - x0) * (y1 - y0);
+      for (int c = 0; c < 3; ++c)
+        out.at(x + (side - w) / 2, y + (side - h) / 2)[c] =
+            static_cast<std::uint8_t>((sum[c] + n / 2) / std::max(n, 1L));
+    }
+  return out;
+}
+
+void paste(const Image& from, Image& to, int x0, int y0) {
+  for (int y = 0; y < from.height; ++y) std::copy_n(from.at(0, y), std::size_t(from.width) * 3, to.at(x0, y0 + y));
+}
+
+std::vector<std::string> lines_of(const CaseRow& row) {
+  if (!row.fault.empty()) return {row.token, row.fault};
+  std::string patient = row.patient_class.empty() ? "class not said" : row.patient_class;
+  if (const std::string ml = figure_text(row, "ventricles_ml", 1); !ml.empty()) patient += ", ventricles " + ml + " ml";
+  std::string indices;
+  if (const std::string evans = figure_text(row, "evans_index_ratio", 2); !evans.empty()) indices = "Evans " + evans;
+  if (const std::string shift = figure_text(row, "midline_shift_mm", 1); !shift.empty())
+    indices += (indices.empty() ? "shift " : ", shift ") + shift + " mm";
+  return {row.token, patient, indices,
+          grouped_text(static_cast<long long>(row.triangles)) + " triangles, max " +
+              fixed_text(row.deviation_max_mm, 2) + " mm" +
+              (row.warnings.empty() ? "" : ", " + std::to_string(row.warnings.size()) + " warnings")};
+}
+
+Image cell_of(const fs::path& library, const CaseRow& row, int side) {
+  const double capital_px = std::max(5.0, side * 0.042);
+  const int line_px = static_cast<int>(std::lround(capital_px * 2)), lines = 4;
+  Image cell(2 * side + 2, side + lines * line_px + line_px / 2, {1, 1, 1});
+  const std::vector<std::string> pictures = pictures_of(library, row);
+  for (std::size_t i = 0; i < pictures.size(); ++i) try {
+      const std::vector<char> png = read_file(library / pictures[i], most_png_bytes);
+      paste(scaled(decode_png({png.data(), png.size()}), side), cell, static_cast<int>(i) * (side + 2), 0);
+    } catch (const Error&) {  // a picture that is gone or damaged is no reason to show none
+    }
+  const std::vector<std::string> text = lines_of(row);
+  for (std::size_t i = 0; i < text.size(); ++i)
+    draw_text(cell, 4, side + line_px * (static_cast<double>(i) + 0.5), text[i], capital_px,
+              row.fault.empty() || i == 0 ? Rgb{0.1, 0.1, 0.15} : Rgb{0.75, 0.1, 0.1}, {1, 1, 1});
+  return cell;
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string row_of_page(const CaseAnatomy& a) {
+  return "<tr><td>" + escaped(a.name) + "</td><td>" + grouped_text(static_cast<long long>(a.triangles)) + "</td><td>" +
+         fixed_text(a.volume_ml, 1) + "</td><td>" + fixed_text(a.deviation.max_mm, 2) + "</td></tr>\n";
+}
+
+}  // namespace
+
+Image sheet_picture(const fs::path& library, const std::vector<CaseRow>& rows) {
+  const double each = most_pixels / std::max<double>(1, static_cast<double>(rows.size()));
+  const int side = std::clamp(static_cast<int>(std::sqrt(each / 2.9)), least_side_px, most_side_px);
+  std::vector<Image> cells(rows.size());
+  parallel_for(0, static_cast<std::int64_t>(rows.size()), 1, [&](std::int64_t from, std::int64_t to) {
+    for (auto i = static_cast<std::size_t>(from); i < static_cast<std::size_t>(to); ++i)
+      cells[i] = cell_of(library, rows[i], side);
+  });
+  if (cells.empty()) return Image(2 * side, side, {1, 1, 1});
+  const int columns =
+      std::min<int>(static_cast<int>(cells.size()),
+                    std::max(columns_count, static_cast<int>(std::sqrt(static_cast<double>(cells.size())))));
+  return contact_sheet(cells, columns, {1, 1, 1}, side / 15);
+}
+
+std::string sheet_page(const fs::path& library, const std::vector<CaseRow>& rows) {
+  std::string page =
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Patient library</title>\n"
+      "<style>\n"
+      "body { font: 14px/1.4 sans-serif; margin: 1.5em; color: #1a1a26; background: #fff }\n"
+      "main { display: grid; grid-template-columns: repeat(auto-fill, minmax(22em, 1fr)); gap: 1.2em }\n"
+      "article { border: 1px solid #ccd; border-radius: 4px; padding: .8em }\n"
+      "h2 { font-size: 1.05em; margin: 0 0 .4em }\n"
+      "img { width: 49%; aspect-ratio: 1; object-fit: contain; vertical-align: top }\n"
+      "table { border-collapse: collapse; width: 100%; margin-top: .5em }\n"
+      "td, th { text-align: right; padding: 0 .3em } td:first-child, th:first-child { text-align: left }\n"
+      "p { margin: .3em 0 } .bad { color: #b01818 }\n"
+      "</style></head><body>\n<h1>Patient library</h1>\n<p>" +
+      std::to_string(rows.size()) + (rows.size() == 1 ? " case" : " cases") + "</p>\n<main>\n";
+  for (const CaseRow& row : rows) {
+    page += "<article><h2>" + escaped(row.token) + "</h2>\n";
+    for (const std::string& file : pictures_of(library, row))
+      page += "<a href=\"" + escaped(row.token) + "/report/overview.png\"><img loading=\"lazy\" alt=\"\" src=\"" +
+              escaped(file) + "\"></a>\n";
+    const std::vector<std::string> lines = lines_of(row);
+    for (std::size_t i = 1; i < std::min<std::size_t>(lines.size(), 3); ++i)
+      if (!lines[i].empty()) page += (row.fault.empty() ? "<p>" : "<p class=\"bad\">") + escaped(lines[i]) + "</p>\n";
+    if (row.fault.empty()) {
+      page += "<table><tr><th>surface</th><th>triangles</th><th>ml</th><th>max mm</th></tr>\n";
+      for (const CaseAnatomy& a : row.manifest.anatomies) page += row_of_page(a);
+      page += "</table>\n";
+    }
+    for (const std::string& w : row.warnings) page += "<p class=\"bad\">" + escaped(w) + "</p>\n";
+    if (row.last.code != 0)
+      page += "<p class=\"bad\">its last build failed with " + std::to_string(row.last.code) + ": " +
+              escaped(row.last.reason) + "</p>\n";
+    page += "</article>\n";
+  }
+  return page + "</main>\n</body></html>\n";
+}
+
+void make_sheet(const fs::path& library) {
+  const std::vector<CaseRow> rows = read_library(library);
+  write_file(library / picture_name, encode_png(sheet_picture(library, rows)));
+  write_file(library / page_name, sheet_page(library, rows));
+}
+
+bool has_sheet(const fs::path& library) {
+  std::error_code ignored;
+  return fs::exists(library / picture_name, ignored) && fs::exists(library / page_name, ignored);
+}
+
+}  // namespace trephine

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "library/catalogue.h"
+#include "picture/image.h"
+
+namespace trephine {
+
+/// contact_sheet.png and index.html in the library's folder: a thumbnail of every case (two pictures of its report
+/// folder: what sets the case apart, and an axial slice) and its figures. The page is static and refers to the pictures
+/// where they lie; it holds nothing but tokens and figures. Throws 66, 73, 74.
+void make_sheet(const std::filesystem::path& library);
+bool has_sheet(const std::filesystem::path& library);
+
+Image sheet_picture(const std::filesystem::path& library, const std::vector<CaseRow>& rows);
+std::string sheet_page(const std::filesystem::path& library, const std::vector<CaseRow>& rows);
+
+}  // namespace trephine

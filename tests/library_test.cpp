@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The library's parts without a build: its configuration, what makes a case stale, memory pools, signatures, the sheet.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "base/error.h"
+#include "library/catalogue.h"
+#include "library/library_config.h"
+#include "library/ninja.h"
+#include "library/series_state.h"
+#include "library/settings.h"
+#include "library/sheet.h"
+#include "scratch_folder.h"
+
+namespace trephine {
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path source = TREPHINE_SOURCE_DIR;
+
+class Library : public testing::Test {
+ protected:
+  Library() { scratch_.write("trephine.root", ""); }
+  LibraryConfig read(const std::string& text, const LibraryOverrides& overrides = {}) {
+    return read_library_config(scratch_.write("l.yaml", "trephine: 1\n" + text), overrides);
+  }
+  std::string fault(const std::string& text) {
+    try {
+      read(text);
+    } catch (const ErrorList& e) {
+      std::string all;
+      for (const Error& one : e.all()) all += one.line("t") + "\n";
+      return all;
+    }
+    return "";
+  }
+  ScratchFolder scratch_;
+};
+
+TEST_F(Library, CasesOfSeveralConfigurations) {
+  const LibraryConfig c = read(
+      "configs: {drilled: a.yaml, voxels: b.yaml}\nset: {x.y.z: 1}\n"
+      "cases:\n  - {case: one, series: s, set: {x.y.z: 2, p.q.r: [1, 2.5]}}\n  - {case: two, series: t, config: "
+      "own.yaml}\n"
+      "phantoms: {shared: {level: clinical}, list: [{name: ph, seed: 5, variant: small}]}\n",
+      {{"x.y.z=3"}, {"columns_count=100"}, {}});
+  ASSERT_EQ(c.cases.size(), 5u);
+  EXPECT_EQ(c.cases[0].token, "one-drilled");
+  EXPECT_EQ(c.cases[1].token, "one-voxels");
+  EXPECT_EQ(c.cases[2].token, "two");
+  EXPECT_EQ(c.cases[2].config.filename(), "own.yaml");
+  EXPECT_EQ(c.cases[4].token, "ph-voxels");
+  EXPECT_EQ(c.cases[4].phantom, 0);
+  EXPECT_EQ(c.cases[0].set, (std::vector<std::string>{"x.y.z=1", "x.y.z=2", "p.q.r=[1, 2.5]", "x.y.z=3"}));
+  ASSERT_EQ(c.phantoms.size(), 1u);
+  EXPECT_EQ(c.phantoms[0].params.head.seed, 5);
+  EXPECT_EQ(c.phantoms[0].params.head.variant, phantom::Variant::small);
+  EXPECT_EQ(c.phantoms[0].params.head.level, phantom::Level::clinical);
+  EXPECT_EQ(c.phantoms[0].params.scan.columns_count, 100);
+}
+
+TEST_F(Library, FoundSeriesHaveNoTokenYet) {
+  for (const char* name : {"s/b", "s/a", "s/.hidden"}) fs::create_directories(scratch_.path() / name);
+  scratch_.write("s/z.zip", "x");
+  scratch_.write("s/notes.txt", "x");
+  const LibraryConfig c = read("config: a.yaml\nseries: [s/*]\n");
+  ASSERT_EQ(c.cases.size(), 3u);
+  EXPECT_EQ(c.cases[0].series.filename(), "a");
+  EXPECT_EQ(c.cases[2].series.filename(), "z.zip");
+  for (const LibraryCase& one : c.cases) EXPECT_TRUE(one.token.empty());
+  EXPECT_EQ(c.cases[1].origin, "series 2 of s/*");
+}
+
+TEST_F(Library, AllFaultsAtOnceWithTheirPlace) {
+  const std::string all = fault(
+      "config: a.yaml\nconfigs: {b: b.yaml}\ncases:\n  - {case: UPPER, series: ../../etc}\n  - {series: s}\nsereis: "
+      "[]\n");
+  EXPECT_NE(all.find("l.yaml:3:1: configs: stands beside config"), std::string::npos) << all;
+  EXPECT_NE(all.find("l.yaml:5:12: cases[0].case: 'UPPER'"), std::string::npos) << all;
+  EXPECT_NE(all.find("cases[0].series: ../../etc, leads out of the root"), std::string::npos) << all;
+  EXPECT_NE(all.find("cases[1].case: is missing"), std::string::npos) << all;
+  EXPECT_NE(all.find("sereis: "), std::string::npos) << all;
+  EXPECT_NE(fault("cases: [{case: a, series: s}]\n").find("has no configuration"), std::string::npos);
+  EXPECT_NE(fault("config: 010\ncases: [{case: a, series: s}, {case: a, series: s}]\n").find("is there already"),
+            std::string::npos);
+  EXPECT_NE(fault("config: a\nphantoms: {list: [{name: a, noise_hu: .nan}]}\n").find("noise_hu"), std::string::npos);
+}
+
+TEST_F(Library, SampleLibraryIsWhatTheDissertationHad) {
+  const LibraryConfig c = read_library_config(source / "configs/library.yaml");
+  EXPECT_EQ(c.phantoms.size(), 15u);
+  EXPECT_EQ(c.cases.size(), 30u);
+  std::map<phantom::Variant, int> variants;
+  for (const LibraryPhantom& p : c.phantoms) ++variants[p.params.head.variant];
+  EXPECT_EQ(variants.size(), 4u);
+  for (const LibraryCase& one : c.cases) EXPECT_NO_THROW(read_case_settings(one, {}, true, "p 1")) << one.token;
+}
+
+TEST_F(Library, SettingsChangeWithWhatCountsOnly) {
+  fs::copy(source / "pipelines/ventriculostomy.yaml", scratch_.path() / "p.yaml");
+  const auto scene = [&](const std::string& text) { scratch_.write("s.yaml", "trephine: 1\n" + text); };
+  scene("anatomies: {skull: {max_triangles: 5000}}\n");
+  scratch_.write("c.yaml", "trephine: 1\npipeline: p.yaml\nscene: s.yaml\n");
+  LibraryCase one;
+  one.config = scratch_.path() / "c.yaml";
+  const auto settings = [&] { return read_case_settings(one, {}, true, "p 1"); };
+  const CaseSettings first = settings();
+  EXPECT_EQ(first.values.at("scene.anatomies.skull.max_triangles"), "5000");
+  EXPECT_EQ(first.values.at("program"), "p 1");
+  EXPECT_TRUE(first.values.count("skull.decimate.max_deviation_mm"));
+  EXPECT_FALSE(first.values.count("brain.decimate.max_deviation_mm")) << "the scene does not show it";
+  EXPECT_EQ(parse_settings_json(settings_json(first)), first.values);
+
+  scene("# a comment\nanatomies:\n  skull:\n    max_triangles: 5000\n");
+  EXPECT_EQ(settings().sha256, first.sha256);
+  one.set = {"brain.decimate.max_deviation_mm=0.7"};
+  EXPECT_EQ(settings().sha256, first.sha256) << "of an anatomy that the scene does not show";
+  one.set = {"skull.decimate.max_deviation_mm=0.7"};
+  const auto lines = explain_difference(first.values, settings().values);
+  ASSERT_EQ(lines.size(), 1u) << lines[0];
+  EXPECT_EQ(lines[0].rfind("skull.decimate.max_deviation_mm: 0.7, was ", 0), 0u) << lines[0];
+  one.set.clear();
+  scene("anatomies: {skull: {max_triangles: 5000}}\nface: {policy: keep, reason: synthetic}\n");
+  EXPECT_NE(settings().sha256, first.sha256);
+  EXPECT_NE(read_case_settings(one, {}, true, "p 2").sha256, settings().sha256);
+  EXPECT_NE(read_case_settings(one, {}, false, "p 1").sha256, settings().sha256);
+}
+
+TEST(LibraryPools, NoChoiceOfJobsExceedsTheBudget) {
+  const std::vector<std::vector<double>> loads = {
+      {300, 300, 300, 300}, {1200, 1200, 300, 300, 300}, {5000, 1200, 600, 300, 100, 100}, {9000, 100}, {100}};
+  for (const auto& load : loads)
+    for (const double budget : {500.0, 2000.0, 4000.0, 16000.0})
+      for (const int jobs : {1, 2, 4, 16}) {
+        const MemoryPools p = make_pools(load, budget, jobs);
+        // The heaviest jobs that may run together.
+        std::vector<double> heavy = load;
+        std::sort(heavy.rbegin(), heavy.rend());
+        std::vector<int> left = p.places;
+        double sum = 0;
+        int running = 0;
+        for (const double mb : heavy)
+          if (running < p.jobs && left[p.class_of(mb)] > 0) {
+            --left[p.class_of(mb)];
+            sum += mb;
+            ++running;
+          }
+        EXPECT_TRUE(sum <= budget || running == 1) << sum << " of " << budget << " with " << jobs;
+        EXPECT_GE(running, 1);
+        if (budget >= 16000 && jobs <= static_cast<int>(load.size())) EXPECT_EQ(running, jobs) << "places are wasted";
+      }
+}
+
+TEST(LibraryPools, NinjaFileIsQuoted) {
+  NinjaJob job;
+  job.job.name = "case.a";
+  job.after = {"phantom.b"};
+  const std::string text = ninja_file({job}, make_pools({100}, 1000, 2), "/a b/it's $x");
+  EXPECT_NE(text.find("command = '/a b/it'\\''s $$x' library job $out"), std::string::npos) << text;
+  EXPECT_NE(text.find("build case.a: job || phantom.b\n  pool = memory0"), std::string::npos) << text;
+}
+
+TEST(LibrarySignature, ChangesWithContentNotWithNames) {
+  ScratchFolder scratch;
+  scratch.write("s/a", "1");
+  scratch.write("s/below/b", "2");
+  const std::string first = sign_files(scratch.path() / "s").sha256;
+  EXPECT_EQ(first, sign_files(scratch.path() / "s").sha256);
+  std::ofstream(scratch.path() / "s/below/b", std::ios::app) << "3";
+  const std::string second = sign_files(scratch.path() / "s").sha256;
+  EXPECT_NE(first, second);
+  fs::rename(scratch.path() / "s", scratch.path() / "t");
+  EXPECT_EQ(second, sign_files(scratch.path() / "t").sha256) << "the folder's name goes into it";
+  fs::remove(scratch.path() / "t/a");
+  EXPECT_NE(second, sign_files(scratch.path() / "t").sha256);
+  EXPECT_EQ(sign_files(scratch.path() / "nowhere").sha256, "");
+}
+
+TEST(LibrarySheet, EscapesAndShowsWhatThereIs) {
+  ScratchFolder scratch;
+  CaseRow good, bad;
+  good.token = "a";
+  good.patient_class = "small";
+  good.manifest.anatomies.push_back({});
+  good.manifest.anatomies[0].name = "skull";
+  good.manifest.anatomies[0].triangles = 12345;
+  good.warnings = {"<script>alert(1)</script>"};
+  bad.token = "b";
+  bad.fault = "was never built";
+  const std::string page = sheet_page(scratch.path(), {good, bad});
+  EXPECT_EQ(page.find("<script"), std::string::npos);
+  EXPECT_NE(page.find("&lt;script&gt;"), std::string::npos);
+  EXPECT_NE(page.find("12,345"), std::string::npos);
+  EXPECT_NE(page.find("was never built"), std::string::npos);
+  const Image picture = sheet_picture(scratch.path(), {good, bad});
+  EXPECT_GT(picture.width, 400);
+  const Image many = sheet_picture(scratch.path(), std::vector<CaseRow>(1000, good));
+  EXPECT_LT(double(many.width) * many.height, 6e7);
+}
+
+}  // namespace
+}  // namespace trephine

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdio>
+
+#include "base/log.h"
+#include "base/write_file.h"
+#include "commands.h"
+#include "library_display.h"
+
+namespace trephine {
+namespace {
+
+Argument argument(const char* name, Argument::Kind kind, const char* help) {
+  Argument a;
+  a.name = name;
+  a.kind = kind;
+  a.help = help;
+  return a;
+}
+
+}  // namespace
+
+Command library_build_command() {
+  using Kind = Argument::Kind;
+  Command c;
+  c.name = "library build";
+  c.summary = "brings every case of a library up to date";
+  c.description =
+      "Reads LIBRARY.yaml, finds by content which cases are stale (their series, the parameters and stages that they "
+      "depend on, the program, what became of their files), and builds these, each by `trephine run` on one thread, as "
+      "many at a time as memory holds, with Ninja. A case that fails keeps its last good state and stops no other; a "
+      "build that was stopped, killed even, is resumed by the next one. The exit status is that of the first case that "
+      "failed.";
+  c.examples = {"trephine library build configs/library.yaml --out library",
+                "trephine library build LIBRARY.yaml --out library --dry-run",
+                "trephine library build LIBRARY.yaml --out library --why head-01",
+                "trephine library build LIBRARY.yaml --out library --set skull.decimate.max_deviation_mm=0.2"};
+  Argument config = argument("config", Kind::in_file, "The library's configuration (.yaml).");
+  config.positional = config.required = true;
+  Argument out = argument("out", Kind::out_folder, "The library: the folder in which the cases' folders are made.");
+  out.required = true;
+  Argument only = argument("case", Kind::text, "Build only this case.");
+  Argument why = argument("why", Kind::text, "Say why this case would be built; build nothing.");
+  Argument set = argument("set", Kind::text, "Override anatomy.stage.parameter=value in every case.");
+  Argument phantom = argument("phantom", Kind::text, "Override parameter=value of every phantom.");
+  Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configurations may lead to.");
+  only.repeated = why.repeated = set.repeated = phantom.repeated = root.repeated = true;
+  c.arguments = {
+      config, out,     only, why,
+      set,    phantom, root, argument("json", Kind::out_file, "Write what was built, and what failed, here too.")};
+  c.groups = {ParameterGroup::of<LibraryBuildParams>("Parameters")};
+  c.run = [](const ParsedCommand& parsed) {
+    LibraryBuildRequest request;
+    request.config = parsed.path("config");
+    request.library = parsed.path("out");
+    request.only = parsed.all("case");
+    request.why = parsed.all("why");
+    request.overrides.set = parsed.all("set");
+    request.overrides.phantom = parsed.all("phantom");
+    for (const std::string& r : parsed.all("root")) request.overrides.roots.emplace_back(r);
+    request.params = parsed.params<LibraryBuildParams>();
+    request.program_version = "trephine " TREPHINE_VERSION;
+    LibraryBuildResult result;
+    {
+      LibraryDisplay display(parsed.quiet);
+      result = build_library(request, display);
+    }
+    const bool asked = request.params.dry_run || !request.why.empty();
+    if (asked || !parsed.quiet) {
+      std::fputs(result.table.c_str(), stdout);
+    } else if (result.code != 0) {
+      const std::string& t = result.table;
+      for (std::size_t at = 0, end; (end = t.find('\n', at)) != std::string::npos; at = end + 1)
+        log_line("trephine library build: " + t.substr(at, end - at));
+    }
+    if (parsed.has("json")) write_file(parsed.path("json"), result.json);
+    return static_cast<ExitCode>(result.code);
+  };
+  return c;
+}
+
+}  // namespace trephine

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <memory>
+
+#include "library/build.h"
+
+namespace trephine {
+
+/// A library build on the terminal: one line that is repainted (done, failed, at work with their stages, time left),
+/// and a line that stays for each case that ended. Elsewhere than on a terminal only those lines; with `quiet` none of
+/// them.
+class LibraryDisplay : public LibraryObserver {
+ public:
+  explicit LibraryDisplay(bool quiet);
+  ~LibraryDisplay() override;
+  void planning(double fraction) override;
+  void began(int jobs) override;
+  void started(const std::string& job) override;
+  void working(const std::vector<std::pair<std::string, std::string>>& running, int done, int failed,
+               double seconds_left) override;
+  void finished(const std::string& job, const JobResult& result) override;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace trephine

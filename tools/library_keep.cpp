@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The commands that look at a library, or keep it clean.
+#include <cstdio>
+
+#include "base/write_file.h"
+#include "cli/progress_display.h"
+#include "commands.h"
+#include "library/job.h"
+#include "library/keeping.h"
+#include "library/sheet.h"
+
+namespace trephine {
+namespace {
+
+Argument library_argument() {
+  Argument a;
+  a.name = "library";
+  a.kind = Argument::Kind::in_folder;
+  a.help = "The library's folder.";
+  a.positional = a.required = true;
+  return a;
+}
+
+Argument json_argument() {
+  Argument a;
+  a.name = "json";
+  a.kind = Argument::Kind::out_file;
+  a.help = "Write the same as JSON here (/dev/stdout: instead of the table).";
+  return a;
+}
+
+void tell(const ParsedCommand& parsed, const std::string& table, const std::string& json) {
+  const bool to_stdout = parsed.path("json") == "/dev/stdout";
+  if (!to_stdout) std::fputs(table.c_str(), stdout);
+  if (parsed.has("json")) write_file(parsed.path("json"), json);
+}
+
+struct VerifyParams {
+  bool load = true;
+  template <class V>
+  static void describe(V& v) {
+    v.flag(&VerifyParams::load, "load", "Also load every case as a simulator does.");
+  }
+};
+
+struct SheetParams {
+  bool sheet = false;
+  template <class V>
+  static void describe(V& v) {
+    v.flag(&SheetParams::sheet, "sheet", "Make the library's contact sheet anew: contact_sheet.png and index.html.");
+  }
+};
+
+}  // namespace
+
+Command library_list_command() {
+  Command c;
+  c.name = "library list";
+  c.summary = "lists the cases of a library with their figures";
+  c.description =
+      "Class, volume of the ventricles, Evans' index, shift of the midline, triangles, largest deviation, warnings, "
+      "age "
+      "and version of every case, as case.json and run.json say; what is wrong with a case stands behind it.";
+  c.examples = {"trephine library list library", "trephine library list library --class hydrocephalic",
+                "trephine library list library --json list.json --sheet"};
+  c.arguments = {library_argument(), json_argument()};
+  c.groups = {ParameterGroup::of<LibraryFilter>("Filter"), ParameterGroup::of<SheetParams>("Contact sheet")};
+  c.run = [](const ParsedCommand& parsed) {
+    const std::vector<CaseRow> rows = read_library(parsed.path("library"), parsed.params<LibraryFilter>());
+    tell(parsed, library_table(rows), library_json(rows));
+    if (parsed.params<SheetParams>().sheet) make_sheet(parsed.path("library"));
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+Command library_show_command() {
+  Command c;
+  c.name = "library show";
+  c.summary = "shows all figures of one case of a library";
+  c.description = "Surfaces, what is felt, landmarks, burr holes, figures of the patient, and the warnings of its run.";
+  c.examples = {"trephine library show library head-01"};
+  Argument token;
+  token.name = "case";
+  token.kind = Argument::Kind::text;
+  token.help = "Name of the case.";
+  token.positional = token.required = true;
+  c.arguments = {library_argument(), token, json_argument()};
+  c.run = [](const ParsedCommand& parsed) {
+    const CaseRow row = read_library_case(parsed.path("library"), parsed.text("case"));
+    tell(parsed, case_text(row), library_json({row}));
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+Command library_verify_command() {
+  Command c;
+  c.name = "library verify";
+  c.summary = "compares every byte of a library's cases with their checksums";
+  c.description = "Ends with 65 where a case is damaged, and names every one of them.";
+  c.examples = {"trephine library verify library", "trephine library verify library --case head-01"};
+  Argument only;
+  only.name = "case";
+  only.kind = Argument::Kind::text;
+  only.help = "Only this case.";
+  only.repeated = true;
+  c.arguments = {library_argument(), only};
+  c.groups = {ParameterGroup::of<VerifyParams>("Parameters")};
+  c.run = [](const ParsedCommand& parsed) {
+    VerifyResult result;
+    {
+      ProgressDisplay display(parsed.quiet);
+      result = verify_library(parsed.path("library"), parsed.all("case"), parsed.params<VerifyParams>().load,
+                              display.start("verify"));
+    }
+    std::fputs(result.table.c_str(), stdout);
+    return result.faults.empty() ? ExitCode::ok : ExitCode::bad_input;
+  };
+  return c;
+}
+
+Command library_gc_command() {
+  Command c;
+  c.name = "library gc";
+  c.summary = "removes from a library what nothing names any more";
+  c.description =
+      "Files of older states of a case, what killed runs left, outputs of stages that were not used for long, records "
+      "of "
+      "cases that are gone. Safe beside running builds: a case that one works on is left alone. No case is ever "
+      "removed.";
+  c.examples = {"trephine library gc library", "trephine library gc library --dry-run"};
+  c.arguments = {library_argument()};
+  c.groups = {ParameterGroup::of<GcParams>("Parameters")};
+  c.run = [](const ParsedCommand& parsed) {
+    const Progress progress([](double) {}, &cancel_requested());
+    const GcResult result = collect_garbage(parsed.path("library"), parsed.params<GcParams>(), progress);
+    std::fputs(result.table.c_str(), stdout);
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+Command library_job_command() {
+  Command c;
+  c.name = "library job";
+  c.summary = "does one job of a library build";
+  c.hidden = true;
+  Argument name;
+  name.name = "name";
+  name.kind = Argument::Kind::text;
+  name.help = "Which of the build's jobs.";
+  name.positional = name.required = true;
+  c.arguments = {name};
+  c.run = [](const ParsedCommand& parsed) { return static_cast<ExitCode>(run_library_job(parsed.text("name"))); };
+  return c;
+}
+
+}  // namespace trephine
