@@ -54,28 +54,49 @@ struct Fan {
 
 double value(const Field& f, int i, int j, int k) { return f.contains(i, j, k) ? double(f.at(i, j, k)) : -1.0; }
 
-Fan fan_of(const Field& f, int i, int j, int k) {
-  const Vec3 s = f.spacing_mm;
-  const auto corner = [&](int c) { return value(f, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)); };
-  const auto crossing = [&](int a, int b) {
-    const double u = corner(a), v = corner(b), t = u / (u - v);
+/// The eight corners of a cell and where the surface crosses its edges, in mm along the lattice's axes.
+struct Cell {
+  double corner[8];
+  int at[3];
+  Vec3 spacing;
+
+  Cell(const Field& f, int i, int j, int k) : at{i, j, k}, spacing(f.spacing_mm) {
+    if (i >= 0 && j >= 0 && k >= 0 && i + 1 < f.size[0] && j + 1 < f.size[1] && k + 1 < f.size[2]) {
+      const std::size_t dy = std::size_t(f.size[0]), dz = dy * f.size[1];
+      const float* p = &f.voxels[f.index(i, j, k)];
+      for (int c = 0; c < 8; ++c) corner[c] = p[(c & 1) + (c >> 1 & 1) * dy + (c >> 2) * dz];
+    } else {
+      for (int c = 0; c < 8; ++c) corner[c] = value(f, i + (c & 1), j + (c >> 1 & 1), k + (c >> 2));
+    }
+  }
+  bool crosses(int a, int b) const { return (corner[a] > 0) != (corner[b] > 0); }
+  Vec3 crossing(int a, int b) const {
+    const double u = corner[a], v = corner[b], t = u / (u - v);
     Vec3 p;
     for (int axis = 0; axis < 3; ++axis) {
       const int from = a >> axis & 1, to = b >> axis & 1;
-      p[axis] = (axis == 0 ? i : axis == 1 ? j : k) + from + (to - from) * t;
+      p[axis] = at[axis] + from + (to - from) * t;
     }
-    return Vec3{p.x * s.x, p.y * s.y, p.z * s.z};
-  };
+    return Vec3{p.x * spacing.x, p.y * spacing.y, p.z * spacing.z};
+  }
+  Vec3 middle() const {
+    Vec3 sum;
+    int crossings = 0;
+    for (int c = 0; c < 8; ++c)
+      for (int axis = 0; axis < 3; ++axis) {
+        const int d = c | 1 << axis;
+        if (d == c || !crosses(c, d)) continue;
+        sum += crossing(c, d);
+        ++crossings;
+      }
+    return sum / std::max(1, crossings);
+  }
+};
+
+Fan fan_of(const Field& f, int i, int j, int k) {
+  const Cell cell(f, i, j, k);
   Fan fan;
-  int crossings = 0;
-  for (int c = 0; c < 8; ++c)
-    for (int axis = 0; axis < 3; ++axis) {
-      const int d = c | 1 << axis;
-      if (d == c || (corner(c) > 0) == (corner(d) > 0)) continue;
-      fan.middle += crossing(c, d);
-      ++crossings;
-    }
-  fan.middle = fan.middle / std::max(1, crossings);
+  fan.middle = cell.middle();
   for (int axis = 0; axis < 3; ++axis)
     for (int side = 0; side < 2; ++side) {
       const int u = 1 << (axis + 1) % 3, v = 1 << (axis + 2) % 3, c0 = side << axis;
@@ -83,7 +104,7 @@ Fan fan_of(const Field& f, int i, int j, int k) {
       Vec3 at[4];
       int n = 0;
       for (int e = 0; e < 4; ++e)
-        if ((corner(round[e]) > 0) != (corner(round[e + 1]) > 0)) at[n++] = crossing(round[e], round[e + 1]);
+        if (cell.crosses(round[e], round[e + 1])) at[n++] = cell.crossing(round[e], round[e + 1]);
       for (int e = 0; e + 1 < n; e += 2) fan.edges[fan.count++] = {at[e], at[e + 1]};
     }
   return fan;
@@ -121,9 +142,14 @@ struct Side {
   std::array<int, 3> at;  ///< its first voxel
   Cells cells;
 
+  Vec3 shift_mm() const {
+    const Vec3 s = field->spacing_mm;
+    return {at[0] * s.x, at[1] * s.y, at[2] * s.z};
+  }
+  Vec3 middle(int i, int j, int k) const { return Cell(*field, i - at[0], j - at[1], k - at[2]).middle() + shift_mm(); }
   Fan fan(int i, int j, int k) const {
     Fan fan = fan_of(*field, i - at[0], j - at[1], k - at[2]);
-    const Vec3 s = field->spacing_mm, shift{at[0] * s.x, at[1] * s.y, at[2] * s.z};
+    const Vec3 shift = shift_mm();
     fan.middle += shift;
     for (int e = 0; e < fan.count; ++e) fan.edges[e][0] += shift, fan.edges[e][1] += shift;
     return fan;
@@ -143,7 +169,7 @@ Side side_of(const Field& field, const std::array<int, 3>& at, const BitMask& in
   c.middle.resize(n);
   parallel_for(0, l.size[2], 1, [&](std::int64_t k0, std::int64_t) {
     each_cell(c, int(k0), [&](int i, int j, int k, std::size_t rank) {
-      const Vec3 m = side.fan(i, j, k).middle;
+      const Vec3 m = side.middle(i, j, k);
       c.middle[rank] = {float(m.x), float(m.y), float(m.z)};
     });
   });
