@@ -59,6 +59,7 @@ void one_volume(std::uint64_t seed, Counts& counts) {
       return;
     }
     ++counts.refused;
+    std::printf("volume %d refused: %s\n", int(seed), e.what());
     ++counts.reasons[e.field() + ": " + e.what()];
   }
 }
