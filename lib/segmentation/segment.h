@@ -104,9 +104,10 @@ struct SegmentMasks {
 ///   envelope, from which sulci, fissures and cisterns are cut as far as CSF reaches in from outside. Ventricles
 ///   belong to the brain; wide dark places that are not as dark as CSF (oedema, old infarcts) too.
 /// - ventricles: CSF deep inside the brain (the lateral ones and the third), parted from cisterns, fourth ventricle and
-///   sulci at the narrowest places by the same watershed; half_maximum: the surface lies halfway between CSF and the
-///   tissue beside it, as averaged along the surface, and temporal and occipital horns that noise parts from the rest
-///   are traced as tubes.
+///   sulci at the narrowest places by the same watershed; half_maximum: temporal and occipital horns that noise parts
+///   from the rest are traced as tubes, and the surface is fitted: a model of what the scanner shows of it (CSF and the
+///   tissue beside it, blurred, averaged over the slice) to the scan, between the voxels (those finer than a millimetre
+///   are merged before).
 ///
 /// Brain and ventricles are a first unattended estimate for a head that lies straight to about 15 degrees: blood or a
 /// tumour in the ventricles, wide ways out of them, strong cupping and a skull with a large defect mislead it. The

@@ -3,12 +3,13 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "segmentation/along_surface.h"
+#include "base/parallel.h"
 #include "segmentation/filters.h"
 #include "segmentation/horns.h"
 #include "segmentation/methods.h"
 #include "segmentation/soft_tissue.h"
 #include "segmentation/surface_field.h"
+#include "segmentation/ventricles_fit.h"
 
 namespace trephine::segmentation {
 namespace {
@@ -24,13 +25,13 @@ constexpr double regrow_mm = 2;   ///< and then grown to the edge by at most thi
 constexpr double speck_ml = 0.2;  ///< pieces of ventricle smaller than this are noise
 constexpr double cut_sigma_mm = 1.0;
 constexpr double cut_scale_hu = 8;
-constexpr int rounds = 2;
-constexpr double reach_mm = 2.5;
-constexpr double beside_sigma_mm = 5;
+constexpr double cut_scale_mm = 0.8;
+constexpr double most_voxel_mm = 1.0;
+constexpr double clear_mm = 1;          ///< of other fluid, the edge is not looked for
+constexpr double start_sigma_mm = 0.5;  ///< rounds the voxels off before the fit
 constexpr double edge_may_move_hu = 5;
 constexpr double edge_share = 0.5;
 constexpr double horns_reach_mm = 45;  ///< beyond the ventricles found, horns are looked for
-constexpr float horn_hu_per_mm = 6;    ///< of their field at the edge
 
 /// A box about the brain's centre, LPS, in an adult; heads lie straight to about 15 degrees.
 struct Place {
@@ -122,52 +123,83 @@ double half_of_both_sides(const Grid<float>& hu, const BitMask& shape, const Bit
   return std::clamp(low + edge_share * (high - low), otherwise - edge_may_move_hu, otherwise + edge_may_move_hu);
 }
 
-/// The surface where the mean along it is halfway between CSF and the tissue beside: `shape` is where to look. Returns
-/// the field, positive inside, on the shape's lattice, and moves the shape with it.
-Field placed_halfway(const Grid<float>& hu, BitMask& shape, const BitMask& brain, double noise,
-                     const Progress& progress) {
-  const Lattice& l = hu;
-  Field field(l);
-  // The more noise, the larger the patch that places a point: about the same error.
-  const double patch_mm = std::clamp(1.2 + 0.05 * noise, 1.2, 4.0), shape_sigma_mm = 0.4 * patch_mm;
-  for (int round = 0; round < rounds; ++round) {
-    for (int k = 0; k < l.size[2]; ++k)
+/// a x a voxels of each slice merged into their mean.
+Grid<float> merged(const Grid<float>& g, int a) {
+  Lattice l = g;
+  l.size = {g.size[0] / a, g.size[1] / a, g.size[2]};
+  l.spacing_mm = {g.spacing_mm.x * a, g.spacing_mm.y * a, g.spacing_mm.z};
+  l.origin_mm = g.to_world_mm({0.5 * (a - 1), 0.5 * (a - 1), 0});
+  Grid<float> out(l);
+  parallel_for(0, l.size[2], 2, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
       for (int j = 0; j < l.size[1]; ++j)
-        for (int i = 0; i < l.size[0]; ++i) field.at(i, j, k) = shape.get(i, j, k) ? 0.5f : -0.5f;
-    gaussian(field, shape_sigma_mm, progress);
-    Grid<float> distance = signed_distance_mm(field, progress);
-    for (float& d : distance.voxels) d = std::clamp(d, -8.f, 8.f);
-    gaussian(distance, shape_sigma_mm, progress);
-    const Grid<float> mean = averaged_along(hu, distance, reach_mm, patch_mm, progress);
-    std::vector<float> inside;
-    BitMask beside(l);
-    for (int k = 0; k < l.size[2]; ++k)
-      for (int j = 0; j < l.size[1]; ++j)
-        for (int i = 0; i < l.size[0]; ++i) {
-          const float d = distance.at(i, j, k);
-          if (d > 1.2f) inside.push_back(hu.at(i, j, k));
-          if (d < -1.5f && d > -5 && brain.get(i, j, k) && hu.at(i, j, k) < 100) beside.set(i, j, k);
+        for (int b = 0; b < a; ++b) {
+          const float* row = &g.at(0, j * a + b, k);
+          for (int i = 0; i < l.size[0]; ++i)
+            for (int c = 0; c < a; ++c) out.at(i, j, k) += row[i * a + c] / float(a * a);
         }
-    if (inside.size() < 100 || !beside.any()) return field;
-    const float low = float(middle_of(inside));
-    const Grid<float> high = masked_gaussian(hu, beside, beside_sigma_mm, 30, 0.0005, progress);
-    BitMask next(l);
-    for (int k = 0; k < l.size[2]; ++k)
-      for (int j = 0; j < l.size[1]; ++j)
-        for (int i = 0; i < l.size[0]; ++i) {
-          const std::size_t v = l.index(i, j, k);
-          const float d = distance.voxels[v];
-          float& f = field.voxels[v];
-          f = 0.5f * (low + high.voxels[v]) - mean.voxels[v];
-          if (std::abs(d) >= reach_mm) f = d > 0 ? std::max(f, 5.f) : std::min(f, -5.f);
-          if (f > 0 && brain.get(i, j, k)) next.set(i, j, k);
+  });
+  return out;
+}
+
+/// Where at least half of the a x a voxels are set.
+BitMask merged(const BitMask& m, const Lattice& l, int a) {
+  return make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i) {
+      int n = 0;
+      for (int b = 0; b < a; ++b)
+        for (int c = 0; c < a; ++c) n += m.get(i * a + c, j * a + b, k);
+      row[i] = 2 * n >= a * a;
+    }
+  });
+}
+
+/// The grid between its voxels, at the voxels of another whose axes are parallel, by cubic interpolation (Catmull-Rom):
+/// linear would flatten what is curved. Its ends go on.
+Field resampled(Field from, const Lattice& to, const Progress& progress) {
+  const Vec3 first = from.to_index(to.origin_mm);
+  for (int axis = 0; axis < 3; ++axis) {
+    Lattice l = from;
+    l.size[axis] = to.size[axis];
+    l.spacing_mm[axis] = to.spacing_mm[axis];
+    Field out(l);
+    struct Taps {
+      int at[4];
+      float weight[4];
+    };
+    std::vector<Taps> taps(l.size[axis]);
+    for (int n = 0; n < l.size[axis]; ++n) {
+      const double x = first[axis] + n * to.spacing_mm[axis] / from.spacing_mm[axis];
+      const int before = int(std::floor(x)) - 1;
+      const double t = x - before - 1;
+      const double w[4] = {t * (-0.5 + t * (1 - 0.5 * t)), 1 + t * t * (-2.5 + 1.5 * t), t * (0.5 + t * (2 - 1.5 * t)),
+                           t * t * (-0.5 + 0.5 * t)};
+      for (int m = 0; m < 4; ++m) {
+        taps[n].at[m] = std::clamp(before + m, 0, from.size[axis] - 1);
+        taps[n].weight[m] = float(w[m]);
+      }
+    }
+    parallel_for(0, l.size[2], 2, [&](std::int64_t begin, std::int64_t end) {
+      progress.check();
+      for (int k = int(begin); k < end; ++k)
+        for (int j = 0; j < l.size[1]; ++j) {
+          float* row = &out.at(0, j, k);
+          for (int m = 0; m < 4; ++m) {
+            if (axis == 0) {
+              const float* in = &from.at(0, j, k);
+              for (int i = 0; i < l.size[0]; ++i) row[i] += taps[i].weight[m] * in[taps[i].at[m]];
+            } else {
+              const Taps& t = taps[axis == 1 ? j : k];
+              const float* in = axis == 1 ? &from.at(0, t.at[m], k) : &from.at(0, j, t.at[m]);
+              for (int i = 0; i < l.size[0]; ++i) row[i] += t.weight[m] * in[i];
+            }
+          }
         }
-    const Components pieces = components(next);
-    std::vector<char> keep;
-    for (const Component& c : pieces.list) keep.push_back(c.voxels * l.voxel_volume_mm3() / 1000 >= speck_ml / 2);
-    shape = select(pieces, keep);
+    });
+    from = std::move(out);
   }
-  return field;
+  static_cast<Lattice&>(from) = to;
+  return from;
 }
 
 }  // namespace
@@ -211,22 +243,30 @@ Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const Segm
   if (!masks.within) throw Error(ExitCode::usage, "", "within", "method ventricles needs the field of the brain");
   const Box brain_box = grown(positive(*masks.within, *masks.within).bounds(), 1, *masks.within);
   if (brain_box.empty()) throw Error(ExitCode::quality, "", "within", "the mask is empty: 0 voxels");
-  const Lattice l = cropped(*masks.within, brain_box);
-  Box box = place_in(l, hu.lattice());
+  const Lattice whole = cropped(*masks.within, brain_box);
+  const Box box = place_in(whole, hu.lattice());
   for (int a = 0; a < 3; ++a)
     if (box.begin[a] < 0 || box.end[a] > hu.lattice().size[a])
       throw Error(ExitCode::bad_input, "", "within", "the field reaches beyond the volume");
-  BitMask brain = positive(*masks.within, l);
+  const bool fitted = p.edge == SegmentEdge::half_maximum;
+  // Finer voxels hold no more of the shape than these; the edge is fitted between them.
+  const int merge = fitted ? std::clamp(int(most_voxel_mm / std::max(whole.spacing_mm.x, whole.spacing_mm.y)), 1,
+                                        std::min(whole.size[0], whole.size[1]))
+                           : 1;
+  Grid<float> raw = merged(crop(hu, box), merge);
+  const Lattice l = raw;
+  const BitMask fine_brain = positive(*masks.within, whole);
+  const BitMask brain = merged(fine_brain, l, merge);
   const Box roi = region_of_interest(hu.lattice(), p);
-  BitMask allowed(cropped(hu.lattice(), roi));
-  allowed = placed(allowed.invert(), l);
-  if (masks.without) allowed.remove(positive(*masks.without, l));
+  BitMask free(cropped(hu.lattice(), roi));
+  free = placed(free.invert(), whole);
+  if (masks.without) free.remove(positive(*masks.without, whole));
+  const BitMask allowed = merged(free, l, merge);
 
   // The brain's surface with its sulci closed: how deep something lies is meant from there.
   BitMask envelope = closed(brain, envelope_close_mm, progress);
   envelope |= holes(envelope, {0, 1000, true}, progress);
   BitMask known = eroded(envelope, shell_mm, progress);
-  Grid<float> raw = crop(hu, box);
   known &= make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) row[i] = raw.at(i, j, k) > -100 && raw.at(i, j, k) < 160;
   });
@@ -269,23 +309,42 @@ Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const Segm
   BitMask both = shape;
   both |= course;
   const Box cut = grown(both.bounds(), margin(6), l);
-  shape = crop(shape, cut);
   Field field;
-  if (p.edge == SegmentEdge::half_maximum) {
-    field = placed_halfway(trephine::crop(raw, cut), shape, crop(brain, cut), noise, progress);
-    const Grid<float> tubes = fit(horns, field, -4.f);
+  BitMask found;
+  if (fitted) {
+    known.remove(dilated(others, clear_mm, progress));
+    Field start(cropped(l, cut));
+    shape = crop(shape, cut);
+    for (int k = 0; k < start.size[2]; ++k)
+      for (int j = 0; j < start.size[1]; ++j)
+        for (int i = 0; i < start.size[0]; ++i) start.at(i, j, k) = shape.get(i, j, k) ? 0.5f : -0.5f;
+    const Grid<float> tubes = fit(horns, start, -4.f);
+    gaussian(start, start_sigma_mm, progress);
+    start = signed_distance_mm(start, progress);
     for (std::size_t v = 0; v < tubes.voxels.size() && horns_count > 0; ++v)
-      field.voxels[v] = std::max(field.voxels[v], horn_hu_per_mm * tubes.voxels[v]);
-    shape |= crop(course, cut);
-    shape |= holes(shape, {p.fill_close_mm, 5, false}, progress);
-    if (!shape.any()) check_mask(shape, hu.lattice().count(), report);
+      start.voxels[v] = std::max(start.voxels[v], tubes.voxels[v]);
+    start = fit_fluid(trephine::crop(raw, cut), crop(known, cut), start, noise, progress);
+    // Back to the volume's voxels.
+    const Box out{{cut.begin[0] * merge, cut.begin[1] * merge, cut.begin[2]},
+                  {cut.end[0] * merge, cut.end[1] * merge, cut.end[2]}};
+    field = resampled(start, cropped(whole, out), progress);
+    found = positive(field, field);
+    found &= crop(fine_brain, out);
+    const Components pieces = components(found);
+    std::vector<char> keep;
+    for (const Component& c : pieces.list) keep.push_back(c.voxels * whole.voxel_volume_mm3() / 1000 >= speck_ml / 2);
+    found = select(pieces, keep);
+    found |= holes(found, {p.fill_close_mm, 5, false}, progress);
+    if (!found.any()) check_mask(found, hu.lattice().count(), report);
   } else {
     for (float& v : soft.voxels) v = std::min(v - float(lower), float(upper) - v);
     field = trephine::crop(soft, cut);
+    found = crop(shape, cut);
   }
-  const std::size_t cut_count = place_surface(field, shape, cut_sigma_mm, cut_scale_hu, progress);
+  const std::size_t cut_count =
+      place_surface(field, found, cut_sigma_mm, fitted ? cut_scale_mm : cut_scale_hu, progress);
   report.add("cut_voxels_count", cut_count);
-  const double ml = double(shape.count()) * l.voxel_volume_mm3() / 1000;
+  const double ml = double(found.count()) * whole.voxel_volume_mm3() / 1000;
   if (ml < 3 || ml > 200) report.warn("the ventricles found are not of the size of an adult's");
   return field;
 }
