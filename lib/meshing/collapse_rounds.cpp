@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "base/parallel.h"
 #include "meshing/edge_collapse.h"
@@ -17,8 +18,8 @@ constexpr double carry_from = 2.5;
 /// The rounds end at so many times the target, or at this count.
 constexpr double rounds_to = 1.1;
 constexpr std::size_t rounds_to_count = 20000;
-/// A round that takes less than this share of the triangles is the last.
-constexpr double least_progress = 0.03;
+/// A round that takes less than this share of the triangles is the last; while points are yet to be carried the second.
+constexpr double least_progress = 0.03, least_uncarried_progress = 0.1;
 /// Points of a cell: enough for most to lie off its walls. At most so many cells along an axis.
 constexpr double points_per_cell = 1500;
 constexpr int most_cells = 64;
@@ -60,10 +61,12 @@ float EdgeCollapse::cost_below(double share) const {
 }
 
 EdgeCollapse::Cells EdgeCollapse::cut(std::size_t round) {
-  const auto count = static_cast<std::uint32_t>(mesh_.points());
+  live_points_.erase(std::remove_if(live_points_.begin(), live_points_.end(),
+                                    [this](std::uint32_t v) { return !mesh_.live_point(v); }),
+                     live_points_.end());
+  const auto count = static_cast<std::int64_t>(live_points_.size());
   Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-  for (std::uint32_t v = 0; v < count; ++v) {
-    if (!mesh_.live_point(v)) continue;
+  for (const std::uint32_t v : live_points_) {
     const Vec3 p = mesh_.point_mm(v);
     for (int a = 0; a < 3; ++a) {
       low[a] = std::min(low[a], p[a]);
@@ -79,18 +82,18 @@ EdgeCollapse::Cells EdgeCollapse::cut(std::size_t round) {
     cells[a] = static_cast<int>((high[a] - low[a]) / side) + 2;
     shift[a] = std::fmod(0.5 * double(round) + 0.25 * double(round / 2) + 0.3 * a, 1.0);
   }
-  std::vector<std::uint32_t> cell(count, CollapseMesh::none);
+  std::vector<std::uint32_t> cell(mesh_.points(), CollapseMesh::none);
   parallel_for(0, count, 16384, [&](std::int64_t from, std::int64_t to) {
-    for (auto v = static_cast<std::uint32_t>(from); v < to; ++v) {
-      if (!mesh_.live_point(v)) continue;
+    for (std::int64_t n = from; n < to; ++n) {
+      const std::uint32_t v = live_points_[static_cast<std::size_t>(n)];
       const Vec3 p = (mesh_.point_mm(v) - low) / side + shift;
       cell[v] = static_cast<std::uint32_t>((int(p.z) * cells[1] + int(p.y)) * cells[0] + int(p.x));
     }
   });
   parallel_for(0, count, 16384, [&](std::int64_t from, std::int64_t to) {
-    for (auto v = static_cast<std::uint32_t>(from); v < to; ++v) {
+    for (std::int64_t n = from; n < to; ++n) {
+      const std::uint32_t v = live_points_[static_cast<std::size_t>(n)];
       flags_[v] &= ~core;
-      if (cell[v] == CollapseMesh::none) continue;
       bool inner = true;
       mesh_.for_each_leaving(v, [&](std::uint32_t e) { inner &= cell[mesh_.to(e)] == cell[v]; });
       if (inner) flags_[v] |= core;
@@ -98,12 +101,12 @@ EdgeCollapse::Cells EdgeCollapse::cut(std::size_t round) {
   });
   Cells c;
   c.begin.assign(static_cast<std::size_t>(cells[0]) * cells[1] * cells[2] + 1, 0);
-  for (std::uint32_t v = 0; v < count; ++v)
+  for (const std::uint32_t v : live_points_)
     if (flags_[v] & core) ++c.begin[cell[v] + 1];
   for (std::size_t n = 1; n < c.begin.size(); ++n) c.begin[n] += c.begin[n - 1];
   c.points.resize(c.begin.back());
   std::vector<std::uint32_t> at(c.begin.begin(), c.begin.end() - 1);
-  for (std::uint32_t v = 0; v < count; ++v)
+  for (const std::uint32_t v : live_points_)
     if (flags_[v] & core) c.points[at[cell[v]]++] = v;
   // Only the cells that hold something.
   c.begin.erase(std::unique(c.begin.begin(), c.begin.end()), c.begin.end());
@@ -155,6 +158,8 @@ void EdgeCollapse::work_off(std::size_t count, float cost_limit, Worker& w, cons
 }
 
 void EdgeCollapse::rounds(std::size_t target, std::size_t floor, bool& limited, const Progress& progress) {
+  live_points_.resize(mesh_.points());
+  std::iota(live_points_.begin(), live_points_.end(), 0u);
   const std::size_t start = mesh_.live_triangles();
   for (;;) {
     const std::size_t live = mesh_.live_triangles();
@@ -185,7 +190,8 @@ void EdgeCollapse::rounds(std::size_t target, std::size_t floor, bool& limited, 
       mesh_.keep(std::move(w.log));
       limited |= w.limited;
     }
-    if (double(live - mesh_.live_triangles()) < least_progress * double(live)) return;
+    const double least = limit2_ < infinite_cost && !carried_.carries() ? least_uncarried_progress : least_progress;
+    if (double(live - mesh_.live_triangles()) < least * double(live)) return;
   }
 }
 

@@ -25,7 +25,7 @@ constexpr double carried_share = 0.95;
 /// Share of the limit that a carried point must be away for the triangles to be sampled.
 constexpr double some_way = 0.35;
 /// Share of the limit that the root of the mean squared distance to the planes may use while no points are carried.
-constexpr double uncarried_share = 0.2;
+constexpr double uncarried_share = 0.25;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 

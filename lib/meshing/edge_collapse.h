@@ -95,6 +95,7 @@ class EdgeCollapse {
   std::vector<std::uint32_t> versions_;
   std::vector<char> flags_;     ///< per point
   std::vector<char> rejected_;  ///< per triangle a bit for each half-edge that did not collapse as things were
+  std::vector<std::uint32_t> live_points_;  ///< during rounds; some may have died since
   std::size_t round_ = 0;
 };
 

@@ -67,7 +67,7 @@ DeviationMeter::DeviationMeter(const NearInput& input, double limit_mm)
       raster_of_(input_.triangles.size(), CollapseMesh::none) {}
 
 double DeviationMeter::squared_distance(Vec3 place, std::uint32_t& near) const {
-  const double bound = near_.squared_bound(place, near, exact_beyond2_ / 128);
+  const double bound = near_.squared_bound(place, near, exact_beyond2_ / 36);
   if (bound <= exact_beyond2_) return bound;
   std::uint32_t at = CollapseMesh::none;
   const double d2 = tree_.squared_distance(place, bound, &at);
