@@ -235,7 +235,7 @@ int main(int argc, char** argv) try {
       std::printf("hole %d: refused (%d): %s\n", i, int(e.code()), e.line("").c_str());
     }
     std::fflush(stdout);
-    if ((i + 1 - first) % 1000 == 0) std::printf("%d done, %d valid, %d refused\n", i + 1 - first, valid, refused);
+    if ((i + 1 - first) % 100 == 0) std::printf("%d done, %d valid, %d refused\n", i + 1 - first, valid, refused);
   }
   std::sort(times.begin(), times.end());
   if (times.empty()) return 1;
