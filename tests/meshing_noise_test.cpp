@@ -2,6 +2,7 @@
 // Random small volumes through contour, decimate and smooth (M4): valid at each step, or 80, which is counted.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <string>
@@ -19,9 +20,20 @@ namespace {
 using namespace shapes;
 
 struct Counts {
-  int volumes = 0, refused = 0, invalid = 0;
+  int volumes = 0, refused = 0, invalid = 0, turned = 0;
   std::map<std::string, int> reasons;
 };
+
+/// Pieces that look inwards: cavities. Decimation and smoothing must not turn a piece inside out.
+int inward_pieces(const TriMesh& m) {
+  std::vector<int> of;
+  std::vector<double> volume(label_components(m, of));
+  for (std::size_t t = 0; t < of.size(); ++t) {
+    const auto& v = m.triangles[t];
+    volume[of[t]] += dot(m.points_mm[v[0]], cross(m.points_mm[v[1]], m.points_mm[v[2]]));
+  }
+  return int(std::count_if(volume.begin(), volume.end(), [](double v) { return v < 0; }));
+}
 
 /// Up to 40 % of the voxels are inside; binary or not; single voxels to sponges.
 void one_volume(std::uint64_t seed, Counts& counts) {
@@ -44,6 +56,7 @@ void one_volume(std::uint64_t seed, Counts& counts) {
     Report report;
     const TriMesh fewer = decimate(whole, less, report);
     check(fewer, "decimate");
+    counts.turned += inward_pieces(fewer) != inward_pieces(whole);
     SmoothParams smoother;
     smoother.method = random() < 0.34  ? SmoothMethod::laplacian
                       : random() < 0.5 ? SmoothMethod::feature
@@ -51,7 +64,9 @@ void one_volume(std::uint64_t seed, Counts& counts) {
     smoother.iterations_count = 1 + std::int64_t(30 * random());
     smoother.pass_band_ratio = random(0.02, 1.5);
     smoother.max_displacement_mm = random(0.02, 1);
-    check(smooth(fewer, smoother, report), "smooth");
+    const TriMesh smoothed = smooth(fewer, smoother, report);
+    check(smoothed, "smooth");
+    counts.turned += inward_pieces(smoothed) != inward_pieces(fewer);
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality) << "volume " << seed << ": " << e.what();
     if (std::string(e.what()).find("voxels are inside") != std::string::npos) {  // none, or in one slice: M3
@@ -67,7 +82,8 @@ void one_volume(std::uint64_t seed, Counts& counts) {
 Counts volumes(std::uint64_t from, std::uint64_t to) {
   Counts counts;
   for (std::uint64_t seed = from; seed < to; ++seed) one_volume(seed, counts);
-  std::printf("%d volumes: %d invalid, %d refused", counts.volumes, counts.invalid, counts.refused);
+  std::printf("%d volumes: %d invalid, %d with a piece turned inside out, %d refused", counts.volumes, counts.invalid,
+              counts.turned, counts.refused);
   for (const auto& [field, n] : counts.reasons) std::printf(", %d %s", n, field.c_str());
   std::printf("\n");
   return counts;
@@ -76,6 +92,7 @@ Counts volumes(std::uint64_t from, std::uint64_t to) {
 TEST(Noise, ThroughContourDecimateSmooth) {
   const Counts c = volumes(0, 200);
   EXPECT_LE(c.refused, c.volumes / 100);
+  EXPECT_EQ(c.turned, 0);
 }
 
 class LongNoise : public testing::TestWithParam<int> {};
@@ -84,6 +101,7 @@ TEST_P(LongNoise, ThroughContourDecimateSmooth) {  // 10,000 in all
   const auto from = std::uint64_t(1000 + 1000 * GetParam());
   const Counts c = volumes(from, from + 1000);
   EXPECT_LE(c.refused, c.volumes / 100);
+  EXPECT_EQ(c.turned, 0);
 }
 INSTANTIATE_TEST_SUITE_P(, LongNoise, testing::Range(0, 10));
 

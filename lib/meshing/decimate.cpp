@@ -65,6 +65,48 @@ class Inspection {
   std::vector<std::uint32_t> seen_;  ///< what had last changed the triangle when it was looked at
 };
 
+/// Six times each piece's volume, about a point of its own.
+std::vector<double> piece_volumes(const TriMesh& m, const std::vector<int>& piece_of, int pieces) {
+  std::vector<double> volume(pieces);
+  std::vector<std::uint32_t> about(pieces, CollapseMesh::none);
+  for (std::size_t t = 0; t < piece_of.size(); ++t) {
+    const auto& v = m.triangles[t];
+    std::uint32_t& o = about[piece_of[t]];
+    if (o == CollapseMesh::none) o = v[0];
+    const Vec3 p = m.points_mm[o];
+    volume[piece_of[t]] += dot(m.points_mm[v[0]] - p, cross(m.points_mm[v[1]] - p, m.points_mm[v[2]] - p));
+  }
+  return volume;
+}
+
+/// Finds pieces that collapses turned inside out: none of their triangles need meet, so nothing else finds them.
+class Sides {
+ public:
+  explicit Sides(const TriMesh& input) : input_(input) {}
+
+  /// The collapsing mesh's triangles of such pieces.
+  std::vector<std::uint32_t> turned(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of) {
+    std::vector<int> piece_of;
+    const int pieces = label_components(plain, piece_of);
+    const std::vector<double> volume = piece_volumes(plain, piece_of, pieces);
+    if (pieces == 1 && volume[0] > 0) return {};  // the input, which is valid, looks outwards
+    if (input_piece_of_.empty()) {
+      const int n = label_components(input_, input_piece_of_);
+      input_volume_ = piece_volumes(input_, input_piece_of_, n);
+    }
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t t = 0; t < piece_of.size(); ++t)
+      if (!(volume[piece_of[t]] * input_volume_[input_piece_of_[triangle_of[t]]] > 0)) found.push_back(triangle_of[t]);
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+
+ private:
+  const TriMesh& input_;
+  std::vector<int> input_piece_of_;  ///< once there is more than one
+  std::vector<double> input_volume_;
+};
+
 struct Outcome {
   TriMesh mesh;
   DeviationFigures deviation;
@@ -78,6 +120,7 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double limit_mm, 
   EdgeCollapse collapse(input, limit_mm, step);
   std::optional<DeviationMeter> meter;
   Inspection inspection;
+  Sides sides(input);
   std::vector<std::uint32_t> triangle_of;
   for (int round = 0;; ++round) {
     if (round < rounds_that_collapse)
@@ -86,6 +129,7 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double limit_mm, 
     o.mesh = collapse.mesh().to_mesh(input.origin_mm, &triangle_of);
     std::vector<std::uint32_t> faults =
         inspection.faults(collapse.mesh(), o.mesh, triangle_of, progress.part(0.7, 0.75));
+    if (faults.empty()) faults = sides.turned(o.mesh, triangle_of);
     if (!faults.empty()) {
       const std::size_t n = collapse.undo(faults);
       if (n == 0) throw Error(ExitCode::quality, "", "decimate", "intersections that cannot be undone");
