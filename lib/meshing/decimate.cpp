@@ -65,20 +65,6 @@ class Inspection {
   std::vector<std::uint32_t> seen_;  ///< what had last changed the triangle when it was looked at
 };
 
-/// Six times each piece's volume, about a point of its own.
-std::vector<double> piece_volumes(const TriMesh& m, const std::vector<int>& piece_of, int pieces) {
-  std::vector<double> volume(pieces);
-  std::vector<std::uint32_t> about(pieces, CollapseMesh::none);
-  for (std::size_t t = 0; t < piece_of.size(); ++t) {
-    const auto& v = m.triangles[t];
-    std::uint32_t& o = about[piece_of[t]];
-    if (o == CollapseMesh::none) o = v[0];
-    const Vec3 p = m.points_mm[o];
-    volume[piece_of[t]] += dot(m.points_mm[v[0]] - p, cross(m.points_mm[v[1]] - p, m.points_mm[v[2]] - p));
-  }
-  return volume;
-}
-
 /// Finds pieces that collapses turned inside out: none of their triangles need meet, so nothing else finds them.
 class Sides {
  public:

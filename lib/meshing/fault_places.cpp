@@ -86,6 +86,19 @@ void locate_topology_faults(const TriMesh& mesh, const Incidence& incidence, Fau
   }
 }
 
+std::vector<double> piece_volumes(const TriMesh& mesh, const std::vector<int>& piece_of, int pieces) {
+  std::vector<double> volume(pieces);
+  std::vector<std::uint32_t> about(pieces, 0xffffffffu);
+  for (std::size_t t = 0; t < piece_of.size(); ++t) {
+    const auto& v = mesh.triangles[t];
+    std::uint32_t& o = about[piece_of[t]];
+    if (o == 0xffffffffu) o = v[0];
+    const Vec3 p = mesh.points_mm[o];
+    volume[piece_of[t]] += dot(mesh.points_mm[v[0]] - p, cross(mesh.points_mm[v[1]] - p, mesh.points_mm[v[2]] - p));
+  }
+  return volume;
+}
+
 Vec3 place_of_intersection_mm(const TriMesh& mesh, std::uint32_t s, std::uint32_t t) {
   const auto &is = mesh.triangles[s], &it = mesh.triangles[t];
   Corners a, b;

@@ -27,6 +27,10 @@ struct FaultPlaces {
 /// duplicates. A walk over the whole mesh, for meshes that are known to have some.
 void locate_topology_faults(const TriMesh& mesh, const Incidence& incidence, FaultPlaces& places);
 
+/// Six times the signed volume of each piece (label_components), about a point of its own. Where its sign changes, the
+/// piece was turned inside out, which no other check finds: none of its triangles need meet.
+std::vector<double> piece_volumes(const TriMesh& mesh, const std::vector<int>& piece_of, int pieces);
+
 /// A point where two triangles that intersect (self_intersections) do so, beyond the point or edge that they share: the
 /// middle of what they have in common where they cross, one of its corners where they overlap in a plane.
 Vec3 place_of_intersection_mm(const TriMesh& mesh, std::uint32_t s, std::uint32_t t);

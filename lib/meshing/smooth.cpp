@@ -155,6 +155,17 @@ std::vector<std::uint32_t> faulty_triangles(const TriMesh& mesh, const Progress&
   return faults;
 }
 
+/// The triangles of pieces that were turned inside out.
+std::vector<std::uint32_t> turned_triangles(const TriMesh& mesh, const TriMesh& original) {
+  std::vector<int> piece_of;
+  const int pieces = label_components(mesh, piece_of);
+  const auto before = piece_volumes(original, piece_of, pieces), now = piece_volumes(mesh, piece_of, pieces);
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t t = 0; t < piece_of.size(); ++t)
+    if (!(before[piece_of[t]] * now[piece_of[t]] > 0)) found.push_back(t);
+  return found;
+}
+
 }  // namespace
 
 TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report, const Progress& progress) {
@@ -173,7 +184,8 @@ TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report,
       move_points(mesh, original, target, volume, params.max_displacement_mm);
       std::fill(held.begin(), held.end(), 0);
       for (int round = 0;; ++round) {
-        const auto faults = faulty_triangles(mesh, progress.part(0.6, 0.9));
+        auto faults = faulty_triangles(mesh, progress.part(0.6, 0.9));
+        if (faults.empty()) faults = turned_triangles(mesh, original);
         if (faults.empty()) break;
         take_back(mesh, original, held, faults, std::min(round, 1000));
       }

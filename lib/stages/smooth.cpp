@@ -8,7 +8,7 @@ namespace trephine {
 StageType smooth_stage() {
   StageType s;
   s.name = "smooth";
-  s.version = 2;
+  s.version = 3;
   s.summary = "smooths a surface within a bound in mm";
   s.description =
       "Windowed sinc, Laplacian or feature-keeping smoothing in which no point moves farther than the bound and the "
