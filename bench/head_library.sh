@@ -3,16 +3,17 @@
 # A library of 15 synthetic heads at clinical level and what one recipe finds in them: head_library.sh TREPHINE FOLDER
 # [NAME...] makes the phantoms once (minutes), segments each with the values of pipelines/ventriculostomy.yaml and prints
 # a line for each: Dice and mean distance (mm, both directions) of brain and ventricles, how much too thick the skull is
-# (mm), the volumes' errors (%), seconds of all four anatomies.
+# (mm), the volumes' errors (%), seconds of all four anatomies, the class asked for and found, and the landmarks: how
+# many of eight were found, their median and largest error (mm) and which that is.
 set -eu
-[ $# -ge 2 ] || { sed -n '3,6s/^# //p' "$0" >&2; exit 64; }
+[ $# -ge 2 ] || { sed -n '3,8s/^# //p' "$0" >&2; exit 64; }
 trephine=$1 folder=$2
 shift 2
 wanted=" $* "
 
 figure() { sed -n "s/^ *\"$2\": *\([-0-9.e+]*\),*$/\1/p" "$1" | head -n 1; }
 
-echo "head   brain Dice  vol %   ventr. Dice  dist mm  vol %   skull width mm  vol %   seconds"
+echo "head   brain Dice  vol %   ventr. Dice  dist mm  vol %   skull width mm  vol %   seconds   class asked / found            landmarks median  worst"
 # name variant seed noise_hu slice_mm slices tilt_deg
 while read -r name variant seed noise slice slices tilt; do
   case "$wanted" in "  " | *" $name "*) ;; *) continue ;; esac
@@ -36,11 +37,26 @@ while read -r name variant seed noise slice slices tilt; do
     "$trephine" measure "$at/$anatomy.nrrd" --truth "$at/truth/truth.json" --anatomy $anatomy --sample-count 5000 \
       --report "$at/$anatomy.json" --quiet
   done
+  "$trephine" landmarks "$at/volume.nrrd" --skin "$at/skin.nrrd" --skull "$at/skull.nrrd" --brain "$at/brain.nrrd" \
+    --ventricles "$at/ventricles.nrrd" --lateral-mm 30 --output "$at/landmarks.json" --quiet 2>/dev/null
+  "$trephine" anatomy --skin "$at/skin.nrrd" --skull "$at/skull.nrrd" --brain "$at/brain.nrrd" \
+    --ventricles "$at/ventricles.nrrd" --landmarks "$at/landmarks.json" --report "$at/anatomy.json" --quiet || true
+  landmarks=$(python3 - "$at" <<'PY'
+import json, math, statistics, sys
+truth = json.load(open(sys.argv[1] + "/truth/truth.json"))["landmarks_mm"]
+found = {m["name"]: m["position_mm"] for m in json.load(open(sys.argv[1] + "/landmarks.json"))["landmarks"]}
+off = {n: math.dist(p, found[n]) for n, p in truth.items() if n in found}
+worst = max(off, key=off.get)
+print(f"{len(off)} of {len(truth)}  {statistics.median(off.values()):6.2f} {off[worst]:6.2f} {worst}")
+PY
+)
+  class=$(sed -n 's/^ *"class": "\([a-z]*\)".*/\1/p' "$at/anatomy.json" 2>/dev/null | head -n 1)
   percent() { awk "BEGIN { printf \"%+.1f\", 100 * $(figure "$at/$1.json" volume_difference_ratio) }"; }
-  printf '%-6s %10.4f %6s   %11.4f  %7.3f %6s   %14.3f %6s   %7d\n' "$name" \
+  printf '%-6s %10.4f %6s   %11.4f  %7.3f %6s   %14.3f %6s   %7d   %-13s / %-13s  %s\n' "$name" \
     "$(figure "$at/brain.json" dice_ratio)" "$(percent brain)" "$(figure "$at/ventricles.json" dice_ratio)" \
     "$(figure "$at/ventricles.json" deviation_mean_mm)" "$(percent ventricles)" \
-    "$(figure "$at/skull.json" width_bias_mm)" "$(percent skull)" "$seconds"
+    "$(figure "$at/skull.json" width_bias_mm)" "$(percent skull)" "$seconds" "$variant" \
+    "${class:-refused}" "$landmarks"
 done <<LIBRARY
 n01 normal 101 12 1 192 0
 n02 normal 102 8 2 96 0
