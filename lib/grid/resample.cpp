@@ -32,6 +32,14 @@ std::vector<Tap> taps_of(int old_size, double old_step, int new_size, double new
       const double share = std::min(to, j + 0.5) - std::max(from, j - 0.5);
       if (share > 0) tap.weights[static_cast<std::size_t>(std::clamp(j, 0, old_size - 1) - tap.first)] += share / width;
     }
+    // Voxels that are cut through weigh about their centres, not about the cut: without this a ramp would shift to and
+    // fro by hundredths of a voxel.
+    if (first < 0 || last >= old_size || last == first) continue;
+    double centre = 0;
+    for (int j = first; j <= last; ++j) centre += j * tap.weights[static_cast<std::size_t>(j - first)];
+    const double off = (middle - centre) / (last - first);
+    tap.weights.front() -= off;
+    tap.weights.back() += off;
   }
   return taps;
 }

@@ -210,7 +210,7 @@ std::vector<TradePoint> read_trade_points(const std::filesystem::path& file) {
     return Error(ExitCode::bad_input, file.string(), field, what);
   };
   const Json json = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
-  if (!json.is_object() || json.value("format", "") != trade_format)
+  if (!json.is_object() || !json.contains("format") || json["format"] != trade_format)
     throw fault("format", "is not a result of `trephine trade`");
   if (!json.contains("version") || json["version"] != trade_format_version)
     throw fault("version", "must be " + std::to_string(trade_format_version));

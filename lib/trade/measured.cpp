@@ -111,10 +111,17 @@ int MeasurementStore::remove_unused() {
   return removed;
 }
 
-Measurement measure_work(int repeats, const std::function<void(Report& report, bool is_first)>& work) {
+bool Repeats::suffice(const Measurement& m) const {
+  if (!m.refused.empty()) return true;
+  double total_s = 0;
+  for (const double s : m.seconds) total_s += s;
+  return m.seconds.size() >= static_cast<std::size_t>(std::max(1, count)) || total_s >= max_s;
+}
+
+Measurement measure_work(const Repeats& repeats, const std::function<void(Report& report, bool is_first)>& work) {
   Measurement m;
   try {
-    for (int i = 0; i < std::max(1, repeats); ++i) {
+    for (int i = 0; !repeats.suffice(m); ++i) {
       Report report;
       const bool known = reset_peak();
       const auto start = Clock::now();
@@ -163,7 +170,7 @@ std::optional<TimedStages::Refusal> TimedStages::measure(const Graph& graph, con
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     const Node& node = graph.nodes[i];
     const Measurement* known = store_.find(node.key);
-    if (known && (!known->refused.empty() || known->seconds.size() >= static_cast<std::size_t>(options_.repeats))) {
+    if (known && options_.repeats.suffice(*known)) {
       if (!known->refused.empty()) return Refusal{node.name, known->refused};
       continue;
     }

@@ -43,15 +43,22 @@ class MeasurementStore {
   std::set<std::string> absent_;
 };
 
-/// Does it `repeats` times, alone, and measures. An Error 80 is kept as `refused`; any other is thrown.
-Measurement measure_work(int repeats, const std::function<void(Report& report, bool is_first)>& work);
+/// How often a piece of work is timed: up to `count` times, but not again once all its repeats took max_s together.
+struct Repeats {
+  int count = 3;
+  double max_s = 15;
+  bool suffice(const Measurement& m) const;
+};
+
+/// Does it as often as that, alone, and measures. An Error 80 is kept as `refused`; any other is thrown.
+Measurement measure_work(const Repeats& repeats, const std::function<void(Report& report, bool is_first)>& work);
 
 /// The stages of a sweep: each is computed once for all the points that share it, timed alone, repeated, and kept with
 /// its output in a stage cache.
 class TimedStages {
  public:
   struct Options {
-    int repeats = 3;
+    Repeats repeats;
     const StageCache* cache = nullptr;
     const std::atomic<bool>* cancel = nullptr;
     std::function<void(const std::string& node, double fraction)> progress;

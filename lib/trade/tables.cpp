@@ -120,8 +120,8 @@ std::string trade_csv(const TradeResult& result) {
     std::string settings;
     for (const std::string& s : p.planned.settings) settings += (settings.empty() ? "" : "; ") + s;
     const std::string head = csv_text(p.total.name) + "," + p.planned.sweep + "," + csv_text(settings) + ",";
-    const std::string tail =
-        "," + csv_text(p.total.refused) + "," + csv_text(p.beyond_scene) + "," + (is_on_front(p.total.name) ? "1" : "0");
+    const std::string tail = "," + csv_text(p.total.refused) + "," + csv_text(p.beyond_scene) + "," +
+                             (is_on_front(p.total.name) ? "1" : "0");
     const std::string no_steps(steps.size(), ',');
     if (!p.total.refused.empty()) {
       text += head + "case" + tail + std::string(21, ',') + no_steps + "\n";

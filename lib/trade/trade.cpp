@@ -52,7 +52,8 @@ class Sweep {
         observer_(observer),
         store_(request.out / ".trade" / "measured"),
         cache_(request.out / ".trade" / "stages"),
-        stages_(store_, {request.params.repeats_count, &cache_, &cancel_requested(),
+        repeats_{request.params.repeats_count, request.params.max_repeat_s},
+        stages_(store_, {repeats_, &cache_, &cancel_requested(),
                          [this](const std::string& work, double done) { tell(work, done); }}) {
     if (!request.truth.empty()) truth_ = phantom::read_truth(request.truth);
   }
@@ -162,15 +163,13 @@ class Sweep {
     hash.text("trade publish").integer(comparison_version);
     for (const int node : wanted) hash.text(p.graph.nodes[std::size_t(node)].key);
     const std::string key = hash.hex();
-    if (const Measurement* known = store_.find(key);
-        known && (!known->refused.empty() || int(known->seconds.size()) >= request_.params.repeats_count))
-      return *known;
+    if (const Measurement* known = store_.find(key); known && repeats_.suffice(*known)) return *known;
     tell("publish", 0);
     ++measured_;
     std::vector<NodeResult> results(p.graph.nodes.size());
     for (std::size_t i = 0; i < results.size(); ++i) results[i].report = store_.find(p.graph.nodes[i].key)->report;
     for (const int node : wanted) results[std::size_t(node)].data = stages_.data(p.graph, node, p.execution);
-    return store_.keep(key, measure_work(request_.params.repeats_count, [&](Report& report, bool) {
+    return store_.keep(key, measure_work(repeats_, [&](Report& report, bool) {
                          const CaseContent content =
                              make_case_content(p.config, p.graph, results, "trephine " + request_.program_version,
                                                p.execution.input_sha256, false, Progress({}, &cancel_requested()));
@@ -312,6 +311,7 @@ class Sweep {
   const TradeObserver& observer_;
   MeasurementStore store_;
   StageCache cache_;
+  Repeats repeats_;
   TimedStages stages_;
   std::optional<phantom::Truth> truth_;
   std::string truth_sha256_;

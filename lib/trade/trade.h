@@ -16,6 +16,7 @@ namespace trephine {
 
 struct TradeParams {
   int repeats_count = 3;
+  double max_repeat_s = 15;
   int sample_count = 100000;
   std::int64_t cache_limit_mb = 32768;
   template <class V>
@@ -23,6 +24,8 @@ struct TradeParams {
     using P = TradeParams;
     v.integer(&P::repeats_count, "repeats_count", Range{1, 100},
               "How often each stage is timed; its median and its spread are told.");
+    v.number(&P::max_repeat_s, "max_repeat_s", Range{0, 1e6},
+             "A stage is not timed again once its repeats took this long together: long ones are steady anyway.");
     v.integer(&P::sample_count, "sample_count", Range{1000, 100000000},
               "Points on each surface from which RMS and p99 are taken.");
     v.integer(&P::cache_limit_mb, "cache_limit_mb", Range{0, 1e9},

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Only what the scene requires: of every scene that is shipped, nothing is computed that no output needs, and what is
+// left out is said.
+#include "pipeline/explain.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <mutex>
+#include <set>
+
+#include "cases/case.h"
+#include "pipeline/case_content.h"
+#include "pipeline/run_case.h"
+#include "scratch_folder.h"
+
+namespace trephine {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path configs = fs::path(TREPHINE_SOURCE_DIR) / "configs";
+
+// Every shipped configuration of a case.
+std::vector<fs::path> shipped_cases() {
+  std::vector<fs::path> all;
+  for (const auto& entry : fs::directory_iterator(configs))
+    if (entry.path().extension() == ".yaml") {
+      const std::string name = entry.path().filename().string();
+      if (name.rfind("ct_", 0) == 0 || name.rfind("sample", 0) == 0) all.push_back(entry.path());
+    }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+std::set<int> ancestors(const Graph& graph, const std::vector<int>& of) {
+  std::set<int> all;
+  std::vector<int> open(of.begin(), of.end());
+  while (!open.empty()) {
+    const int n = open.back();
+    open.pop_back();
+    if (!all.insert(n).second) continue;
+    for (const auto& [port, source] : graph.nodes[std::size_t(n)].sources) open.push_back(source);
+  }
+  return all;
+}
+
+TEST(OnlyWhatTheSceneRequires, EveryStageOfEveryShippedSceneLeadsToAnOutput) {
+  const auto cases = shipped_cases();
+  ASSERT_GE(cases.size(), 9u);
+  for (const fs::path& file : cases) {
+    const CaseConfig config = read_case_config(file);
+    const Graph graph = make_graph(config, "input");
+    const std::vector<int> wanted = wanted_nodes(graph, true);
+    const std::set<int> needed = ancestors(graph, wanted);
+    for (std::size_t i = 0; i < graph.nodes.size(); ++i)
+      EXPECT_TRUE(needed.count(int(i))) << file << " computes " << graph.nodes[i].name << " for nothing";
+    // And each output is one that the scene names, or a gate or a measure of such.
+    std::set<std::string> shown;
+    for (const SceneAnatomy& a : config.scene) shown.insert(a.name);
+    for (const Graph::Anatomy& a : graph.anatomies) EXPECT_TRUE(shown.count(a.name)) << file << " " << a.name;
+    EXPECT_EQ(graph.anatomies.size(), shown.size()) << file;
+    EXPECT_EQ(graph.haptic >= 0, config.haptic.wanted) << file;
+  }
+}
+
+TEST(OnlyWhatTheSceneRequires, WhatIsNotComputedIsSaidAndWhy) {
+  const StageCache none{fs::path()};
+  for (const fs::path& file : shipped_cases()) {
+    const CaseConfig config = read_case_config(file);
+    const Graph graph = make_graph(config, "input");
+    const Explanation e = explain(config, graph, wanted_nodes(graph, true), none);
+    std::set<std::string> told;
+    for (const auto& s : e.stages) {
+      EXPECT_EQ(s.state, Explanation::Stage::State::compute);
+      EXPECT_FALSE(s.why.empty()) << file << " " << s.name;
+      told.insert(s.name);
+    }
+    for (const auto& p : e.pruned) {
+      EXPECT_LT(graph.find(p.name), 0) << file << " " << p.name;
+      EXPECT_TRUE(told.insert(p.name).second) << p.name;
+    }
+    for (const RecipeAnatomy& a : config.anatomies)
+      for (const RecipeStep& s : a.steps)
+        EXPECT_TRUE(told.count(a.name + "." + s.type->name))
+            << file << " says nothing of " << a.name << "." << s.type->name;
+  }
+}
+
+TEST(OnlyWhatTheSceneRequires, ASkullAloneNeedsNoBrain) {
+  const CaseConfig config = read_case_config(configs / "ct_skull.yaml");
+  std::set<std::string> names;
+  for (const Node& n : make_graph(config, "input").nodes) names.insert(n.name);
+  EXPECT_EQ(names, (std::set<std::string>{"import", "skin.segment", "skull.segment", "skull.simplify", "skull.contour",
+                                          "skull.decimate", "skull.smooth", "skull.normals", "skull.measure"}));
+}
+
+// Skull of the sample on coarse voxels: what the explanation foretells is what the run does, before and after.
+TEST(OnlyWhatTheSceneRequires, ARunDoesWhatTheExplanationSays) {
+  struct Recorder : RunObserver {
+    void started(const std::string&) override {}
+    void progressed(const std::string&, double) override {}
+    void finished(const std::string& node, const std::string& how, double, const Report&) override {
+      const std::lock_guard<std::mutex> lock(mutex);
+      (how == "computed" ? computed : cached).insert(node);
+    }
+    std::mutex mutex;
+    std::set<std::string> computed, cached;
+  };
+  const ScratchFolder folder;
+  RunRequest request;
+  request.config = configs / "ct_skull.yaml";
+  request.library = folder.path();
+  request.overrides.series = fs::path(TREPHINE_SOURCE_DIR) / "sample_dicom";
+  request.overrides.set = {"resample.spacing_mm=[3, 3, 3]"};
+  request.params.case_token = "skull";
+  request.params.pictures = false;
+  request.program_version = "test";
+  const auto foretold = [&](Explanation::Stage::State state) {
+    std::set<std::string> names;
+    for (const auto& s : explain_case(request).stages)
+      if (s.state == state) names.insert(s.name);
+    return names;
+  };
+  using State = Explanation::Stage::State;
+  const std::set<std::string> all = foretold(State::compute);
+  EXPECT_EQ(all.size(), 10u);
+  Recorder first;
+  run_case(request, first);
+  EXPECT_EQ(first.computed, all);
+  EXPECT_TRUE(first.cached.empty());
+
+  const auto to_compute = foretold(State::compute), cached = foretold(State::cached);
+  for (const auto& s : explain_case(request).stages) EXPECT_TRUE(s.seconds.has_value()) << s.name;
+  Recorder second;
+  run_case(request, second);
+  EXPECT_EQ(second.computed, to_compute);
+  EXPECT_EQ(second.cached, cached);
+  EXPECT_LT(second.computed.size(), first.computed.size());
+
+  // One parameter late in the chain: what stands before it is not made again.
+  request.overrides.set.push_back("skull.smooth.iterations_count=3");
+  Recorder third;
+  const auto changed = foretold(State::compute);
+  run_case(request, third);
+  EXPECT_EQ(third.computed, changed);
+  EXPECT_TRUE(changed.count("skull.smooth"));
+  EXPECT_FALSE(changed.count("import"));
+}
+
+}  // namespace
+}  // namespace trephine

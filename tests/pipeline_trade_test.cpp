@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Fronts of measured points, the rules that choose from them, and their file.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "base/error.h"
+#include "base/write_file.h"
+#include "pipeline/trade_front.h"
+#include "scratch_folder.h"
+
+namespace trephine {
+namespace {
+
+TradePoint point(const std::string& name, double seconds, double rms_mm, std::int64_t triangles) {
+  TradePoint p;
+  p.name = name;
+  p.settings = {"*.decimate.max_deviation_mm=" + name};
+  p.seconds = seconds;
+  p.deviation_rms_mm = rms_mm;
+  p.deviation_p99_mm = 2.5 * rms_mm;
+  p.deviation_max_mm = 4 * rms_mm;
+  p.triangles_count = triangles;
+  p.bytes = 18 * triangles;
+  return p;
+}
+
+// Errors fall steeply down to "knee" and hardly after it; "bad" is beaten, "none" was refused.
+std::vector<TradePoint> points() {
+  std::vector<TradePoint> all = {point("fine", 80, 0.04, 400000), point("fast", 5, 2, 5000),
+                                 point("knee", 12, 0.06, 90000),  point("bad", 30, 0.5, 200000),
+                                 point("mid", 8, 0.6, 30000),     point("none", 0, 0, 0)};
+  all.back().refused = "brain.segment: finds nothing";
+  return all;
+}
+
+std::vector<std::string> names(const std::vector<TradePoint>& all, const std::vector<std::size_t>& which) {
+  std::vector<std::string> out;
+  for (const std::size_t i : which) out.push_back(all[i].name);
+  return out;
+}
+
+TEST(TradeFront, HoldsWhatNoOtherBeatsInBoth) {
+  const auto all = points();
+  EXPECT_EQ(names(all, pareto_front(all, TradeCost::seconds, TradeError::rms)),
+            (std::vector<std::string>{"fast", "mid", "knee", "fine"}));
+  EXPECT_EQ(pareto_front({}, TradeCost::bytes, TradeError::max), std::vector<std::size_t>{});
+  // Of equal ones the first alone.
+  const std::vector<TradePoint> twins = {point("a", 1, 1, 10), point("b", 1, 1, 10)};
+  EXPECT_EQ(names(twins, pareto_front(twins, TradeCost::triangles, TradeError::p99)), std::vector<std::string>{"a"});
+}
+
+TEST(TradeChoice, AccuracyTakesTheFastestThatKeepsIt) {
+  TradeRule rule;
+  rule.max_deviation_mm = 0.3;
+  const TradeChoice c = choose(points(), rule);
+  EXPECT_EQ(c.point.name, "knee");
+  EXPECT_NE(c.why.find("the fastest of 2 of 6 points that keep max_deviation_mm 0.3"), std::string::npos) << c.why;
+}
+
+TEST(TradeChoice, ABudgetTakesTheMostAccurateWithinIt) {
+  TradeRule rule;
+  rule.seconds = 10;
+  EXPECT_EQ(choose(points(), rule).point.name, "mid");
+  rule.seconds = 0;
+  rule.triangles_count = 200000;
+  EXPECT_EQ(choose(points(), rule).point.name, "knee");
+  rule.seconds = 5;
+  EXPECT_EQ(choose(points(), rule).point.name, "fast");
+}
+
+TEST(TradeChoice, WhatNobodyKeepsIsRefusedNamingTheNearest) {
+  TradeRule rule;
+  rule.rms_deviation_mm = 0.03;
+  rule.seconds = 60;
+  try {
+    choose(points(), rule);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::quality);
+    EXPECT_NE(std::string(e.what()).find("the nearest is fine"), std::string::npos) << e.what();
+  }
+}
+
+TEST(TradeChoice, ProfilesAreTheEndsAndTheKneeOfTheFront) {
+  TradeRule rule;
+  const auto chosen = [&](const char* profile) {
+    rule.profile = profile;
+    return choose(points(), rule).point.name;
+  };
+  EXPECT_EQ(chosen("draft"), "fast");
+  EXPECT_EQ(chosen("standard"), "knee");
+  EXPECT_EQ(chosen("fine"), "fine");
+  EXPECT_THROW(chosen("best"), Error);
+  // Of one point all three are it.
+  rule.profile = "standard";
+  EXPECT_EQ(choose({point("only", 1, 0.1, 4)}, rule).point.name, "only");
+}
+
+TEST(TradeFile, IsReadBackAndFaultsAreNamed) {
+  const ScratchFolder folder;
+  const auto file = folder.path() / "trade.json";
+  const auto write = [&](const std::string& text) { write_file(file, text); };
+  const std::string list = trade_points_json(points());
+  write(R"({"format": "trephine.trade", "version": 1, "points": )" + list + "}");
+  const auto read = read_trade_points(file);
+  ASSERT_EQ(read.size(), 6u);
+  EXPECT_EQ(trade_points_json(read), list);
+  const auto field_of = [&](const std::string& text) {
+    write(text);
+    try {
+      read_trade_points(file);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_input);
+      return e.field();
+    }
+    return std::string("read");
+  };
+  EXPECT_EQ(field_of("{"), "format");
+  EXPECT_EQ(field_of("[]"), "format");
+  EXPECT_EQ(field_of(R"({"format": 3})"), "format");
+  EXPECT_EQ(field_of(R"({"format": "trephine.trade", "version": 2, "points": []})"), "version");
+  EXPECT_EQ(field_of(R"({"format": "trephine.trade", "version": 1, "points": []})"), "points");
+  EXPECT_EQ(field_of(R"({"format": "trephine.trade", "version": 1, "points": [{"name": 3}]})"), "points[0]");
+}
+
+}  // namespace
+}  // namespace trephine

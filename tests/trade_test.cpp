@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A sweep of the sample's skin on coarse voxels: what is measured, that it goes on after a stop, and that a run gets
+// what a rule chose.
+#include "trade/trade.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/write_file.h"
+#include "cases/case.h"
+#include "pipeline/run_case.h"
+#include "scratch_folder.h"
+
+namespace trephine {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path sample = fs::path(TREPHINE_SOURCE_DIR) / "sample_dicom";
+
+class Trade : public testing::Test {
+ protected:
+  Trade() {
+    write_file(at("recipe.yaml"), R"(trephine: 1
+anatomies:
+  skin:
+    shows_face: false
+    stages:
+      - segment: {lower_hu: -475, components: largest, fill: cavities_and_cut}
+      - contour
+      - decimate
+      - smooth
+      - normals
+)");
+    write_file(at("scene.yaml"), "trephine: 1\nanatomies: {skin: {max_triangles: 2500, max_deviation_mm: 3}}\n");
+    write_file(at("case.yaml"), "trephine: 1\ncase: tiny\npipeline: recipe.yaml\nscene: scene.yaml\n");
+    write_file(at("plan.yaml"), R"(trephine: 1
+finest: {"*.decimate.max_deviation_mm": 0, "*.decimate.target_triangles_count": 0, "*.smooth.iterations_count": 0}
+sweeps:
+  bound:
+    set: {"*.decimate.target_triangles_count": 0}
+    values: {"*.decimate.max_deviation_mm": [0.3, 1, 2]}
+  voxel:
+    values: {resample.spacing_mm: [[8, 8, 8], [11, 11, 11]], skin.decimate.max_deviation_mm: [1]}
+)");
+    request.config = at("case.yaml");
+    request.plan = at("plan.yaml");
+    request.out = at("trade");
+    request.overrides.series = sample;
+    request.overrides.set = {"resample.spacing_mm=[6, 6, 6]"};
+    request.params.repeats_count = 1;
+    request.params.sample_count = 5000;
+    request.program_version = "test";
+  }
+  fs::path at(const std::string& name) const { return folder.path() / name; }
+
+  ScratchFolder folder;
+  TradeRequest request;
+};
+
+const PointTrade& named(const TradeResult& r, const std::string& name) {
+  for (const PointTrade& p : r.points)
+    if (p.total.name == name) return p;
+  throw std::runtime_error("no point " + name);
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+class Nobody : public RunObserver {
+  void started(const std::string&) override {}
+  void progressed(const std::string&, double) override {}
+  void finished(const std::string&, const std::string&, double, const Report&) override {}
+};
+
+TEST_F(Trade, MeasuresEveryPointOnceAndSharesWhatPointsShare) {
+  request.params.repeats_count = 2;
+  const TradeResult r = measure_trade(request);
+  ASSERT_EQ(r.points.size(), 6u);
+  // import; then on three voxel sizes resample, segment, contour; decimate, smooth, normals, measure and the files of
+  // six points (finest, three bounds, two voxel sizes), five compared with the finest.
+  EXPECT_EQ(r.measured_count, 1 + 3 * 3 + 6 * 5 + 5);
+  const PointTrade &finest = r.points[0], &tight = named(r, "bound/0.3"), &loose = named(r, "bound/2");
+  EXPECT_EQ(finest.total.deviation_max_mm, 0);
+  EXPECT_LE(tight.total.deviation_max_mm, 0.3 + 0.1 + 1e-6);  // decimation's bound, and smoothing's
+  EXPECT_LT(tight.total.deviation_rms_mm, loose.total.deviation_rms_mm);
+  EXPECT_GT(tight.total.triangles_count, loose.total.triangles_count);
+  EXPECT_GT(tight.total.bytes, loose.total.bytes);
+  EXPECT_GT(named(r, "voxel/[11, 11, 11]/1").total.deviation_rms_mm,
+            named(r, "voxel/[8, 8, 8]/1").total.deviation_rms_mm);
+  EXPECT_NEAR(loose.anatomies[0].volume_ml,
+              finest.anatomies[0].volume_ml * (1 + loose.anatomies[0].volume_change_percent / 100), 1e-6);
+  for (const PointTrade& p : r.points) {
+    EXPECT_EQ(p.total.refused, "");
+    double sum = 0;
+    for (const StageTrade& s : p.stages) sum += s.median_s;
+    EXPECT_DOUBLE_EQ(p.total.seconds, sum);
+    EXPECT_EQ(p.stages.back().name, "publish");
+    EXPECT_GT(p.total.peak_memory_mb, 0);
+  }
+  // The finest has more triangles than the scene allows: it is measured, and never chosen.
+  EXPECT_NE(finest.beyond_scene.find("the scene allows 2500"), std::string::npos) << finest.beyond_scene;
+  for (const TradePoint& p : r.choosable()) EXPECT_LE(p.triangles_count, 2500);
+
+  const TradeResult again = measure_trade(request);
+  EXPECT_EQ(again.measured_count, 0);
+  EXPECT_EQ(trade_json(again, "test"), trade_json(r, "test"));
+}
+
+TEST_F(Trade, ASweepThatWasStoppedGoesOn) {
+  struct Stop {};
+  int works = 0;
+  std::string last;
+  const TradeObserver stop = [&](std::size_t, std::size_t, const std::string& work, double) {
+    if (work != last && ++works == 12) throw Stop{};
+    last = work;
+  };
+  EXPECT_THROW(measure_trade(request, stop), Stop);
+  const TradeResult rest = measure_trade(request);
+  EXPECT_LT(rest.measured_count, 45 - 5);
+  EXPECT_GT(rest.measured_count, 0);
+  EXPECT_EQ(measure_trade(request).measured_count, 0);
+  // A damaged record is one that was never there.
+  const fs::path records = at("trade") / ".trade" / "measured";
+  const fs::path one = fs::directory_iterator(records)->path();
+  write_file(one, "{\"report\"");
+  EXPECT_EQ(measure_trade(request).measured_count, 1);
+  // What no point asks for any more goes.
+  request.plan = at("less.yaml");
+  write_file(request.plan, R"(trephine: 1
+sweeps: {bound: {values: {skin.decimate.max_deviation_mm: [1]}}}
+)");
+  measure_trade(request);
+  const auto count = std::distance(fs::directory_iterator(records), fs::directory_iterator());
+  EXPECT_EQ(count, 1 + 3 + 2 * 5 + 1);
+}
+
+TEST_F(Trade, WhatAGateRefusesIsAPointWithAReason) {
+  write_file(request.plan, R"(trephine: 1
+sweeps: {nothing: {values: {skin.segment.lower_hu: [30000]}}}
+)");
+  const TradeResult r = measure_trade(request);
+  EXPECT_NE(r.points[1].total.refused.find("skin.segment"), std::string::npos) << r.points[1].total.refused;
+  EXPECT_NE(trade_table(r).find("refused: skin.segment"), std::string::npos);
+}
+
+TEST_F(Trade, TheFilesSayTheSame) {
+  const TradeResult r = measure_trade(request);
+  write_trade(r, request.out, "test");
+  const auto csv = lines_of(trade_csv(r));
+  ASSERT_EQ(csv.size(), 1 + 2 * r.points.size());  // the case and its one anatomy
+  const auto cells = [](const std::string& line) {
+    std::size_t count = 1;
+    bool quoted = false;
+    for (const char c : line) {
+      quoted ^= c == '"';
+      count += c == ',' && !quoted;
+    }
+    return count;
+  };
+  for (const std::string& line : csv) EXPECT_EQ(cells(line), cells(csv[0])) << line;
+  const auto points = read_trade_points(request.out / "trade.json");
+  EXPECT_EQ(trade_points_json(points), trade_points_json(r.choosable()));
+  if (std::system("command -v gnuplot > /dev/null") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  for (const char* axis : {"seconds", "triangles", "bytes"})
+    for (const char* ending : {".png", ".svg"})
+      EXPECT_GT(fs::file_size(request.out / (std::string("error_") + axis + ending)), 5000u) << axis << ending;
+  // Unchanged data draw nothing anew.
+  const auto before = fs::last_write_time(request.out / "error_seconds.png");
+  write_trade(r, request.out, "test");
+  EXPECT_EQ(fs::last_write_time(request.out / "error_seconds.png"), before);
+}
+
+TEST_F(Trade, ARunGetsThePointThatItsRuleChooses) {
+  write_trade(measure_trade(request), request.out, "test");
+  RunRequest run;
+  run.config = at("asks.yaml");
+  run.library = at("library");
+  run.overrides.series = sample;
+  run.overrides.set = {"resample.spacing_mm=[6, 6, 6]"};
+  run.params.use_cache = run.params.pictures = false;
+  run.program_version = "test";
+  const auto made = [&](const std::string& rule) {
+    write_file(run.config, "trephine: 1\ncase: tiny\npipeline: recipe.yaml\nscene: scene.yaml\n" + rule);
+    Nobody nobody;
+    return read_case(run_case(run, nobody).case_folder);
+  };
+  const auto bound = [](const CaseManifest& m) {
+    for (const auto& [name, value] : m.parameters)
+      if (name == "skin.decimate.max_deviation_mm") return std::get<double>(value);
+    return -1.0;
+  };
+  const CaseManifest accurate = made("trade: trade/trade.json\naccuracy: {max_deviation_mm: 1.5}\n");
+  EXPECT_EQ(bound(accurate), 1);
+  EXPECT_LE(accurate.anatomies[0].deviation.max_mm, 1.5);
+  const CaseManifest small = made("trade: trade/trade.json\nbudget: {triangles: 2500}\n");
+  EXPECT_LE(small.anatomies[0].triangles, 2500u);
+  const auto code_of = [&](const std::string& rule) {
+    try {
+      made(rule);
+    } catch (const Error& e) {
+      return e.code();
+    }
+    return ExitCode::ok;
+  };
+  EXPECT_EQ(code_of("trade: trade/trade.json\naccuracy: {max_deviation_mm: 0.01}\n"), ExitCode::quality);
+  EXPECT_EQ(code_of("accuracy: {max_deviation_mm: 1}\n"), ExitCode::bad_config);
+  EXPECT_EQ(code_of("trade: trade/trade.json\nprofile: best\n"), ExitCode::bad_config);
+  EXPECT_EQ(code_of("trade: trade/trade.json\nprofile: fine\nbudget: {seconds: 9}\n"), ExitCode::bad_config);
+  EXPECT_EQ(code_of("trade: none.json\nprofile: fine\n"), ExitCode::no_input);
+  EXPECT_EQ(code_of("trade: trade/trade.json\nprofile: fine\n"), ExitCode::ok);
+}
+
+TEST(TradePlan, EveryCombinationOnceTheLastParameterFastest) {
+  TradePlan plan;
+  plan.sweeps = {{"a", {"x=1"}, {{"p", {"1", "2"}}, {"q", {"u", "v"}}}}, {"b", {}, {{"p", {"7"}}}}};
+  std::vector<std::string> names;
+  for (const PlannedPoint& p : points_of(plan)) names.push_back(p.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"finest", "a/1/u", "a/1/v", "a/2/u", "a/2/v", "b/7"}));
+  EXPECT_EQ(points_of(plan)[3].settings, (std::vector<std::string>{"x=1", "p=2", "q=u"}));
+}
+
+TEST(TradePlan, FaultsAreNamedWithTheirPlace) {
+  const ScratchFolder folder;
+  const fs::path file = folder.path() / "plan.yaml";
+  const auto fault = [&](const std::string& text) {
+    write_file(file, text);
+    try {
+      read_trade_plan(file);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_config);
+      return e.line("trade");
+    }
+    return std::string("read");
+  };
+  EXPECT_NE(fault("trephine: 1\n").find("sweeps: is missing"), std::string::npos);
+  EXPECT_NE(fault("trephine: 1\nsweeps: {a: {values: {p: 3}}}\n").find("sweeps.a.values.p: must be a list of values"),
+            std::string::npos);
+  EXPECT_NE(fault("trephine: 1\nsweeps: {a: {value: {p: [3]}}}\n").find("value"), std::string::npos);
+  EXPECT_NE(fault("trephine: 1\nsweeps: {Big: {values: {p: [3]}}}\n").find("sweeps.Big"), std::string::npos);
+  EXPECT_EQ(fault("trephine: 1\nsweeps: {a: {values: {p: [3, [1, 2, 3]]}}}\n"), "read");
+}
+
+TEST(TradePlan, TheStandardOneIsOfPathsThatAnyHeadHas) {
+  for (const bool haptic : {false, true})
+    for (const PlannedPoint& p : points_of(standard_plan(haptic))) {
+      ConfigOverrides overrides;
+      overrides.set = p.settings;
+      EXPECT_NO_THROW(read_case_config(
+          fs::path(TREPHINE_SOURCE_DIR) / "configs" / (haptic ? "ct_head.yaml" : "ct_skull.yaml"), overrides))
+          << p.name;
+    }
+}
+
+}  // namespace
+}  // namespace trephine
