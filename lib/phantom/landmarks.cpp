@@ -49,11 +49,10 @@ Vec3 walk_on_skin_mm(const Head& head, Vec3 start, Vec3 plane, Vec3 ahead, doubl
 }
 
 Landmarks find_landmarks(const Head& head, const Model& model) {
-  // Nasion: from the nose upwards, the first place where the profile is deepest: above it the brow stands out.
-  Vec3 nasion = midline_profile(head, model, 20, -1);
-  for (int n = 201; n <= 600; ++n) {
-    const Vec3 p = midline_profile(head, model, 0.1 * n, -1);
-    if (p.y < nasion.y - 0.02) break;
+  // Nasion: the profile's deepest point between brow and nose, by ternary-like scanning in 0.1 mm.
+  Vec3 nasion{0, -1e3, 0};
+  for (double z = 20; z <= 40; z += 0.1) {
+    const Vec3 p = midline_profile(head, model, z, -1);
     if (p.y > nasion.y) nasion = p;
   }
   // Inion: the farthest point to the back around the protuberance.
