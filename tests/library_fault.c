@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Loaded by LD_PRELOAD: the n-th call of one function fails, in programs whose command line holds a word.
-//   TREPHINE_FAULT=write:3:28    the third write to a regular file fails with errno 28 (ENOSPC); short:3 writes one byte
+//   TREPHINE_FAULT=write:3:28    the third write to a file of a folder (no memfd) fails with errno 28 (ENOSPC); short:3 writes one byte
 //   TREPHINE_FAULT=write+:3:28   it and all that follow
 //   TREPHINE_FAULT_IN=run        only where an argument is this word
 //   TREPHINE_FAULT_COUNT=FILE    no call fails; the number of calls is appended to the file at the end
@@ -67,7 +67,7 @@ static int fails(const char* name) {
 static int is_written_file(int fd) {
   struct stat s;
   const int kept = errno, flags = fcntl(fd, F_GETFL);
-  const int is = fstat(fd, &s) == 0 && S_ISREG(s.st_mode) && flags >= 0 && (flags & O_ACCMODE) != O_RDONLY;
+  const int is = fstat(fd, &s) == 0 && S_ISREG(s.st_mode) && s.st_nlink > 0 && flags >= 0 && (flags & O_ACCMODE) != O_RDONLY;
   errno = kept;
   return is;
 }

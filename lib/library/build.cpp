@@ -287,6 +287,8 @@ class Build {
         if (!c.entry.token.empty()) write_result(state_, c.token, failures_.back().second);
       } else if (c.reasons.empty()) {
         ++result_.fresh;
+        // What was wrong with it was put right without a build: its series is again what it was built of.
+        if (const auto last = read_result(state_, c.token); last && last->code != 0) write_result(state_, c.token, {});
       } else if (const auto found = results_.find("case." + c.token); found == results_.end()) {
         fail(c.token, {static_cast<int>(ExitCode::busy), "not begun: the build stopped before", 0, 0});
       } else if (found->second.code != 0) {

@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double smallest_class_mb = 256;
+constexpr std::uintmax_t smallest_disk_bytes = 1 << 20;
 
 // What the heaviest choice of jobs takes.
 double worst_case_mb(const MemoryPools& pools) {
@@ -141,7 +142,8 @@ std::string ninja_file(const std::vector<NinjaJob>& jobs, const MemoryPools& poo
   text += "ninja_required_version = 1.8\nbuilddir = .\n\n";
   for (std::size_t k = 0; k < pools.places.size(); ++k)
     text += "pool memory" + std::to_string(k) + "\n  depth = " + std::to_string(pools.places[k]) + "\n";
-  text += "\nrule job\n  command = " + quoted(program) + " library job $out\n  description = $out\n\n";
+  // exec: the job is Ninja's own child and dies with it.
+  text += "\nrule job\n  command = exec " + quoted(program) + " library job $out\n  description = $out\n\n";
   for (const NinjaJob& j : jobs) {
     text += "build " + j.job.name + ": job";
     for (std::size_t i = 0; i < j.after.size(); ++i) text += (i == 0 ? " || " : " ") + j.after[i];
@@ -174,11 +176,11 @@ void run_ninja(const std::vector<NinjaJob>& jobs, const MemoryPools& pools, cons
     throw Error(ExitCode::internal, "ninja", "", std::string(e.what()) + "; the package ninja-build brings it");
   }
   bool told = false;
-  std::size_t ended = 0;
+  int failed = 0;
   Ended end;
   const auto take = [&](double seconds) {
     for (const JobEvent& e : events.take(seconds)) {
-      ended += e.is_end;
+      failed += e.is_end && e.result.code != 0;
       event(e);
     }
   };
@@ -193,9 +195,13 @@ void run_ninja(const std::vector<NinjaJob>& jobs, const MemoryPools& pools, cons
   }
   take(0);
   if (cancel_requested()) throw Cancelled{};
-  if (end.code != 0 && (options.keep_going || ended == 0))
-    throw Error(ExitCode::internal, (options.folder / "logs" / "ninja.log").string(), "ninja",
-                end.signal ? "killed by signal " + std::to_string(end.signal) : "failed, see its log");
+  // A job that failed is told by its own reason; Ninja may have stopped for the same one, a full disk.
+  if (end.code == 0 || failed > 0) return;
+  std::error_code error;
+  if (fs::space(options.folder, error).available < smallest_disk_bytes && !error)
+    throw Error(ExitCode::io, options.folder.string(), "ninja", "the disk is full");
+  throw Error(ExitCode::internal, (options.folder / "logs" / "ninja.log").string(), "ninja",
+              end.signal ? "killed by signal " + std::to_string(end.signal) : "failed, see its log");
 }
 
 }  // namespace trephine

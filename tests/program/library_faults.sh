@@ -1,3 +1,169 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-exit 77
+# Every write, fsync, rename and opened file of a case fails in turn; the disk is full; memory is short; builds are killed; eight
+# at once: the old case or the new one, a line of why, and the next build makes it good. LONG=1: more of each.
+. "$(dirname "$0")/common.sh"
+. "$(dirname "$0")/library_common.sh"
+cd "$work/l"
+: "${FAULT:?}" "${LONG:=0}"
+"$TREPHINE" phantom "$work/l/one" $tiny_flags --seed 7 --quiet >/dev/null
+printf 'trephine: 1\nconfig: c.yaml\ncases: [{case: a, series: one/dicom}, {case: b, series: one/dicom, set: {skull.smooth.iterations_count: 3}}]\n' >l.yaml
+case_of() { case_digest "$work/out/$1"; }
+new=(--set skull.smooth.iterations_count=7)
+one=("$TREPHINE" run c.yaml --series one/dicom --out "$work/out" --case a --quiet --no-pictures --threads 1)
+
+# The two states that there may be, and nothing else.
+"${one[@]}" "${new[@]}"
+made_new=$(case_of a)
+"${one[@]}"
+old=$(case_of a)
+[[ $old != "$made_new" ]] || fail "both states are equal"
+is_whole() {
+  local now
+  now=$(case_of a) || fail "$1: torn"
+  [[ $now == "$old" || $now == "$made_new" ]] || fail "$1: neither the old case nor the new one"
+}
+
+declare -A counted
+count() {
+  if [[ -z ${counted[$1]:-} ]]; then
+    rm -f "$work/counts"
+    LD_PRELOAD=$FAULT TREPHINE_FAULT=$1:1:1 TREPHINE_FAULT_IN=run TREPHINE_FAULT_COUNT=$work/counts "${one[@]}" "${new[@]}" \
+      --cache "$work/cache" >/dev/null 2>&1
+    rm -rf "$work/cache"
+    counted[$1]=$(sort -n "$work/counts" | tail -1)
+    [[ ${counted[$1]} -ge 3 ]] || fail "$1: ${counted[$1]} calls were counted"
+  fi
+  echo "${counted[$1]}"
+}
+# fault KIND ERRNO CODES: the first, second, ... such call of a run fails, until one run has no more of them.
+total=0 refused=0
+fault() {
+  local kind=$1 number=$2 codes=$3 n code step=1
+  ((LONG)) || step=$(($(count "$kind") / 2 + 1))
+  for ((n = 1; n < 100000; n += step)); do
+    "${one[@]}" 2>/dev/null || fail "the run that restores the old case"
+    [[ $(case_of a) == "$old" ]] || fail "not the old case"
+    code=0
+    LD_PRELOAD=$FAULT TREPHINE_FAULT=$kind:$n:$number TREPHINE_FAULT_IN=run "${one[@]}" "${new[@]}" --cache "$work/cache" \
+      >said 2>&1 || code=$?
+    total=$((total + 1))
+    is_whole "$kind $n"
+    [[ -z $(find "$work/out" "$work/cache" -name ".trephine-tmp-*" 2>/dev/null) ]] || fail "$kind $n: temporary files are left"
+    rm -rf "$work/cache"
+    [[ " $codes 0 " == *" $code "* ]] || { cat said; fail "$kind $n ends with $code"; }
+    if [[ $code != 0 ]]; then
+      refused=$((refused + 1))
+      [[ $(grep -c '^trephine run: ' said) == 1 ]] || { cat said; fail "$kind $n: not one line"; }
+    fi
+    # No such call any more: that this many were made is counted, not guessed.
+    [[ $n -lt $(count "$kind") ]] || break
+  done
+}
+fault write 28 74   # ENOSPC
+fault write 5 74    # EIO
+fault short 0 0
+fault fsync 5 74
+fault rename 5 74
+fault open 13 "73 74"   # EACCES
+fault close 28 74
+"${one[@]}" "${new[@]}"
+"${one[@]}"
+echo "$total faults, $refused refused"
+
+# Through a build: the case fails, the other is built, the reason is told, the next build makes it good.
+build l.yaml
+before=$(digests)
+for fault in write+:3:28 fsync+:2:5 rename+:1:30; do
+  code=0
+  LD_PRELOAD=$FAULT TREPHINE_FAULT=$fault TREPHINE_FAULT_IN=a build l.yaml "${new[@]}" >said 2>&1 || code=$?
+  [[ $code == 74 ]] && grep -Eq 'a +74 .*failed' said || { cat said; fail "$fault in a build: $code"; }
+  [[ $(grep '^a ' <<<"$before") == "$(digests | grep '^a ')" ]] || fail "$fault: case a changed"
+  [[ $(grep '^b ' <<<"$before") != "$(digests | grep '^b ')" ]] || fail "$fault: case b was not built"
+  build l.yaml
+  [[ $before == "$(digests)" ]] || fail "$fault: not made good"
+done
+
+# A disk that is full from the first byte on (a limit on file sizes, as a full disk for all of them), for the build as for its cases.
+code=0; (ulimit -f 4; build l.yaml "${new[@]}" >said 2>&1) || code=$?
+[[ $code == 74 || $code == 73 ]] || { cat said; fail "file size limit: $code"; }
+[[ $before == "$(digests)" ]] || fail "file size limit: a case changed"
+build l.yaml
+if mkdir "$work/small" && mount -t tmpfs -o size=64k none "$work/small" 2>/dev/null; then
+  code=0; "$TREPHINE" library build l.yaml --out "$work/small" --quiet >said 2>&1 || code=$?
+  [[ $code == 73 ]] && grep -q 'GB are free' said || { cat said; umount "$work/small"; fail "small disk: $code"; }
+  code=0; "$TREPHINE" library build l.yaml --out "$work/small" --quiet --no-check-disk >said 2>&1 || code=$?
+  left=$(find "$work/small" -name case.json)
+  umount "$work/small"
+  [[ $code == 74 || $code == 73 ]] && [[ -z $left ]] || { cat said; fail "full disk: $code $left"; }
+else
+  echo "no tmpfs can be mounted here: the small disk is left out"
+fi
+
+# Memory that does not suffice, at several sizes: nothing is published, or all of it.
+limits=(250000 400000)
+((LONG)) && limits=($(seq 100000 20000 800000))
+for kb in "${limits[@]}"; do
+  code=0; (ulimit -v $kb; "${one[@]}" "${new[@]}" --no-use-cache >said 2>&1) || code=$?
+  is_whole "memory limit $kb"
+  [[ $code == 0 || $code == 70 || $code == 127 ]] || { cat said; fail "memory limit $kb: $code"; }
+  [[ $code != 0 ]] || "${one[@]}"
+done
+
+# Eight builds at once: one works, the others are told so.
+rm -rf "$work/out"
+pids=()
+for i in {1..8}; do
+  "$TREPHINE" library build l.yaml --out "$work/out" --quiet --no-pictures 2>"$work/said$i" &
+  pids+=($!)
+done
+won=0 busy=0
+for p in "${pids[@]}"; do
+  code=0; wait "$p" || code=$?
+  case $code in 0) won=$((won + 1)) ;; 75) busy=$((busy + 1)) ;; *) cat "$work"/said?; fail "one of eight ends with $code" ;; esac
+done
+[[ $won -ge 1 && $((won + busy)) == 8 ]] || fail "$won of eight built"
+build l.yaml
+[[ $before == "$(digests)" ]] || fail "eight at once: other cases"
+
+# Killed at random moments, builder or all: whole cases, no process left, and the next build makes it good.
+kills=$((LONG ? 100 : 4)) met=0
+for ((i = 0; i < kills; ++i)); do
+  set=("${new[@]}"); ((i % 2)) && set=()
+  "$TREPHINE" library build l.yaml --out "$work/out" --quiet --no-pictures --rebuild --jobs 2 "${set[@]}" >said 2>&1 &
+  pid=$!
+  sleep "$(python3 -c "import random; random.seed($i); print(random.uniform(0, 1.2))")"
+  kill -KILL $pid 2>/dev/null && met=$((met + 1))
+  wait $pid 2>/dev/null || true
+  for c in a b; do case_digest "$work/out/$c" >/dev/null || fail "kill $i: case $c is torn"; done
+done
+for try in {1..50}; do
+  left=$(pgrep -f "library job case\.[ab]\$|$work/out" || true)
+  [[ -n $left ]] || break
+  sleep 0.1
+done
+[[ -z $left ]] || { ps -fp $left; fail "processes are left"; }
+build l.yaml
+[[ $before == "$(digests)" ]] || fail "after $kills kills: other cases"
+[[ -z $(find "$work/out" -name '.trephine-tmp-*') ]] || fail "kill: temporary files are left: $(find "$work/out" -name '.trephine-tmp-*')"
+echo "killed $met of $kills"
+
+# Ctrl-C: 130, soon, nothing left.
+"$TREPHINE" library build l.yaml --out "$work/out" --quiet --no-pictures --rebuild "${new[@]}" 2>said &
+pid=$!
+sleep 0.4
+kill -INT $pid
+code=0; wait $pid || code=$?
+[[ $code == 130 || $code == 0 ]] || { cat said; fail "Ctrl-C: $code"; }
+[[ -z $(find "$work/out" -name '.trephine-tmp-*') ]] || fail "Ctrl-C: temporary files are left"
+
+# A case beyond its time is stopped: 70, no process left.
+code=0; build l.yaml --rebuild --case-limit-s 0.001 --case a --set skull.smooth.iterations_count=9 >said 2>&1 || code=$?
+[[ $code == 70 ]] && grep -q 'time limit' said || { cat said; fail "time limit: $code"; }
+
+# A library that cannot be written: refused before any work.
+if [[ $(id -u) != 0 ]]; then
+  chmod -R a-w "$work/out"
+  expect 73 'not writable' build l.yaml
+fi
+echo ok

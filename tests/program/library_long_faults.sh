@@ -1,3 +1,4 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-exit 77
+# library_faults.sh with every fault in turn and 100 kills.
+LONG=1 exec bash "$(dirname "$0")/library_faults.sh"
