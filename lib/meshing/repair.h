@@ -51,7 +51,8 @@ struct RepairParams {
 /// from_input_max_mm: what was dropped counts).
 ///
 /// Throws Error 65 where the mesh is not finite, has indices out of range or no triangles; 80 where no valid surface
-/// can be had; 70 where the child reached its limit of time or memory and the last resort is not wanted; Cancelled. The same bytes whatever the thread count.
+/// can be had; 70 where the child reached its limit of time or memory and the last resort is not wanted; Cancelled. The
+/// same bytes whatever the thread count.
 TriMesh repair(const TriMesh& mesh, const RepairParams& params, Report& report, const Progress& progress = {});
 
 }  // namespace trephine

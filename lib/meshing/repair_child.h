@@ -12,7 +12,7 @@ namespace trephine {
 struct Mended {
   std::string fault;        ///< why there is nothing, or empty
   bool over_limit = false;  ///< the fault: the child reached its limit of time or memory
-  TriMesh mesh;       ///< about the input's origin; closed where there is no fault; not checked further
+  TriMesh mesh;             ///< about the input's origin; closed where there is no fault; not checked further
   std::int64_t holes = 0, degenerate = 0, self_intersections = 0, united = 0;
 };
 

@@ -11,7 +11,8 @@ StageType measure_stage() {
   s.version = 2;
   s.summary = "measures a surface, also against a reference";
   s.description =
-      "Validity (closed, 2-manifold, oriented, self-intersections; of each kind of fault how many and where the first 20 "
+      "Validity (closed, 2-manifold, oriented, self-intersections; of each kind of fault how many and where the first "
+      "20 "
       "are), triangles, volume, area, components, genus; against another surface the "
       "two-sided deviation: largest, 99th percentile, RMS and mean, in mm.";
   s.ports = {{"surface", DataKind::mesh, true, "surface to measure"},
