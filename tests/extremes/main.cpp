@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The extremes of every stage, as tests and as a table. Usage: extremes_test [--write docs/extremes.md [--long]]
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <sstream>
+
+#include "base/child.h"
+#include "outcome.h"
+
+namespace trephine::extremes {
+namespace {
+
+const char* const preamble =
+    "# Extremes\n\n"
+    "What every stage does at the ends of its parameters and of its input, and past them. `extremes_test --write "
+    "docs/extremes.md` wrote this; the tests `extremes.*` fail where the program does something else today. A result "
+    "is "
+    "finite, and a surface closed, 2-manifold and free of self-intersections; a refusal is a code and one line; there "
+    "is "
+    "no crash, NaN, or empty result without a word. Lines marked (long) are checked by `./check --long` alone.\n";
+
+const std::vector<Section>& all_sections() {
+  static const std::vector<Section> all = [] {
+    std::vector<Section> s = convergence_sections();
+    for (Section& more : parameter_sections()) s.push_back(std::move(more));
+    for (Section& more : input_sections()) s.push_back(std::move(more));
+    return s;
+  }();
+  return all;
+}
+
+std::string cell(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += c == '|' ? std::string("\\|") : std::string(1, c);
+  return out;
+}
+
+std::string row(const std::string& extreme, const std::string& outcome) {
+  return "| " + cell(extreme) + " | " + cell(outcome) + " |\n";
+}
+
+std::string key_of(const Case& c) { return c.slow ? c.extreme + " (long)" : c.extreme; }
+
+std::string top_of(const Section& s) {
+  return "\n## " + s.heading + "\n\n" + (s.about.empty() ? "" : s.about + "\n\n") +
+         "| extreme | what happens |\n|---|---|\n";
+}
+
+// The committed table, section by section: its lines as they stand.
+std::map<std::string, std::string> committed() {
+  std::ifstream file(TREPHINE_SOURCE_DIR "/docs/extremes.md");
+  std::map<std::string, std::string> sections;
+  std::string line, heading;
+  while (std::getline(file, line)) {
+    if (line.rfind("## ", 0) == 0) heading = line.substr(3);
+    sections[heading] += line + "\n";
+  }
+  return sections;
+}
+
+// The row of the committed section that begins with this extreme.
+std::string committed_row(const std::string& section, const std::string& extreme) {
+  std::istringstream lines(section);
+  const std::string start = "| " + cell(extreme) + " | ";
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind(start, 0) == 0) return line + "\n";
+  return "";
+}
+
+enum class Which { quick, slow };
+
+class Extremes : public testing::TestWithParam<std::size_t> {};
+
+// A section's rows are made anew and held against the committed ones.
+void check(std::size_t index, Which which) {
+  const Section& section = all_sections()[index];
+  const std::string table = committed()[section.heading];
+  ASSERT_FALSE(table.empty()) << "docs/extremes.md has no section " << section.heading
+                              << "; write it anew: extremes_test --write docs/extremes.md";
+  std::string rows;
+  for (const Case& c : section.cases()) {
+    const std::string was = committed_row(table, key_of(c));
+    rows += was;
+    EXPECT_NE(was, "") << "not in docs/extremes.md: " << c.extreme;
+    if (c.slow != (which == Which::slow)) continue;
+    const std::string outcome = outcome_of(section.heading + ": " + c.extreme, c.run);
+    EXPECT_NE(outcome.substr(0, 5), "FAULT") << section.heading << ": " << c.extreme << ": " << outcome;
+    EXPECT_EQ(row(key_of(c), outcome), was) << section.heading;
+  }
+  // Nothing stands there that is not swept any more.
+  std::string stands = table.substr(table.find("|---|---|\n") + 10);
+  while (!stands.empty() && stands.size() >= 2 && stands.compare(stands.size() - 2, 2, "\n\n") == 0) stands.pop_back();
+  if (stands == "\n") stands.clear();
+  EXPECT_EQ(rows, stands);
+}
+
+TEST_P(Extremes, DoWhatTheTableSays) { check(GetParam(), Which::quick); }
+
+class LongExtremes : public testing::TestWithParam<std::size_t> {};
+TEST_P(LongExtremes, DoWhatTheTableSays) { check(GetParam(), Which::slow); }
+
+std::string name_of(const testing::TestParamInfo<std::size_t>& info) { return all_sections()[info.param].name; }
+
+INSTANTIATE_TEST_SUITE_P(, Extremes, testing::Range<std::size_t>(0, all_sections().size()), name_of);
+INSTANTIATE_TEST_SUITE_P(, LongExtremes, testing::Range<std::size_t>(0, all_sections().size()), name_of);
+
+// Writes the table; 1 where it holds a fault. Slow lines stay as they are committed unless they are asked for.
+int write(const std::string& path, bool slow_too) {
+  std::string text = preamble;
+  const std::map<std::string, std::string> before = committed();
+  std::size_t rows = 0, faults = 0;
+  for (const Section& section : all_sections()) {
+    text += top_of(section);
+    for (const Case& c : section.cases()) {
+      if (c.slow && !slow_too) {
+        const auto table = before.find(section.heading);
+        text += table == before.end() ? "" : committed_row(table->second, key_of(c));
+        continue;
+      }
+      const auto began = std::chrono::steady_clock::now();
+      const std::string outcome = outcome_of(section.heading + ": " + c.extreme, c.run);
+      const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+      if (s > 2) std::cerr << s << " s: " << section.heading << ": " << c.extreme << "\n";
+      text += row(key_of(c), outcome);
+      ++rows;
+      if (outcome.rfind("FAULT", 0) != 0) continue;
+      ++faults;
+      std::cerr << section.heading << ": " << c.extreme << ": " << outcome << "\n";
+    }
+  }
+  std::ofstream(path, std::ios::binary) << text;
+  std::cout << rows << " rows, " << faults << " faults\n";
+  return faults > 0;
+}
+
+}  // namespace
+}  // namespace trephine::extremes
+
+int main(int argc, char** argv) {
+  trephine::run_child_if_asked(argc, argv);
+  if (argc >= 3 && std::string(argv[1]) == "--write")
+    return trephine::extremes::write(argv[2], argc > 3 && std::string(argv[3]) == "--long");
+  testing::InitGoogleTest(&argc, argv);
+  return RUN_ALL_TESTS();
+}

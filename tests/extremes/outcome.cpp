@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "outcome.h"
+
+#include <time.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
+#include <mutex>
+#include <set>
+#include <thread>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "grid/grid.h"
+#include "meshing/validity.h"
+
+namespace trephine::extremes {
+namespace {
+
+// Of the processor, so that a busy machine is no fault; and by the wall, for what sleeps.
+constexpr double limit_cpu_s = 120, limit_wall_s = 400;
+
+double cpu_s() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
+// Ends the process with a word where a case hangs.
+class TimeLimit {
+ public:
+  explicit TimeLimit(std::string name) : name_(std::move(name)), thread_([this] { watch(); }) {}
+  ~TimeLimit() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      over_ = true;
+    }
+    wake_.notify_all();
+    thread_.join();
+  }
+
+ private:
+  void watch() {
+    const double cpu_began_s = cpu_s();
+    const auto began = std::chrono::steady_clock::now();
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (!wake_.wait_for(lock, std::chrono::milliseconds(200), [this] { return over_; })) {
+      const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+      if (cpu_s() - cpu_began_s < limit_cpu_s && wall_s < limit_wall_s) continue;
+      std::fprintf(stderr, "FAULT: hangs: %s\n", name_.c_str());
+      _exit(1);
+    }
+  }
+  std::string name_;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool over_ = false;
+  std::thread thread_;
+};
+
+std::string of_error(const Error& e) {
+  static const std::set<ExitCode> documented = {ExitCode::usage,         ExitCode::bad_input, ExitCode::no_input,
+                                                ExitCode::cannot_create, ExitCode::io,        ExitCode::busy,
+                                                ExitCode::bad_config,    ExitCode::quality,   ExitCode::privacy};
+  const std::string line = e.line("");
+  const std::string what = e.what();
+  if (documented.count(e.code()) == 0) return "FAULT: exit " + std::to_string(int(e.code())) + ": " + line;
+  if (what.empty()) return "FAULT: exit " + std::to_string(int(e.code())) + " without a word";
+  for (const char c : line)
+    if (c == '\n' || c == '\r') return "FAULT: an error of several lines: " + printable(line);
+  if (line.size() > 1500) return "FAULT: an error's line of " + std::to_string(line.size()) + " bytes";
+  std::string text =
+      "exit " + std::to_string(int(e.code())) + ": " + (e.field().empty() ? "" : e.field() + ": ") + what;
+  if (text.size() > 400) text = text.substr(0, 400) + " ...";
+  return text;
+}
+
+std::string of_mesh(const TriMesh& mesh) {
+  const Validity v = check_validity(mesh);
+  if (!v.valid()) return "FAULT: not valid: " + v.text();
+  if (!v.float32) return "FAULT: float32 does not hold the points";
+  if (!mesh.normals.empty())
+    for (const Vec3& n : mesh.normals)
+      if (!(std::fabs(norm(n) - 1) < 1e-6)) return "FAULT: a normal that is no unit vector";
+  return grouped_text(static_cast<long long>(mesh.triangles.size())) + " triangles, " + rounded(v.volume_mm3) +
+         " mm3, valid";
+}
+
+std::string of_field(const Field& field, bool warned) {
+  std::size_t inside = 0;
+  for (const float v : field.voxels) {
+    if (!std::isfinite(v)) return "FAULT: a voxel that is not finite";
+    inside += v > 0;
+  }
+  if (inside == 0 && !warned) return "FAULT: nothing inside, without a word";
+  return rounded(double(inside) * field.voxel_volume_mm3()) + " mm3 inside";
+}
+
+std::string of_volume(const HuVolume& volume) {
+  return std::visit(
+      [](const auto& g) -> std::string {
+        double low = 1e300, high = -1e300;
+        for (const auto v : g.voxels) {
+          if (!std::isfinite(double(v))) return "FAULT: a voxel that is not finite";
+          low = std::min(low, double(v));
+          high = std::max(high, double(v));
+        }
+        if (g.voxels.empty()) return "FAULT: no voxel";
+        std::string size;
+        for (const int n : g.size) size += (size.empty() ? "" : " x ") + std::to_string(n);
+        return size + " voxels, " + rounded(low) + " to " + rounded(high) + " HU";
+      },
+      volume);
+}
+
+std::string of_haptic(const HapticVolume& volume) {
+  check_haptic_volume(volume);
+  std::size_t filled = 0;
+  for (const auto v : volume.voxels.voxels) filled += v != haptic_empty;
+  if (filled == 0) return "FAULT: nothing to feel, without a word";
+  return grouped_text(static_cast<long long>(volume.voxels.count())) + " voxels, " +
+         grouped_text(static_cast<long long>(filled)) + " filled";
+}
+
+std::string of_landmarks(const HeadLandmarks& found, bool warned) {
+  for (const CaseLandmark& l : found.landmarks)
+    if (!is_finite(l.position_mm) || !(l.confidence >= 0 && l.confidence <= 1))
+      return "FAULT: landmark " + l.name + " is not finite";
+  if (found.landmarks.empty() && !warned) return "FAULT: no landmark, without a word";
+  return std::to_string(found.landmarks.size()) + " landmarks";
+}
+
+std::string of_data(const StageData& data, bool warned) {
+  const auto null = [](const auto& p) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(p)>, std::monostate>)
+      return false;
+    else
+      return !p;
+  };
+  if (std::visit(null, data)) return "FAULT: no result";
+  if (const auto* d = std::get_if<std::shared_ptr<const TriMesh>>(&data)) return of_mesh(**d);
+  if (const auto* d = std::get_if<std::shared_ptr<const Field>>(&data)) return of_field(**d, warned);
+  if (const auto* d = std::get_if<std::shared_ptr<const HuVolume>>(&data)) return of_volume(**d);
+  if (const auto* d = std::get_if<std::shared_ptr<const HapticVolume>>(&data)) return of_haptic(**d);
+  if (const auto* d = std::get_if<std::shared_ptr<const HeadLandmarks>>(&data)) return of_landmarks(**d, warned);
+  if (const auto* d = std::get_if<std::shared_ptr<const std::vector<Cutter>>>(&data)) {
+    for (const Cutter& c : **d) check_cutter(c, ExitCode::internal);
+    return std::to_string((*d)->size()) + " cutters, " + rounded(volume_mm3((*d)->front())) + " mm3";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string rounded(double v) {
+  if (std::fabs(v) < 1e-9) return "0";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", v);
+  return to_text(std::strtod(text, nullptr));
+}
+
+std::string describe(const StageData& data, const Report& report) {
+  for (const auto& [name, value] : report.figures) {
+    const auto finite = [](const ParameterValue& v) {
+      if (const auto* d = std::get_if<double>(&v)) return std::isfinite(*d);
+      if (const auto* list = std::get_if<std::vector<double>>(&v))
+        for (const double d : *list)
+          if (!std::isfinite(d)) return false;
+      return true;
+    };
+    if (!finite(value)) return "FAULT: " + name + " is not finite";
+  }
+  std::string text = of_data(data, !report.warnings.empty());
+  if (text.empty()) text = std::to_string(report.figures.size()) + " figures";
+  if (const auto* by = report.find("stopped_by")) text += "; stopped by " + std::get<std::string>(*by);
+  if (const auto* d = report.find("deviation_max_mm")) text += ", " + rounded(std::get<double>(*d)) + " mm at most";
+  if (!report.warnings.empty()) text += "; warns: " + report.warnings.front();
+  return text;
+}
+
+std::string outcome_of(const std::string& name, const std::function<std::string()>& f) {
+  const TimeLimit limit(name);
+  try {
+    return f();
+  } catch (const Error& e) {
+    return of_error(e);
+  } catch (const Cancelled&) {
+    return "FAULT: cancelled by nobody";
+  } catch (const std::exception& e) {
+    return std::string("FAULT: throws ") + e.what();
+  }
+}
+
+std::string outcome_of_stage(const StageType& stage, const AnyParams& params, const StageInputs& inputs) {
+  Report report;
+  const StageData data = stage.run(params, inputs, report, {});
+  return describe(data, report);
+}
+
+}  // namespace trephine::extremes

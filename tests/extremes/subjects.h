@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenes.h"
+#include "stages/stage.h"
+
+namespace trephine::extremes {
+
+/// A stage with an input that it can work on: what its parameters are swept around.
+struct Subject {
+  const StageType* stage = nullptr;
+  std::string label;  ///< "segment", or "segment, method brain"
+  const Scene* scene = nullptr;
+  std::vector<std::string> ports;  ///< optional ones that are filled
+  std::vector<std::pair<std::string, std::string>> base;
+  bool slow = false;
+};
+
+/// Every stage, and once for each method that it has; known stages with an input that suits them, any other with a
+/// sphere in a sphere.
+std::vector<Subject> subjects_of(const StageType& stage);
+
+/// The items of a parameter's text, as the command line and configurations give them.
+std::vector<std::string> items_of(const Parameter& parameter, const std::string& text);
+
+/// Sets one; throws Error 64 with the parser's word.
+void set(AnyParams& params, const std::string& name, const std::string& text);
+
+AnyParams params_of(const Subject& subject);
+StageInputs inputs_of(const Subject& subject);
+
+}  // namespace trephine::extremes
