@@ -16,8 +16,8 @@
 namespace trephine {
 namespace {
 
-/// After so many rounds of undoing, what is undone is no longer made up for elsewhere.
-constexpr int rounds_that_collapse = 12;
+/// After so many rounds of undoing, what is undone is made up for elsewhere only once nothing is left to undo, so often.
+constexpr int rounds_that_collapse = 12, times_made_up = 12;
 /// Share of the bound that samples may use; the rest is for what lies between them.
 constexpr double sampled_share = 0.9;
 
@@ -108,9 +108,13 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double limit_mm, 
   Inspection inspection;
   Sides sides(input);
   std::vector<std::uint32_t> triangle_of;
+  int made_up = 0;
+  bool clean = false;
   for (int round = 0;; ++round) {
-    if (round < rounds_that_collapse)
+    if (round < rounds_that_collapse || clean)
       o.limited |= collapse.run(target, round == 0 ? progress.part(0.1, 0.7) : progress.part(0.9, 0.9));
+    if (clean && collapse.mesh().live_triangles() == o.mesh.triangles.size()) return o;
+    clean = false;
     if (!meter) meter.emplace(collapse.input(), limit_mm);
     o.mesh = collapse.mesh().to_mesh(input.origin_mm, &triangle_of);
     std::vector<std::uint32_t> faults =
@@ -126,7 +130,9 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double limit_mm, 
     faults = meter->measure(o.mesh, triangle_of, collapse.carried(), progress.part(0.75, 0.9));
     if (faults.empty()) {
       o.deviation = meter->figures();
-      return o;
+      if (o.mesh.triangles.size() <= target || made_up++ == times_made_up) return o;
+      clean = true;
+      continue;
     }
     const std::size_t n = collapse.undo(faults);
     if (n == 0) throw Error(ExitCode::quality, "", "decimate", "max_deviation_mm cannot be kept");
