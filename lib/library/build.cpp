@@ -97,11 +97,16 @@ class Build {
     }
   }
 
-  // Of a build that was killed.
+  // Of a build that was killed: of cases that were published meanwhile, too, for which no run is started.
   void remove_leftovers() const {
-    remove_stale_temporaries(state_.library());
-    for (const char* name : {"", "cases", "settings", "phantoms", "logs"})
-      remove_stale_temporaries(state_.folder() / name);
+    const auto tidy = [](const fs::path& folder, std::initializer_list<const char*> below) {
+      for (const char* name : below) remove_stale_temporaries(folder / name);
+    };
+    tidy(state_.library(), {"", cache_name});
+    tidy(state_.folder(), {"", "cases", "settings", "phantoms", "logs"});
+    std::error_code error;
+    for (fs::directory_iterator it(state_.library(), error), end; !error && it != end; it.increment(error))
+      if (it->path().filename().string().front() != '.') tidy(it->path(), {"", "meshes", "report"});
   }
 
   void plan(bool write) {

@@ -30,6 +30,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int busy_tries = 6;
 constexpr double busy_pause_s = 0.5, patience_s = 10;
 constexpr std::size_t most_reason = 1500;
+constexpr int stopped = -1;  // in place of an exit code: by us, for its time was up
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -100,7 +101,8 @@ Ended run_once(const LibraryJob& job, const fs::path& log) {
   const pid_t pid = spawn(request);
   const auto start = Clock::now();
   for (;;) {
-    Ended end = wait_for(pid, 1);
+    const double left_s = job.time_limit_s > 0 ? job.time_limit_s - seconds_since(start) : 1;
+    Ended end = wait_for(pid, std::clamp(left_s, 0.0, 1.0));
     if (end.ended) return end;
     if (job.time_limit_s <= 0 || seconds_since(start) < job.time_limit_s) continue;
     kill(pid, SIGTERM);  // it tidies up; its own children die with it
@@ -109,7 +111,7 @@ Ended run_once(const LibraryJob& job, const fs::path& log) {
       kill(pid, SIGKILL);
       end = wait_for(pid, 1e6);
     }
-    end.code = -1;
+    if (end.code != 0 || end.signal) end.code = stopped;  // else it ended well just then
     return end;
   }
 }
@@ -166,7 +168,7 @@ JobResult do_job(const LibraryJob& job) {
         fs::remove(log, ignored);
       }
     result.reason = reason_in(text, job.arguments.front(), job.token);
-    if (end.code < 0)
+    if (end.code == stopped)
       result = {static_cast<int>(ExitCode::internal),
                 "stopped after " + to_text(job.time_limit_s) + " s, its time limit", 0, end.memory_mb};
     else if (end.signal == SIGINT || end.signal == SIGTERM || cancel_requested())

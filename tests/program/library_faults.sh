@@ -24,25 +24,24 @@ is_whole() {
   [[ $now == "$old" || $now == "$made_new" ]] || fail "$1: neither the old case nor the new one"
 }
 
-declare -A counted
+# count KIND: how many such calls a run makes, into `calls`.
 count() {
-  if [[ -z ${counted[$1]:-} ]]; then
-    rm -f "$work/counts"
-    LD_PRELOAD=$FAULT TREPHINE_FAULT=$1:1:1 TREPHINE_FAULT_IN=run TREPHINE_FAULT_COUNT=$work/counts "${one[@]}" "${new[@]}" \
-      --cache "$work/cache" >/dev/null 2>&1
-    rm -rf "$work/cache"
-    counted[$1]=$(sort -n "$work/counts" | tail -1)
-    [[ ${counted[$1]} -ge 3 ]] || fail "$1: ${counted[$1]} calls were counted"
-  fi
-  echo "${counted[$1]}"
+  rm -f "$work/counts"
+  LD_PRELOAD=$FAULT TREPHINE_FAULT=$1:1:1 TREPHINE_FAULT_IN=run TREPHINE_FAULT_COUNT=$work/counts "${one[@]}" "${new[@]}" \
+    --cache "$work/cache" >said 2>&1 || { cat said; fail "$1: the run that counts"; }
+  rm -rf "$work/cache"
+  calls=$(sort -n "$work/counts" | tail -1)
+  [[ $calls -ge 3 ]] || fail "$1: $calls calls were counted"
 }
-# fault KIND ERRNO CODES: the first, second, ... such call of a run fails, until one run has no more of them.
+# fault KIND ERRNO CODES: a run's first such call fails, some later one (LONG=1: every one), and one more than there are.
 total=0 refused=0
 fault() {
-  local kind=$1 number=$2 codes=$3 n code step=1
-  ((LONG)) || step=$(($(count "$kind") / 2 + 1))
-  for ((n = 1; n < 100000; n += step)); do
-    "${one[@]}" 2>/dev/null || fail "the run that restores the old case"
+  local kind=$1 number=$2 codes=$3 n code calls points
+  count "$kind"
+  points=(1 $((calls / 2)) $((calls - 1)) $((calls + 1)))
+  ((LONG)) && points=($(seq $((calls + 1))))
+  for n in "${points[@]}"; do
+    [[ $(case_of a) == "$old" ]] || "${one[@]}" 2>/dev/null || fail "the run that restores the old case"
     [[ $(case_of a) == "$old" ]] || fail "not the old case"
     code=0
     LD_PRELOAD=$FAULT TREPHINE_FAULT=$kind:$n:$number TREPHINE_FAULT_IN=run "${one[@]}" "${new[@]}" --cache "$work/cache" \
@@ -56,8 +55,6 @@ fault() {
       refused=$((refused + 1))
       [[ $(grep -c '^trephine run: ' said) == 1 ]] || { cat said; fail "$kind $n: not one line"; }
     fi
-    # No such call any more: that this many were made is counted, not guessed.
-    [[ $n -lt $(count "$kind") ]] || break
   done
 }
 fault write 28 74   # ENOSPC
