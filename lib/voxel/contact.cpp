@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxel/contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+#include "voxel/contact_cell.h"
+#include "voxel/raw_voxel.h"
+
+namespace trephine {
+namespace {
+
+constexpr double farthest_mm = 1e9;
+
+bool usable(Vec3 p) {
+  return std::abs(p.x) <= farthest_mm && std::abs(p.y) <= farthest_mm && std::abs(p.z) <= farthest_mm;  // not for NaN
+}
+
+// Calls visit(i, j, k, t0, t1) for each unit cell on the way from p to q, t in [0, 1], until it returns true. Each cell
+// shares a face with the one before; the last is the one that holds q, whatever rounding says of the crossings.
+template <class Visit>
+void for_each_cell(Vec3 p, Vec3 q, const Visit& visit) {
+  int cell[3], step[3], left[3];
+  double next[3], begin[3], per_unit[3];
+  for (int a = 0; a < 3; ++a) {
+    const double first = std::floor(p[a]), last = std::floor(q[a]), d = q[a] - p[a];
+    cell[a] = int(first);
+    left[a] = std::abs(int(last) - cell[a]);
+    step[a] = d < 0 ? -1 : 1;
+    begin[a] = p[a];
+    per_unit[a] = d != 0 ? 1 / d : 0;
+    next[a] = left[a] > 0 ? (first + (d > 0 ? 1 : 0) - p[a]) * per_unit[a] : std::numeric_limits<double>::infinity();
+  }
+  double t = 0;
+  while (true) {
+    const int a = next[0] <= next[1] ? (next[0] <= next[2] ? 0 : 2) : (next[1] <= next[2] ? 1 : 2);
+    const double until = left[a] > 0 ? std::clamp(next[a], t, 1.0) : 1;
+    if (visit(cell[0], cell[1], cell[2], t, until) || left[a] == 0) return;
+    t = until;
+    cell[a] += step[a];
+    --left[a];
+    next[a] = left[a] > 0 ? (cell[a] + (step[a] > 0 ? 1 : 0) - begin[a]) * per_unit[a]
+                          : std::numeric_limits<double>::infinity();
+  }
+}
+
+Vec3 between(Vec3 p, Vec3 q, double t) { return p + (q - p) * t; }
+
+Vec3 within_cell(Vec3 p, int i, int j, int k) {
+  return {std::clamp(p.x - i, 0.0, 1.0), std::clamp(p.y - j, 0.0, 1.0), std::clamp(p.z - k, 0.0, 1.0)};
+}
+
+}  // namespace
+
+// The part of a segment that lies in the lattice's box, in voxel indices.
+struct ContactVolume::Segment {
+  Vec3 begin, end;
+  double t0 = 0, t1 = 1;  // where that part begins and ends on the whole
+};
+
+struct ContactVolume::Crossing {
+  bool hit = false;
+  double t = 1;  // of the part
+  int from = 0, into = 0;
+};
+
+namespace {
+
+// The face that stops a segment which crosses over.
+bool stops(int from, int into, const TouchableFaces& faces) {
+  return (into != 0 && (faces.front >> into & 1)) || (from != 0 && (faces.back >> from & 1));
+}
+
+}  // namespace
+
+ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
+    : volume_(volume), params_(params), table_(65536, 0) {
+  const Lattice& l = volume.voxels;
+  smallest_side_mm_ = std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b)
+      to_index_.column[std::size_t(b)][a] = l.direction.column[std::size_t(a)][b] / l.spacing_mm[a];
+  if (volume.encoding == HapticEncoding::hu) {
+    lowest_ = std::numeric_limits<int>::max();
+    for (const HapticShape& s : volume.shapes) lowest_ = std::min<int>(lowest_, s.window_low);
+    for (int raw = -32768; raw <= 32767; ++raw) table_[std::uint16_t(raw)] = raw < lowest_ ? 0 : contact_gap;
+    for (const HapticShape& s : volume.shapes) {
+      low_of_[s.number] = s.window_low;
+      for (int raw = s.window_low; raw <= s.window_high; ++raw)
+        table_[std::uint16_t(raw)] = std::uint16_t(haptic_full << 8 | contact_pure | s.number);
+    }
+    return;
+  }
+  for (const HapticShape& s : volume.shapes)
+    for (int raw = s.window_low; raw <= s.window_high; ++raw) {
+      const detail::RawVoxel v = detail::split(std::int16_t(raw));
+      if (v.number != s.number) continue;
+      const int pure = v.share == haptic_full ? contact_pure : 0;
+      table_[std::uint16_t(raw)] = std::uint16_t((v.bare ? v.share : haptic_full) << 8 | pure | v.number);
+    }
+  settle(whole_box(l));
+}
+
+void ContactVolume::settle(const Box& box) {
+  Grid<std::int16_t>& v = volume_.voxels;
+  if (volume_.encoding != HapticEncoding::occupancy || box.empty()) return;
+  // Slices in parallel: only the rest's owner is written, and that is not what another voxel's owner depends on.
+  parallel_for(box.begin[2], box.end[2], 4, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < int(to); ++k)
+      for (int j = box.begin[1]; j < box.end[1]; ++j)
+        for (int i = box.begin[0]; i < box.end[0]; ++i) {
+          std::int16_t& voxel = v.at(i, j, k);
+          const std::int16_t raw = detail::load_voxel(voxel);
+          if (raw == haptic_empty || (table_[std::uint16_t(raw)] & contact_pure)) continue;
+          const detail::RawVoxel r = detail::split(raw);
+          if (r.number == 0 || r.bare || detail::other_shape(v, r.number, i, j, k) != 0) continue;
+          __atomic_store_n(&voxel, detail::join(r.number, r.share, true), __ATOMIC_RELAXED);
+        }
+  });
+}
+
+Vec3 ContactVolume::to_index(Vec3 world_mm) const { return to_index_ * (world_mm - volume_.voxels.origin_mm); }
+
+int ContactVolume::shape_of_voxel(int i, int j, int k) const {
+  if (!volume_.voxels.contains(i, j, k)) return 0;
+  const std::uint16_t e = table_[std::uint16_t(detail::load_voxel(volume_.voxels.at(i, j, k)))];
+  return 2 * entry_filled(e) > haptic_full ? entry_shape(e) : 0;
+}
+
+int ContactVolume::shape_of(Vec3 index) const {
+  const auto& size = volume_.voxels.size;
+  for (int a = 0; a < 3; ++a)
+    if (!(index[a] >= -1 && index[a] <= size[std::size_t(a)])) return 0;
+  if (params_.surface == ContactParams::Surface::nearest)
+    return shape_of_voxel(int(std::floor(index.x + 0.5)), int(std::floor(index.y + 0.5)),
+                          int(std::floor(index.z + 0.5)));
+  const int i = int(std::floor(index.x)), j = int(std::floor(index.y)), k = int(std::floor(index.z));
+  return ContactCell(*this, i, j, k).shape_at(within_cell(index, i, j, k));
+}
+
+int ContactVolume::shape_at(Vec3 world_mm) const { return usable(world_mm) ? shape_of(to_index(world_mm)) : 0; }
+
+// Keeps what lies in the lattice's box grown by one voxel, beyond which nothing is; false where nothing is left.
+bool ContactVolume::clip(Segment& s) const {
+  const Vec3 p = s.begin, q = s.end;
+  double t0 = 0, t1 = 1;
+  for (int a = 0; a < 3; ++a) {
+    const double low = -1, high = volume_.voxels.size[std::size_t(a)], d = q[a] - p[a];
+    if (d == 0) {
+      if (p[a] < low || p[a] > high) return false;
+      continue;
+    }
+    const double u = (low - p[a]) / d, v = (high - p[a]) / d;
+    t0 = std::max(t0, std::min(u, v));
+    t1 = std::min(t1, std::max(u, v));
+  }
+  if (!(t0 <= t1)) return false;
+  for (int a = 0; a < 3; ++a) {
+    const double high = volume_.voxels.size[std::size_t(a)];
+    if (t0 > 0) s.begin[a] = std::clamp(p[a] + (q[a] - p[a]) * t0, -1.0, high);
+    if (t1 < 1) s.end[a] = std::clamp(p[a] + (q[a] - p[a]) * t1, -1.0, high);
+  }
+  s.t0 = t0;
+  s.t1 = t1;
+  return true;
+}
+
+ContactVolume::Crossing ContactVolume::walk_cells(const Segment& s, int shape, const TouchableFaces& faces) const {
+  Crossing c;
+  c.from = c.into = shape;
+  // Notes that the shape changes at t; true where the walk ends there.
+  const auto change = [&](int into, double t) {
+    c.from = c.into;
+    c.into = into;
+    c.t = t;
+    return c.hit = stops(c.from, into, faces);
+  };
+  for_each_cell(s.begin, s.end, [&](int i, int j, int k, double t0, double t1) {
+    const ContactCell cell(*this, i, j, k);
+    if (cell.uniform()) return cell.shape() != c.into && change(cell.shape(), t0);
+    const Vec3 p = within_cell(between(s.begin, s.end, t0), i, j, k);
+    const Vec3 q = within_cell(between(s.begin, s.end, t1), i, j, k);
+    double at[ContactCell::max_breaks + 1];
+    int count = cell.breaks(p, q, at);
+    at[count++] = 1;
+    double before = 0;
+    for (int n = 0; n < count; ++n) {
+      const int now = cell.shape_at(between(p, q, 0.5 * (before + at[n])));
+      if (now != c.into && change(now, t0 + (t1 - t0) * before)) return true;
+      before = at[n];
+    }
+    return false;
+  });
+  return c;
+}
+
+ContactVolume::Crossing ContactVolume::walk_voxels(const Segment& s, int shape, const TouchableFaces& faces) const {
+  Crossing c;
+  c.from = c.into = shape;
+  const Vec3 half{0.5, 0.5, 0.5};
+  for_each_cell(s.begin + half, s.end + half, [&](int i, int j, int k, double t0, double) {
+    const int now = shape_of_voxel(i, j, k);
+    if (now == c.into) return false;
+    c.from = c.into;
+    c.into = now;
+    c.t = t0;
+    return c.hit = stops(c.from, c.into, faces);
+  });
+  return c;
+}
+
+ContactVolume::Crossing ContactVolume::walk_steps(const Segment& s, int shape, const TouchableFaces& faces) const {
+  Crossing c;
+  c.from = c.into = shape;
+  const Vec3 d = s.end - s.begin, spacing = volume_.voxels.spacing_mm;
+  const double length_mm = norm({d.x * spacing.x, d.y * spacing.y, d.z * spacing.z});
+  const int steps = std::max(1, int(std::ceil(length_mm / (params_.step_ratio * smallest_side_mm_))));
+  for (int n = 0; n <= steps; ++n) {
+    const double t = double(n) / steps;
+    const int now = shape_of(between(s.begin, s.end, t));
+    if (now == c.into) continue;
+    c.from = c.into;
+    c.into = now;
+    c.hit = stops(c.from, c.into, faces);
+    c.t = t;
+    if (!c.hit) continue;
+    // The change lies behind the sample before; halving finds it.
+    double low = double(std::max(0, n - 1)) / steps;
+    for (int halving = 0; halving < 30 && low < c.t; ++halving) {
+      const double middle = 0.5 * (low + c.t);
+      (shape_of(between(s.begin, s.end, middle)) == c.from ? low : c.t) = middle;
+    }
+    break;
+  }
+  return c;
+}
+
+Contact ContactVolume::intersect(Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces) const {
+  Contact out;
+  out.point_mm = end_mm;
+  out.from = out.into = start_shape;
+  if (!usable(start_mm) || !usable(end_mm)) {
+    out.refused = true;
+    out.from = out.into = 0;
+    return out;
+  }
+  const Vec3 way = end_mm - start_mm;
+  if (way == Vec3{}) return out;
+  Segment s;
+  s.begin = to_index(start_mm);
+  s.end = to_index(end_mm);
+  if (!clip(s)) {
+    out.from = out.into = 0;
+    return out;
+  }
+  const int shape = s.t0 > 0 ? 0 : start_shape;
+  const Crossing c = params_.walk == ContactParams::Walk::stepped         ? walk_steps(s, shape, faces)
+                     : params_.surface == ContactParams::Surface::nearest ? walk_voxels(s, shape, faces)
+                                                                          : walk_cells(s, shape, faces);
+  if (!c.hit) {
+    out.from = out.into = s.t1 < 1 ? 0 : c.into;
+    return out;
+  }
+  out.hit = true;
+  out.from = c.from;
+  out.into = c.into;
+  out.along = s.t0 + (s.t1 - s.t0) * c.t;
+  out.point_mm = between(start_mm, end_mm, out.along);
+  const bool front = c.into != 0 && (faces.front >> c.into & 1);
+  out.face = front ? ContactFace::front : ContactFace::back;
+  out.shape = front ? c.into : c.from;
+  const Vec3 forward = way / norm(way);
+  Vec3 n = normal_at(out.point_mm, c.from, c.into);
+  // The differences are smoother than the surface: where they point along the way, the normal is turned across it.
+  const double ahead = dot(n, forward);
+  if (n == Vec3{} || ahead > 0.999)
+    n = -forward;
+  else if (ahead > -1e-3)
+    n = normalized(n - forward * (ahead + 1e-3));
+  out.normal = n;
+  return out;
+}
+
+Vec3 ContactVolume::normal_at(Vec3 world_mm, int from, int into) const {
+  if (!usable(world_mm) || from == into) return {};
+  const Lattice& l = volume_.voxels;
+  const Vec3 index = to_index(world_mm);
+  int begin[3];
+  Vec3 f;
+  for (int a = 0; a < 3; ++a) {
+    if (!(index[a] >= -1 && index[a] <= l.size[std::size_t(a)])) return {};
+    begin[a] = int(std::floor(index[a]));
+    f[a] = index[a] - begin[a];
+  }
+  const bool hu = volume_.encoding == HapticEncoding::hu;
+  const int number = into != 0 ? into : from;
+  // What rises towards `into`, or, where that is nothing, towards `from`: of HU, those of air and of the shape.
+  const auto sample = [&](int x, int y, int z) -> double {
+    const bool inside = l.contains(x, y, z);
+    const int raw = inside ? detail::load_voxel(volume_.voxels.at(x, y, z)) : hu ? haptic_beyond_hu : haptic_empty;
+    const std::uint16_t e = table_[std::uint16_t(raw)];
+    if (!hu) {
+      if (from == 0 || into == 0) return entry_filled(e);
+      return inside ? detail::share_of(volume_.voxels, number, x, y, z) : 0;
+    }
+    const double half = std::max(1, low_of_[number] + 1000);
+    if (entry_shape(e) == number || (e == 0 && (from == 0 || into == 0)))
+      return std::clamp(0.5 + (raw - low_of_[number]) / (2 * half), 0.0, 1.0);
+    return (from == 0 || into == 0) && e != 0 && e != contact_gap ? 1 : 0;
+  };
+  // Along an axis: differences two voxels apart, and the weights 1 2 1, both interpolated to the point.
+  double change[3][4], smooth[3][4];
+  for (int a = 0; a < 3; ++a) {
+    const double t = f[a], u = 1 - t;
+    const double d[4] = {-u, -t, u, t}, w[4] = {0.25 * u, 0.5 * u + 0.25 * t, 0.25 * u + 0.5 * t, 0.25 * t};
+    std::copy(d, d + 4, change[a]);
+    std::copy(w, w + 4, smooth[a]);
+  }
+  Vec3 g;
+  for (int z = 0; z < 4; ++z)
+    for (int y = 0; y < 4; ++y) {
+      double changed = 0, smoothed = 0;
+      for (int x = 0; x < 4; ++x) {
+        const double v = sample(begin[0] + x - 1, begin[1] + y - 1, begin[2] + z - 1);
+        changed += change[0][x] * v;
+        smoothed += smooth[0][x] * v;
+      }
+      g.x += smooth[2][z] * smooth[1][y] * changed;
+      g.y += smooth[2][z] * change[1][y] * smoothed;
+      g.z += change[2][z] * smooth[1][y] * smoothed;
+    }
+  g = l.direction * Vec3{g.x / l.spacing_mm.x, g.y / l.spacing_mm.y, g.z / l.spacing_mm.z};
+  const double length = norm(g);
+  if (!(length > 1e-9)) return {};
+  return g / (into != 0 ? -length : length);
+}
+
+}  // namespace trephine

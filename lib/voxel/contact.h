@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "base/params.h"
+#include "base/vec3.h"
+#include "voxel/haptic_volume.h"
+
+namespace trephine {
+
+/// How a segment is followed through a haptic volume, and what counts as the surface there.
+struct ContactParams {
+  /// exact: every cell that the segment meets, one face at a time (Amanatides and Woo, A fast voxel traversal algorithm
+  /// for ray tracing, 1987), so that no wall is missed however thin and slanted; the end's cell is reached by count,
+  /// not by rounding. stepped: the dissertation's (chapter 3): samples every `step_ratio` of the smallest voxel side.
+  enum class Walk { exact, stepped };
+  /// nearest: the boxes of the voxels at least half full (the dissertation's). subvoxel: where the trilinear occupancy
+  /// is 1/2, found on the segment; in a cell of eight voxel centres through which that surface would leave a hole in a
+  /// wall that the boxes close, the boxes.
+  enum class Surface { subvoxel, nearest };
+  Walk walk = Walk::exact;
+  Surface surface = Surface::subvoxel;
+  double step_ratio = 1;
+  template <class V>
+  static void describe(V& v) {
+    using P = ContactParams;
+    v.choice(&P::walk, "walk", {{"exact", Walk::exact}, {"stepped", Walk::stepped}},
+             "How the tool's path is followed through the voxels.");
+    v.choice(&P::surface, "surface", {{"subvoxel", Surface::subvoxel}, {"nearest", Surface::nearest}},
+             "What is felt: the surface of half occupancy, or the voxels' boxes.");
+    v.number(&P::step_ratio, "step_ratio", Range{0.01, 1},
+             "Step of the stepped walk as a share of the smallest voxel side.");
+  }
+};
+
+/// A front face is met from outside its shape, a back face from inside.
+enum class ContactFace { front, back };
+
+/// Which faces of which shapes stop a segment: bit n stands for shape n.
+struct TouchableFaces {
+  std::uint64_t front = ~std::uint64_t{0}, back = ~std::uint64_t{0};
+};
+
+struct Contact {
+  bool hit = false;
+  bool refused = false;  ///< a coordinate was not finite, or beyond 1e9 mm: nothing was walked
+  Vec3 point_mm;         ///< where the surface is crossed; without a hit the end
+  Vec3 normal;           ///< unit, towards the side that the segment comes from; zero without a hit
+  ContactFace face = ContactFace::front;
+  int shape = 0;           ///< whose face it is; 0 without a hit
+  int from = 0, into = 0;  ///< shapes before and behind the crossing, 0 for none; without a hit both the end's
+  double along = 1;        ///< 0 to 1 of the segment
+};
+
+/// The haptic volume as the hand meets it (the dissertation, chapter 3; the shape of OpenHaptics' intersectSurface):
+/// one walk for any number of shapes. Each point of space belongs to one shape or to none, and a contact is a crossing
+/// from one to another: the front of the shape that is entered, if that is touchable, else the back of the shape that
+/// is left. Where shapes meet they share one surface; what they leave of a voxel together is empty.
+///
+/// Nothing but the constructor allocates, locks or throws, and it may be used from several threads. Voxels may be
+/// lowered meanwhile (they are read through relaxed atomics); lattice and shapes may not change.
+class ContactVolume {
+ public:
+  /// The volume must outlive it. Encoding `occupancy`: partly filled voxels that no other shape is near are rewritten
+  /// as such (settle, over all), which changes no voxel's meaning.
+  explicit ContactVolume(HapticVolume& volume, ContactParams params = {});
+
+  /// To be called for the voxels around those that somebody else changed, in encoding `occupancy`.
+  void settle(const Box& box);
+
+  /// The shape that holds the point, 0 for none, beyond the lattice, and where a coordinate is not finite.
+  int shape_at(Vec3 world_mm) const;
+
+  /// The first touchable crossing of the segment. `start_shape` is what the walk takes to be at its start; who places a
+  /// point on a surface says with it on which side, and cannot fall through by rounding.
+  Contact intersect(Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces = {}) const;
+  Contact intersect(Vec3 start_mm, Vec3 end_mm, const TouchableFaces& faces = {}) const {
+    return intersect(start_mm, end_mm, shape_at(start_mm), faces);
+  }
+
+  /// Unit normal of the surface between the two shapes (0: none), from `into` towards `from`: central differences of
+  /// the occupancy over one voxel a side, weighted 1 2 1 across (Sobel), interpolated to the point; zero where there are
+  /// none.
+  Vec3 normal_at(Vec3 world_mm, int from, int into) const;
+
+  const HapticVolume& volume() const { return volume_; }
+  const ContactParams& params() const { return params_; }
+  double smallest_side_mm() const { return smallest_side_mm_; }
+
+ private:
+  friend class ContactCell;
+  struct Segment;
+  struct Crossing;
+  Vec3 to_index(Vec3 world_mm) const;
+  bool clip(Segment& segment) const;
+  Crossing walk_cells(const Segment& segment, int shape, const TouchableFaces& faces) const;
+  Crossing walk_voxels(const Segment& segment, int shape, const TouchableFaces& faces) const;
+  Crossing walk_steps(const Segment& segment, int shape, const TouchableFaces& faces) const;
+  int shape_of(Vec3 index) const;
+  int shape_of_voxel(int i, int j, int k) const;
+  double narrow(Vec3 from, Vec3 to, int shape) const;
+
+  HapticVolume& volume_;
+  ContactParams params_;
+  double smallest_side_mm_ = 1;
+  Mat3 to_index_;                     ///< of world minus origin
+  std::vector<std::uint16_t> table_;  ///< by raw value: shape in the low byte, of 255 how much is filled in the high
+  int lowest_ = 0;                    ///< encoding `hu`: the lowest window's low end
+  int low_of_[haptic_max_shapes + 1] = {};
+};
+
+}  // namespace trephine

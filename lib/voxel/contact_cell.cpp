@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxel/contact_cell.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxel/raw_voxel.h"
+
+namespace trephine {
+namespace {
+
+constexpr double half_full = 0.5 * haptic_full;
+
+double interpolate(const std::array<double, 8>& c, Vec3 p) {
+  const double x0 = c[0] + p.x * (c[1] - c[0]), x1 = c[2] + p.x * (c[3] - c[2]);
+  const double x2 = c[4] + p.x * (c[5] - c[4]), x3 = c[6] + p.x * (c[7] - c[6]);
+  const double y0 = x0 + p.y * (x1 - x0), y1 = x2 + p.y * (x3 - x2);
+  return y0 + p.z * (y1 - y0);
+}
+
+// The trilinear function along p to q as a cubic's Bernstein coefficients: its polar form at the box's corners.
+std::array<double, 4> along(const std::array<double, 8>& c, Vec3 p, Vec3 q) {
+  const auto at = [&](double x, double y, double z) { return interpolate(c, {x, y, z}); };
+  return {at(p.x, p.y, p.z), (at(q.x, p.y, p.z) + at(p.x, q.y, p.z) + at(p.x, p.y, q.z)) / 3,
+          (at(q.x, q.y, p.z) + at(q.x, p.y, q.z) + at(p.x, q.y, q.z)) / 3, at(q.x, q.y, q.z)};
+}
+
+double value_at(const std::array<double, 4>& b, double t) {
+  const double s = 1 - t;
+  return s * s * (s * b[0] + 3 * t * b[1]) + t * t * (3 * s * b[2] + t * b[3]);
+}
+
+// The one change of sign within [0, 1], b[0] and b[3] being of different sign: Illinois' false position.
+double only_root(const std::array<double, 4>& b) {
+  double lo = 0, hi = 1, f_lo = b[0], f_hi = b[3];
+  int side = 0;
+  for (int n = 0; n < 60 && hi - lo > 1e-12; ++n) {
+    const double t = n < 40 && f_hi != f_lo ? (lo * f_hi - hi * f_lo) / (f_hi - f_lo) : 0.5 * (lo + hi);
+    const double f = value_at(b, t);
+    if ((f >= 0) == (b[0] >= 0)) {
+      if (std::abs(t - lo) < 1e-13) return t;
+      lo = t, f_lo = f;
+      if (side == 1) f_hi *= 0.5;
+      side = 1;
+    } else {
+      if (std::abs(hi - t) < 1e-13) return t;
+      hi = t, f_hi = f;
+      if (side == 2) f_lo *= 0.5;
+      side = 2;
+    }
+  }
+  return 0.5 * (lo + hi);
+}
+
+// Appends the roots of sign in (lo, hi).
+void find_roots(const std::array<double, 4>& b, double lo, double hi, int depth, double* out, int& count) {
+  int changes = 0;
+  for (int n = 0; n < 3; ++n) changes += (b[std::size_t(n)] >= 0) != (b[std::size_t(n) + 1] >= 0);
+  if (changes == 0 || count >= ContactCell::max_breaks - 8) return;
+  if (changes == 1) {
+    out[count++] = lo + (hi - lo) * only_root(b);
+    return;
+  }
+  if (depth == 0) {
+    out[count++] = 0.5 * (lo + hi);
+    return;
+  }
+  const double a0 = 0.5 * (b[0] + b[1]), a1 = 0.5 * (b[1] + b[2]), a2 = 0.5 * (b[2] + b[3]);
+  const double c0 = 0.5 * (a0 + a1), c1 = 0.5 * (a1 + a2), d = 0.5 * (c0 + c1), mid = 0.5 * (lo + hi);
+  if (d == 0) out[count++] = mid;
+  find_roots({b[0], a0, c0, d}, lo, mid, depth - 1, out, count);
+  find_roots({d, c1, a2, b[3]}, mid, hi, depth - 1, out, count);
+}
+
+// For each set of solid corners whether the other corners fall apart into parts that no edge of the cell joins. Only
+// then can a surface between the corners leave an opening where voxel boxes, face to face, leave none.
+std::array<bool, 256> find_parted() {
+  std::array<bool, 256> parted{};
+  for (int solid = 0; solid < 255; ++solid) {
+    const int open = ~solid & 255;
+    int seen = open & -open;
+    for (int pass = 0; pass < 8; ++pass)
+      for (int c = 0; c < 8; ++c)
+        if (seen >> c & 1)
+          for (int axis = 1; axis < 8; axis <<= 1)
+            if (open >> (c ^ axis) & 1) seen |= 1 << (c ^ axis);
+    parted[std::size_t(solid)] = seen != open;
+  }
+  return parted;
+}
+const std::array<bool, 256> parted = find_parted();
+
+int nearest_corner(Vec3 p) { return (p.x >= 0.5 ? 1 : 0) | (p.y >= 0.5 ? 2 : 0) | (p.z >= 0.5 ? 4 : 0); }
+
+}  // namespace
+
+ContactCell::ContactCell(const ContactVolume& contact, int i, int j, int k) {
+  const Grid<std::int16_t>& v = contact.volume_.voxels;
+  hu_ = contact.volume_.encoding == HapticEncoding::hu;
+  if (i >= 0 && j >= 0 && k >= 0 && i + 1 < v.size[0] && j + 1 < v.size[1] && k + 1 < v.size[2]) {
+    const std::int16_t* at = v.voxels.data() + v.index(i, j, k);
+    const std::size_t row = std::size_t(v.size[0]), slice = row * std::size_t(v.size[1]);
+    const std::size_t offset[8] = {0, 1, row, row + 1, slice, slice + 1, slice + row, slice + row + 1};
+    for (std::size_t c = 0; c < 8; ++c) raw_[c] = detail::load_voxel(at[offset[c]]);
+  } else {
+    const std::int16_t beyond = hu_ ? std::int16_t(haptic_beyond_hu) : haptic_empty;
+    for (int c = 0; c < 8; ++c) {
+      const int x = i + (c & 1), y = j + (c >> 1 & 1), z = k + (c >> 2);
+      raw_[std::size_t(c)] = v.contains(x, y, z) ? detail::load_voxel(v.at(x, y, z)) : beyond;
+    }
+  }
+  bool same = true;
+  int solid = 0, some = 0;
+  for (std::size_t c = 0; c < 8; ++c) {
+    entry_[c] = contact.table_[std::uint16_t(raw_[c])];
+    same = same && entry_[c] == entry_[0];
+    some |= entry_shape(entry_[c]);
+    if (entry_filled(entry_[c]) > half_full) solid |= 1 << c;
+  }
+  if (solid == 0 || some == 0) return;
+  if (same && (entry_[0] & contact_pure)) {
+    shape_ = entry_shape(entry_[0]);
+    return;
+  }
+  uniform_ = false;
+  boxes_ = parted[std::size_t(solid)];
+  if (hu_)
+    find_windows(contact);
+  else
+    find_shapes(contact, i, j, k);
+}
+
+void ContactCell::find_shapes(const ContactVolume& contact, int i, int j, int k) {
+  const auto add = [&](int number) {
+    for (int n = 0; n < count_; ++n)
+      if (number_[std::size_t(n)] == number) return;
+    if (count_ < max_shapes) number_[std::size_t(count_++)] = number;
+  };
+  std::array<int, 8> second{};  // whose the rest of the voxel is
+  std::array<int, 8> share{};
+  bool shared = false;
+  for (std::size_t c = 0; c < 8; ++c) {
+    filled_[c] = entry_filled(entry_[c]) - half_full;
+    const int own = entry_shape(entry_[c]);
+    if (own == 0) continue;
+    add(own);
+    const detail::RawVoxel v = detail::split(raw_[c]);
+    share[c] = v.share;
+    if (v.bare || v.share == haptic_full) continue;
+    shared = true;
+    second[c] = detail::other_shape(contact.volume_.voxels, own, i + int(c & 1), j + int(c >> 1 & 1), k + int(c >> 2));
+    if (second[c] != 0) add(second[c]);
+  }
+  if (count_ < 2 && !shared) return;
+  for (int n = 0; n < count_; ++n) {
+    const int number = number_[std::size_t(n)];
+    for (std::size_t c = 0; c < 8; ++c)
+      own_[std::size_t(n)][c] = entry_shape(entry_[c]) == number ? share[c]
+                                : second[c] == number            ? haptic_full - share[c]
+                                                                 : 0;
+  }
+}
+
+void ContactCell::find_windows(const ContactVolume& contact) {
+  for (const std::uint16_t e : entry_) {
+    const int number = entry_shape(e);
+    if (number == 0) continue;
+    bool known = false;
+    for (int n = 0; n < count_; ++n) known = known || number_[std::size_t(n)] == number;
+    if (!known) number_[std::size_t(count_++)] = number;
+  }
+  std::sort(number_.begin(), number_.begin() + count_);
+  // Three windows may share a point of which none has half: the boxes decide there.
+  boxes_ = boxes_ || count_ > 2;
+  for (int n = 0; n < count_; ++n) {
+    const int number = number_[std::size_t(n)], low = contact.low_of_[number];
+    for (std::size_t c = 0; c < 8; ++c) {
+      const bool counts = entry_shape(entry_[c]) == number || entry_[c] == 0;
+      own_[std::size_t(n)][c] = counts ? double(raw_[c]) - low : 0.0;
+      other_[std::size_t(n)][c] = counts ? 0.5 : -0.5;
+    }
+  }
+}
+
+int ContactCell::shape_at(Vec3 p) const {
+  if (uniform_) return shape_;
+  if (boxes_) {
+    const std::uint16_t e = entry_[std::size_t(nearest_corner(p))];
+    if (entry_shape(e) != 0 && entry_filled(e) > half_full) return entry_shape(e);
+  }
+  if (hu_) {
+    for (int n = 0; n < count_; ++n)
+      if (interpolate(own_[std::size_t(n)], p) >= 0 && interpolate(other_[std::size_t(n)], p) >= 0)
+        return number_[std::size_t(n)];
+    return 0;
+  }
+  if (interpolate(filled_, p) < 0) return 0;
+  int best = 0;
+  double most = -1;
+  for (int n = 0; n < count_ && count_ > 1; ++n) {
+    const double f = interpolate(own_[std::size_t(n)], p);
+    if (f > most || (f == most && number_[std::size_t(n)] < number_[std::size_t(best)])) most = f, best = n;
+  }
+  return number_[std::size_t(best)];
+}
+
+int ContactCell::breaks(Vec3 p, Vec3 q, double* out) const {
+  int count = 0;
+  const auto add = [&](const Corners& c) { find_roots(along(c, p, q), 0, 1, 40, out, count); };
+  if (uniform_) return 0;
+  if (hu_) {
+    for (std::size_t n = 0; n < std::size_t(count_); ++n) {
+      add(own_[n]);
+      add(other_[n]);
+    }
+  } else {
+    add(filled_);
+    for (std::size_t n = 0; n < std::size_t(count_) && count_ > 1; ++n)
+      for (std::size_t m = 0; m < n; ++m) {
+        Corners difference;
+        for (std::size_t c = 0; c < 8; ++c) difference[c] = own_[n][c] - own_[m][c];
+        add(difference);
+      }
+  }
+  if (boxes_)
+    for (int a = 0; a < 3; ++a)
+      if ((p[a] < 0.5) != (q[a] < 0.5)) out[count++] = std::clamp((0.5 - p[a]) / (q[a] - p[a]), 0.0, 1.0);
+  std::sort(out, out + count);
+  return count;
+}
+
+}  // namespace trephine

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// One cell between eight voxel centres, for contact.cpp. Nothing here allocates or throws.
+#include <array>
+#include <cstdint>
+
+#include "voxel/contact.h"
+
+namespace trephine {
+
+/// What a table entry of ContactVolume says of a raw value.
+constexpr int contact_gap = 64;    ///< HU between windows: neither a shape nor air
+constexpr int contact_pure = 128;  ///< a voxel of one shape alone
+inline int entry_shape(std::uint16_t entry) { return entry & 63; }
+inline int entry_filled(std::uint16_t entry) { return entry >> 8; }
+
+/// In a cell the shape at a point is decided by trilinear functions: along a segment by cubics, whose roots are found
+/// in Bernstein form, so that none is missed.
+class ContactCell {
+ public:
+  ContactCell(const ContactVolume& contact, int i, int j, int k);
+
+  /// Whether the whole cell is of one shape, or of none: `shape()`.
+  bool uniform() const { return uniform_; }
+  int shape() const { return shape_; }
+
+  /// The shape at p, coordinates 0 to 1.
+  int shape_at(Vec3 p) const;
+
+  /// Where the shape may change on the way from p to q, ascending, 0 to 1; between them it does not.
+  static constexpr int max_breaks = 128;
+  int breaks(Vec3 p, Vec3 q, double* out) const;
+
+  using Corners = std::array<double, 8>;
+
+ private:
+  void find_shapes(const ContactVolume& contact, int i, int j, int k);
+  void find_windows(const ContactVolume& contact);
+
+  bool uniform_ = true, hu_ = false;
+  bool boxes_ = false;  ///< a corner that is solid fills its eighth of the cell
+  int shape_ = 0;
+  std::array<std::uint16_t, 8> entry_;
+  std::array<std::int16_t, 8> raw_;
+  Corners filled_;  ///< occupancy: of 255, less half
+  int count_ = 0;   ///< shapes near
+  static constexpr int max_shapes = 8;
+  std::array<int, max_shapes> number_;
+  std::array<Corners, max_shapes> own_;    ///< occupancy: share of the shape; hu: HU above its low end
+  std::array<Corners, max_shapes> other_;  ///< hu: 1/2 less what belongs to others
+};
+
+}  // namespace trephine
