@@ -5,7 +5,9 @@
 #include <bitset>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/parallel.h"
+#include "base/text.h"
 
 namespace trephine::segmentation {
 
@@ -139,9 +141,17 @@ struct Chord {
   int dj, dk, half;
 };
 
+// What a row of voxels costs: 113 voxels of radius, minutes for a head.
+constexpr long long most_rows = 40000;
+
 /// The rows of a ball of that radius, by half-width, widest first.
 std::vector<Chord> ball(const Lattice& lattice, double radius_mm) {
   const Vec3 s = lattice.spacing_mm;
+  if (!(radius_mm * radius_mm <= most_rows / M_PI * s.y * s.z))
+    throw Error(ExitCode::bad_input, "", "spacing_mm",
+                "voxels of " + to_text(s.y) + " x " + to_text(s.z) + " mm are too small for a radius of " +
+                    to_text(radius_mm) + " mm: a ball has more than " + grouped_text(most_rows) +
+                    " rows of voxels; resample the volume first");
   const double r2 = radius_mm * radius_mm * (1 + 1e-9);
   const int nj = int(radius_mm / s.y + 1e-9), nk = int(radius_mm / s.z + 1e-9);
   std::vector<Chord> chords;

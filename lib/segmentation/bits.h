@@ -55,7 +55,7 @@ BitMask placed(const BitMask& mask, const Lattice& lattice);
 
 /// All voxels whose centre is within radius_mm of a set one's (a ball in mm, whatever the spacing). A mask that is cut
 /// by the lattice's edge is treated as if the outside were background when dilated and foreground when eroded: edges
-/// neither grow nor wear off.
+/// neither grow nor wear off. Throws Error 65 where the ball has more than 40,000 rows of voxels (a radius of 113).
 BitMask dilated(const BitMask& mask, double radius_mm, const Progress& progress = {});
 BitMask eroded(const BitMask& mask, double radius_mm, const Progress& progress = {});
 BitMask closed(const BitMask& mask, double radius_mm, const Progress& progress = {});
