@@ -16,7 +16,8 @@
 namespace trephine {
 namespace {
 
-/// After so many rounds of undoing, what is undone is made up for elsewhere only once nothing is left to undo, so often.
+/// After so many rounds of undoing, what is undone is made up for elsewhere only once nothing is left to undo, so
+/// often.
 constexpr int rounds_that_collapse = 12, times_made_up = 12;
 /// Share of the bound that samples may use; the rest is for what lies between them.
 constexpr double sampled_share = 0.9;
@@ -100,8 +101,9 @@ struct Outcome {
   bool limited = false;
 };
 
-Outcome collapse_all(const TriMesh& input, std::size_t target, double limit_mm, const Progress& progress) {
+Outcome collapse_all(const TriMesh& input, std::size_t target, double bound_mm, const Progress& progress) {
   Outcome o;
+  const double limit_mm = sampled_share * bound_mm;
   const double step = float32_step_mm(input);
   EdgeCollapse collapse(input, limit_mm, step);
   std::optional<DeviationMeter> meter;
@@ -115,7 +117,7 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double limit_mm, 
       o.limited |= collapse.run(target, round == 0 ? progress.part(0.1, 0.7) : progress.part(0.9, 0.9));
     if (clean && collapse.mesh().live_triangles() == o.mesh.triangles.size()) return o;
     clean = false;
-    if (!meter) meter.emplace(collapse.input(), limit_mm);
+    if (!meter) meter.emplace(collapse.input(), limit_mm, bound_mm);
     o.mesh = collapse.mesh().to_mesh(input.origin_mm, &triangle_of);
     std::vector<std::uint32_t> faults =
         inspection.faults(collapse.mesh(), o.mesh, triangle_of, progress.part(0.7, 0.75));
@@ -158,7 +160,7 @@ TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& repo
   if (target == 0 || input.triangles.size() <= target) {
     o.mesh = input;
   } else {
-    o = collapse_all(input, target, sampled_share * params.max_deviation_mm, progress);
+    o = collapse_all(input, target, params.max_deviation_mm, progress);
     if (o.mesh.triangles.size() > target) stopped_by = o.limited ? "deviation" : "validity";
   }
   const Validity v = check_validity(o.mesh, progress.part(0.9, 1));
