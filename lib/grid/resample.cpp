@@ -126,6 +126,9 @@ HuVolume resample(const HuVolume& volume, const ResampleParams& params, Report& 
     step_mm[a] = params.spacing_mm[a] > 0 ? params.spacing_mm[a] : old.spacing_mm[a];
     voxels *= std::max(1.0, old.size[a] * old.spacing_mm[a] / step_mm[a]);
   }
+  if (const auto* g = std::get_if<Grid<float>>(&volume))
+    for (const float v : g->voxels)
+      if (!std::isfinite(v)) throw Error(ExitCode::bad_input, "", "volume", "a voxel is NaN or infinite");
   constexpr double most_voxels = 4e9;
   if (voxels > most_voxels)
     throw Error(ExitCode::quality, "", "spacing_mm",

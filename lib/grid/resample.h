@@ -23,7 +23,7 @@ struct ResampleParams {
 /// (partial volume, as a scanner with such voxels would have it); where the new voxel is smaller than the old it is the
 /// linear interpolation. Beyond the ends the outermost voxel goes on. Integer volumes are rounded (half away from 0).
 /// Reports spacing_mm and voxels_count achieved, and the ratio of voxels. Throws Error 64 where the spacing is negative
-/// or not finite, 80 where the new volume would have more than 4e9 voxels.
+/// or not finite, 65 where a voxel is not finite, 80 where the new volume would have more than 4e9 voxels.
 HuVolume resample(const HuVolume& volume, const ResampleParams& params, Report& report, const Progress& progress = {});
 
 }  // namespace trephine

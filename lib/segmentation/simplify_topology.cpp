@@ -301,6 +301,7 @@ Field simplify_topology(const Field& field, const SimplifyParams& params, Report
   check_finite(field);
   Field out = field;
   const BitMask shape = segmentation::positive(field, field);
+  if (!shape.any()) report.warn("nothing is inside: there is nothing to simplify");
   const Cavities before(shape);
   const Topology3 was = topology3_of(shape, before);
   progress.report(0.2);

@@ -105,6 +105,8 @@ void edges(Grid<float>& g, const Mask& counts, const PresegmentParams& p, Report
     if (!(kappa > 0))
       throw Error(ExitCode::quality, "", "volume", "it has no edges: every voxel of the region is alike");
   }
+  if (!std::isfinite(kappa))
+    throw Error(ExitCode::bad_input, "", "volume", "its HU differ by more than float32 holds: they are no scan's");
   report.add("edge_kappa_hu_per_mm", kappa);
   const double exponent = p.edge_exponent;
   for_slices(g, progress, [&](std::size_t from, std::size_t to, int) {
