@@ -31,12 +31,16 @@ struct DecimateParams {
 /// than asked for, the mesh comes back as it was.
 ///
 /// The result is closed, 2-manifold and free of self-intersections, also in float32 (validity.h): where collapses led
-/// to an intersection, they are undone and counted. The deviation is two-sided. Every input point's distance to the
+/// to an intersection, they are undone and counted. The deviation is two-sided: every input point's distance to the
 /// surface is carried through the collapses, and at the end both directions are measured by samples (deviation_max_mm,
-/// deviation_p99_mm, deviation_rms_mm, each the larger of the two directions); where a sample lies further than 0.9 of
-/// max_deviation_mm, collapses are undone. Samples: the input's points and the middles of its edges and triangles; over
-/// the result's triangles a raster not coarser than the input's mean edge or 1.5 times the bound (but a quarter of that
-/// edge); without a bound, twice the mean edge. Between samples the distance may be larger; the last tenth is for that.
+/// deviation_p99_mm, deviation_rms_mm, each the larger of the two directions): the input's points and the middles of
+/// its edges and triangles, and a raster over the result's triangles.
+///
+/// max_deviation_mm holds for every point of both surfaces, not for samples alone: between samples it is proven from
+/// the distances around (prove_within.h), in finer steps where they lie near the bound, and what cannot be proven is
+/// undone. Exact but for the input's rounding to float32 (half a unit in the last place of its coordinates about its
+/// origin, 4e-6 mm for a head). deviation_max_mm is the largest of the samples, kept within 0.9 of the bound, so that
+/// few proofs fail; a point between samples can lie further, up to the bound.
 ///
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed, 2-manifold
 /// and free of self-intersections, or no limit can be kept.

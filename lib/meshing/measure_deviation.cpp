@@ -55,10 +55,11 @@ class Gathering {
 
 }  // namespace
 
-DeviationMeter::DeviationMeter(const NearInput& input, double limit_mm)
+DeviationMeter::DeviationMeter(const NearInput& input, double limit_mm, double bound_mm)
     : near_(input),
       input_(input.mesh()),
       limit2_(limit_mm > 0 ? limit_mm * limit_mm : infinity),
+      bound_(bound_mm * (1 - 1e-6)),  // for rounding: carried distances are floats
       edge_(mean_edge_of(input_)),
       spacing_(limit_mm > 0 ? std::clamp(1.5 * limit_mm, edge_ / 4, edge_) : 2 * edge_),
       raster_beyond2_(limit_mm > 0 ? 36 * limit2_ : infinity),
@@ -66,25 +67,31 @@ DeviationMeter::DeviationMeter(const NearInput& input, double limit_mm)
       tree_(input_),
       raster_of_(input_.triangles.size(), CollapseMesh::none) {}
 
-double DeviationMeter::squared_distance(Vec3 place, std::uint32_t& near) const {
-  const double bound = near_.squared_bound(place, near, exact_beyond2_ / 36);
-  if (bound <= exact_beyond2_) return bound;
-  std::uint32_t at = CollapseMesh::none;
-  const double d2 = tree_.squared_distance(place, bound, &at);
-  if (at != CollapseMesh::none) near = input_.triangles[at][0];
-  return d2;
+void DeviationMeter::look(NearbyPlace& place) const {
+  double d2 = near_.squared_bound(place.at, place.near, exact_beyond2_ / 36, &place.triangle);
+  if (d2 > exact_beyond2_) {
+    std::uint32_t at = CollapseMesh::none;
+    d2 = tree_.squared_distance(place.at, d2, &at);
+    if (at != CollapseMesh::none) {
+      place.triangle = at;
+      place.near = input_.triangles[at][0];
+    }
+  }
+  place.distance = std::sqrt(d2);
 }
 
-/// `points`: some of the input near the triangle; the search starts at the nearest of them.
-void DeviationMeter::from_triangle(Raster& raster, const std::vector<std::uint32_t>& points, PlaceList& places) const {
-  places.clear();
-  for (const std::uint32_t p : points) places.add(input_.points_mm[p]);
+/// The search starts at the nearest of the points in hand.
+void DeviationMeter::from_triangle(Raster& raster, Room& room) const {
+  room.places.clear();
+  for (const std::uint32_t p : room.points) room.places.add(input_.points_mm[p]);
   const Vec3 a = raster.corners[0], ab = raster.corners[1] - a, ac = raster.corners[2] - a;
   const double longest = std::max({norm(ab), norm(ac), norm(ac - ab)});
   const int n = static_cast<int>(std::clamp(std::ceil(longest / spacing_), 1.0, 256.0));
+  const bool limited = limit2_ < infinity;
   raster.beyond = false;
   raster.distances.clear();
   raster.distances.reserve(static_cast<std::size_t>(n + 1) * (n + 2) / 2);
+  room.samples.clear();
   // Without a limit a side's points belong to the one of its two triangles that runs along it from its lower end.
   const auto runs_up = [](Vec3 p, Vec3 q) { return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z); };
   const auto& c = raster.corners;
@@ -92,14 +99,69 @@ void DeviationMeter::from_triangle(Raster& raster, const std::vector<std::uint32
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= n - i; ++j) {
       const int sides = (i == 0) + (j == 0) + (i + j == n);
-      if (limit2_ == infinity && sides == 1 && !own[j == 0 ? 0 : i == 0 ? 2 : 1]) continue;
-      const Vec3 place = a + ab * (double(i) / n) + ac * (double(j) / n);
+      if (!limited && sides == 1 && !own[j == 0 ? 0 : i == 0 ? 2 : 1]) continue;
+      NearbyPlace s;
+      s.at = a + ab * (double(i) / n) + ac * (double(j) / n);
       bool certainly = false;
-      std::uint32_t near = points[places.nearest(place, 0, certainly)];
-      const double d2 = squared_distance(place, near);
-      raster.beyond |= d2 > limit2_;
-      raster.distances.push_back(static_cast<float>(std::sqrt(d2)));
+      s.near = room.points[room.places.nearest(s.at, 0, certainly)];
+      look(s);
+      raster.beyond |= s.distance * s.distance > limit2_;
+      raster.distances.push_back(static_cast<float>(s.distance));
+      if (limited) room.samples.push_back(s);
     }
+  raster.proven = !limited || raster.beyond || cells_proven(room.samples, n, room);
+}
+
+/// Of a raster of n steps a side.
+bool DeviationMeter::cells_proven(const std::vector<NearbyPlace>& samples, int n, Room& room) const {
+  const auto check = [&](const NearbyPlace& a, const NearbyPlace& b, const NearbyPlace& c) {
+    return proven_within(
+        {a, b, c}, bound_, input_, [this](NearbyPlace& p) { look(p); }, room.stack);
+  };
+  for (int i = 0; i < n; ++i) {
+    const NearbyPlace* row = samples.data() + i * (n + 1) - i * (i - 1) / 2;
+    const NearbyPlace* next = row + n - i + 1;
+    for (int j = 0; j < n - i; ++j)
+      if (!check(row[j], next[j], row[j + 1]) || (j + 1 < n - i && !check(next[j], next[j + 1], row[j + 1])))
+        return false;
+  }
+  return true;
+}
+
+/// All of it each time: what an earlier proof stood on may have changed.
+void DeviationMeter::input_unproven(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
+                                    const CarriedPoints& carried, std::vector<std::uint32_t>& beyond,
+                                    const Progress& progress) const {
+  const TriangleTree tree(plain);
+  std::vector<std::uint32_t> plain_of(input_.triangles.size());
+  for (std::uint32_t t = 0; t < triangle_of.size(); ++t) plain_of[triangle_of[t]] = t;
+  const auto triangles = static_cast<std::int64_t>(input_.triangles.size());
+  std::vector<std::vector<std::uint32_t>> found((triangles + grain - 1) / grain);
+  const auto search = [&](NearbyPlace& p) {
+    p.distance = std::sqrt(tree.squared_distance(p.at, infinity, &p.triangle));
+  };
+  parallel_for(0, triangles, grain, [&](std::int64_t from, std::int64_t to) {
+    progress.check();
+    std::vector<std::array<NearbyPlace, 3>> stack;
+    for (std::int64_t t = from; t < to; ++t) {
+      const auto& v = input_.triangles[t];
+      const std::uint32_t carrier[3] = {carried.carrier(v[0]), carried.carrier(v[1]), carried.carrier(v[2])};
+      const float farthest2 =
+          std::max({carried.squared_distance(v[0]), carried.squared_distance(v[1]), carried.squared_distance(v[2])});
+      // The distance to one triangle is convex.
+      if (farthest2 <= limit2_ && carrier[0] == carrier[1] && carrier[1] == carrier[2]) continue;
+      std::array<NearbyPlace, 3> corner;
+      for (int c = 0; c < 3; ++c) {
+        corner[c].at = input_.points_mm[v[c]];
+        corner[c].distance = std::sqrt(carried.squared_distance(v[c]));
+        corner[c].triangle = plain_of[carrier[c]];
+        if (corner[c].distance > bound_) search(corner[c]);  // undoing let another triangle come nearer
+      }
+      if (!proven_within(corner, bound_, plain, search, stack))
+        found[from / grain].insert(found[from / grain].end(), carrier, carrier + 3);
+    }
+  });
+  for (const auto& f : found) beyond.insert(beyond.end(), f.begin(), f.end());
 }
 
 void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
@@ -213,18 +275,23 @@ std::vector<std::uint32_t> DeviationMeter::measure(const TriMesh& plain, const s
   }
   parallel_for(0, static_cast<std::int64_t>(to_do.size()), 256, [&](std::int64_t from, std::int64_t to) {
     progress.check();
-    std::vector<std::uint32_t> points;
-    PlaceList places;
+    Room room;
     for (std::int64_t n = from; n < to; ++n) {
       // Near it are what it carries, and the points at which the triangle of that number lay in the input.
       const std::uint32_t t = triangle_of[to_do[n]];
-      points.assign(input_.triangles[t].begin(), input_.triangles[t].end());
-      for (std::uint32_t p = carried.first_of(t); p != CollapseMesh::none; p = carried.next_of(p)) points.push_back(p);
-      from_triangle(rasters_[live_[to_do[n]]], points, places);
+      room.points.assign(input_.triangles[t].begin(), input_.triangles[t].end());
+      for (std::uint32_t p = carried.first_of(t); p != CollapseMesh::none; p = carried.next_of(p))
+        room.points.push_back(p);
+      from_triangle(rasters_[live_[to_do[n]]], room);
     }
   });
   for (std::uint32_t t = 0; t < triangle_of.size(); ++t)
     if (rasters_[live_[t]].beyond) beyond.push_back(triangle_of[t]);
+  if (beyond.empty() && limit2_ < infinity) {
+    for (std::uint32_t t = 0; t < triangle_of.size(); ++t)
+      if (!rasters_[live_[t]].proven) beyond.push_back(triangle_of[t]);
+    input_unproven(plain, triangle_of, carried, beyond, progress);
+  }
   std::sort(beyond.begin(), beyond.end());
   beyond.erase(std::unique(beyond.begin(), beyond.end()), beyond.end());
   progress.report(1);

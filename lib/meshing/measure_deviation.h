@@ -8,6 +8,7 @@
 #include "meshing/carried_points.h"
 #include "meshing/collapse_mesh.h"
 #include "meshing/near_input.h"
+#include "meshing/prove_within.h"
 #include "meshing/triangle_tree.h"
 #include "surface/trimesh.h"
 
@@ -20,14 +21,16 @@ struct DeviationFigures {
 
 /// Measures a collapsing mesh against its input, both ways. From the input: its points, and the middles of its edges
 /// and triangles. From the mesh: a raster over each triangle, its corners among it, not coarser than the input's mean
-/// edge (without a limit twice that). What did not change since the last measurement is not measured again.
+/// edge (without a limit twice that). What did not change since the last measurement is not measured again. Where there
+/// is a limit, also proves that no point between samples lies beyond the bound.
 class DeviationMeter {
  public:
-  /// The input must outlive this. limit_mm 0: no limit.
-  DeviationMeter(const NearInput& input, double limit_mm);
+  /// The input must outlive this. limit_mm, of samples, 0: no limit. bound_mm, of every point, is the larger one.
+  DeviationMeter(const NearInput& input, double limit_mm, double bound_mm);
 
   /// Measures the mesh, given also as a plain one with the map of its triangles. Returns the collapsing mesh's
-  /// triangles at samples beyond the limit, or that carry the points beside them, ascending. Distances are upper
+  /// triangles at samples beyond the limit, or that carry the points beside them, ascending; where there is none, those
+  /// that are not proven to lie within the bound, or at which the input is not. Distances are upper
   /// bounds, from what carries a point or from the triangles around the nearest point; they are exact where they exceed
   /// three fifths of the limit (without one: a quarter of the mean edge).
   std::vector<std::uint32_t> measure(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
@@ -39,16 +42,26 @@ class DeviationMeter {
   struct Raster {
     std::array<Vec3, 3> corners;  ///< as they were measured
     std::vector<float> distances;
-    bool beyond = false;
+    bool beyond = false, proven = true;
   };
   void from_input(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of, const CarriedPoints& carried,
                   std::vector<std::uint32_t>& beyond, const Progress& progress);
-  void from_triangle(Raster& raster, const std::vector<std::uint32_t>& points, PlaceList& places) const;
-  double squared_distance(Vec3 place, std::uint32_t& near) const;
+  /// What one thread needs.
+  struct Room {
+    std::vector<std::uint32_t> points;  ///< some of the input near the triangle
+    PlaceList places;
+    std::vector<NearbyPlace> samples;
+    std::vector<std::array<NearbyPlace, 3>> stack;
+  };
+  void from_triangle(Raster& raster, Room& room) const;
+  bool cells_proven(const std::vector<NearbyPlace>& samples, int n, Room& room) const;
+  void input_unproven(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of, const CarriedPoints& carried,
+                      std::vector<std::uint32_t>& beyond, const Progress& progress) const;
+  void look(NearbyPlace& place) const;
 
   const NearInput& near_;
   const TriMesh& input_;
-  double limit2_, edge_, spacing_, raster_beyond2_, exact_beyond2_;
+  double limit2_, bound_, edge_, spacing_, raster_beyond2_, exact_beyond2_;
   TriangleTree tree_;
   std::vector<std::vector<float>> forward_;  ///< from the input, by pieces of it
   std::vector<Raster> rasters_;              ///< per triangle that is live

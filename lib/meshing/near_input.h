@@ -16,10 +16,12 @@ class NearInput {
 
   /// Looks at the triangles around the point `near`, and where the nearest place lies on their rim goes on to the
   /// triangles around the rim's point, as long as that leads nearer and the bound is above `enough`: an upper bound of
-  /// the squared distance to the surface. `near` becomes the point where it ended.
-  double squared_bound(Vec3 place, std::uint32_t& near, double enough) const {
+  /// the squared distance to the surface. `near` becomes the point where it ended, `triangle` the one that the bound is
+  /// to.
+  double squared_bound(Vec3 place, std::uint32_t& near, double enough, std::uint32_t* triangle = nullptr) const {
     const Vec3 start = place - mesh_.points_mm[near];
     double best = dot(start, start);
+    if (triangle) *triangle = incidence_.triangle[incidence_.begin[near]];
     for (std::uint32_t onward = near; onward != none && best > enough;) {
       near = onward;
       onward = none;
@@ -32,6 +34,7 @@ class NearInput {
         const double d2 = squared_from_corner(place, a, mesh_.points_mm[b], mesh_.points_mm[c], across);
         if (d2 >= best) continue;
         best = d2;
+        if (triangle) *triangle = incidence_.triangle[n];
         if (best <= enough) return best;
         onward = across == 0 ? none : across == 1 ? b : c;
       }

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "meshing/triangle_tree.h"
+#include "surface/trimesh.h"
+
+namespace trephine {
+
+/// A place on one surface and where the other lies.
+struct NearbyPlace {
+  Vec3 at;
+  double distance = 0;         ///< to the other surface: an upper bound
+  std::uint32_t near = 0;      ///< where the search starts, as its owner likes
+  std::uint32_t triangle = 0;  ///< of the other surface, near
+};
+
+/// Whether no point of a triangle lies further than the limit from the surface `to`: proven, not sampled. Distance
+/// grows by no more than one goes, and no point of a triangle is further from all its corners than the longest side by
+/// the root of 3; and the distance to one triangle is convex, so largest at a corner. Where neither is enough, the
+/// triangle is cut in four; look(place) finds the distance of a new corner. False also where it would take too many
+/// pieces. `stack` is room to work.
+template <class Look>
+bool proven_within(const std::array<NearbyPlace, 3>& corners, double limit, const TriMesh& to, const Look& look,
+                   std::vector<std::array<NearbyPlace, 3>>& stack) {
+  constexpr std::size_t most_pieces = 20000;
+  const auto reach = [&](Vec3 p, std::uint32_t t) {
+    const auto& v = to.triangles[t];
+    return norm(p - closest_on_triangle(p, to.points_mm[v[0]], to.points_mm[v[1]], to.points_mm[v[2]]));
+  };
+  stack.assign(1, corners);
+  for (std::size_t pieces = 0; !stack.empty(); ++pieces) {
+    const std::array<NearbyPlace, 3> t = stack.back();
+    stack.pop_back();
+    const double farthest = std::max({t[0].distance, t[1].distance, t[2].distance});
+    if (!(farthest <= limit) || pieces > most_pieces) return false;
+    const Vec3 side[3] = {t[1].at - t[0].at, t[2].at - t[1].at, t[0].at - t[2].at};
+    const double longest2 = std::max({dot(side[0], side[0]), dot(side[1], side[1]), dot(side[2], side[2])});
+    if (3 * (limit - farthest) * (limit - farthest) >= longest2) continue;
+    bool convex = false;
+    for (int c = 0; c < 3 && !convex; ++c) {
+      if ((c > 0 && t[c].triangle == t[0].triangle) || (c == 2 && t[2].triangle == t[1].triangle)) continue;
+      convex = true;
+      for (int k = 0; k < 3 && convex; ++k) convex = reach(t[k].at, t[c].triangle) <= limit;
+    }
+    if (convex) continue;
+    std::array<NearbyPlace, 3> middle;
+    for (int c = 0; c < 3; ++c) {
+      middle[c] = t[c];
+      middle[c].at = (t[c].at + t[(c + 1) % 3].at) / 2;
+      look(middle[c]);
+    }
+    stack.push_back({t[0], middle[0], middle[2]});
+    stack.push_back({middle[0], t[1], middle[1]});
+    stack.push_back({middle[2], middle[1], t[2]});
+    stack.push_back({middle[0], middle[1], middle[2]});
+  }
+  return true;
+}
+
+}  // namespace trephine
