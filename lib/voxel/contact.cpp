@@ -337,4 +337,13 @@ Vec3 ContactVolume::normal_at(Vec3 world_mm, int from, int into) const {
   return g / (into != 0 ? -length : length);
 }
 
+Vec3 ContactVolume::exact_normal(const Contact& contact, Vec3 way) const {
+  if (!contact.hit || params_.surface == ContactParams::Surface::nearest) return {};
+  const Lattice& l = volume_.voxels;
+  const Vec3 index = to_index(contact.point_mm), ahead = index + normalized(to_index_ * way) * 1e-7;
+  const int i = int(std::floor(ahead.x)), j = int(std::floor(ahead.y)), k = int(std::floor(ahead.z));
+  const Vec3 g = ContactCell(*this, i, j, k).gradient(within_cell(index, i, j, k), contact.from, contact.into);
+  return -normalized(l.direction * Vec3{g.x / l.spacing_mm.x, g.y / l.spacing_mm.y, g.z / l.spacing_mm.z});
+}
+
 }  // namespace trephine

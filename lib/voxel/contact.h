@@ -80,9 +80,14 @@ class ContactVolume {
   }
 
   /// Unit normal of the surface between the two shapes (0: none), from `into` towards `from`: central differences of
-  /// the occupancy over one voxel a side, weighted 1 2 1 across (Sobel), interpolated to the point; zero where there are
-  /// none.
+  /// the occupancy over one voxel a side, weighted 1 2 1 across (Sobel), interpolated to the point; zero where there
+  /// are none.
   Vec3 normal_at(Vec3 world_mm, int from, int into) const;
+
+  /// Unit normal of the sub-voxel surface itself where a segment that goes along `way` met it, from `into` towards
+  /// `from`: steeper from cell to cell than normal_at, but a step across it leaves the surface only in second order.
+  /// Zero where boxes are felt.
+  Vec3 exact_normal(const Contact& contact, Vec3 way) const;
 
   const HapticVolume& volume() const { return volume_; }
   const ContactParams& params() const { return params_; }

@@ -204,6 +204,33 @@ int ContactCell::shape_at(Vec3 p) const {
   return number_[std::size_t(best)];
 }
 
+Vec3 ContactCell::gradient(Vec3 p, int from, int into) const {
+  if (uniform_ || boxes_) return {};
+  const auto index_of = [&](int number) {
+    for (int n = 0; n < count_; ++n)
+      if (number_[std::size_t(n)] == number) return n;
+    return -1;
+  };
+  const int b = index_of(into), a = index_of(from);
+  Corners f = filled_;
+  if (hu_) {
+    if (a < 0 && b < 0) return {};
+    f = own_[std::size_t(b < 0 ? a : b)];
+    // Midway between windows it is the other function that changes sign.
+    const Corners& o = other_[std::size_t(b < 0 ? a : b)];
+    if (std::abs(interpolate(o, p)) < std::abs(interpolate(f, p)) * 1e-3) f = o;
+    if (b < 0)
+      for (double& v : f) v = -v;
+  } else if (from != 0 && into != 0) {
+    if (a < 0 || b < 0) return {};
+    for (std::size_t c = 0; c < 8; ++c) f[c] = own_[std::size_t(b)][c] - own_[std::size_t(a)][c];
+  } else if (into == 0) {
+    for (double& v : f) v = -v;
+  }
+  const auto at = [&](double x, double y, double z) { return interpolate(f, {x, y, z}); };
+  return {at(1, p.y, p.z) - at(0, p.y, p.z), at(p.x, 1, p.z) - at(p.x, 0, p.z), at(p.x, p.y, 1) - at(p.x, p.y, 0)};
+}
+
 int ContactCell::breaks(Vec3 p, Vec3 q, double* out) const {
   int count = 0;
   const auto add = [&](const Corners& c) { find_roots(along(c, p, q), 0, 1, 40, out, count); };

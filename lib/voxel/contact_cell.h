@@ -31,6 +31,9 @@ class ContactCell {
   static constexpr int max_breaks = 128;
   int breaks(Vec3 p, Vec3 q, double* out) const;
 
+  /// What rises at p from one shape (0: none) into another, a voxel; zero where boxes decide.
+  Vec3 gradient(Vec3 p, int from, int into) const;
+
   using Corners = std::array<double, 8>;
 
  private:

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/vec3.h"
+
+namespace trephine {
+
+/// A tangent plane that a proxy may not go behind: dot(normal, x - point) >= 0.
+struct Plane {
+  Vec3 point_mm, normal;
+};
+
+/// The point nearest to `target` that lies behind none of up to three planes: the pressures say how far each plane
+/// holds it off, nearest = target + sum of pressure_mm[i] * normal[i], none negative. False where the planes leave
+/// none, or are too nearly parallel to tell.
+struct Nearest {
+  Vec3 point_mm;
+  double pressure_mm[3] = {0, 0, 0};
+};
+bool nearest_before(const Plane* planes, int count, Vec3 target_mm, Nearest& out);
+
+}  // namespace trephine

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+
+#include "base/params.h"
+#include "cases/case.h"
+#include "voxel/contact.h"
+
+namespace trephine {
+
+/// How every shape of a case feels, by its number; what the case does not name cannot be touched.
+struct ShapeFeel {
+  CaseFace front, back;
+  double drag_n_s_per_mm = 0, shaft_friction_n_per_mm = 0;
+};
+using Feels = std::array<ShapeFeel, haptic_max_shapes + 1>;
+
+inline Feels feels_of(const CaseHaptic& haptic) {
+  Feels feels;
+  for (ShapeFeel& f : feels) f.front.touchable = f.back.touchable = false;
+  for (const CaseShape& s : haptic.shapes) {
+    if (s.number < 1 || s.number > haptic_max_shapes) continue;
+    feels[std::size_t(s.number)] = {s.material.front, s.material.back, s.material.drag_n_s_per_mm,
+                                    s.material.shaft_friction_n_per_mm};
+  }
+  return feels;
+}
+
+inline TouchableFaces touchable_of(const Feels& feels) {
+  TouchableFaces faces{0, 0};
+  for (std::size_t n = 1; n < feels.size(); ++n) {
+    if (feels[n].front.touchable) faces.front |= std::uint64_t{1} << n;
+    if (feels[n].back.touchable) faces.back |= std::uint64_t{1} << n;
+  }
+  return faces;
+}
+
+/// What the device may be asked for, and how forces come and go.
+struct ForceParams {
+  double max_force_n = 3.3, max_force_rate_n_per_s = 1000;
+  double ramp_s = 0.5, velocity_cutoff_hz = 100;
+  template <class V>
+  static void describe(V& v) {
+    using P = ForceParams;
+    v.number(&P::max_force_n, "max_force_n", Range{0.01, 100}, "The most that the device is asked for.");
+    v.number(&P::max_force_rate_n_per_s, "max_force_rate_n_per_s", Range{1, 1e6},
+             "The fastest that its force may change.");
+    v.number(&P::ramp_s, "ramp_s", Range{0, 10}, "Time over which forces rise to their full size after the start.");
+    v.number(&P::velocity_cutoff_hz, "velocity_cutoff_hz", Range{0, 1e5},
+             "Low pass of the velocity that dampers and drag see; 0: none.");
+  }
+};
+
+/// A tool's shaft, behind its tip: what shaft friction acts on.
+struct ShaftParams {
+  double shaft_length_mm = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&ShaftParams::shaft_length_mm, "shaft_length_mm", Range{0, 500}, "Of the tool behind its tip.");
+  }
+};
+
+}  // namespace trephine

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "haptics/proxy.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trephine {
+namespace {
+
+constexpr int most_passes = 6;
+constexpr double same_surface = 0.8;    // normals of one curved surface, not of two that meet in an edge
+constexpr double motion_mm = 0.1;       // how far the proxy moves for an event
+constexpr double shaft_n_per_mm = 0.5;  // spring of the shaft's friction until it slips
+constexpr double farthest_exit_mm = 60;
+
+bool usable(Vec3 p) { return std::abs(p.x) <= 1e6 && std::abs(p.y) <= 1e6 && std::abs(p.z) <= 1e6; }  // not for NaN
+
+}  // namespace
+
+Proxy::Proxy(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft)
+    : contact_(contact), feels_(feels), force_(force), shaft_(shaft), faces_(touchable_of(feels)) {
+  const Vec3 s = contact.volume().voxels.spacing_mm;
+  margin_mm_ = 1e-3 * contact.smallest_side_mm();
+  const bool boxes = contact.params().surface == ContactParams::Surface::nearest;
+  step_mm_ = boxes ? 1.05 * std::max({s.x, s.y, s.z}) : 0.1 * contact.smallest_side_mm();
+}
+
+void Proxy::latch(std::uint32_t fault) {
+  state_.faults |= fault;
+  state_.force_n = {};
+}
+
+void Proxy::reset() {
+  state_ = {};
+  begun_ = sliding_ = false;
+  count_ = 0;
+}
+
+const HapticState& Proxy::update(const HapticInput& in) {
+  state_.events = 0;
+  if (!usable(in.tip_mm) || !usable(in.axis)) latch(haptic_fault::pose);
+  if (!(in.dt_s > 0 && in.dt_s <= 1)) latch(haptic_fault::time_step);
+  if (state_.faults != 0) {
+    state_.force_n = {};
+    return state_;
+  }
+  if (!begun_) begin(in);
+  const HapticState before = state_;
+
+  const double slowness = force_.velocity_cutoff_hz > 0 ? 1 / (2 * M_PI * force_.velocity_cutoff_hz) : 0;
+  velocity_ += ((in.tip_mm - device_mm_) / in.dt_s - velocity_) * (in.dt_s / (in.dt_s + slowness));
+  device_mm_ = in.tip_mm;
+  since_s_ += in.dt_s;
+  follow(in.tip_mm);
+
+  Vec3 force = surface_force(in.tip_mm) + inside_force(in);
+  if (since_s_ < force_.ramp_s) force = force * (since_s_ / force_.ramp_s);
+  const double size = norm(force);
+  if (!(size <= force_.max_force_n)) {
+    if (!std::isfinite(size)) {
+      latch(haptic_fault::force);
+      return state_;
+    }
+    force = force * (force_.max_force_n / size);
+  }
+  const Vec3 step = force - before.force_n;
+  const double change = norm(step), most = force_.max_force_rate_n_per_s * in.dt_s;
+  state_.force_n = change <= most ? force : before.force_n + step * (most / change);
+  note_events(before);
+  return state_;
+}
+
+// Places the proxy: where the device is, or, inside what nothing enters, on the nearest surface.
+void Proxy::begin(const HapticInput& in) {
+  begun_ = true;
+  state_ = {};
+  state_.proxy_mm = device_mm_ = moved_from_mm_ = in.tip_mm;
+  state_.inside = contact_.shape_at(in.tip_mm);
+  velocity_ = {};
+  since_s_ = drawn_mm_ = 0;
+  std::fill(sample_shape_, sample_shape_ + max_samples, std::uint8_t{0});
+  const CaseFace& front = feels_[std::size_t(state_.inside)].front;
+  if (state_.inside == 0 || !front.touchable || front.pop_through_n > 0) return;
+  double nearest = farthest_exit_mm;
+  const TouchableFaces ways_out{0, std::uint64_t{1} << state_.inside};
+  const int inside = state_.inside;
+  for (int n = 0; n < 27; ++n) {
+    const Vec3 way = normalized(Vec3{double(n % 3 - 1), double(n / 3 % 3 - 1), double(n / 9 - 1)});
+    const Contact c = contact_.intersect(in.tip_mm, in.tip_mm + way * nearest, inside, ways_out);
+    if (!c.hit) continue;
+    const Vec3 outside = c.point_mm + way * margin_mm_;
+    if (contact_.shape_at(outside) == inside) continue;
+    nearest *= c.along;
+    state_.proxy_mm = outside;
+    state_.inside = contact_.shape_at(outside);
+  }
+}
+
+// Moves the proxy to before the contact, and a margin off its surface. A proxy that is there already stays, for else it
+// would creep along under friction.
+void Proxy::approach(const Contact& c) {
+  const Vec3 way = c.point_mm - state_.proxy_mm;
+  const double length = norm(way);
+  state_.inside = c.from;
+  if (length <= 4 * margin_mm_) return;
+  const Vec3 before = state_.proxy_mm + way * (1 - margin_mm_ / length);
+  const Contact off = contact_.intersect(before, c.point_mm + c.normal * margin_mm_, c.from, faces_);
+  state_.proxy_mm = off.hit ? before : off.point_mm;
+  if (!off.hit) state_.inside = off.into;
+}
+
+void Proxy::follow(Vec3 device) {
+  count_ = 0;
+  solved_ = false;
+  Vec3 goal = device;
+  for (int pass = 0; pass < most_passes; ++pass) {
+    const Contact c = contact_.intersect(state_.proxy_mm, goal, state_.inside, faces_);
+    if (!c.hit) {
+      state_.proxy_mm = goal;
+      state_.inside = c.into;
+      break;
+    }
+    if (!meet(c, device, goal, pass)) break;
+  }
+  if (count_ == 0) sliding_ = false;
+}
+
+// Takes a contact in: pops through it, or adds its plane and sets the next goal. False where the proxy stays for this
+// frame.
+bool Proxy::meet(const Contact& c, Vec3 device, Vec3& goal, int pass) {
+  const ShapeFeel& shape = feels_[std::size_t(c.shape)];
+  const bool front = c.face == ContactFace::front;
+  const Vec3 before = state_.proxy_mm;
+  approach(c);
+  int at = count_;
+  for (int n = 0; n < count_; ++n)
+    if (dot(planes_[n].normal, c.normal) > same_surface) at = n;
+  if (at == 3) return false;
+  const bool known = at < count_;
+  // Where one surface bars the way along its own tangent, for it is rougher than its smooth normal, the proxy climbs
+  // over that; where it cannot, it follows the exact surface.
+  const bool barred = known && pass > 0;
+  if (barred && step_over(c, device, goal)) return false;
+  Vec3 normal = c.normal;
+  if (barred) {
+    const Vec3 exact = contact_.exact_normal(c, goal - before);
+    if (exact == Vec3{}) return false;
+    if (dot(exact, goal - before) < 0) normal = exact;
+  }
+  planes_[at] = {c.point_mm + normal * margin_mm_, normal};
+  held_[at] = {c.shape, front ? 1 : 2, c.into, front ? shape.front : shape.back};
+  count_ = std::max(count_, at + 1);
+  solved_ = nearest_before(planes_, count_, device, nearest_);
+  if (!solved_) return false;
+
+  const CaseFace& feel = held_[at].feel;
+  if (feel.pop_through_n > 0 && feel.stiffness_n_per_mm * nearest_.pressure_mm[at] > feel.pop_through_n) {
+    const Vec3 in = c.point_mm - c.normal * margin_mm_;
+    const int inside = contact_.shape_at(in);
+    if (inside != c.from) {
+      state_.proxy_mm = in;
+      state_.inside = inside;
+      state_.events |= haptic_event::popped;
+      count_ = 0;
+      solved_ = false;
+      goal = device;
+      return true;
+    }
+  }
+  const Vec3 way = nearest_.point_mm - state_.proxy_mm;
+  const double length = norm(way), depth = norm(nearest_.point_mm - device);
+  const double ratio = sliding_ ? feel.dynamic_friction_ratio : feel.static_friction_ratio;
+  if (length <= ratio * depth) {
+    sliding_ = false;
+    return false;
+  }
+  sliding_ = true;
+  goal = state_.proxy_mm + way * (1 - feel.dynamic_friction_ratio * depth / length);
+  return true;
+}
+
+// Up a step, along, and down towards the device; false where that is barred, too.
+bool Proxy::step_over(const Contact& c, Vec3 device, Vec3 goal) {
+  const Vec3 up = c.normal * step_mm_;
+  const Vec3 top = state_.proxy_mm + up;
+  const Contact rise = contact_.intersect(state_.proxy_mm, top, state_.inside, faces_);
+  if (rise.hit) return false;
+  const Contact across = contact_.intersect(top, goal + up, rise.into, faces_);
+  if (across.hit && across.along < 0.5) return false;
+  const double share = across.hit ? std::max(0.0, across.along - 0.01) : 1;
+  state_.proxy_mm = top + (goal + up - top) * share;
+  state_.inside = across.hit ? across.from : across.into;
+  const Contact down = contact_.intersect(state_.proxy_mm, device, state_.inside, faces_);
+  if (down.hit) {
+    approach(down);
+  } else {
+    state_.proxy_mm = device;
+    state_.inside = down.into;
+    count_ = 0;
+    solved_ = false;
+  }
+  return true;
+}
+
+// Each plane's spring and damper along its normal, never pulling, and what friction left the proxy short of.
+Vec3 Proxy::surface_force(Vec3 device) {
+  state_.touched = state_.face = state_.held_by = 0;
+  state_.normal = {};
+  if (count_ == 0) return {};
+  if (!solved_) {  // in a corner that three planes do not describe: its last plane's spring alone
+    const Held& h = held_[count_ - 1];
+    state_.touched = h.shape;
+    state_.face = h.face;
+    state_.held_by = count_;
+    state_.normal = planes_[count_ - 1].normal;
+    return (state_.proxy_mm - device) * h.feel.stiffness_n_per_mm;
+  }
+  Vec3 force;
+  double most = -1, pressure = 0, spring = 0;
+  for (int n = 0; n < count_; ++n) {
+    const CaseFace& feel = held_[n].feel;
+    const double mm = nearest_.pressure_mm[n], push = feel.stiffness_n_per_mm * mm;
+    if (!(mm > 0)) continue;
+    ++state_.held_by;
+    pressure += mm;
+    spring += push;
+    force += planes_[n].normal * std::max(0.0, push - feel.damping_n_s_per_mm * dot(velocity_, planes_[n].normal));
+    if (push > most) {
+      most = push;
+      state_.touched = held_[n].shape;
+      state_.face = held_[n].face;
+      state_.normal = planes_[n].normal;
+    }
+  }
+  if (pressure > 0) force += (state_.proxy_mm - nearest_.point_mm) * (spring / pressure);
+  return force;
+}
+
+// Drag on the tip, and Coulomb friction along the shaft: a spring that slips at its limit.
+Vec3 Proxy::inside_force(const HapticInput& in) {
+  Vec3 force = velocity_ * -feels_[std::size_t(state_.inside)].drag_n_s_per_mm;
+  if (!(shaft_.shaft_length_mm > 0)) return force;
+  const double spacing = shaft_.shaft_length_mm / max_samples;
+  for (int n = 0; n < 8; ++n) {
+    next_sample_ = (next_sample_ + 1) % max_samples;
+    const Vec3 at = state_.proxy_mm + in.axis * (spacing * (next_sample_ + 0.5));
+    sample_shape_[next_sample_] = std::uint8_t(contact_.shape_at(at));
+  }
+  double limit = 0;
+  for (const std::uint8_t s : sample_shape_) limit += feels_[s].shaft_friction_n_per_mm * spacing;
+  drawn_mm_ += dot(velocity_, in.axis) * in.dt_s;
+  const double most = limit / shaft_n_per_mm;
+  drawn_mm_ = std::clamp(drawn_mm_, -most, most);
+  return force - in.axis * (shaft_n_per_mm * drawn_mm_);
+}
+
+void Proxy::note_events(const HapticState& before) {
+  if (before.touched != 0 && before.touched != state_.touched) state_.events |= haptic_event::untouch;
+  if (state_.touched != 0 && before.touched != state_.touched) {
+    state_.events |= haptic_event::touch;
+    moved_from_mm_ = state_.proxy_mm;
+  }
+  if (state_.touched != 0 && norm(state_.proxy_mm - moved_from_mm_) > motion_mm) {
+    state_.events |= haptic_event::motion;
+    moved_from_mm_ = state_.proxy_mm;
+  }
+  if (before.inside != 0 && before.inside != state_.inside) state_.events |= haptic_event::left;
+}
+
+}  // namespace trephine

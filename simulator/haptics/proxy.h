@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+
+#include "base/vec3.h"
+#include "haptics/constraints.h"
+#include "haptics/feel.h"
+#include "voxel/contact.h"
+
+namespace trephine {
+
+/// Where a device is in one frame.
+struct HapticInput {
+  Vec3 tip_mm;
+  Vec3 axis{0, 0, 1};  ///< unit, from the tool's tip to its tail
+  std::uint32_t buttons = 0;
+  double dt_s = 0.001;  ///< since the frame before
+};
+
+namespace haptic_event {
+constexpr std::uint32_t touch = 1, untouch = 2, motion = 4, popped = 8, left = 16;
+}
+/// What makes the force zero until reset().
+namespace haptic_fault {
+constexpr std::uint32_t pose = 1, time_step = 2, force = 4, device_lost = 8;
+}
+
+struct HapticState {
+  Vec3 force_n;     ///< on the hand
+  Vec3 proxy_mm;    ///< where the tool's tip is shown: never behind a surface that holds it
+  Vec3 normal;      ///< of the surface that presses most; zero without contact
+  int touched = 0;  ///< its shape, 0 without contact
+  int face = 0;     ///< 1 front, 2 back, 0 without contact
+  int inside = 0;   ///< the shape that the proxy is in, 0 for none
+  int held_by = 0;  ///< surfaces that press
+  std::uint32_t events = 0, faults = 0;
+};
+
+/// A point that the surfaces of a haptic volume hold back, and the force that this gives (Zilles and Salisbury, A
+/// constraint-based god-object method for haptic display, 1995; friction as Ruspini, Kolarov and Khatib, The haptic
+/// display of complex graphical environments, 1997). Each frame the proxy goes towards the device, each bit of its way
+/// through ContactVolume::intersect, so it crosses no face that is touchable. What it meets becomes a tangent plane;
+/// before up to three of them it takes the point nearest to the device, short of it by friction's cone.
+///
+/// A face whose spring exceeds its pop_through_n lets the proxy in: then the shape's drag and shaft friction act until
+/// it has left. A tool that starts inside a shape that nothing can enter is put to its nearest surface.
+///
+/// update() allocates, locks and throws nothing and makes no system call; equal inputs give equal bits.
+class Proxy {
+ public:
+  /// `contact` must outlive it.
+  Proxy(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft = {});
+
+  /// A pose, axis or time step that is not finite, or a step that is not in (0, 1] s, is a fault: the force is exactly
+  /// 0 from then on, until reset().
+  const HapticState& update(const HapticInput& in);
+  /// Latches a fault of somebody else's: a lost device.
+  void latch(std::uint32_t fault);
+  /// Begins anew: the next update places the proxy, and forces rise from 0.
+  void reset();
+  const HapticState& state() const { return state_; }
+
+ private:
+  struct Held {
+    int shape, face, into;
+    CaseFace feel;
+  };
+  void begin(const HapticInput& in);
+  void follow(Vec3 device_mm);
+  bool meet(const Contact& c, Vec3 device_mm, Vec3& goal_mm, int pass);
+  bool step_over(const Contact& c, Vec3 device_mm, Vec3 goal_mm);
+  void approach(const Contact& c);
+  Vec3 surface_force(Vec3 device_mm);
+  Vec3 inside_force(const HapticInput& in);
+  void note_events(const HapticState& before);
+
+  const ContactVolume& contact_;
+  Feels feels_;
+  ForceParams force_;
+  ShaftParams shaft_;
+  TouchableFaces faces_;
+  double margin_mm_, step_mm_;
+
+  HapticState state_;
+  bool begun_ = false, sliding_ = false, solved_ = false;
+  double since_s_ = 0;
+  Vec3 device_mm_, velocity_, moved_from_mm_;
+  Plane planes_[3];
+  Held held_[3];
+  int count_ = 0;
+  Nearest nearest_;
+  // The shaft: which shape each of its samples is in, a few of them looked up a frame, and how far it was drawn along
+  // its axis since it last slipped.
+  static constexpr int max_samples = 64;
+  std::uint8_t sample_shape_[max_samples] = {};
+  int next_sample_ = 0;
+  double drawn_mm_ = 0;
+};
+
+}  // namespace trephine
