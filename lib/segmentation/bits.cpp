@@ -74,16 +74,54 @@ void BitMask::trim() {
   for (std::size_t i = std::size_t(words_) - 1; i < bits_.size(); i += words_) bits_[i] &= keep;
 }
 
+namespace {
+
+/// A bit for every byte that is not 0, eight at a time.
+void pack(const std::vector<std::uint8_t>& flags, Word* row) {
+  constexpr Word low = 0x0101010101010101, gather = 0x0102040810204080;
+  for (std::size_t i = 0; i < flags.size(); i += 8) {
+    Word bytes = 0;
+    for (int b = 0; b < 8; ++b) bytes |= Word(flags[i + b]) << (8 * b);
+    bytes |= bytes >> 4 & 0x0f * low;
+    bytes |= bytes >> 2 & 0x03 * low;
+    bytes |= bytes >> 1 & low;
+    row[i >> 6] |= (bytes & low) * gather >> 56 << (i & 63);
+  }
+}
+
+/// Bits [from, from + count) of a row, to where `to` begins in another whose bits there are 0.
+void copy_bits(const Word* in, int from, Word* out, int to, int count) {
+  while (count > 0) {
+    const int shift = from & 63, room = 64 - (to & 63), n = std::min(room, count);
+    Word bits = in[from >> 6] >> shift;
+    if (shift + n > 64) bits |= in[(from >> 6) + 1] << (64 - shift);
+    if (n < 64) bits &= (Word{1} << n) - 1;
+    out[to >> 6] |= bits << (to & 63);
+    from += n;
+    to += n;
+    count -= n;
+  }
+}
+
+/// Row by row in parallel.
+void for_each_row(const Lattice& lattice, const std::function<void(int j, int k)>& visit) {
+  parallel_for(0, lattice.size[2], 4, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < lattice.size[1]; ++j) visit(j, k);
+  });
+}
+
+}  // namespace
+
 BitMask make_mask(const Lattice& lattice, const std::function<void(int, int, std::uint8_t*)>& test) {
   BitMask mask(lattice);
   parallel_for(0, lattice.size[2], 4, [&](std::int64_t from, std::int64_t to) {
-    std::vector<std::uint8_t> flags(lattice.size[0]);
+    std::vector<std::uint8_t> flags(std::size_t(mask.words()) * 64);  // those beyond the row's end stay 0
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < lattice.size[1]; ++j) {
         std::fill(flags.begin(), flags.end(), 0);
         test(j, k, flags.data());
-        Word* r = mask.row(j, k);
-        for (int i = 0; i < lattice.size[0]; ++i) r[i >> 6] |= Word(flags[i] != 0) << (i & 63);
+        pack(flags, mask.row(j, k));
       }
   });
   return mask;
@@ -100,19 +138,22 @@ BitMask positive(const Field& field, const Lattice& lattice) {
 }
 
 BitMask crop(const BitMask& mask, const Box& box) {
-  return make_mask(cropped(mask.lattice(), box), [&](int j, int k, std::uint8_t* row) {
-    for (int i = box.begin[0]; i < box.end[0]; ++i)
-      row[i - box.begin[0]] = mask.get(i, j + box.begin[1], k + box.begin[2]);
+  BitMask out(cropped(mask.lattice(), box));
+  for_each_row(out.lattice(), [&](int j, int k) {
+    copy_bits(mask.row(j + box.begin[1], k + box.begin[2]), box.begin[0], out.row(j, k), 0, out.lattice().size[0]);
   });
+  return out;
 }
 
 BitMask placed(const BitMask& mask, const Lattice& lattice) {
   const Box at = place_in(mask.lattice(), lattice);
-  return make_mask(lattice, [&](int j, int k, std::uint8_t* row) {
+  BitMask out(lattice);
+  const int from = std::max(0, at.begin[0]), to = std::min(lattice.size[0], at.end[0]);
+  for_each_row(lattice, [&](int j, int k) {
     if (j < at.begin[1] || j >= at.end[1] || k < at.begin[2] || k >= at.end[2]) return;
-    for (int i = std::max(0, at.begin[0]); i < std::min(lattice.size[0], at.end[0]); ++i)
-      row[i] = mask.get(i - at.begin[0], j - at.begin[1], k - at.begin[2]);
+    copy_bits(mask.row(j - at.begin[1], k - at.begin[2]), from - at.begin[0], out.row(j, k), from, to - from);
   });
+  return out;
 }
 
 namespace {

@@ -55,6 +55,13 @@ std::size_t place_surface(Field& edge, const BitMask& shape, double cut_sigma_mm
   const BitMask material = make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) row[i] = edge.at(i, j, k) > 0;
   });
+  // Those beside a voxel of the other kind.
+  BitMask outside = shape, rim = dilated_6(shape);
+  outside.invert();
+  BitMask inner = dilated_6(outside);
+  rim &= outside;
+  inner &= shape;
+  rim |= inner;
   std::atomic<std::size_t> cut{0};
   parallel_for(0, l.size[2], 2, [&](std::int64_t from, std::int64_t to) {
     progress.check();
@@ -62,20 +69,23 @@ std::size_t place_surface(Field& edge, const BitMask& shape, double cut_sigma_mm
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < l.size[1]; ++j)
         for (int i = 0; i < l.size[0]; ++i) {
+          float& f = edge.at(i, j, k);
+          const bool inside = shape.get(i, j, k);
+          if (!rim.get(i, j, k)) {
+            f = inside ? std::max(f, scale) : std::min(f, -scale);
+            if (!std::isfinite(f)) f = inside ? least : -least;
+            continue;
+          }
           // What the six neighbours are: where the crossing on each lattice edge lies is between this voxel and them.
-          bool other = false, other_material = false, shape_material = false;
-          const bool inside = shape.get(i, j, k), is_material = material.get(i, j, k);
+          bool other_material = false, shape_material = false;
+          const bool is_material = material.get(i, j, k);
           for (int axis = 0; axis < 3; ++axis)
             for (int side : {-1, 1}) {
               const int x = i + (axis == 0) * side, y = j + (axis == 1) * side, z = k + (axis == 2) * side;
               if (!l.contains(x, y, z) || shape.get(x, y, z) == inside) continue;
-              other = true;
               if (material.get(x, y, z)) (inside ? other_material : shape_material) = true;
             }
-          float& f = edge.at(i, j, k);
-          if (!other) {
-            f = inside ? std::max(f, scale) : std::min(f, -scale);
-          } else if (inside) {
+          if (inside) {
             const bool at_cut = !is_material || other_material;
             cut_here += at_cut;
             if (!is_material)
