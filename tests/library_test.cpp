@@ -69,7 +69,7 @@ TEST_F(Library, FoundSeriesHaveNoTokenYet) {
   EXPECT_EQ(c.cases[0].series.filename(), "a");
   EXPECT_EQ(c.cases[2].series.filename(), "z.zip");
   for (const LibraryCase& one : c.cases) EXPECT_TRUE(one.token.empty());
-  EXPECT_EQ(c.cases[1].origin, "series 2 of s/*");
+  EXPECT_EQ(c.cases[1].origin, "series[0] folder 2");
 }
 
 TEST_F(Library, AllFaultsAtOnceWithTheirPlace) {

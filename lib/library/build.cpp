@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "base/log.h"
 #include "base/parallel.h"
@@ -124,14 +125,18 @@ class Build {
       log_warning(std::to_string(plan_.repeated) + " series were found that are there under another name: left out");
   }
 
+  double needed_disk_mb() const {
+    double mb = 0;
+    for (const PlannedPhantom& p : plan_.phantoms)
+      if (p.needed && !p.reasons.empty()) mb += p.estimate.disk_mb;
+    for (const PlannedCase& c : plan_.cases)
+      if (!c.reasons.empty()) mb += c.estimate.disk_mb;
+    return mb;
+  }
+
   void check_disk() const {
     if (!request_.params.check_disk) return;
-    double cases_mb = 0, other_mb = 0;
-    for (const PlannedPhantom& p : plan_.phantoms)
-      if (p.needed && !p.reasons.empty()) other_mb += p.estimate.disk_mb;
-    for (const PlannedCase& c : plan_.cases)
-      if (!c.reasons.empty()) cases_mb += c.estimate.disk_mb;
-    const double need_mb = cases_mb + other_mb;
+    const double need_mb = needed_disk_mb();
     std::error_code error;
     const double free_mb = static_cast<double>(fs::space(state_.library(), error).available) / 1e6;
     if (error || need_mb <= free_mb) return;
@@ -141,13 +146,18 @@ class Build {
   }
 
   std::vector<NinjaJob> make_jobs() {
+    // Ninja takes what is ready in this order: each phantom stands before its cases, so that the first cases are there
+    // soon.
     std::vector<NinjaJob> jobs;
-    for (std::size_t i = 0; i < plan_.phantoms.size(); ++i)
-      if (plan_.phantoms[i].needed && !plan_.phantoms[i].reasons.empty()) jobs.push_back(phantom_job(i));
+    std::set<int> made;
     // Cases of one series share stages: the second takes them from the cache when it comes after the first.
     std::map<fs::path, std::string> last;
     for (const PlannedCase& c : plan_.cases) {
       if (c.fault || c.reasons.empty()) continue;
+      const int phantom = c.entry.phantom;
+      if (phantom >= 0 && !plan_.phantoms[static_cast<std::size_t>(phantom)].reasons.empty() &&
+          made.insert(phantom).second)
+        jobs.push_back(phantom_job(static_cast<std::size_t>(phantom)));
       NinjaJob job = case_job(c);
       if (const auto before = last.find(c.series); before != last.end()) job.after.push_back(before->second);
       last[c.series] = job.job.name;
@@ -243,6 +253,7 @@ class Build {
         request_.params.memory_mb > 0 ? static_cast<double>(request_.params.memory_mb) : 0.85 * free_memory_mb();
     const int wanted = request_.params.jobs > 0 ? request_.params.jobs : thread_count();
     const MemoryPools pools = make_pools(memory, budget_mb, wanted);
+    at_once_ = pools.jobs;
     const double largest = *std::max_element(memory.begin(), memory.end());
     if (largest > budget_mb)
       log_warning("a case needs " + rounded(largest) + " MB by estimate, more than the " + rounded(budget_mb) +
@@ -288,14 +299,14 @@ class Build {
     result_.cases = static_cast<int>(plan_.cases.size());
     for (const PlannedCase& c : plan_.cases) {
       if (c.fault) {
-        fail(c.token, {static_cast<int>(c.fault->code()), text_of(*c.fault), 0, 0});
+        fail(c.token, {static_cast<int>(c.fault->code()), text_of(*c.fault), 0, 0, 0});
         if (!c.entry.token.empty()) write_result(state_, c.token, failures_.back().second);
       } else if (c.reasons.empty()) {
         ++result_.fresh;
         // What was wrong with it was put right without a build: its series is again what it was built of.
         if (const auto last = read_result(state_, c.token); last && last->code != 0) write_result(state_, c.token, {});
       } else if (const auto found = results_.find("case." + c.token); found == results_.end()) {
-        fail(c.token, {static_cast<int>(ExitCode::busy), "not begun: the build stopped before", 0, 0});
+        fail(c.token, {static_cast<int>(ExitCode::busy), "not begun: the build stopped before", 0, 0, 0});
       } else if (found->second.code != 0) {
         fail(c.token, found->second);
       } else {
@@ -336,9 +347,11 @@ class Build {
     nlohmann::ordered_json json = counts();
     json["built"] = result_.built;
     json["failed"] = result_.failed;
+    json["wall_s"] = std::chrono::duration<double>(Clock::now() - begin_).count();
+    json["jobs_at_once"] = at_once_;
     json["jobs"] = nlohmann::ordered_json::object();
     for (const auto& [name, r] : results_)
-      json["jobs"][name] = {{"code", r.code}, {"seconds", r.seconds}, {"memory_mb", r.memory_mb}};
+      json["jobs"][name] = {{"code", r.code}, {"seconds", r.seconds}, {"cpu_s", r.cpu_s}, {"memory_mb", r.memory_mb}};
     json["failures"] = nlohmann::ordered_json::object();
     for (const auto& [token, r] : failures_) json["failures"][token] = {{"code", r.code}, {"reason", r.reason}};
     result_.json = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
@@ -371,7 +384,9 @@ class Build {
                  " more; --why " + c.token + " tells them\n";
     }
     result_.table = std::to_string(stale) + " of " + std::to_string(result_.cases) + " cases would be built, " +
-                    std::to_string(result_.failed) + " cannot be\n" + lines;
+                    std::to_string(result_.failed) + " cannot be";
+    if (stale > 0) result_.table += "; " + rounded(needed_disk_mb() / 1000) + " GB of disk by estimate";
+    result_.table += "\n" + lines;
     result_.json = counts().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   }
 
@@ -398,13 +413,14 @@ class Build {
   LibraryConfig config_;
   LibraryPlan plan_;
   LibraryBuildResult result_;
+  const Clock::time_point begin_ = Clock::now();
   Clock::time_point start_;
   std::vector<std::string> running_;
   std::map<std::string, JobResult> results_;
   std::map<std::string, double> weights_;
   std::vector<std::pair<std::string, JobResult>> failures_;
   double done_weight_ = 0;
-  int done_ = 0, failed_ = 0;
+  int done_ = 0, failed_ = 0, at_once_ = 0;
   bool told_full_ = false;
 };
 

@@ -223,6 +223,7 @@ std::string library_json(const std::vector<CaseRow>& rows) {
       json["deviation_max_mm"] = row.deviation_max_mm;
       json["bytes"] = row.bytes;
       json["seconds"] = row.seconds;
+      if (row.last.cpu_s > 0) json["cpu_s"] = row.last.cpu_s;
       json["warnings"] = row.warnings;
       json["age_s"] = std::max(0.0, row.age_s);
       json["version"] = row.manifest.program_version;

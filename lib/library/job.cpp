@@ -77,6 +77,20 @@ void replace_all(std::string& text, const std::string& what, const std::string& 
     text.replace(at, what.size(), by);
 }
 
+// The log without the series' path, in which a patient's name may stand.
+std::string clean_log(const fs::path& log, const fs::path& series) {
+  const std::string before = read_log(log);
+  std::string text = before;
+  replace_all(text, series.string(), "SERIES");
+  if (text != before) try {
+      write_file(log, text);
+    } catch (const Error&) {  // without a log rather than with the path
+      std::error_code ignored;
+      fs::remove(log, ignored);
+    }
+  return text;
+}
+
 // The errors that the command ended with, without its name; the last line where there is none.
 std::string reason_in(const std::string& log, const std::string& tool, const std::string& token) {
   std::istringstream lines(log);
@@ -136,7 +150,7 @@ JobResult do_job(const LibraryJob& job) {
   const LibraryState state(job.library);
   const fs::path log = state.log_file(job.name);
   if (!job.phantom.empty() && !phantom_is_there(state, job))
-    return {static_cast<int>(ExitCode::no_input), "its phantom " + job.phantom + " could not be made", 0, 0};
+    return {static_cast<int>(ExitCode::no_input), "its phantom " + job.phantom + " could not be made", 0, 0, 0};
   std::error_code ignored;
   if (job.is_phantom) fs::remove(state.phantom_record(job.token), ignored);
   const auto start = Clock::now();
@@ -149,7 +163,9 @@ JobResult do_job(const LibraryJob& job) {
   }
   result.code = end.code;
   result.memory_mb = end.memory_mb;
+  result.cpu_s = end.cpu_s;
   if (end.code == 0) {
+    clean_log(log, job.series);
     if (job.is_phantom) {
       record_phantom(state, job);
     } else {
@@ -159,23 +175,16 @@ JobResult do_job(const LibraryJob& job) {
       write_built(state, job.token, built);
     }
   } else {
-    std::string text = read_log(log);
-    const std::string before = text;
-    replace_all(text, job.series.string(), "SERIES");
-    if (text != before) try {
-        write_file(log, text);
-      } catch (const Error&) {  // the reason is what counts
-        fs::remove(log, ignored);
-      }
-    result.reason = reason_in(text, job.arguments.front(), job.token);
-    if (end.code == stopped)
-      result = {static_cast<int>(ExitCode::internal),
-                "stopped after " + to_text(job.time_limit_s) + " s, its time limit", 0, end.memory_mb};
-    else if (end.signal == SIGINT || end.signal == SIGTERM || cancel_requested())
+    result.reason = reason_in(clean_log(log, job.series), job.arguments.front(), job.token);
+    if (end.code == stopped) {
+      result.code = static_cast<int>(ExitCode::internal);
+      result.reason = "stopped after " + to_text(job.time_limit_s) + " s, its time limit";
+    } else if (end.signal == SIGINT || end.signal == SIGTERM || cancel_requested()) {
       result.code = static_cast<int>(ExitCode::cancelled);
-    else if (end.signal)
-      result = {static_cast<int>(ExitCode::internal), "killed by signal " + std::to_string(end.signal), 0,
-                end.memory_mb};
+    } else if (end.signal) {
+      result.code = static_cast<int>(ExitCode::internal);
+      result.reason = "killed by signal " + std::to_string(end.signal);
+    }
   }
   result.seconds = seconds_since(start);
   return result;
@@ -206,6 +215,7 @@ std::string event_line(const JobEvent& event) {
     json["reason"] = event.result.reason;
     json["seconds"] = event.result.seconds;
     json["memory_mb"] = event.result.memory_mb;
+    json["cpu_s"] = event.result.cpu_s;
   }
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -216,7 +226,8 @@ bool parse_event(const std::string& line, JobEvent& event) {
     event = {};
     event.name = json.at("job");
     event.is_end = json.contains("code");
-    if (event.is_end) event.result = {json.at("code"), json.at("reason"), json.at("seconds"), json.at("memory_mb")};
+    if (event.is_end)
+      event.result = {json.at("code"), json.at("reason"), json.at("seconds"), json.at("memory_mb"), json.at("cpu_s")};
     return true;
   } catch (const nlohmann::json::exception&) {
     return false;
@@ -239,7 +250,7 @@ int run_library_job(const std::string& name) {
     result.code = static_cast<int>(e.code());
     result.reason = printable(e.line("library")).substr(0, most_reason);
   } catch (const std::bad_alloc&) {
-    result = {static_cast<int>(ExitCode::internal), "out of memory", 0, 0};
+    result = {static_cast<int>(ExitCode::internal), "out of memory", 0, 0, 0};
   }
   send({name, true, result});
   return job.keep_going && result.code != static_cast<int>(ExitCode::cancelled) ? 0 : result.code;

@@ -81,7 +81,8 @@ class Reader {
       for (std::size_t i = 0; i < cases->items.size(); ++i)
         read_case(cases->items[i], "cases[" + std::to_string(i) + "]");
     if (const YamlNode* series = map.list("series"))
-      for (const YamlNode& pattern : series->items) find_series(pattern);
+      for (std::size_t i = 0; i < series->items.size(); ++i)
+        find_series(series->items[i], "series[" + std::to_string(i) + "]");
     if (const YamlNode* phantoms = map.map("phantoms")) read_phantoms(*phantoms);
     map.finish();
     if (!tree.find("cases") && !tree.find("series") && !tree.find("phantoms"))
@@ -181,7 +182,7 @@ class Reader {
     add_cases(std::move(one), config, node, where, set);
   }
 
-  void find_series(const YamlNode& node) {
+  void find_series(const YamlNode& node, const std::string& where) {
     if (node.kind != YamlNode::Kind::scalar || node.text.empty())
       return faults_.add(out_.file, node, "series", "each item is a folder's name, in which * stands for any letters");
     const fs::path pattern(node.text);
@@ -202,7 +203,7 @@ class Reader {
     std::sort(found.begin(), found.end());
     for (std::size_t i = 0; i < found.size(); ++i) {
       LibraryCase one;
-      one.origin = "series " + std::to_string(i + 1) + " of " + node.text;
+      one.origin = where + " folder " + std::to_string(i + 1);
       one.series = path_in_root(node, "series", found[i].string());
       add_cases(std::move(one), {}, node, "series", {});
     }

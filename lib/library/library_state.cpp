@@ -72,7 +72,7 @@ std::optional<BuiltCase> read_built(const LibraryState& state, const std::string
 std::optional<JobResult> read_result(const LibraryState& state, const std::string& token) {
   return read_record<JobResult>(state.case_file(token, "result"), [](const Json& json) {
     return JobResult{json.at("code").get<int>(), json.at("reason").get<std::string>(), json.at("seconds").get<double>(),
-                     json.at("memory_mb").get<double>()};
+                     json.at("memory_mb").get<double>(), json.value("cpu_s", 0.0)};
   });
 }
 
@@ -103,8 +103,11 @@ void write_built(const LibraryState& state, const std::string& token, const Buil
 }
 
 void write_result(const LibraryState& state, const std::string& token, const JobResult& result) {
-  const Json json = {
-      {"code", result.code}, {"reason", result.reason}, {"seconds", result.seconds}, {"memory_mb", result.memory_mb}};
+  const Json json = {{"code", result.code},
+                     {"reason", result.reason},
+                     {"seconds", result.seconds},
+                     {"memory_mb", result.memory_mb},
+                     {"cpu_s", result.cpu_s}};
   write_file(state.case_file(token, "result"), json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 

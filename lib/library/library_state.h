@@ -60,6 +60,7 @@ struct JobResult {
   int code = 0;
   std::string reason;  ///< the error's line; empty where there was none
   double seconds = 0, memory_mb = 0;
+  double cpu_s = 0;  ///< of all its threads and processes
 };
 
 /// Nothing where the file is missing or damaged.

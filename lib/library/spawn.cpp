@@ -90,6 +90,8 @@ Ended wait_for(pid_t pid, double seconds) {
       out.signal = got == pid && WIFSIGNALED(status) ? WTERMSIG(status) : 0;
       out.code = out.signal ? 128 + out.signal : got == pid ? WEXITSTATUS(status) : 127;
       out.memory_mb = static_cast<double>(usage.ru_maxrss) / 1024;
+      for (const timeval& t : {usage.ru_utime, usage.ru_stime})
+        out.cpu_s += static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
       return out;
     }
     if (Clock::now() >= end) return {};

@@ -23,9 +23,9 @@ pid_t spawn(const SpawnRequest& request);
 
 struct Ended {
   bool ended = false;
-  int code = 0;    ///< of exit; 128 + signal where one killed it
-  int signal = 0;  ///< that killed it
-  double memory_mb = 0;
+  int code = 0;                     ///< of exit; 128 + signal where one killed it
+  int signal = 0;                   ///< that killed it
+  double memory_mb = 0, cpu_s = 0;  ///< of it and of the processes that it waited for
 };
 /// Waits at most so long (0: looks only).
 Ended wait_for(pid_t pid, double seconds);

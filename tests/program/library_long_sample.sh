@@ -1,3 +1,68 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-exit 77
+# The sample library: 15 phantoms as 30 cases, at 256 x 256 x 96, or as SIZE says (SIZE= for the size that it declares); each of
+# its patient's class, the work spread over all places, a second build that does nothing, and one parameter of one anatomy that
+# makes only that anatomy anew. KEEP names a folder in which to build it, and to find it afterwards.
+. "$(dirname "$0")/common.sh"
+out=${KEEP:-$work/out}
+size=${SIZE-columns_count=256 rows_count=256 slices_count=96 slice_step_mm=2 slice_thickness_mm=2}
+flags=()
+for s in $size; do flags+=(--phantom "$s"); done
+build() { "$TREPHINE" library build "$SOURCE/configs/library.yaml" --out "$out" --quiet "${flags[@]}" "$@"; }
+
+build --json "$work/first.json" || fail "the build"
+"$TREPHINE" library list "$out" --json "$work/list.json"
+python3 - "$work/first.json" "$work/list.json" <<'PY'
+import json, sys
+built, cases = (json.load(open(f)) for f in sys.argv[1:])
+assert built["failed"] == 0 and built["built"] + built["fresh"] == 30, built["failures"]
+assert len(cases) == 30 and not any("fault" in c for c in cases)
+for c in cases:
+    variant = c["case"].rsplit("-", 2)[0]
+    if c["class"] != variant:
+        print(f"{c['case']}: found {c['class']}")
+wrong = sum(c["class"] != c["case"].rsplit("-", 2)[0] for c in cases)
+assert wrong <= 2, f"{wrong} cases are of another class than their phantom"
+assert all(c["burr_holes_count"] == (1 if c["case"].endswith("drilled") else 0) for c in cases)
+jobs = built["jobs"].values()
+if len(jobs) == 45:
+    work, cpu = sum(j["seconds"] for j in jobs), sum(j["cpu_s"] for j in jobs)
+    used = work / (built["jobs_at_once"] * built["wall_s"])
+    print(f"{built['wall_s']:.0f} s, {cpu:.0f} s CPU, {built['jobs_at_once']} at once, {100 * used:.0f} % of the places at work")
+    assert used >= 0.85, used
+PY
+
+# Nothing to do: under a second, where the machine does nothing else.
+python3 - "$TREPHINE" "$SOURCE/configs/library.yaml" "$out" "${flags[@]}" <<'PY'
+import os, resource, subprocess, sys, time
+start = time.time()
+table = subprocess.run([sys.argv[1], "library", "build", sys.argv[2], "--out", sys.argv[3], *sys.argv[4:]],
+                       check=True, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout
+wall = time.time() - start
+usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+cpu = usage.ru_utime + usage.ru_stime
+print(f"nothing to do: {wall:.2f} s, {cpu:.2f} s CPU; {table.strip()}")
+assert table.startswith("30 cases: 0 built, 30 as they were"), table
+assert cpu < 1 and (wall < 1 or os.getloadavg()[0] > os.cpu_count()), (wall, cpu)
+PY
+
+# One parameter of one anatomy.
+build --set ventricles.smooth.iterations_count=7 --json "$work/changed.json"
+python3 - "$work/changed.json" "$out" <<'PY'
+import json, pathlib, sys
+built = json.load(open(sys.argv[1]))
+assert built["built"] == 30 and built["failed"] == 0, built["failures"]
+made = set()
+for run in pathlib.Path(sys.argv[2]).glob("*/run.json"):
+    stages = {name for name, s in json.load(open(run))["stages"].items() if s["state"] == "computed"}
+    assert stages and all(name.startswith("ventricles.") for name in stages), (run, stages)
+    made |= stages
+print("one parameter of the ventricles in 30 cases:", f"{built['wall_s']:.0f} s;", "made anew:", *sorted(made))
+PY
+build --json "$work/back.json"
+
+"$TREPHINE" library verify "$out" --quiet
+"$TREPHINE" library gc "$out" --dry-run
+[[ -s $out/index.html && -s $out/contact_sheet.png ]] || fail "no contact sheet"
+"$TREPHINE" library list "$out"
+echo ok
