@@ -6,5 +6,7 @@ namespace trephine {
 
 /// The simulator's commands, one a file in this folder.
 Command check_command();
+Command servo_command();
+Command replay_command();
 
 }  // namespace trephine

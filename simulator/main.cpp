@@ -9,6 +9,6 @@ int main(int argc, char** argv) {
   program.version = TREPHINE_VERSION;
   program.summary = "runs surgical simulations on the cases that trephine makes";
   program.reference_folder = "docs/reference-sim";
-  program.commands = {check_command()};
+  program.commands = {check_command(), servo_command(), replay_command()};
   return run_program(program, argc, argv);
 }

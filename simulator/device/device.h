@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+
+#include "base/vec3.h"
+
+namespace trephine {
+
+struct DeviceReading {
+  Vec3 tip_mm;
+  Vec3 axis{0, 0, 1};  ///< unit, from the tool's tip to its tail
+  std::uint32_t buttons = 0;
+};
+
+/// What the servo loop sees of a device. Both calls come from the servo thread and may neither allocate, lock, nor make
+/// a system call: a device with input or output of its own has a thread for that.
+class Device {
+ public:
+  virtual ~Device() = default;
+  virtual const char* name() const = 0;
+  /// Its own damping, which limits how stiff a wall may be (H2, H3).
+  virtual double damping_n_s_per_mm() const = 0;
+  /// The pose now, `dt_s` after the one before (0: the first). False where the device is lost.
+  virtual bool read(double dt_s, DeviceReading& out) = 0;
+  /// The force on the hand from now on.
+  virtual void send(Vec3 force_n) = 0;
+};
+
+/// What a device does with a force that nobody renews: it holds it, then lets it decay, so that a stalled simulator
+/// neither kicks nor pushes on.
+struct ForceHold {
+  double hold_s = 0.005, decay_s = 0.01;
+  /// Share of the force that is left `age_s` after it was sent.
+  double share(double age_s) const;
+};
+
+}  // namespace trephine

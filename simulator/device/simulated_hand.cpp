@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "device/simulated_hand.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trephine {
+
+double ForceHold::share(double age_s) const {
+  if (age_s <= hold_s) return 1;
+  return decay_s > 0 ? std::exp((hold_s - age_s) / decay_s) : 0;
+}
+
+SimulatedHand::SimulatedHand(const HandParams& params, std::vector<Vec3> path_mm, std::size_t loop_from)
+    : params_(params), path_mm_(std::move(path_mm)) {
+  length_mm_.push_back(0);
+  for (std::size_t n = 1; n < path_mm_.size(); ++n)
+    length_mm_.push_back(length_mm_.back() + norm(path_mm_[n] - path_mm_[n - 1]));
+  loop_begin_mm_ = length_mm_[std::min(loop_from, path_mm_.size() - 1)];
+  position_mm_ = path_mm_.front();
+}
+
+// The path at that time, and the tremor.
+Vec3 SimulatedHand::aim(double time_s) const {
+  const double end = length_mm_.back(), loop = end - loop_begin_mm_;
+  double at = std::max(0.0, time_s) * params_.speed_mm_per_s;
+  if (at > end) at = loop > 0 ? loop_begin_mm_ + std::fmod(at - loop_begin_mm_, loop) : end;
+  const auto after = std::upper_bound(length_mm_.begin(), length_mm_.end(), at);
+  Vec3 p = path_mm_.back();
+  if (after != length_mm_.end()) {
+    const std::size_t n = std::size_t(after - length_mm_.begin());
+    const double span = length_mm_[n] - length_mm_[n - 1];
+    p = path_mm_[n - 1] + (path_mm_[n] - path_mm_[n - 1]) * (span > 0 ? (at - length_mm_[n - 1]) / span : 0);
+  }
+  for (int a = 0; a < 3; ++a)
+    for (int n = 0; n < 3; ++n)
+      p[a] += params_.tremor_mm / 3 *
+              std::sin(2 * M_PI * params_.tremor_hz * (1 + 0.13 * (n - 1)) * time_s + 1.7 * a + 2.3 * n);
+  return p;
+}
+
+bool SimulatedHand::read(double dt_s, DeviceReading& out) {
+  const int steps = int(std::clamp(std::ceil(dt_s / 1e-4), 0.0, 10000.0));
+  const double h = steps > 0 ? dt_s / steps : 0;
+  for (int n = 0; n < steps; ++n) {
+    time_s_ += h;
+    force_age_s_ += h;
+    const Vec3 force = force_n_ * hold.share(force_age_s_) +
+                       (aim(time_s_ - params_.delay_s) - position_mm_) * params_.arm_stiffness_n_per_mm -
+                       velocity_ * (params_.arm_damping_n_s_per_mm + params_.device_damping_n_s_per_mm);
+    velocity_ += force * (1000 * h / params_.mass_kg);  // N / kg are m / s^2
+    position_mm_ += velocity_ * h;
+  }
+  out = {};
+  out.tip_mm = position_mm_;
+  return is_finite(position_mm_);
+}
+
+void SimulatedHand::send(Vec3 force_n) {
+  force_n_ = force_n;
+  force_age_s_ = 0;
+}
+
+}  // namespace trephine

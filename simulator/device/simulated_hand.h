@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "base/params.h"
+#include "device/device.h"
+
+namespace trephine {
+
+/// Arm, grip and device as one mass that a spring and a damper draw along a path, with a delay, as a person's is, and a
+/// tremor. So the loop is closed: what the servo sends moves the hand that the servo reads, and stability is real.
+struct HandParams {
+  double mass_kg = 0.2, device_damping_n_s_per_mm = 0.002;
+  double arm_stiffness_n_per_mm = 0.4, arm_damping_n_s_per_mm = 0.004;
+  double delay_s = 0.1, tremor_mm = 0.02, tremor_hz = 9;
+  double speed_mm_per_s = 20;
+  template <class V>
+  static void describe(V& v) {
+    using P = HandParams;
+    v.number(&P::mass_kg, "mass_kg", Range{0.005, 10}, "Of hand and device together.");
+    v.number(&P::device_damping_n_s_per_mm, "device_damping_n_s_per_mm", Range{0, 1}, "The device's own damping.");
+    v.number(&P::arm_stiffness_n_per_mm, "arm_stiffness_n_per_mm", Range{0, 10}, "How firmly the arm follows its aim.");
+    v.number(&P::arm_damping_n_s_per_mm, "arm_damping_n_s_per_mm", Range{0, 1}, "Damping of arm and grip.");
+    v.number(&P::delay_s, "delay_s", Range{0, 1}, "How long after the aim the arm follows.");
+    v.number(&P::tremor_mm, "tremor_mm", Range{0, 5}, "Amplitude of the aim's tremor.");
+    v.number(&P::tremor_hz, "tremor_hz", Range{0.1, 50}, "Its frequency; two others lie beside it.");
+    v.number(&P::speed_mm_per_s, "speed_mm_per_s", Range{0, 1e5}, "Speed of the aim along its path.");
+  }
+};
+
+class SimulatedHand : public Device {
+ public:
+  /// `path_mm`: at least one point; the aim goes along it and then along the part from `loop_from` again and again.
+  SimulatedHand(const HandParams& params, std::vector<Vec3> path_mm, std::size_t loop_from = 0);
+  const char* name() const override { return "hand"; }
+  double damping_n_s_per_mm() const override { return params_.device_damping_n_s_per_mm; }
+  bool read(double dt_s, DeviceReading& out) override;
+  void send(Vec3 force_n) override;
+
+  ForceHold hold;  ///< what it does when it is not sent to
+
+ private:
+  Vec3 aim(double time_s) const;
+  HandParams params_;
+  std::vector<Vec3> path_mm_;
+  std::vector<double> length_mm_;  ///< from the path's begin to each point
+  double loop_begin_mm_ = 0;
+  Vec3 position_mm_, velocity_, force_n_;
+  double time_s_ = 0, force_age_s_ = 0;
+};
+
+}  // namespace trephine

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <type_traits>
+
+namespace trephine {
+
+/// One tick of the servo loop as it is recorded: 176 bytes, little endian, without gaps (docs/haptics.md).
+struct ServoFrame {
+  std::uint64_t tick = 0;
+  double time_s = 0, dt_s = 0;
+  double tip_mm[3] = {}, axis[3] = {};
+  double proxy_mm[3] = {}, normal[3] = {}, force_n[3] = {};
+  std::uint32_t buttons = 0;
+  std::int32_t touched = 0, face = 0, inside = 0, held_by = 0;
+  std::uint32_t events = 0, faults = 0, late_us = 0;
+};
+static_assert(sizeof(ServoFrame) == 176 && std::is_trivially_copyable_v<ServoFrame>);
+
+}  // namespace trephine

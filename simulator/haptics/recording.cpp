@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "haptics/recording.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/write_file.h"
+
+namespace trephine {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// 8 bytes, then the version and the header's length, 4 bytes each; the header's JSON, filled up with blanks.
+constexpr char magic[9] = "TREPHSRV";
+constexpr std::size_t fixed_bytes = 16, header_bytes = 4096;
+
+template <class P>
+Json to_json(const P& params) {
+  Json out = Json::object();
+  for (const Parameter& p : parameters_of<P>().parameters)
+    std::visit([&](const auto& v) { out[p.name] = v; }, p.get(&params));
+  return out;
+}
+
+template <class P>
+void from_json(const Json& in, P& params) {
+  for (const Parameter& p : parameters_of<P>().parameters) {
+    const Json& v = in.at(p.name);
+    const std::string text = v.is_string() ? v.get<std::string>() : v.dump();
+    ParameterValue value;
+    const std::string fault = parse_parameter(p, {text}, value);
+    if (!fault.empty()) throw Error(ExitCode::bad_input, "", p.name, fault);
+    p.set(&params, value);
+  }
+}
+
+std::string header_text(const RecordingHeader& h) {
+  const Json j = {
+      {"case", h.case_token},          {"haptic_sha256", h.haptic_sha256}, {"device", h.device},
+      {"rate_hz", h.rate_hz},          {"felt_shape", h.felt_shape},       {"frame_bytes", sizeof(ServoFrame)},
+      {"contact", to_json(h.contact)}, {"force", to_json(h.force)},        {"shaft", to_json(h.shaft)}};
+  std::string text = j.dump(1);
+  if (text.size() + 1 > header_bytes) throw Error(ExitCode::internal, "", "header", "is too long");
+  text.resize(header_bytes - 1, ' ');
+  return text + "\n";
+}
+
+void put_u32(std::uint32_t v, char* out) {
+  for (int n = 0; n < 4; ++n) out[n] = char(v >> 8 * n);
+}
+std::uint32_t get_u32(const char* in) {
+  std::uint32_t v = 0;
+  for (int n = 0; n < 4; ++n) v |= std::uint32_t(std::uint8_t(in[n])) << 8 * n;
+  return v;
+}
+
+Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+struct RecordingWriter::Impl {
+  FileWriter out;
+};
+
+RecordingWriter::RecordingWriter(const std::filesystem::path& file, const RecordingHeader& header)
+    : impl_(new Impl{FileWriter(file)}) {
+  char fixed[fixed_bytes];
+  std::memcpy(fixed, magic, 8);
+  put_u32(recording_version, fixed + 8);
+  put_u32(header_bytes, fixed + 12);
+  impl_->out.write(fixed, sizeof fixed);
+  impl_->out.write(header_text(header));
+}
+RecordingWriter::~RecordingWriter() = default;
+
+void RecordingWriter::add(const std::vector<ServoFrame>& frames) {
+  impl_->out.write(frames.data(), frames.size() * sizeof(ServoFrame));
+}
+void RecordingWriter::finish() { impl_->out.commit(); }
+
+Recording read_recording(const std::filesystem::path& file) {
+  return with_file(file.string(), [&] {
+    const std::vector<char> bytes = read_file(file, std::uint64_t{1} << 35);
+    const auto refuse = [](const char* field, const std::string& what) {
+      throw Error(ExitCode::bad_input, "", field, what);
+    };
+    if (bytes.size() < fixed_bytes || std::memcmp(bytes.data(), magic, 8) != 0) refuse("", "is no recording");
+    const std::uint32_t version = get_u32(bytes.data() + 8), length = get_u32(bytes.data() + 12);
+    if (version != recording_version)
+      refuse("version", std::to_string(version) + ", this program reads " + std::to_string(recording_version));
+    if (length > bytes.size() - fixed_bytes || length > (1u << 20)) refuse("header", "is cut short");
+    Recording r;
+    try {
+      const Json j = Json::parse(bytes.begin() + fixed_bytes, bytes.begin() + fixed_bytes + length);
+      RecordingHeader& h = r.header;
+      h.case_token = j.at("case").get<std::string>();
+      h.haptic_sha256 = j.at("haptic_sha256").get<std::string>();
+      h.device = j.at("device").get<std::string>();
+      h.rate_hz = j.at("rate_hz").get<double>();
+      h.felt_shape = j.at("felt_shape").get<std::string>();
+      if (j.at("frame_bytes").get<std::size_t>() != sizeof(ServoFrame)) refuse("frame_bytes", "are not this version's");
+      from_json(j.at("contact"), h.contact);
+      from_json(j.at("force"), h.force);
+      from_json(j.at("shaft"), h.shaft);
+    } catch (const Json::exception& e) {
+      refuse("header", e.what());
+    }
+    const std::size_t rest = bytes.size() - fixed_bytes - length;
+    if (rest % sizeof(ServoFrame) != 0) refuse("frames", "end within one");
+    r.frames.resize(rest / sizeof(ServoFrame));
+    if (rest > 0) std::memcpy(r.frames.data(), bytes.data() + fixed_bytes + length, rest);
+    return r;
+  });
+}
+
+ForceFigures force_figures(const std::vector<ServoFrame>& frames, double settle_s) {
+  ForceFigures f;
+  std::size_t first = frames.size(), last = 0;
+  for (std::size_t n = 0; n < frames.size(); ++n)
+    if (frames[n].touched != 0) {
+      first = std::min(first, n);
+      last = n;
+    }
+  while (first < last && settle_s > 0) settle_s -= frames[first++].dt_s;
+  if (first >= last) return f;
+  std::vector<double> size, slope;
+  double lag = 0;
+  for (std::size_t n = first; n <= last; ++n) {
+    const ServoFrame& a = frames[n];
+    const Vec3 force = vec(a.force_n);
+    size.push_back(norm(force));
+    f.zero_force_ratio += force == Vec3{};
+    f.mean_force_n += size.back();
+    f.most_force_n = std::max(f.most_force_n, size.back());
+    if (n > first) f.most_step_n = std::max(f.most_step_n, norm(force - vec(frames[n - 1].force_n)));
+    if (a.touched == 0) continue;
+    ++f.touching;
+    const Vec3 behind = vec(a.proxy_mm) - vec(a.tip_mm), normal = vec(a.normal);
+    const double along = norm(behind - normal * dot(normal, behind));
+    lag += along;
+    f.most_lag_mm = std::max(f.most_lag_mm, along);
+  }
+  f.frames = size.size();
+  f.zero_force_ratio /= double(f.frames);
+  f.mean_force_n /= double(f.frames);
+  f.mean_lag_mm = f.touching > 0 ? lag / double(f.touching) : 0;
+  for (std::size_t n = 1; n + 1 < size.size(); ++n)
+    slope.push_back((size[n + 1] - size[n - 1]) / (2 * frames[first + n].dt_s));
+  if (slope.empty()) return f;
+  double mean = 0, square = 0;
+  for (const double s : slope) mean += s / double(slope.size());
+  for (const double s : slope) square += (s - mean) * (s - mean) / double(slope.size());
+  f.sigma_n_per_s = std::sqrt(square);
+  const auto out =
+      std::count_if(slope.begin(), slope.end(), [&](double s) { return std::abs(s - mean) > 10 * f.sigma_n_per_s; });
+  f.anomaly_ratio = double(out) / double(slope.size());
+  return f;
+}
+
+std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, Proxy& proxy) {
+  std::vector<ServoFrame> out = recorded;
+  for (ServoFrame& f : out) {
+    HapticInput in;
+    in.tip_mm = vec(f.tip_mm);
+    in.axis = vec(f.axis);
+    in.buttons = f.buttons;
+    in.dt_s = f.dt_s;
+    if (f.faults & haptic_fault::device_lost) proxy.latch(haptic_fault::device_lost);
+    const HapticState& s = proxy.update(in);
+    for (int a = 0; a < 3; ++a) {
+      f.proxy_mm[a] = s.proxy_mm[a];
+      f.normal[a] = s.normal[a];
+      f.force_n[a] = s.force_n[a];
+    }
+    f.touched = s.touched;
+    f.face = s.face;
+    f.inside = s.inside;
+    f.held_by = s.held_by;
+    f.events = s.events;
+    f.faults = s.faults;
+  }
+  return out;
+}
+
+bool same_frame(const ServoFrame& a, const ServoFrame& b) {
+  ServoFrame c = a;
+  c.late_us = b.late_us;
+  return std::memcmp(&c, &b, sizeof c) == 0;
+}
+
+}  // namespace trephine

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "haptics/servo.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+namespace trephine {
+namespace {
+
+constexpr std::int64_t second_ns = 1000000000;
+
+std::int64_t now_ns() {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);  // read in user space (vDSO)
+  return t.tv_sec * second_ns + t.tv_nsec;
+}
+
+void sleep_until(std::int64_t ns) {
+  const timespec t{time_t(ns / second_ns), long(ns % second_ns)};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR) {
+  }
+}
+
+void put(Vec3 v, double* out) {
+  out[0] = v.x;
+  out[1] = v.y;
+  out[2] = v.z;
+}
+
+// Touches the stack that the loop may use, so that no page of it is first met there.
+void touch_stack() {
+  volatile char bytes[256 * 1024];
+  for (std::size_t n = 0; n < sizeof bytes; n += 1024) bytes[n] = 0;
+}
+
+}  // namespace
+
+RealtimeGrant claim_realtime() {
+  RealtimeGrant g;
+  g.locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+  if (!g.locked) g.lock_fault = std::strerror(errno);
+  sched_param p{};
+  p.sched_priority = 80;
+  const int fault = pthread_setschedparam(pthread_self(), SCHED_FIFO, &p);
+  g.fifo = fault == 0;
+  if (fault != 0) g.fifo_fault = std::strerror(fault);
+  return g;
+}
+
+FrameQueue::FrameQueue(std::size_t capacity) {
+  std::size_t n = 64;
+  while (n < capacity) n *= 2;
+  frames_.resize(n);
+}
+
+bool FrameQueue::push(const ServoFrame& frame) {
+  const std::uint64_t head = head_.load(std::memory_order_relaxed);
+  if (head - tail_.load(std::memory_order_acquire) == frames_.size()) {
+    dropped_.fetch_add(1, std::memory_order_relaxed);
+    return false;
+  }
+  frames_[head & (frames_.size() - 1)] = frame;
+  head_.store(head + 1, std::memory_order_release);
+  return true;
+}
+
+void FrameQueue::drain(std::vector<ServoFrame>& out) {
+  std::uint64_t tail = tail_.load(std::memory_order_relaxed);
+  const std::uint64_t head = head_.load(std::memory_order_acquire);
+  for (; tail != head; ++tail) out.push_back(frames_[tail & (frames_.size() - 1)]);
+  tail_.store(tail, std::memory_order_release);
+}
+
+void Servo::tick(double dt_s, double late_ns) {
+  DeviceReading reading;
+  const bool there = device_.read(frame_.tick == 0 ? 0 : dt_s, reading);
+  HapticInput in;
+  in.tip_mm = reading.tip_mm;
+  in.axis = reading.axis;
+  in.buttons = reading.buttons;
+  in.dt_s = dt_s;
+  if (!there) proxy_.latch(haptic_fault::device_lost);
+  const HapticState& s = proxy_.update(in);
+  device_.send(s.force_n);
+
+  ServoStatistics& c = statistics_;
+  ++c.ticks;
+  c.touching += s.touched != 0;
+  for (int n = 0; n < 5; ++n) c.events[n] += s.events >> n & 1;
+  c.faults |= s.faults;
+  c.most_force_n = std::max(c.most_force_n, norm(s.force_n));
+  c.most_force_step_n = std::max(c.most_force_step_n, norm(s.force_n - last_force_n_));
+  last_force_n_ = s.force_n;
+  frame_.dt_s = dt_s;
+  frame_.time_s += dt_s;
+  if (queue_) {
+    ServoFrame& f = frame_;
+    put(in.tip_mm, f.tip_mm);
+    put(in.axis, f.axis);
+    put(s.proxy_mm, f.proxy_mm);
+    put(s.normal, f.normal);
+    put(s.force_n, f.force_n);
+    f.buttons = in.buttons;
+    f.touched = s.touched;
+    f.face = s.face;
+    f.inside = s.inside;
+    f.held_by = s.held_by;
+    f.events = s.events;
+    f.faults = s.faults;
+    f.late_us = std::uint32_t(std::min(late_ns / 1000, 4e9));
+    queue_->push(f);
+  }
+  ++frame_.tick;
+  done_.store(frame_.tick, std::memory_order_relaxed);
+}
+
+void Servo::run(std::uint64_t ticks, const std::atomic<bool>& stop) {
+  touch_stack();
+  const std::int64_t period = std::int64_t(std::llround(1e9 / params_.rate_hz));
+  std::int64_t due = now_ns() + period;
+  std::int64_t periods = 1;
+  for (std::uint64_t n = 0; n < ticks && !stop.load(std::memory_order_relaxed); ++n) {
+    std::int64_t woke = due;
+    if (params_.paced) {
+      sleep_until(due);
+      woke = now_ns();
+      statistics_.late.add(double(woke - due));
+    } else {
+      woke = now_ns();
+    }
+    tick(double(periods) / params_.rate_hz, params_.paced ? double(woke - due) : 0);
+    const std::int64_t end = now_ns();
+    statistics_.busy.add(double(end - woke));
+    if (!params_.paced) continue;
+    due += period;
+    periods = 1;
+    if (end <= due) continue;
+    ++statistics_.overruns;
+    periods += (end - due) / period;
+    due += (periods - 1) * period;
+  }
+}
+
+}  // namespace trephine

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/params.h"
+#include "device/device.h"
+#include "haptics/frame.h"
+#include "haptics/histogram.h"
+#include "haptics/proxy.h"
+
+namespace trephine {
+
+struct ServoParams {
+  double rate_hz = 1000;
+  bool realtime = true, paced = true;
+  template <class V>
+  static void describe(V& v) {
+    using P = ServoParams;
+    v.number(&P::rate_hz, "rate_hz", Range{50, 20000}, "Ticks a second.");
+    v.flag(&P::realtime, "realtime", "Ask for SCHED_FIFO and locked memory.");
+    v.flag(&P::paced, "paced", "Keep to the clock; without, as fast as it goes, in the device's own time.");
+  }
+};
+
+/// What the system granted, each with its reason where it did not.
+struct RealtimeGrant {
+  bool fifo = false, locked = false;
+  std::string fifo_fault, lock_fault;
+};
+/// Locks the process's memory and puts the calling thread under SCHED_FIFO.
+RealtimeGrant claim_realtime();
+
+/// Frames on their way from the servo thread to whoever writes them: one writer, one reader, no lock. A full queue
+/// drops the frame and counts it.
+class FrameQueue {
+ public:
+  explicit FrameQueue(std::size_t capacity);  ///< rounded up to a power of two
+  bool push(const ServoFrame& frame);
+  /// Appends what is there to `out`.
+  void drain(std::vector<ServoFrame>& out);
+  std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
+
+ private:
+  std::vector<ServoFrame> frames_;
+  std::atomic<std::uint64_t> head_{0}, tail_{0}, dropped_{0};
+};
+
+struct ServoStatistics {
+  std::uint64_t ticks = 0, overruns = 0;  ///< overruns: ticks that began after the next was due
+  std::uint64_t touching = 0, events[5] = {};
+  std::uint32_t faults = 0;
+  double most_force_n = 0, most_force_step_n = 0;
+  Histogram late, busy;  ///< wake-up after its time; from there to the force sent (clock time of this thread's tick)
+};
+
+/// The servo loop: reads the device, moves the proxy, sends the force, in the calling thread, until `stop` or `ticks`.
+/// Its ticks allocate, lock and write nothing; its one system call is the sleep. A tick that wakes late takes the time
+/// that passed as its step, in whole periods, and leaves out those it missed. A lost device latches a fault: from then
+/// on the force is zero.
+///
+/// `queue` may be null. Statistics may be read when it has returned.
+class Servo {
+ public:
+  Servo(Proxy& proxy, Device& device, const ServoParams& params, FrameQueue* queue)
+      : proxy_(proxy), device_(device), params_(params), queue_(queue) {}
+  void run(std::uint64_t ticks, const std::atomic<bool>& stop);
+  const ServoStatistics& statistics() const { return statistics_; }
+  /// Ticks done so far, for another thread to show.
+  std::uint64_t ticks_done() const { return done_.load(std::memory_order_relaxed); }
+
+ private:
+  void tick(double dt_s, double late_ns);
+  Proxy& proxy_;
+  Device& device_;
+  ServoParams params_;
+  FrameQueue* queue_;
+  ServoStatistics statistics_;
+  ServoFrame frame_;
+  Vec3 last_force_n_;
+  std::atomic<std::uint64_t> done_{0};
+};
+
+}  // namespace trephine

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <future>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "base/text.h"
+#include "base/write_file.h"
+#include "commands.h"
+#include "device/hand_path.h"
+#include "device/simulated_hand.h"
+#include "device/trajectory.h"
+#include "felt_case.h"
+#include "haptics/recording.h"
+#include "haptics/servo.h"
+
+namespace trephine {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct RunParams {
+  double seconds = 10;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&RunParams::seconds, "seconds", Range{0.001, 86400}, "How long it runs.");
+  }
+};
+
+std::unique_ptr<Device> make_device(const ParsedCommand& parsed, const ContactVolume& contact,
+                                    const TouchableFaces& faces) {
+  if (parsed.text("device") == "trajectory") {
+    if (!parsed.has("trajectory"))
+      throw Error(ExitCode::usage, "", "--trajectory", "is needed with --device trajectory");
+    return std::make_unique<Trajectory>(read_trajectory(parsed.path("trajectory")));
+  }
+  if (parsed.has("trajectory")) throw Error(ExitCode::usage, "", "--trajectory", "needs --device trajectory");
+  HandPath path = path_over(contact, faces, parsed.params<HandPathParams>());
+  return std::make_unique<SimulatedHand>(parsed.params<HandParams>(), std::move(path.points_mm), path.loop_from);
+}
+
+Json times_of(const Histogram& h) {
+  const auto us = [](double ns) { return std::round(ns) / 1000; };
+  return {{"mean_us", us(h.mean_ns())},
+          {"p50_us", us(h.quantile_ns(0.5))},
+          {"p99_us", us(h.quantile_ns(0.99))},
+          {"p99_9_us", us(h.quantile_ns(0.999))},
+          {"max_us", us(h.max_ns())}};
+}
+
+Json json_of(const ServoStatistics& s, const RealtimeGrant& grant, const ServoParams& params, const char* device,
+             std::uint64_t dropped) {
+  return {{"rate_hz", params.rate_hz},
+          {"device", device},
+          {"fifo", grant.fifo},
+          {"locked", grant.locked},
+          {"ticks", s.ticks},
+          {"overruns", s.overruns},
+          {"frames_lost", dropped},
+          {"faults", s.faults},
+          {"touching_ratio", s.ticks > 0 ? double(s.touching) / double(s.ticks) : 0},
+          {"touch", s.events[0]},
+          {"untouch", s.events[1]},
+          {"motion", s.events[2]},
+          {"popped", s.events[3]},
+          {"left", s.events[4]},
+          {"most_force_n", s.most_force_n},
+          {"most_force_step_n", s.most_force_step_n},
+          {"tick", times_of(s.busy)},
+          {"late", times_of(s.late)}};
+}
+
+void print_times(const char* what, const Histogram& h) {
+  std::cout << fmt::format("{:<10} mean {:.2f}, p50 {:.2f}, p99 {:.2f}, p99.9 {:.2f}, max {:.2f} us\n", what,
+                           h.mean_ns() / 1e3, h.quantile_ns(0.5) / 1e3, h.quantile_ns(0.99) / 1e3,
+                           h.quantile_ns(0.999) / 1e3, h.max_ns() / 1e3);
+}
+
+void print_statistics(const ServoStatistics& s, bool paced, std::uint64_t dropped) {
+  const double touching = s.ticks > 0 ? 100.0 * double(s.touching) / double(s.ticks) : 0;
+  std::cout << fmt::format("{} ticks, {} overruns, in contact {:.1f} %, faults {}\n", s.ticks, s.overruns, touching,
+                           s.faults == 0 ? "none" : fault_names(s.faults));
+  std::cout << fmt::format("events: touch {}, untouch {}, motion {}, popped {}, left {}\n", s.events[0], s.events[1],
+                           s.events[2], s.events[3], s.events[4]);
+  std::cout << fmt::format("force at most {:.3f} N, {:.4f} N from tick to tick\n", s.most_force_n, s.most_force_step_n);
+  print_times("tick time", s.busy);
+  if (paced) print_times("woken late", s.late);
+  if (dropped > 0) std::cout << fmt::format("{} frames were not recorded: the disk is too slow\n", dropped);
+}
+
+std::string grant_text(const ServoParams& params, const RealtimeGrant& g) {
+  if (!params.paced) return "as fast as it goes, in the device's own time";
+  if (!params.realtime) return "normal scheduling, no promise of lateness";
+  return fmt::format("{}, {}", g.fifo ? "SCHED_FIFO" : "no SCHED_FIFO (" + g.fifo_fault + "): no promise of lateness",
+                     g.locked ? "memory locked" : "memory not locked (" + g.lock_fault + ")");
+}
+
+ExitCode run_servo(const ParsedCommand& parsed) {
+  ServoParams params = parsed.params<ServoParams>();
+  FeltCase felt(parsed.path("case"), parsed.text("shape"));
+  const ContactVolume contact(felt.loaded.haptic, parsed.params<ContactParams>());
+  const std::unique_ptr<Device> device = make_device(parsed, contact, touchable_of(felt.feels));
+  Proxy proxy(contact, felt.feels, parsed.params<ForceParams>(), parsed.params<ShaftParams>());
+
+  std::unique_ptr<RecordingWriter> recording;
+  if (parsed.has("record")) {
+    RecordingHeader header = felt.header();
+    header.device = device->name();
+    header.rate_hz = params.rate_hz;
+    header.contact = parsed.params<ContactParams>();
+    header.force = parsed.params<ForceParams>();
+    header.shaft = parsed.params<ShaftParams>();
+    recording = std::make_unique<RecordingWriter>(parsed.path("record"), header);
+  }
+  // What the servo does not sleep for it must not outrun: without a clock every frame fits.
+  const double ticks = std::max(1.0, std::round(parsed.params<RunParams>().seconds * params.rate_hz));
+  if (!params.paced && ticks > 2e7) throw Error(ExitCode::usage, "", "--seconds", "is too long without --paced");
+  FrameQueue queue(!recording ? 64 : params.paced ? std::size_t(1) << 16 : std::size_t(ticks));
+  Servo servo(proxy, *device, params, recording ? &queue : nullptr);
+
+  std::promise<RealtimeGrant> granted;
+  std::atomic<bool> done{false};
+  std::thread thread([&] {
+    granted.set_value(params.paced && params.realtime ? claim_realtime() : RealtimeGrant{});
+    servo.run(std::uint64_t(ticks), cancel_requested());
+    done = true;
+  });
+  const RealtimeGrant grant = granted.get_future().get();
+  std::vector<ServoFrame> frames;
+  std::exception_ptr fault;
+  try {
+    std::cout << fmt::format("servo at {:g} Hz on {}: {}\n", params.rate_hz, device->name(), grant_text(params, grant))
+              << std::flush;
+    while (!done) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      if (!recording || !params.paced) continue;
+      frames.clear();
+      queue.drain(frames);
+      recording->add(frames);
+    }
+  } catch (...) {
+    fault = std::current_exception();
+  }
+  thread.join();
+  if (fault) std::rethrow_exception(fault);
+  Progress({}, &cancel_requested()).check();
+  if (recording) {
+    frames.clear();
+    queue.drain(frames);
+    recording->add(frames);
+    recording->finish();
+  }
+  print_statistics(servo.statistics(), params.paced, queue.dropped());
+  if (parsed.has("json"))
+    write_file(parsed.path("json"),
+               json_of(servo.statistics(), grant, params, device->name(), queue.dropped()).dump(1) + "\n");
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+Command servo_command() {
+  Command c;
+  c.name = "servo";
+  c.summary = "runs the haptic loop on a case, without a window, and prints its statistics";
+  c.description =
+      "A thread of its own reads the device, moves the tool's proxy through the case's haptic volume and sends the "
+      "force, 1000 times a second or more. The device is a simulated hand, which presses on the first surface that it "
+      "meets and moves over it in a circle, or a trajectory from a file. docs/haptics.md describes contact, forces, "
+      "and "
+      "the recording, which `trephine-sim replay` reads.\n\n"
+      "It says at the start what the system grants: SCHED_FIFO and locked memory need CAP_SYS_NICE and CAP_IPC_LOCK, "
+      "or "
+      "limits (ulimit -r, -l) that allow them.";
+  Argument folder;
+  folder.name = "case";
+  folder.kind = Argument::Kind::in_folder;
+  folder.help = "Folder of the case.";
+  folder.positional = folder.required = true;
+  Argument device;
+  device.name = "device";
+  device.kind = Argument::Kind::choice;
+  device.help = "Who holds the tool; hand where it is not given.";
+  device.choices = {"hand", "trajectory"};
+  Argument trajectory;
+  trajectory.name = "trajectory";
+  trajectory.kind = Argument::Kind::in_file;
+  trajectory.help =
+      "Lines of time_s x_mm y_mm z_mm [ax ay az [buttons]], LPS; the axis points from the tip to the tail.";
+  Argument shape;
+  shape.name = "shape";
+  shape.kind = Argument::Kind::text;
+  shape.help = "The one shape that is felt; all of the case where it is not given.";
+  Argument record;
+  record.name = "record";
+  record.kind = Argument::Kind::out_file;
+  record.help = "Writes every tick to this file.";
+  Argument json;
+  json.name = "json";
+  json.kind = Argument::Kind::out_file;
+  json.help = "Writes the statistics to this file.";
+  c.arguments = {folder, device, trajectory, shape, record, json};
+  c.groups = {ParameterGroup::of<RunParams>("Parameters"),
+              ParameterGroup::of<ServoParams>("Servo loop"),
+              ParameterGroup::of<ContactParams>("Contact"),
+              ParameterGroup::of<ForceParams>("Force"),
+              ParameterGroup::of<ShaftParams>("Tool"),
+              ParameterGroup::of<HandParams>("Simulated hand"),
+              ParameterGroup::of<HandPathParams>("The hand's task")};
+  c.examples = {"trephine-sim servo library/sample --seconds 5",
+                "trephine-sim servo library/sample --shape skull --device hand --seconds 5 --record skull.servo",
+                "trephine-sim servo library/sample --device trajectory --trajectory path.txt --seconds 2"};
+  c.run = run_servo;
+  return c;
+}
+
+}  // namespace trephine

@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+#include <linux/audit.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <stddef.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <limits>
+#include <new>
+#include <thread>
+
+#include "base/error.h"
+#include "base/write_file.h"
+#include "device/hand_path.h"
+#include "device/simulated_hand.h"
+#include "device/trajectory.h"
+#include "haptics/recording.h"
+#include "haptics/servo.h"
+#include "haptics_scene.h"
+#include "scratch_folder.h"
+
+using namespace trephine;
+using namespace trephine::scene;
+
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+constexpr bool sanitized = true;
+#else
+constexpr bool sanitized = false;
+#endif
+
+namespace {
+
+struct Scene {
+  HapticVolume volume = empty(40, {0.5, 0.5, 0.5});
+  Feels feels = one_shape(1, face(0.6, 0.3, 0.2, 0, 0.0003), face(0.6, 0.3, 0.2));
+  ForceParams force;
+  Scene() {
+    fill(volume, 1, [](Vec3 p) { return -p.z + 0.3 * std::sin(p.x); });
+  }
+};
+
+ServoParams unpaced() {
+  ServoParams p;
+  p.paced = p.realtime = false;
+  return p;
+}
+
+SimulatedHand hand_over(const ContactVolume& contact, const Feels& feels) {
+  HandPathParams task;
+  task.radius_mm = 4;
+  HandPath path = path_over(contact, touchable_of(feels), task);
+  return SimulatedHand(HandParams{}, std::move(path.points_mm), path.loop_from);
+}
+
+const std::atomic<bool> never{false};
+
+// Answers from a list, then is lost.
+class FailingDevice : public Device {
+ public:
+  int good = 100;
+  Vec3 tip_mm{0, 0, -1};
+  std::vector<Vec3> sent;
+  const char* name() const override { return "failing"; }
+  double damping_n_s_per_mm() const override { return 0; }
+  bool read(double, DeviceReading& out) override {
+    out.tip_mm = tip_mm;
+    return good-- > 0;
+  }
+  void send(Vec3 force_n) override { sent.push_back(force_n); }
+};
+
+}  // namespace
+
+TEST(HapticsServo, AHandPressesAndFollowsAPath) {
+  Scene s;
+  const ContactVolume contact(s.volume);
+  SimulatedHand hand = hand_over(contact, s.feels);
+  Proxy proxy(contact, s.feels, s.force);
+  FrameQueue queue(20000);
+  Servo servo(proxy, hand, unpaced(), &queue);
+  servo.run(20000, never);
+  std::vector<ServoFrame> frames;
+  queue.drain(frames);
+  ASSERT_EQ(frames.size(), 20000u);
+  EXPECT_EQ(queue.dropped(), 0u);
+  const ForceFigures f = force_figures(frames);
+  EXPECT_GT(f.touching, 15000u);
+  EXPECT_EQ(f.anomaly_ratio, 0);
+  EXPECT_LT(f.zero_force_ratio, 1e-9);
+  EXPECT_LT(f.most_step_n, 0.05);
+  // The aim lies 1 mm in: spring against arm.
+  EXPECT_NEAR(f.mean_force_n, 0.6 * 0.4 / (0.6 + 0.4), 0.08);
+  EXPECT_EQ(servo.statistics().faults, 0u);
+}
+
+TEST(HapticsServo, ReplayIsBitForBit) {
+  Scene s;
+  const ContactVolume contact(s.volume);
+  SimulatedHand hand = hand_over(contact, s.feels);
+  ShaftParams shaft;
+  shaft.shaft_length_mm = 40;
+  Proxy proxy(contact, s.feels, s.force, shaft);
+  FrameQueue queue(5000);
+  Servo servo(proxy, hand, unpaced(), &queue);
+  servo.run(5000, never);
+  std::vector<ServoFrame> frames;
+  queue.drain(frames);
+  const ScratchFolder folder;
+  RecordingHeader header;
+  header.case_token = "sample";
+  header.device = "hand";
+  header.contact.step_ratio = 0.3;
+  header.force.max_force_n = 1.0 / 3;
+  header.shaft = shaft;
+  const auto file = folder.path() / "a.servo";
+  RecordingWriter writer(file, header);
+  writer.add(frames);
+  writer.finish();
+  const Recording read = read_recording(file);
+  EXPECT_EQ(read.header.case_token, "sample");
+  EXPECT_EQ(read.header.contact.step_ratio, 0.3);
+  EXPECT_EQ(read.header.force.max_force_n, 1.0 / 3);
+  EXPECT_EQ(read.header.shaft.shaft_length_mm, 40);
+  ASSERT_EQ(read.frames.size(), frames.size());
+  Proxy again(contact, s.feels, s.force, shaft);
+  const std::vector<ServoFrame> replayed = replay_frames(read.frames, again);
+  for (std::size_t n = 0; n < frames.size(); ++n) ASSERT_TRUE(same_frame(frames[n], replayed[n])) << n;
+  // With another spring it is not.
+  Proxy other(contact, one_shape(1, face(0.61), face(0.6)), s.force, shaft);
+  EXPECT_FALSE(same_frame(frames.back(), replay_frames(read.frames, other).back()));
+
+  // Damaged in every way that shows.
+  const std::vector<char> good = read_file(file);
+  const auto refused = [&](std::vector<char> bytes) {
+    write_file(file, {bytes.data(), bytes.size()});
+    try {
+      read_recording(file);
+    } catch (const Error& e) {
+      return e.code() == ExitCode::bad_input && e.file() == file.string();
+    }
+    return false;
+  };
+  std::vector<char> b = good;
+  b.resize(good.size() - 1);
+  EXPECT_TRUE(refused(b));
+  b.resize(100);
+  EXPECT_TRUE(refused(b));
+  b.resize(0);
+  EXPECT_TRUE(refused(b));
+  for (const std::size_t at : {0u, 8u, 15u, 16u}) {
+    b = good;
+    b[at] = char(0x7f);
+    EXPECT_TRUE(refused(b)) << at;
+  }
+}
+
+// H5
+TEST(HapticsServo, ALostDeviceIsZeroForceWithinTwoTicks) {
+  Scene s;
+  const ContactVolume contact(s.volume);
+  s.force.ramp_s = 0;
+  FailingDevice device;
+  device.tip_mm = {0, 0, 1};
+  Proxy proxy(contact, s.feels, s.force);
+  Servo servo(proxy, device, unpaced(), nullptr);
+  servo.run(1, never);
+  device.tip_mm = {0, 0, -1};
+  servo.run(50, never);
+  ASSERT_GT(norm(device.sent.back()), 0.3);
+  device.good = 0;
+  servo.run(2, never);
+  EXPECT_EQ(device.sent.back(), Vec3{});
+  EXPECT_EQ(servo.statistics().faults, haptic_fault::device_lost);
+  device.good = 1000;
+  servo.run(100, never);
+  EXPECT_EQ(device.sent.back(), Vec3{}) << "latched";
+}
+
+// H1, through the loop: whatever a device says, what it is sent is finite.
+TEST(HapticsServo, ADeviceThatSaysNonsenseIsSentZero) {
+  Scene s;
+  const ContactVolume contact(s.volume);
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    FailingDevice device;
+    Proxy proxy(contact, s.feels, s.force);
+    Servo servo(proxy, device, unpaced(), nullptr);
+    servo.run(20, never);
+    device.tip_mm.y = bad;
+    servo.run(1, never);
+    EXPECT_EQ(device.sent.back(), Vec3{});
+    EXPECT_EQ(servo.statistics().faults, haptic_fault::pose);
+  }
+}
+
+// H5: what nobody renews is held, then decays.
+TEST(HapticsServo, AStalledServoLetsTheForceDecay) {
+  const ForceHold hold;
+  EXPECT_EQ(hold.share(0), 1);
+  EXPECT_EQ(hold.share(hold.hold_s), 1);
+  EXPECT_NEAR(hold.share(hold.hold_s + hold.decay_s), std::exp(-1), 1e-12);
+  HandParams params;
+  params.arm_stiffness_n_per_mm = params.tremor_mm = 0;
+  SimulatedHand hand(params, {Vec3{}});
+  DeviceReading r;
+  hand.read(0, r);
+  hand.send({1, 0, 0});
+  hand.read(0.3, r);
+  const double early = r.tip_mm.x;
+  hand.read(3, r);
+  // The impulse is 15 ms of 1 N; after that only damping acts: m v / b.
+  EXPECT_GT(early, 0.5);
+  EXPECT_NEAR(r.tip_mm.x, 0.015 / 0.006, 0.02);
+}
+
+// H6: under a filter that kills at any system call but the sleep; and no allocation.
+namespace {
+
+thread_local bool counting = false;
+thread_local int allocations = 0;
+
+void allow_only_sleep() {
+  const sock_filter allow = BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+                    kill = BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_KILL);
+  sock_filter filter[] = {BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+                          BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_clock_nanosleep, 1, 0),
+                          BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_exit_group, 0, 1), allow, kill};
+  const sock_fprog program{sizeof filter / sizeof *filter, filter};
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0)
+    _exit(3);
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  if (counting) ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+
+TEST(HapticsServo, ItsTicksSleepAndMakeNoOtherSystemCall) {
+  if (sanitized) GTEST_SKIP() << "sanitizers make calls of their own";
+  Scene s;
+  s.feels[1].front.pop_through_n = 0.2;
+  s.feels[1].shaft_friction_n_per_mm = 0.01;
+  ShaftParams shaft;
+  shaft.shaft_length_mm = 30;
+  const ContactVolume contact(s.volume);
+  SimulatedHand hand = hand_over(contact, s.feels);
+  Proxy proxy(contact, s.feels, s.force, shaft);
+  FrameQueue queue(4096);
+  ServoParams params;
+  params.realtime = false;
+  Servo servo(proxy, hand, params, &queue);
+  const pid_t child = fork();
+  if (child == 0) {
+    allow_only_sleep();
+    counting = true;
+    servo.run(700, never);
+    counting = false;
+    syscall(SYS_exit_group, allocations != 0 ? 1 : servo.statistics().touching < 10 ? 2 : 0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
+  EXPECT_EQ(WEXITSTATUS(status), 0) << "1: allocated; 2: no contact; 3: no filter";
+}
+
+TEST(HapticsServo, KeepsToTheClock) {
+  Scene s;
+  const ContactVolume contact(s.volume);
+  SimulatedHand hand = hand_over(contact, s.feels);
+  Proxy proxy(contact, s.feels, s.force);
+  FrameQueue queue(4096);
+  ServoParams params;
+  params.realtime = false;
+  Servo servo(proxy, hand, params, &queue);
+  std::thread thread([&] { servo.run(300, never); });
+  std::vector<ServoFrame> frames;  // drained while it runs
+  while (frames.size() < 300) {
+    queue.drain(frames);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  thread.join();
+  EXPECT_EQ(servo.statistics().ticks, 300u);
+  EXPECT_EQ(servo.statistics().late.count(), 300u);
+  double time = 0;
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    EXPECT_EQ(frames[n].tick, n);
+    const double periods = frames[n].dt_s * 1000;
+    EXPECT_NEAR(periods, std::round(periods), 1e-9);  // a late tick stands for whole periods
+    time += frames[n].dt_s;
+  }
+  EXPECT_NEAR(frames.back().time_s, time, 1e-9);
+}
+
+TEST(HapticsServo, TrajectoriesAreReadAndPlayed) {
+  const ScratchFolder folder;
+  const auto file = folder.path() / "path.txt";
+  write_file(file, "# time x y z\n0 1 2 3\n\n1, 3, 2, 3, 0, 0, 2, 5 # with an axis\r\n3 3 2 -1\n");
+  Trajectory t(read_trajectory(file));
+  DeviceReading r;
+  t.read(0, r);
+  EXPECT_EQ(r.tip_mm, (Vec3{1, 2, 3}));
+  t.read(0.5, r);
+  EXPECT_EQ(r.tip_mm, (Vec3{2, 2, 3}));
+  t.read(0.5, r);
+  EXPECT_EQ(r.buttons, 5u);
+  EXPECT_EQ(r.axis, (Vec3{0, 0, 1}));
+  t.read(1, r);
+  EXPECT_EQ(r.tip_mm, (Vec3{3, 2, 1}));
+  t.read(100, r);
+  EXPECT_EQ(r.tip_mm, (Vec3{3, 2, -1}));
+  for (const char* bad : {"", "0 1 2\n", "0 1 2 nan\n", "0 1 2 3\n0 1 2 3\n", "0 1 2 3 0 0 0\n", "0 1 2 3x\n",
+                          "0 1 2 3 0 0 1 -1\n", "0 1 2 1e999\n", "a\n"}) {
+    write_file(file, bad);
+    EXPECT_THROW(read_trajectory(file), Error) << bad;
+  }
+}
+
+TEST(HapticsServo, HistogramsGiveQuantiles) {
+  Histogram h;
+  for (int n = 1; n <= 10000; ++n) h.add(n);
+  EXPECT_NEAR(h.mean_ns(), 5000.5, 1e-9);
+  EXPECT_NEAR(h.quantile_ns(0.5), 5000, 200);
+  EXPECT_NEAR(h.quantile_ns(0.99), 9900, 400);
+  EXPECT_EQ(h.quantile_ns(1), 10000);
+  EXPECT_EQ(h.max_ns(), 10000);
+}

@@ -1,0 +1,59 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# trephine-sim servo and replay: a hand presses on a case, every tick is recorded, and the recording replays bit for bit.
+. "$(dirname "$0")/common.sh"
+"$WRITE_CASE" "$work/sample"
+servo=("$TREPHINE" servo "$work/sample")
+
+"${servo[@]}" --seconds 0.5 --no-realtime --approach-mm 1 >"$work/text"
+grep -q '^servo at 1000 Hz on hand: normal scheduling, no promise' "$work/text" || fail "does not say what it got"
+grep -q '^500 ticks, ' "$work/text" || { cat "$work/text"; fail "not 500 ticks"; }
+grep -q '^woken late mean ' "$work/text" || fail "no lateness"
+
+"${servo[@]}" --seconds 6 --no-paced --approach-mm 1 --radius-mm 10 --record "$work/a.servo" --json "$work/a.json" \
+  >"$work/text"
+[[ $(stat -c %s "$work/a.servo") == $((16 + 4096 + 6000 * 176)) ]] || fail "a recording of another size"
+python3 - "$work/a.json" "$work/a.servo" <<'PY'
+import json, math, struct, sys
+said = json.load(open(sys.argv[1]))
+assert said["ticks"] == 6000 and said["faults"] == 0 and said["frames_lost"] == 0, said
+assert said["touching_ratio"] > 0.5 and said["touch"] >= 1 and said["most_force_n"] > 0.01, said
+# The documented layout, read by somebody else.
+data = open(sys.argv[2], "rb").read()
+magic, version, length = struct.unpack_from("<8sII", data)
+assert (magic, version, length) == (b"TREPHSRV", 1, 4096)
+header = json.loads(data[16:16 + length])
+assert header["case"] == "sample" and header["frame_bytes"] == 176 and header["rate_hz"] == 1000, header
+frames = list(struct.iter_unpack("<Q17dI4i3I", data[16 + length:]))
+assert [f[0] for f in frames] == list(range(6000))
+assert abs(frames[-1][1] - 6) < 1e-9 and all(f[2] == 0.001 for f in frames)
+assert max(math.dist(f[15:18], (0, 0, 0)) for f in frames) == said["most_force_n"]
+assert sum(f[19] != 0 for f in frames) == round(said["touching_ratio"] * 6000)
+PY
+"$TREPHINE" replay "$work/sample" "$work/a.servo" --json "$work/r.json" >"$work/text"
+grep -q '^replayed bit for bit$' "$work/text" || fail "not the same"
+"$TREPHINE" replay "$work/sample" "$work/a.servo" --surface nearest --walk stepped >"$work/text"
+grep -q '^replayed: anomaly coefficient ' "$work/text" || fail "no comparison"
+# The same bytes when nothing but the clock differs.
+"${servo[@]}" --seconds 6 --no-paced --approach-mm 1 --radius-mm 10 --record "$work/b.servo" >/dev/null
+cmp "$work/a.servo" "$work/b.servo" || fail "two equal runs differ"
+
+printf '0 0 0 200\n1 0 0 100\n' >"$work/path.txt"
+"${servo[@]}" --device trajectory --trajectory "$work/path.txt" --seconds 1 --no-paced >"$work/text"
+grep -q '^1000 ticks, ' "$work/text" || fail "no trajectory"
+
+# One bit of one frame.
+cp "$work/a.servo" "$work/c.servo"
+printf '\x01' | dd of="$work/c.servo" bs=1 seek=$((16 + 4096 + 5000 * 176 + 130)) conv=notrunc status=none
+expect 80 'c\.servo: frames: [0-9]+ of 6000 differ' "$TREPHINE" replay "$work/sample" "$work/c.servo"
+truncate -s -1 "$work/c.servo"
+expect 65 'c\.servo: frames: end within one' "$TREPHINE" replay "$work/sample" "$work/c.servo"
+expect 65 'path\.txt: is no recording' "$TREPHINE" replay "$work/sample" "$work/path.txt"
+expect 64 '--shape: the case has none of that name, but outer, inner' "${servo[@]}" --shape skull
+expect 64 '--trajectory: is needed' "${servo[@]}" --device trajectory
+expect 66 'nowhere' "${servo[@]}" --device trajectory --trajectory "$work/nowhere"
+expect 78 'from: no surface' "${servo[@]}" --radius-mm 200
+printf '0 0 0\n' >"$work/bad.txt"
+expect 65 'bad\.txt: line 1: ' "${servo[@]}" --device trajectory --trajectory "$work/bad.txt"
+expect 73 'nowhere' "${servo[@]}" --record "$work/nowhere/a.servo"
+[[ -z $(ls -A "$work" | grep trephine-tmp || true) ]] || fail "temporaries are left"
