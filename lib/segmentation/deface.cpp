@@ -239,6 +239,9 @@ void check_landmark(const char* name, Vec3 p, const SkinDistance& skin, const La
 HuVolume deface(const HuVolume& volume, const Field& skin, const FaceRegion& region, const DefaceParams& params,
                 Report& report, const Progress& progress) {
   const Lattice& l = lattice_of(volume);
+  if (const auto* g = std::get_if<Grid<float>>(&volume))
+    for (const float v : g->voxels)
+      if (!std::isfinite(v)) throw Error(ExitCode::bad_input, "", "volume", "a voxel is NaN or infinite");
   const Box placed = place_in(skin, l);
   const Cut cut(region, params, l);
   report.add("face_policy", params.policy == FaceRemoval::crop ? "crop" : "deface");

@@ -74,8 +74,9 @@ struct DefaceParams {
 /// the skin, within the region, of what is left; -1 where nothing is). Warns where the volume holds no face.
 ///
 /// The shape of the bones underneath stays, but where `crop` takes them; ears, forehead and the back of the head too.
-/// The same bits whatever the thread count. Throws 65 where the skin is of another raster; 81 where a landmark of the
-/// region lies in the volume but more than 25 mm off the skin (it cannot be one); Cancelled.
+/// The same bits whatever the thread count. Throws 65 where the skin is of another raster or a voxel is not
+/// finite; 81 where a landmark of the region lies in the volume but more than 25 mm off the skin (it cannot be one);
+/// Cancelled.
 HuVolume deface(const HuVolume& volume, const Field& skin, const FaceRegion& region, const DefaceParams& params,
                 Report& report, const Progress& progress = {});
 

@@ -105,6 +105,8 @@ StageType burr_hole_stage(const std::string& name, std::map<std::string, Vec3> l
       if (moved_mm > far_position_mm)
         report.warn("the bone lies " + to_text(ParameterValue(std::round(moved_mm))) + " mm from position_mm");
     }
+    // Nothing cuts as far from the frame's origin as a surface can lie.
+    with_field(name, [&] { check_cutter(hole.cutter, ExitCode::bad_input); });
     return std::make_shared<const std::vector<Cutter>>(std::vector<Cutter>{hole.cutter});
   };
   return s;

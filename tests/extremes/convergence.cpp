@@ -1,9 +1,187 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Results near an extreme converge to those away from it.
+// Results near an extreme converge to those away from it: series of one parameter, of which every step is held against
+// the truth or against the result far from the extreme.
+#include <algorithm>
+#include <cmath>
+
+#include "boolean/cut_surface.h"
+#include "meshing/contour.h"
+#include "meshing/decimate.h"
+#include "meshing/smooth.h"
 #include "outcome.h"
+#include "scenes.h"
+#include "voxel/cut.h"
+#include "voxel/voxelize.h"
 
 namespace trephine::extremes {
+namespace {
 
-std::vector<Section> convergence_sections() { return {}; }
+double ball_mm3(double r) { return 4 * M_PI / 3 * r * r * r; }
+
+TriMesh contoured(const Field& field) {
+  Report r;
+  ContourParams p;
+  p.min_component_mm3 = 0;
+  return contour(field, p, r);
+}
+
+TriMesh ball(const Lattice& l, double radius_mm, Vec3 centre = {}) {
+  return contoured(sampled(l, balls(radius_mm, centre).outer_mm));
+}
+
+struct Series {
+  std::vector<double> at, values;
+  std::string text() const {
+    std::string all;
+    for (std::size_t n = 0; n < at.size(); ++n)
+      all += (n ? ", " : "") + rounded(at[n]) + ": " + rounded(std::round(values[n] * 1e3) / 1e3);
+    return all;
+  }
+};
+
+// Largest minus least.
+double range_of(const std::vector<double>& values) {
+  return *std::max_element(values.begin(), values.end()) - *std::min_element(values.begin(), values.end());
+}
+
+std::string over_spacing() {
+  Series s;
+  for (const double mm : {0.05, 0.1, 0.5, 2.0, 10.0}) {
+    s.at.push_back(mm);
+    s.values.push_back(100 * (volume_mm3(ball(cube({32, 32, 32}, {mm, mm, mm}), 12.3 * mm)) / ball_mm3(12.3 * mm) - 1));
+  }
+  if (range_of(s.values) > 0.01) return "FAULT: the voxel's size alone changes the shape: " + s.text();
+  return "volume % off the truth at mm: " + s.text();
+}
+
+std::string over_anisotropy() {
+  Series s;
+  for (const double ratio : {1.0, 2.0, 5.0, 10.0, 20.0}) {
+    s.at.push_back(ratio);
+    const double z = 0.5 * ratio;
+    const Lattice l = cube({88, 88, int(44 / z) + 3}, {0.5, 0.5, z}, {0, 0, z / 3});
+    s.values.push_back(100 * (volume_mm3(ball(l, 20)) / ball_mm3(20) - 1));
+  }
+  for (std::size_t n = 1; n < s.values.size(); ++n)
+    if (std::fabs(s.values[n]) < std::fabs(s.values[n - 1]) - 0.05) return "FAULT: does not converge: " + s.text();
+  if (std::fabs(s.values.front()) > 0.5 || std::fabs(s.values.back()) > 10) return "FAULT: too far off: " + s.text();
+  return "volume % off the truth at 1 : n: " + s.text();
+}
+
+std::string over_isovalue() {
+  Series s;
+  const Field whole = sampled(cube({32, 32, 32}, {1, 1, 1}), [](Vec3 p) { return std::round(12.3 - norm(p)); });
+  for (const double off : {-0.1, -0.01, -0.001, 0.0, 0.001, 0.01, 0.1}) {
+    Field f = whole;
+    for (float& v : f.voxels) v -= float(off);
+    s.at.push_back(off);
+    s.values.push_back(100 * (volume_mm3(contoured(f)) / ball_mm3(12.3) - 1));
+  }
+  // A value of exactly 0 is decided one way: the surface may jump there by what those voxels are, no more.
+  for (std::size_t n = 1; n < s.values.size(); ++n)
+    if (s.values[n] > s.values[n - 1] + 1e-3) return "FAULT: a higher isovalue gives a larger volume: " + s.text();
+  if (std::fabs(s.values[2] - s.values[3]) > 0.5 || std::fabs(s.values[4] - s.values[3]) > 0.5)
+    return "FAULT: jumps: " + s.text();
+  return "volume % off a ball's at isovalue: " + s.text();
+}
+
+std::string over_deviation() {
+  Series s;
+  const TriMesh in = ball(cube({32, 32, 32}, {1, 1, 1}), 12.3);
+  for (const double mm : {10.0, 1.0, 0.1, 0.01, 0.001}) {
+    DecimateParams p;
+    p.max_deviation_mm = mm;
+    Report r;
+    const TriMesh out = decimate(in, p, r);
+    if (std::get<double>(*r.find("deviation_max_mm")) > mm)
+      return "FAULT: the bound of " + rounded(mm) + " mm is passed";
+    s.at.push_back(mm);
+    s.values.push_back(100 * (volume_mm3(out) / volume_mm3(in) - 1));
+  }
+  for (std::size_t n = 1; n < s.values.size(); ++n)
+    if (std::fabs(s.values[n]) > std::fabs(s.values[n - 1]) + 0.05) return "FAULT: does not converge: " + s.text();
+  if (std::fabs(s.values.back()) > 0.05) return "FAULT: not the input at 0.001 mm: " + s.text();
+  return "volume % off the input at mm: " + s.text();
+}
+
+std::string over_iterations() {
+  Series s;
+  const TriMesh in = ball(cube({32, 32, 32}, {1, 1, 1}), 12.3);
+  for (const int n : {1, 10, 100, 1000, 10000}) {
+    SmoothParams p;
+    p.iterations_count = n;
+    Report r;
+    const TriMesh out = smooth(in, p, r);
+    s.at.push_back(n);
+    s.values.push_back(100 * (volume_mm3(out) / volume_mm3(in) - 1));
+    if (!(std::get<double>(*r.find("displacement_max_mm")) <= p.max_displacement_mm + 1e-9))
+      return "FAULT: the bound is passed at " + rounded(n) + " iterations";
+  }
+  if (range_of(s.values) > 1) return "FAULT: shrinks: " + s.text();
+  return "volume % off the input at iterations: " + s.text();
+}
+
+std::string over_distance() {
+  Series s;
+  for (const double m : {0.0, 1.0, 10.0, 100.0, 1000.0}) {
+    const Vec3 at = Vec3{0.6, -0.64, 0.48} * (1000 * m);
+    const TriMesh surface = ball(cube({32, 32, 32}, {0.5, 0.5, 0.5}, at), 6, at);
+    s.at.push_back(m);
+    s.values.push_back(100 * (volume_mm3(surface) / ball_mm3(6) - 1));
+  }
+  if (range_of(s.values) > 0.02) return "FAULT: depends on where it is: " + s.text();
+  return "volume % off the truth at m: " + s.text();
+}
+
+std::string over_radius() {
+  Series s;
+  constexpr double R = 30;
+  const TriMesh in = ball(cube({64, 64, 64}, {1, 1, 1}), R);
+  for (const double r : {0.05, 0.3, 1.0, 5.0, 20.0, 29.0}) {
+    const Cutter c = drill({0, 0, 0}, r, 100);
+    Report report;
+    const double removed = volume_mm3(in) - volume_mm3(cut_surface(in, {c}, {}, report));
+    s.at.push_back(r);
+    s.values.push_back(100 * (removed / (ball_mm3(R) - ball_mm3(std::sqrt(R * R - r * r))) - 1));
+  }
+  for (const double off : s.values)
+    if (std::fabs(off) > 3) return "FAULT: not the truth: " + s.text();
+  return "removed % off the truth at mm: " + s.text();
+}
+
+std::string over_haptic_spacing() {
+  Series s;
+  const TriMesh in = ball(cube({32, 32, 32}, {1, 1, 1}), 12.3);
+  for (const double mm : {10.0, 5.0, 2.0, 1.0, 0.5, 0.25}) {
+    VoxelizeParams p;
+    p.spacing_mm = {mm, mm, mm};
+    Bounds b = bounds_of(in);
+    for (int a = 0; a < 3; ++a) b.min_mm[a] -= 3 * mm, b.max_mm[a] += 3 * mm;
+    Report r;
+    const HapticVolume v =
+        voxelize(haptic_lattice(b, Lattice().direction, b.min_mm, p), {{"ball", &in, nullptr, 0}}, r);
+    s.at.push_back(mm);
+    s.values.push_back(100 * (shape_volume_mm3(v, v.find_shape("ball")->number) / volume_mm3(in) - 1));
+  }
+  if (std::fabs(s.values.back()) > 0.2 || std::fabs(s.values[3]) > 1) return "FAULT: does not converge: " + s.text();
+  return "volume % off the surface's at mm: " + s.text();
+}
+
+}  // namespace
+
+std::vector<Section> convergence_sections() {
+  return {{"convergence", "Convergence", "Spheres whose truth is known, along one parameter towards its end.", [] {
+             return std::vector<Case>{
+                 {"contour: voxels of 0.05 to 10 mm, a sphere of 12.3 voxels' radius", over_spacing},
+                 {"contour: voxels of 1 : 1 to 1 : 20, a sphere of 20 mm, 0.5 mm in the slice", over_anisotropy},
+                 {"contour: isovalues beside and on values, whole numbers", over_isovalue},
+                 {"contour: 0 to 1 km from the frame's origin", over_distance},
+                 {"decimate: max_deviation_mm from 10 to 0.001", over_deviation},
+                 {"smooth: 1 to 10,000 iterations", over_iterations},
+                 {"boolean: drills of 0.05 to 29 mm radius through a sphere of 30 mm", over_radius},
+                 {"voxelize: voxels of 10 to 0.25 mm, a sphere of 12.3 mm", over_haptic_spacing},
+             };
+           }}};
+}
 
 }  // namespace trephine::extremes

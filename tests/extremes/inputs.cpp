@@ -9,18 +9,18 @@ namespace {
 
 std::vector<Case> cases_of(const StageType& stage) {
   std::vector<Case> cases;
-  for (const auto& make : extreme_scenes()) {
-    const auto scene = std::make_shared<const Scene>(make());
-    for (Subject subject : subjects_of(stage)) {
-      const std::string prefix = subject.label == stage.name ? "" : subject.label.substr(stage.name.size() + 2) + "; ";
-      subject.scene = scene.get();
-      cases.push_back({prefix + scene->name, [subject, scene] {
+  for (const Subject& subject : subjects_of(stage)) {
+    const std::string prefix = subject.label == stage.name ? "" : subject.label.substr(stage.name.size() + 2) + "; ";
+    for (const ExtremeScene& extreme : extreme_scenes(subject.body))
+      cases.push_back({prefix + extreme.name,
+                       [subject, &extreme] {
+                         const Scene& scene = extreme.scene();
                          StageInputs inputs;
-                         if (!fill(inputs, *subject.stage, *scene, subject.ports))
-                           return "no surface to begin with: contour says: " + scene->no_surface;
+                         if (!fill(inputs, subject, scene))
+                           return "no surface to begin with: contour says: " + scene.no_surface;
                          return outcome_of_stage(*subject.stage, params_of(subject), inputs);
-                       }});
-    }
+                       },
+                       is_slow(subject, "", extreme.name)});
   }
   return cases;
 }

@@ -5,13 +5,17 @@
 
 #include <algorithm>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <regex>
+#include <set>
 #include <sstream>
 
 #include "base/child.h"
 #include "outcome.h"
+#include "scenes.h"
 
 namespace trephine::extremes {
 namespace {
@@ -23,11 +27,13 @@ const char* const preamble =
     "is "
     "finite, and a surface closed, 2-manifold and free of self-intersections; a refusal is a code and one line; there "
     "is "
-    "no crash, NaN, or empty result without a word. Lines marked (long) are checked by `./check --long` alone.\n";
+    "no crash, NaN, or empty result without a word. Which faults the suite found stands in "
+    "[extremes-faults.md](extremes-faults.md). Lines marked (long) are checked by `./check --long` alone.\n";
 
 const std::vector<Section>& all_sections() {
   static const std::vector<Section> all = [] {
     std::vector<Section> s = convergence_sections();
+    for (Section& more : export_sections()) s.push_back(std::move(more));
     for (Section& more : parameter_sections()) s.push_back(std::move(more));
     for (Section& more : input_sections()) s.push_back(std::move(more));
     return s;
@@ -109,6 +115,29 @@ std::string name_of(const testing::TestParamInfo<std::size_t>& info) { return al
 
 INSTANTIATE_TEST_SUITE_P(, Extremes, testing::Range<std::size_t>(0, all_sections().size()), name_of);
 INSTANTIATE_TEST_SUITE_P(, LongExtremes, testing::Range<std::size_t>(0, all_sections().size()), name_of);
+
+// A stage's source says its name; a new one is swept, or this fails.
+TEST(ExtremesOf, EveryStage) {
+  std::set<std::string> swept, declared;
+  for (const StageType& stage : all_stages()) EXPECT_TRUE(swept.insert(stage.name).second) << stage.name;
+  const std::regex name(R"re(\bs\.name = "([a-z_0-9]+)";)re");
+  for (const auto& file : std::filesystem::directory_iterator(TREPHINE_SOURCE_DIR "/lib/stages")) {
+    if (file.path().extension() != ".cpp") continue;
+    std::ifstream in(file.path());
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    for (std::sregex_iterator m(text.begin(), text.end(), name), end; m != end; ++m) declared.insert((*m)[1]);
+  }
+  EXPECT_GT(declared.size(), 20U);
+  EXPECT_EQ(swept, declared);
+}
+
+// A section that is no more is taken out of the table.
+TEST(ExtremesOf, TheTablesSections) {
+  std::set<std::string> swept{""}, written;
+  for (const Section& section : all_sections()) EXPECT_TRUE(swept.insert(section.heading).second) << section.heading;
+  for (const auto& [heading, lines] : committed()) written.insert(heading);
+  EXPECT_EQ(swept, written);
+}
 
 double cpu_s() { return double(std::clock()) / CLOCKS_PER_SEC; }
 

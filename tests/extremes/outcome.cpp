@@ -100,6 +100,9 @@ std::string of_field(const Field& field, bool warned) {
   return rounded(double(inside) * field.voxel_volume_mm3()) + " mm3 inside";
 }
 
+// HU of 16 bits are whole and stay so.
+std::string hu_text(double hu) { return std::fabs(hu) < 4e4 ? std::to_string(std::lround(hu)) : rounded(hu); }
+
 std::string of_volume(const HuVolume& volume) {
   return std::visit(
       [](const auto& g) -> std::string {
@@ -112,7 +115,7 @@ std::string of_volume(const HuVolume& volume) {
         if (g.voxels.empty()) return "FAULT: no voxel";
         std::string size;
         for (const int n : g.size) size += (size.empty() ? "" : " x ") + std::to_string(n);
-        return size + " voxels, " + rounded(low) + " to " + rounded(high) + " HU";
+        return size + " voxels, " + hu_text(low) + " to " + hu_text(high) + " HU";
       },
       volume);
 }
@@ -132,6 +135,16 @@ std::string of_landmarks(const HeadLandmarks& found, bool warned) {
       return "FAULT: landmark " + l.name + " is not finite";
   if (found.landmarks.empty() && !warned) return "FAULT: no landmark, without a word";
   return std::to_string(found.landmarks.size()) + " landmarks";
+}
+
+// What only measures: its first figures.
+std::string of_figures(const Report& report) {
+  std::string text = std::to_string(report.figures.size()) + " figures";
+  int shown = 0;
+  for (const auto& [name, value] : report.figures)
+    if (const auto* d = std::get_if<double>(&value))
+      if (++shown <= 4) text += (shown == 1 ? ": " : ", ") + name + " " + rounded(*d);
+  return text;
 }
 
 std::string of_data(const StageData& data, bool warned) {
@@ -175,7 +188,7 @@ std::string describe(const StageData& data, const Report& report) {
     if (!finite(value)) return "FAULT: " + name + " is not finite";
   }
   std::string text = of_data(data, !report.warnings.empty());
-  if (text.empty()) text = std::to_string(report.figures.size()) + " figures";
+  if (text.empty()) text = of_figures(report);
   if (const auto* by = report.find("stopped_by")) text += "; stopped by " + std::get<std::string>(*by);
   if (const auto* d = report.find("deviation_max_mm")) text += ", " + rounded(std::get<double>(*d)) + " mm at most";
   if (!report.warnings.empty()) text += "; warns: " + report.warnings.front();

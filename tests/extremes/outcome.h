@@ -39,5 +39,6 @@ std::string rounded(double v);
 std::vector<Section> parameter_sections();
 std::vector<Section> input_sections();
 std::vector<Section> convergence_sections();
+std::vector<Section> export_sections();
 
 }  // namespace trephine::extremes

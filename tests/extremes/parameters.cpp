@@ -97,11 +97,6 @@ std::string shown(const std::string& text) {
   return text == "\n" ? "a newline" : text;
 }
 
-// These take more than a few seconds; only of the long suite.
-bool is_slow(const std::string& stage, const std::string& parameter, const std::string& text) {
-  return (stage == "measure" || stage == "mismatch") && parameter == "sample_count" && text == "100000000";
-}
-
 std::string refusals(const StageType& stage) {
   const AnyParams params = stage.make_params();
   std::size_t texts = 0;
@@ -123,7 +118,7 @@ std::vector<Case> cases_of(const StageType& stage) {
       {"all parameters, just beyond both ends; nan, inf, no number, too many", [&] { return refusals(stage); }});
   for (const Subject& subject : subjects_of(stage)) {
     const std::string prefix = subject.label == stage.name ? "" : subject.label.substr(stage.name.size() + 2) + "; ";
-    cases.push_back({prefix + "as declared, on " + subject.scene->name,
+    cases.push_back({prefix + "as declared, on " + usual_scene(subject.body).name,
                      [subject] { return outcome_of_stage(*subject.stage, params_of(subject), inputs_of(subject)); }});
     const AnyParams defaults = stage.make_params();
     for (const Parameter& p : defaults.set->parameters) {
@@ -146,7 +141,7 @@ std::vector<Case> cases_of(const StageType& stage) {
                            }
                            return std::string("the result, or exit 70 where the time is over");
                          },
-                         is_slow(stage.name, p.name, text)});
+                         is_slow(subject, p.name, text)});
       }
     }
   }

@@ -33,13 +33,35 @@ Scene scene_of(const std::string& name, const Lattice& lattice, const Shape& sha
 /// The lattice of that many voxels about the centre.
 Lattice cube(std::array<int, 3> size, Vec3 spacing_mm, Vec3 centre = {});
 
-/// 32^3 voxels of 0.5 mm, an outer sphere of 6 mm: the valid input that the sweeps begin with.
-const Scene& base_scene();
-const Scene& spine_scene();  ///< rings and bodies of bone around a canal
-const Scene& chest_scene();  ///< sternum, clavicles, ribs, lungs
-const Scene& head_scene();   ///< skin, skull, brain and ventricles as ellipsoids, landmarks given
-/// One scene for each extreme of the input.
-const std::vector<std::function<Scene()>>& extreme_scenes();
+/// What a stage can work on: a sphere in a sphere (32^3 voxels of 0.5 mm, 6 mm), a head (skin, skull, brain and
+/// ventricles as ellipsoids, landmarks given), a spine (rings and bodies of bone around a canal), a chest (sternum,
+/// clavicles, ribs, lungs).
+enum class Body { balls, head, spine, chest };
+const Scene& usual_scene(Body body);
+Scene head_on(const std::string& name, const Lattice& lattice);
+Scene spine_on(const std::string& name, const Lattice& lattice);
+Scene chest_on(const std::string& name, const Lattice& lattice);
+inline Lattice head_lattice() { return cube({60, 76, 72}, {3, 3, 3}, {0, -5, 30}); }
+inline Lattice spine_lattice() { return cube({36, 44, 40}, {1.5, 1.5, 2.5}, {0, -12, 0}); }
+inline Lattice chest_lattice() { return cube({104, 60, 40}, {3, 3, 3}, {0, -5, -5}); }
+
+/// One for each extreme of the input; made when it is first asked for.
+struct ExtremeScene {
+  std::string name;
+  std::function<const Scene&()> scene;
+};
+const std::vector<ExtremeScene>& extreme_scenes(Body body);
+
+constexpr std::int16_t air_hu = -1000, soft_hu = 50, bone_hu = 1000;
+Field sampled(const Lattice& lattice, const std::function<double(Vec3)>& f);
+HuVolume scan_of(const Lattice& lattice, const std::function<double(Vec3)>& hu);
+/// From a to b as the surface at 0 runs through a voxel.
+double blend(double inside_mm, double width_mm, double a, double b);
+/// The surfaces of all fields under their names, anew; none where the one that counts has none.
+void add_meshes(Scene& scene);
+void move(Scene& scene, Vec3 by_mm);
+Cutter drill(Vec3 at, double radius_mm, double depth_mm);
+CaseLandmark landmark(const std::string& name, Vec3 at);
 
 /// The stage's inputs of the scene. `ports` names optional ports that are to be filled. False where the scene has no
 /// surface for it.

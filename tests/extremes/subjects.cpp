@@ -19,7 +19,7 @@ std::string labels_file() {
     const auto folder = std::filesystem::temp_directory_path() / "trephine-extremes";
     std::filesystem::create_directories(folder);
     const std::string name = (folder / (std::to_string(getpid()) + ".nrrd")).string();
-    const Field& field = base_scene().fields.at("");
+    const Field& field = usual_scene(Body::balls).fields.at("");
     Mask mask(field);
     for (std::size_t v = 0; v < mask.count(); ++v) mask.voxels[v] = field.voxels[v] > 0;
     write_nrrd(name, mask);
@@ -34,7 +34,7 @@ std::string labels_file() {
 }
 
 struct Suited {
-  const Scene& (*scene)();
+  Body body;
   std::vector<std::string> ports;
   std::vector<std::pair<std::string, std::string>> base;
 };
@@ -42,20 +42,21 @@ struct Suited {
 // What a stage needs in order to have something to work on, by its name, or name and method.
 Suited suited(const std::string& stage, const std::string& method) {
   const std::string key = method.empty() ? stage : stage + " " + method;
-  if (key == "segment brain") return {head_scene, {"skull"}, {{"lower_hu", "22"}}};
-  if (key == "segment ventricles") return {head_scene, {"within"}, {{"lower_hu", "-15"}, {"upper_hu", "21.5"}}};
-  if (stage == "landmarks") return {head_scene, {"brain", "ventricles"}, {}};
-  if (stage == "deface") return {head_scene, {}, {}};
-  if (stage == "anatomy") return {head_scene, {"skin", "skull", "brain", "ventricles", "landmarks"}, {}};
-  if (stage == "canal") return {spine_scene, {}, {}};
-  if (stage == "clavicle" || stage == "vein") return {chest_scene, {}, {}};
-  if (stage == "labels") return {base_scene, {}, {{"file", labels_file()}}};
-  if (stage == "snake") return {base_scene, {}, {{"bubbles_count", "1"}}};
-  if (stage == "presegment") return {base_scene, {}, {{"lower_hu", "-500"}, {"upper_hu", "500"}}};
-  if (stage == "burr_hole") return {head_scene, {"skin", "landmarks"}, {}};
-  if (stage == "resample") return {base_scene, {}, {{"spacing_mm", "1,1,1"}}};
-  if (stage == "measure") return {base_scene, {"reference"}, {}};
-  return {base_scene, {}, {}};
+  if (key == "segment brain") return {Body::head, {"skull"}, {{"lower_hu", "22"}}};
+  if (key == "segment ventricles") return {Body::head, {"within"}, {{"lower_hu", "-15"}, {"upper_hu", "21.5"}}};
+  if (stage == "landmarks") return {Body::head, {"brain", "ventricles"}, {}};
+  if (stage == "deface") return {Body::head, {}, {}};
+  if (stage == "anatomy") return {Body::head, {"skin", "skull", "brain", "ventricles", "landmarks"}, {}};
+  if (stage == "canal") return {Body::spine, {}, {}};
+  if (stage == "clavicle" || stage == "vein") return {Body::chest, {}, {}};
+  if (stage == "labels") return {Body::balls, {}, {{"file", labels_file()}}};
+  if (stage == "snake") return {Body::balls, {}, {{"bubbles_count", "1"}}};
+  if (stage == "presegment") return {Body::balls, {}, {{"lower_hu", "-500"}, {"upper_hu", "500"}}};
+  if (stage == "burr_hole") return {Body::head, {"skin", "landmarks"}, {}};
+  if (stage == "resample") return {Body::balls, {}, {{"spacing_mm", "1,1,1"}}};
+  if (stage == "measure") return {Body::balls, {"reference"}, {}};
+  if (stage == "voxelize") return {Body::balls, {"shape.*", "cutters.*"}, {}};
+  return {Body::balls, {}, {}};
 }
 
 }  // namespace
@@ -67,7 +68,7 @@ std::vector<Subject> subjects_of(const StageType& stage) {
   std::vector<Subject> all;
   for (const std::string& method : methods) {
     const Suited s = suited(stage.name, method);
-    Subject subject{&stage, stage.name, &s.scene(), s.ports, s.base, false};
+    Subject subject{&stage, stage.name, s.body, s.ports, s.base};
     if (!method.empty()) {
       subject.label += ", method " + method;
       subject.base.emplace_back("method", method);
@@ -103,10 +104,24 @@ AnyParams params_of(const Subject& subject) {
   return params;
 }
 
+bool fill(StageInputs& inputs, const Subject& subject, const Scene& scene) {
+  return fill(inputs, *subject.stage, scene, subject.ports);
+}
+
 StageInputs inputs_of(const Subject& subject) {
   StageInputs inputs;
-  fill(inputs, *subject.stage, *subject.scene, subject.ports);
+  fill(inputs, subject, usual_scene(subject.body));
   return inputs;
+}
+
+bool is_slow(const Subject& subject, const std::string& parameter, const std::string& text) {
+  const std::string& stage = subject.stage->name;
+  if (stage == "landmarks") return true;
+  if ((stage == "measure" || stage == "mismatch") && parameter == "sample_count") return text == "100000000";
+  if (stage == "smooth" && parameter == "iterations_count") return text == "100000";
+  return (stage == "segment" && parameter == "close_mm" && text == "30") ||
+         (stage == "simplify" && parameter == "close_handles_mm" && text == "60") ||
+         (stage == "remesh" && parameter == "max_deviation_mm" && text == "1e-06");
 }
 
 }  // namespace trephine::extremes

@@ -13,10 +13,9 @@ namespace trephine::extremes {
 struct Subject {
   const StageType* stage = nullptr;
   std::string label;  ///< "segment", or "segment, method brain"
-  const Scene* scene = nullptr;
+  Body body = Body::balls;
   std::vector<std::string> ports;  ///< optional ones that are filled
   std::vector<std::pair<std::string, std::string>> base;
-  bool slow = false;
 };
 
 /// Every stage, and once for each method that it has; known stages with an input that suits them, any other with a
@@ -30,6 +29,11 @@ std::vector<std::string> items_of(const Parameter& parameter, const std::string&
 void set(AnyParams& params, const std::string& name, const std::string& text);
 
 AnyParams params_of(const Subject& subject);
+/// False where the scene has no surface for it.
+bool fill(StageInputs& inputs, const Subject& subject, const Scene& scene);
+/// The usual scene's.
 StageInputs inputs_of(const Subject& subject);
+/// These take long: only of the long suite.
+bool is_slow(const Subject& subject, const std::string& parameter, const std::string& text);
 
 }  // namespace trephine::extremes
