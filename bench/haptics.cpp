@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// CPU time of a haptic tick (proxy and force), this thread's own, the clock's reading taken off:
+//   bench_haptics [CASE...]
+// Over synthetic volumes by number of shapes, size, speed and contact method, then over the surfaces of cases.
+// Run it with other programs idle: their cache misses count, their time does not.
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "cases/load_case.h"
+#include "device/hand_path.h"
+#include "haptics/proxy.h"
+
+using namespace trephine;
+
+namespace {
+
+double cpu_ns() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e9 * double(t.tv_sec) + double(t.tv_nsec);
+}
+
+double clock_cost_ns() {
+  std::vector<double> v(20001);
+  for (double& d : v) {
+    const double begin = cpu_ns();
+    d = cpu_ns() - begin;
+  }
+  std::nth_element(v.begin(), v.begin() + 10000, v.end());
+  return v[10000];
+}
+
+struct Times {
+  double mean, p50, p99, p999, max, touching;
+};
+
+// The device goes along the path at that speed, `ticks` times.
+Times measure(Proxy& proxy, const std::vector<Vec3>& path, double mm_a_frame, int ticks) {
+  const double cost = clock_cost_ns();
+  std::vector<double> ns;
+  ns.reserve(std::size_t(ticks));
+  std::size_t next = 0;
+  Vec3 x = path[0];
+  int touching = 0;
+  for (int n = 0; n < ticks + 2000; ++n) {
+    double left = mm_a_frame;
+    while (left > 0) {
+      const Vec3 d = path[next] - x;
+      const double length = norm(d);
+      if (length > left) {
+        x += d * (left / length);
+        break;
+      }
+      x = path[next];
+      left -= length;
+      next = next + 1 < path.size() ? next + 1 : 1;
+    }
+    HapticInput in;
+    in.tip_mm = x;
+    const double begin = cpu_ns();
+    proxy.update(in);
+    const double t = cpu_ns() - begin - cost;
+    if (n < 2000) continue;
+    ns.push_back(std::max(0.0, t));
+    touching += proxy.state().touched != 0;
+  }
+  std::sort(ns.begin(), ns.end());
+  double sum = 0;
+  for (const double t : ns) sum += t;
+  const auto at = [&](double share) {
+    return ns[std::min(ns.size() - 1, std::size_t(share * double(ns.size())))] / 1e3;
+  };
+  return {sum / double(ns.size()) / 1e3,       at(0.5), at(0.99), at(0.999), ns.back() / 1e3,
+          100.0 * touching / double(ns.size())};
+}
+
+void print(const std::string& what, const Times& t) {
+  std::printf("| %-58s | %6.2f | %6.2f | %6.2f | %6.2f | %7.2f | %5.1f |\n", what.c_str(), t.mean, t.p50, t.p99, t.p999,
+              t.max, t.touching);
+}
+void head(const char* what) {
+  std::printf(
+      "\n| %-58s | mean   | p50    | p99    | p99.9  | max us  | in contact %% |\n|---|---|---|---|---|---|---|\n",
+      what);
+}
+
+// Nested bumpy shells, the outermost always the same: what lies inside must not matter.
+HapticVolume shells(int n, int shapes) {
+  HapticVolume v;
+  Lattice l;
+  l.size = {n, n, n};
+  const double side = 160.0 / n;
+  l.spacing_mm = {side, side, side};
+  l.origin_mm = Vec3{1, 1, 1} * (-0.5 * side * (n - 1));
+  v.voxels = Grid<std::int16_t>(l, haptic_empty);
+  for (int s = 1; s <= shapes; ++s) v.shapes.push_back(occupancy_shape("shape_" + std::to_string(s), s));
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
+        const double depth = (70 + std::sin(p.x / 7) + std::cos(p.y / 9) - norm(p)) / side;
+        const int o = int(std::lround(255 * std::clamp(0.5 + depth, 0.0, 1.0)));
+        if (o == 0) continue;
+        const int shape = 1 + std::min(shapes - 1, std::max(0, int(depth * side / 4)));
+        v.voxels.at(i, j, k) = std::int16_t(1000 * shape + o + (o < 255 ? 300 : 0));
+      }
+  return v;
+}
+
+CaseFace bone() {
+  CaseFace f;
+  f.stiffness_n_per_mm = 1;
+  f.damping_n_s_per_mm = 0.0003;
+  f.static_friction_ratio = 0.35;
+  f.dynamic_friction_ratio = 0.3;
+  return f;
+}
+
+struct Method {
+  const char* name;
+  ContactParams params;
+};
+const Method methods[] = {{"exact, subvoxel", {}},
+                          {"exact, nearest", {ContactParams::Walk::exact, ContactParams::Surface::nearest, 1}},
+                          {"stepped, subvoxel", {ContactParams::Walk::stepped, ContactParams::Surface::subvoxel, 0.5}},
+                          {"stepped, nearest", {ContactParams::Walk::stepped, ContactParams::Surface::nearest, 0.5}}};
+
+// Over the surface at 1 mm of depth for what a hand does; for what it does not, to and fro through everything.
+std::vector<Vec3> path_for(const ContactVolume& contact, const TouchableFaces& faces, double mm_a_frame) {
+  HandPathParams task;
+  task.radius_mm = 20;
+  std::vector<Vec3> path = path_over(contact, faces, task).points_mm;
+  if (mm_a_frame < 1) return path;
+  const Lattice& l = contact.volume().voxels;
+  std::mt19937_64 rng(1);
+  const auto uniform = [&] { return double(rng() >> 11) * 0x1p-53; };
+  path.clear();
+  for (int n = 0; n < 4000; ++n)
+    path.push_back(l.to_world_mm({uniform() * l.size[0], uniform() * l.size[1], uniform() * l.size[2]}));
+  return path;
+}
+
+void synthetic() {
+  Feels feels;
+  for (ShapeFeel& f : feels) f.front = f.back = bone();
+  const ForceParams force;
+  const auto run = [&](HapticVolume& v, const Method& m, double speed, const std::string& what) {
+    const ContactVolume contact(v, m.params);
+    Proxy proxy(contact, feels, force);
+    print(what, measure(proxy, path_for(contact, touchable_of(feels), speed), speed, speed < 1 ? 100000 : 20000));
+  };
+  head("shapes (256^3, 0.02 mm a frame, exact, subvoxel)");
+  for (const int shapes : {1, 2, 4, 8}) {
+    HapticVolume v = shells(256, shapes);
+    run(v, methods[0], 0.02, std::to_string(shapes) + (shapes == 1 ? " shape" : " shapes"));
+  }
+  head("size (8 shapes, 0.02 mm a frame, exact, subvoxel)");
+  for (const int n : {128, 256, 512}) {
+    HapticVolume v = shells(n, 8);
+    run(v, methods[0], 0.02, std::to_string(n) + "^3");
+  }
+  head("speed and method (256^3, 8 shapes)");
+  HapticVolume v = shells(256, 8);
+  for (const Method& m : methods)
+    for (const double speed : {0.02, 0.2, 2.0, 100.0}) {
+      char what[100];
+      std::snprintf(what, sizeof what, "%s, %g mm a frame", m.name, speed);
+      run(v, m, speed, what);
+    }
+}
+
+void of_case(const std::string& folder) {
+  LoadedCase c = load_case(folder);
+  const Feels all = feels_of(c.manifest.haptic);
+  head((folder + ": shape felt, method, speed").c_str());
+  for (const HapticShape& s : c.haptic.shapes) {
+    Feels feels = all;
+    for (const HapticShape& o : c.haptic.shapes)
+      if (o.number != s.number)
+        feels[std::size_t(o.number)].front.touchable = feels[std::size_t(o.number)].back.touchable = false;
+    for (const Method& m : methods)
+      for (const double speed : {0.02, 100.0}) {
+        const ContactVolume contact(c.haptic, m.params);
+        Proxy proxy(contact, feels, ForceParams{});
+        char what[120];
+        std::snprintf(what, sizeof what, "%s, %s, %g mm a frame", s.name.c_str(), m.name, speed);
+        print(what, measure(proxy, path_for(contact, touchable_of(feels), speed), speed, speed < 1 ? 100000 : 20000));
+      }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  std::printf("CPU time of a tick, us; reading the clock costs %.0f ns, taken off\n", clock_cost_ns());
+  if (argc == 1) synthetic();
+  for (int n = 1; n < argc; ++n) of_case(argv[n]);
+  return 0;
+} catch (const Error& e) {
+  std::fprintf(stderr, "%s\n", e.line("bench_haptics").c_str());
+  return static_cast<int>(e.code());
+}
