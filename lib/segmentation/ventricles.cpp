@@ -46,6 +46,7 @@ struct Place {
 constexpr Place lateral_ventricles{1.5, 25, {-15, -70, -10}, {15, 70, 20}};
 constexpr Place third_ventricle{0.5, 12, {-12, -30, -18}, {12, 5, 5}};
 constexpr Place behind_the_third{0, 0, {-20, 11, -1000}, {20, 1000, -10}};    ///< quadrigeminal, cerebellar cisterns
+constexpr Place about_monro{0, 0, {-10, -28, -12}, {10, -2, 14}};             ///< foramina and septum
 constexpr Place below_the_third{0, 0, {-20, -1000, -1000}, {20, 1000, -28}};  ///< fourth ventricle, basal cisterns
 
 /// Seeds for the watershed in the CSF: 1 in the cores of the ventricles, 2 in cisterns and near the brain's surface.
@@ -323,7 +324,12 @@ Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const Segm
     start = signed_distance_mm(start, progress);
     for (std::size_t v = 0; v < tubes.voxels.size() && horns_count > 0; ++v)
       start.voxels[v] = std::max(start.voxels[v], tubes.voxels[v]);
-    start = fit_fluid(trephine::crop(raw, cut), crop(known, cut), start, noise, progress);
+    const Vec3 centre = centre_of(envelope);
+    const BitMask necks = make_mask(start, [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < start.size[0]; ++i)
+        row[i] = about_monro.holds(start.to_world_mm({double(i), double(j), double(k)}) - centre);
+    });
+    start = fit_fluid(trephine::crop(raw, cut), crop(known, cut), start, noise, &necks, progress);
     // Back to the volume's voxels.
     const Box out{{cut.begin[0] * merge, cut.begin[1] * merge, cut.begin[2]},
                   {cut.end[0] * merge, cut.end[1] * merge, cut.end[2]}};

@@ -30,6 +30,8 @@ constexpr double window_base_mm = 0.6, window_rate = 0.13, least_window_mm = 1, 
 // The surface is smoothed by Gaussians, the thicker the shape is there, the wider.
 constexpr std::array<double, 3> smooth_mm{1.3, 1.95, 2.9};
 constexpr double smooth_per_thickness = 0.9, thickness_reach_mm = 4, thickness_sigma_mm = 2, far_mm = 8;
+// In a neck or a thin wall: what smoothing would move by the first of these at most is noise, by the second is not.
+constexpr float noise_moves_mm = 0.3f, neck_moves_mm = 0.8f;
 
 /// Lattice `coarse` with its slices cut into `parts`.
 Lattice cut_slices(const Lattice& coarse, int parts) {
@@ -177,8 +179,8 @@ void spread_largest(Grid<float>& g, double reach_mm, const Progress& progress) {
 }
 
 /// Smooths the surface as far as the shape's thickness allows; twice the Gaussian mean less the mean of that, which
-/// leaves what is curved evenly where it is.
-void smooth(Grid<float>& distance, const Progress& progress) {
+/// leaves what is curved evenly where it is. On `necks`, of as many slices or fewer, what that would move far stays.
+void smooth(Grid<float>& distance, const BitMask* necks, const Progress& progress) {
   for (float& d : distance.voxels) d = std::clamp(d, float(-far_mm), float(far_mm));
   Grid<float> thickness = distance;
   spread_largest(thickness, thickness_reach_mm, progress);
@@ -200,6 +202,18 @@ void smooth(Grid<float>& distance, const Progress& progress) {
       if (t > 0) out.voxels[v] = before.voxels[v] + std::min(t, 1.f) * (next.voxels[v] - before.voxels[v]);
     }
     before = std::move(next);
+  }
+  if (necks) {
+    const int parts = out.size[2] / necks->lattice().size[2];
+    for (int k = 0; k < out.size[2]; ++k)
+      for (int j = 0; j < out.size[1]; ++j)
+        for (int i = 0; i < out.size[0]; ++i) {
+          if (!necks->get(i, j, k / parts)) continue;
+          float& to = out.at(i, j, k);
+          const float from = distance.at(i, j, k), moves = to - from;
+          to =
+              from + moves * std::clamp((neck_moves_mm - std::abs(moves)) / (neck_moves_mm - noise_moves_mm), 0.f, 1.f);
+        }
   }
   distance = std::move(out);
 }
@@ -351,7 +365,7 @@ std::array<Grid<float>, 4> off_by(const Grid<float>& hu, const BitMask& known, c
 
 }  // namespace
 
-Field fit_fluid(const Grid<float>& hu, const BitMask& known, const Field& start, double noise,
+Field fit_fluid(const Grid<float>& hu, const BitMask& known, const Field& start, double noise, const BitMask* necks,
                 const Progress& progress) {
   const Lattice& o = hu;
   const Lattice f = cut_slices(o, std::max(1, int(std::ceil(o.spacing_mm.z / finest_mm))));
@@ -362,7 +376,7 @@ Field fit_fluid(const Grid<float>& hu, const BitMask& known, const Field& start,
   const Lattice m = merged_lattice(o, a, c);
   Levels levels;
   for (int round = 0; round < rounds; ++round) {
-    smooth(distance, progress);
+    smooth(distance, necks, progress);
     const Sight seen = sight_of(distance, o, progress);
     if (!measure(levels, hu, known, distance, seen.share, progress)) break;
     const auto off = off_by(hu, known, seen, levels, m, a, c, widths[round] * window, noise, progress);

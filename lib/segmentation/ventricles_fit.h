@@ -14,8 +14,9 @@ namespace trephine::segmentation {
 /// parts are neither shrunk nor widened, slices as thick as a horn or not.
 ///
 /// `start` is the signed distance to a first surface, mm, positive inside, right in topology and to about 2 mm; only
-/// voxels in `known` are gone by (no bone, no other fluid). Returns the signed distance.
+/// voxels in `known` are gone by (no bone, no other fluid). In `necks` (may be null) no smoothing closes a passage or
+/// opens a wall that `start` has, which costs smoothness where there is much noise. Returns the signed distance.
 Field fit_fluid(const Grid<float>& hu, const BitMask& known, const Field& start, double noise,
-                const Progress& progress = {});
+                const BitMask* necks = nullptr, const Progress& progress = {});
 
 }  // namespace trephine::segmentation
