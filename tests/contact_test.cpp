@@ -312,6 +312,35 @@ TEST(Contact, FromFarAwayAndAtFarCoordinates) {
   }
 }
 
+// Who lowers voxels loosens their blocks first; settling takes in what was done.
+TEST(Contact, SeesWhatWasCutMeanwhile) {
+  for (const HapticEncoding encoding : {HapticEncoding::occupancy, HapticEncoding::hu})
+    for (const Surface surface : {Surface::subvoxel, Surface::nearest}) {
+      const bool hu = encoding == HapticEncoding::hu;
+      HapticVolume v;
+      v.encoding = encoding;
+      v.voxels = Grid<std::int16_t>(lattice(24, {1, 1, 1}), std::int16_t(hu ? 700 : 2255));
+      v.shapes = {hu ? HapticShape{"block", 2, 300, 900} : occupancy_shape("block", 2)};
+      ContactVolume contact(v, {Walk::exact, surface, 1});
+      const Vec3 start = v.voxels.to_world_mm({11, 11, -5}), end = v.voxels.to_world_mm({11, 11, 30});
+      EXPECT_NEAR(v.voxels.to_index(contact.intersect(start, end).point_mm).z, -0.5, hu ? 0.3 : 1e-6);
+      const Box hole{{8, 8, 0}, {15, 15, 14}};
+      contact.loosen(hole);
+      for (int k = 0; k < 14; ++k)
+        for (int j = 8; j < 15; ++j)
+          for (int i = 8; i < 15; ++i) v.voxels.at(i, j, k) = hu ? std::int16_t(haptic_beyond_hu) : haptic_empty;
+      for (int pass = 0; pass < 2; ++pass) {
+        const Contact c = contact.intersect(start, end);
+        ASSERT_TRUE(c.hit);
+        EXPECT_NEAR(v.voxels.to_index(c.point_mm).z, 13.5, hu ? 0.3 : 1e-6) << pass;
+        EXPECT_EQ(contact.shape_at(v.voxels.to_world_mm({11, 11, 9})), 0);
+        EXPECT_EQ(contact.shape_at(v.voxels.to_world_mm({11, 11, 16})), 2);
+        EXPECT_EQ(contact.shape_at(v.voxels.to_world_mm({3, 11, 9})), 2);
+        contact.settle(grown(hole, 2, v.voxels));
+      }
+    }
+}
+
 TEST(Contact, BeyondTheLatticeIsNothing) {
   HapticVolume v;
   v.voxels = Grid<std::int16_t>(lattice(8, {1, 1, 1}), std::int16_t(1255));

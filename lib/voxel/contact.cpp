@@ -78,6 +78,12 @@ bool stops(int from, int into, const TouchableFaces& faces) {
 ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
     : volume_(volume), params_(params), table_(65536, 0) {
   const Lattice& l = volume.voxels;
+  std::size_t count = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    blocks_[a] = std::max(0, (l.size[a] - 1) >> block_bits);
+    count *= std::size_t(blocks_[a]);
+  }
+  block_shape_.assign(count, mixed_block);
   smallest_side_mm_ = std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b)
@@ -91,6 +97,7 @@ ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
       for (int raw = s.window_low; raw <= s.window_high; ++raw)
         table_[std::uint16_t(raw)] = std::uint16_t(haptic_full << 8 | contact_pure | s.number);
     }
+    note_blocks(whole_box(l));
     return;
   }
   for (const HapticShape& s : volume.shapes)
@@ -105,7 +112,8 @@ ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
 
 void ContactVolume::settle(const Box& box) {
   Grid<std::int16_t>& v = volume_.voxels;
-  if (volume_.encoding != HapticEncoding::occupancy || box.empty()) return;
+  if (box.empty()) return;
+  if (volume_.encoding != HapticEncoding::occupancy) return note_blocks(box);
   // Slices in parallel: only the rest's owner is written, and that is not what another voxel's owner depends on.
   parallel_for(box.begin[2], box.end[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < int(to); ++k)
@@ -117,6 +125,49 @@ void ContactVolume::settle(const Box& box) {
           const detail::RawVoxel r = detail::split(raw);
           if (r.number == 0 || r.bare || detail::other_shape(v, r.number, i, j, k) != 0) continue;
           __atomic_store_n(&voxel, detail::join(r.number, r.share, true), __ATOMIC_RELAXED);
+        }
+  });
+  note_blocks(box);
+}
+
+void ContactVolume::loosen(const Box& box) {
+  int begin[3], end[3];
+  for (std::size_t a = 0; a < 3; ++a) {
+    begin[a] = std::max(0, (box.begin[a] - 1) >> block_bits);
+    end[a] = std::min(blocks_[a], ((box.end[a] - 1) >> block_bits) + 1);
+  }
+  for (int k = begin[2]; k < end[2]; ++k)
+    for (int j = begin[1]; j < end[1]; ++j)
+      for (int i = begin[0]; i < end[0]; ++i)
+        __atomic_store_n(
+            &block_shape_[(std::size_t(k) * std::size_t(blocks_[1]) + std::size_t(j)) * std::size_t(blocks_[0]) +
+                          std::size_t(i)],
+            std::uint8_t(mixed_block), __ATOMIC_RELAXED);
+}
+
+// Which blocks, with the voxels after them, are of one shape or of none.
+void ContactVolume::note_blocks(const Box& box) {
+  const Grid<std::int16_t>& v = volume_.voxels;
+  int begin[3], end[3];
+  for (std::size_t a = 0; a < 3; ++a) {
+    begin[a] = std::max(0, (box.begin[a] - 1) >> block_bits);
+    end[a] = std::min(blocks_[a], ((box.end[a] - 1) >> block_bits) + 1);
+  }
+  constexpr int side = 1 << block_bits;
+  parallel_for(begin[2], end[2], 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < int(to); ++k)
+      for (int j = begin[1]; j < end[1]; ++j)
+        for (int i = begin[0]; i < end[0]; ++i) {
+          const std::uint16_t first = table_[std::uint16_t(detail::load_voxel(v.at(i * side, j * side, k * side)))];
+          bool same = entry_shape(first) == 0 ? first == 0 : (first & contact_pure) != 0;
+          for (int z = k * side; z <= (k + 1) * side && same; ++z)
+            for (int y = j * side; y <= (j + 1) * side && same; ++y) {
+              const std::int16_t* row = v.voxels.data() + v.index(i * side, y, z);
+              for (int x = 0; x <= side; ++x) same = same && table_[std::uint16_t(detail::load_voxel(row[x]))] == first;
+            }
+          const std::size_t at =
+              (std::size_t(k) * std::size_t(blocks_[1]) + std::size_t(j)) * std::size_t(blocks_[0]) + std::size_t(i);
+          __atomic_store_n(&block_shape_[at], std::uint8_t(same ? entry_shape(first) : mixed_block), __ATOMIC_RELAXED);
         }
   });
 }
@@ -133,11 +184,15 @@ int ContactVolume::shape_of(Vec3 index) const {
   const auto& size = volume_.voxels.size;
   for (int a = 0; a < 3; ++a)
     if (!(index[a] >= -1 && index[a] <= size[std::size_t(a)])) return 0;
-  if (params_.surface == ContactParams::Surface::nearest)
-    return shape_of_voxel(int(std::floor(index.x + 0.5)), int(std::floor(index.y + 0.5)),
-                          int(std::floor(index.z + 0.5)));
+  if (params_.surface == ContactParams::Surface::nearest) {
+    const int i = int(std::floor(index.x + 0.5)), j = int(std::floor(index.y + 0.5)),
+              k = int(std::floor(index.z + 0.5));
+    const int block = shape_of_block(i, j, k);
+    return block != mixed_block ? block : shape_of_voxel(i, j, k);
+  }
   const int i = int(std::floor(index.x)), j = int(std::floor(index.y)), k = int(std::floor(index.z));
-  return ContactCell(*this, i, j, k).shape_at(within_cell(index, i, j, k));
+  const int block = shape_of_block(i, j, k);
+  return block != mixed_block ? block : ContactCell(*this, i, j, k).shape_at(within_cell(index, i, j, k));
 }
 
 int ContactVolume::shape_at(Vec3 world_mm) const { return usable(world_mm) ? shape_of(to_index(world_mm)) : 0; }
@@ -178,6 +233,8 @@ ContactVolume::Crossing ContactVolume::walk_cells(const Segment& s, int shape, c
     return c.hit = stops(c.from, into, faces);
   };
   for_each_cell(s.begin, s.end, [&](int i, int j, int k, double t0, double t1) {
+    const int block = shape_of_block(i, j, k);
+    if (block != mixed_block) return block != c.into && change(block, t0);
     const ContactCell cell(*this, i, j, k);
     if (cell.uniform()) return cell.shape() != c.into && change(cell.shape(), t0);
     const Vec3 p = within_cell(between(s.begin, s.end, t0), i, j, k);
@@ -201,7 +258,8 @@ ContactVolume::Crossing ContactVolume::walk_voxels(const Segment& s, int shape, 
   c.from = c.into = shape;
   const Vec3 half{0.5, 0.5, 0.5};
   for_each_cell(s.begin + half, s.end + half, [&](int i, int j, int k, double t0, double) {
-    const int now = shape_of_voxel(i, j, k);
+    const int block = shape_of_block(i, j, k);
+    const int now = block != mixed_block ? block : shape_of_voxel(i, j, k);
     if (now == c.into) return false;
     c.from = c.into;
     c.into = now;
@@ -318,15 +376,22 @@ Vec3 ContactVolume::normal_at(Vec3 world_mm, int from, int into) const {
     std::copy(d, d + 4, change[a]);
     std::copy(w, w + 4, smooth[a]);
   }
+  const bool within = begin[0] >= 1 && begin[1] >= 1 && begin[2] >= 1 && begin[0] + 2 < l.size[0] &&
+                      begin[1] + 2 < l.size[1] && begin[2] + 2 < l.size[2];
+  const bool filled_only = within && !hu && (from == 0 || into == 0);  // by far the most: no question of whose
   Vec3 g;
   for (int z = 0; z < 4; ++z)
     for (int y = 0; y < 4; ++y) {
-      double changed = 0, smoothed = 0;
-      for (int x = 0; x < 4; ++x) {
-        const double v = sample(begin[0] + x - 1, begin[1] + y - 1, begin[2] + z - 1);
-        changed += change[0][x] * v;
-        smoothed += smooth[0][x] * v;
+      double v[4];
+      if (filled_only) {
+        const std::int16_t* row =
+            volume_.voxels.voxels.data() + l.index(begin[0] - 1, begin[1] + y - 1, begin[2] + z - 1);
+        for (int x = 0; x < 4; ++x) v[x] = entry_filled(table_[std::uint16_t(detail::load_voxel(row[x]))]);
+      } else {
+        for (int x = 0; x < 4; ++x) v[x] = sample(begin[0] + x - 1, begin[1] + y - 1, begin[2] + z - 1);
       }
+      const double changed = change[0][0] * v[0] + change[0][1] * v[1] + change[0][2] * v[2] + change[0][3] * v[3];
+      const double smoothed = smooth[0][0] * v[0] + smooth[0][1] * v[1] + smooth[0][2] * v[2] + smooth[0][3] * v[3];
       g.x += smooth[2][z] * smooth[1][y] * changed;
       g.y += smooth[2][z] * change[1][y] * smoothed;
       g.z += change[2][z] * smooth[1][y] * smoothed;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -59,14 +61,16 @@ struct Contact {
 /// is left. Where shapes meet they share one surface; what they leave of a voxel together is empty.
 ///
 /// Nothing but the constructor allocates, locks or throws, and it may be used from several threads. Voxels may be
-/// lowered meanwhile (they are read through relaxed atomics); lattice and shapes may not change.
+/// lowered meanwhile (they are read through relaxed atomics), after loosen(); lattice and shapes may not change.
 class ContactVolume {
  public:
   /// The volume must outlive it. Encoding `occupancy`: partly filled voxels that no other shape is near are rewritten
   /// as such (settle, over all), which changes no voxel's meaning.
   explicit ContactVolume(HapticVolume& volume, ContactParams params = {});
 
-  /// To be called for the voxels around those that somebody else changed, in encoding `occupancy`.
+  /// To be called before voxels of the box are lowered: what is known of the blocks around them is forgotten.
+  void loosen(const Box& box);
+  /// To be called for a box around voxels that were changed, and two more a side, by whoever may take the time.
   void settle(const Box& box);
 
   /// The shape that holds the point, 0 for none, beyond the lattice, and where a coordinate is not finite.
@@ -104,14 +108,25 @@ class ContactVolume {
   Crossing walk_steps(const Segment& segment, int shape, const TouchableFaces& faces) const;
   int shape_of(Vec3 index) const;
   int shape_of_voxel(int i, int j, int k) const;
-  double narrow(Vec3 from, Vec3 to, int shape) const;
+  /// The lattice in blocks of 4 x 4 x 4 voxels: the shape (0: none) that all voxels of this one's block and those right
+  /// after it are of; mixed_block where they differ, and where it is not known.
+  int shape_of_block(int i, int j, int k) const {
+    const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
+    if (bi < 0 || bj < 0 || bk < 0 || bi >= blocks_[0] || bj >= blocks_[1] || bk >= blocks_[2]) return mixed_block;
+    const std::size_t at = (std::size_t(bk) * std::size_t(blocks_[1]) + std::size_t(bj)) * std::size_t(blocks_[0]);
+    return __atomic_load_n(&block_shape_[at + std::size_t(bi)], __ATOMIC_RELAXED);
+  }
+  void note_blocks(const Box& box);
 
   HapticVolume& volume_;
   ContactParams params_;
   double smallest_side_mm_ = 1;
   Mat3 to_index_;                     ///< of world minus origin
   std::vector<std::uint16_t> table_;  ///< by raw value: shape in the low byte, of 255 how much is filled in the high
-  int lowest_ = 0;                    ///< encoding `hu`: the lowest window's low end
+  static constexpr int block_bits = 2, mixed_block = 255;
+  std::array<int, 3> blocks_{0, 0, 0};  ///< whole ones, with the voxels after them
+  std::vector<std::uint8_t> block_shape_;
+  int lowest_ = 0;  ///< encoding `hu`: the lowest window's low end
   int low_of_[haptic_max_shapes + 1] = {};
 };
 
