@@ -30,7 +30,7 @@ std::string encode_png(const Image& image) {
   p.width = static_cast<png_uint_32>(image.width);
   p.height = static_cast<png_uint_32>(image.height);
   p.format = PNG_FORMAT_RGB;
-  p.flags = PNG_IMAGE_FLAG_FAST;  // a case's pictures: a third of the time
+  p.flags = PNG_IMAGE_FLAG_FAST;  // a fifth larger; a case spent more time here than on its files
   std::string out;
   if (image.width > 0 && image.height > 0 && image.rgb.size() == std::size_t(image.width) * image.height * 3) {
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(p);
