@@ -4,7 +4,7 @@
 //   TREPHINE_FAULT=write+:3:28   it and all that follow
 //   TREPHINE_FAULT_IN=run        only where an argument is this word
 //   TREPHINE_FAULT_COUNT=FILE    no call fails; the number of calls is appended to the file at the end
-// Functions: write (and short), fsync, rename, open (of files to be made), close (of files that were written), malloc (of
+// Nothing fails before main. Functions: write (and short), fsync, rename, open (of files to be made), close (of files that were written), malloc (of
 // 4 KB and more).
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -20,7 +20,7 @@
 
 static atomic_long calls;
 static long wanted;
-static int error_number, onwards, active;
+static int error_number, onwards, chosen, active;
 static char kind[16];
 
 static void* next(const char* name) { return dlsym(RTLD_NEXT, name); }
@@ -44,7 +44,20 @@ __attribute__((constructor)) static void begin(void) {
   const size_t length = strlen(name);
   if (length > 0 && name[length - 1] == '+') onwards = 1, name[length - 1] = 0;
   strcpy(kind, name);
-  active = 1;
+  chosen = 1;
+}
+
+static int (*real_main)(int, char**, char**);
+static int our_main(int argc, char** argv, char** environment) {
+  active = chosen;
+  return real_main(argc, argv, environment);
+}
+int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, void (*init)(void), void (*fini)(void),
+                      void (*rtld_fini)(void), void* stack_end) {
+  int (*real)(int (*)(int, char**, char**), int, char**, void (*)(void), void (*)(void), void (*)(void), void*) =
+      next("__libc_start_main");
+  real_main = main;
+  return real(our_main, argc, argv, init, fini, rtld_fini, stack_end);
 }
 
 __attribute__((destructor)) static void end(void) {

@@ -176,6 +176,7 @@ JobResult do_job(const LibraryJob& job) {
     }
   } else {
     result.reason = reason_in(clean_log(log, job.series), job.arguments.front(), job.token);
+    replace_all(result.reason, job.library.string() + "/", "");
     if (end.code == stopped) {
       result.code = static_cast<int>(ExitCode::internal);
       result.reason = "stopped after " + to_text(job.time_limit_s) + " s, its time limit";
@@ -248,7 +249,10 @@ int run_library_job(const std::string& name) {
     result = do_job(job);
   } catch (const Error& e) {
     result.code = static_cast<int>(e.code());
-    result.reason = printable(e.line("library")).substr(0, most_reason);
+    for (const std::string& part : {e.file(), e.field(), std::string(e.what())})
+      if (!part.empty()) result.reason += (result.reason.empty() ? "" : ": ") + part;
+    replace_all(result.reason, job.library.string() + "/", "");
+    result.reason = printable(result.reason).substr(0, most_reason);
   } catch (const std::bad_alloc&) {
     result = {static_cast<int>(ExitCode::internal), "out of memory", 0, 0, 0};
   }

@@ -23,7 +23,7 @@ struct LibraryCase {
   std::filesystem::path config;  ///< of the case: recipe and scene
   std::filesystem::path landmarks;
   std::vector<std::string> set;  ///< path=value; library, then case, then command line: the last one wins
-  std::string origin;            ///< "series[0] folder 3": what messages call it while it has no token; no name of a folder
+  std::string origin;  ///< "series[0] folder 3": what messages call it while it has no token; no name of a folder
 };
 
 struct LibraryConfig {

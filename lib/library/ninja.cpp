@@ -177,12 +177,15 @@ void run_ninja(const std::vector<NinjaJob>& jobs, const MemoryPools& pools, cons
   }
   bool told = false;
   int failed = 0;
+  std::set<std::string> open;
   Ended end;
+  const auto hand_on = [&](const JobEvent& e) {
+    e.is_end ? void(open.erase(e.name)) : void(open.insert(e.name));
+    failed += e.is_end && e.result.code != 0;
+    event(e);
+  };
   const auto take = [&](double seconds) {
-    for (const JobEvent& e : events.take(seconds)) {
-      failed += e.is_end && e.result.code != 0;
-      event(e);
-    }
+    for (const JobEvent& e : events.take(seconds)) hand_on(e);
   };
   while (!end.ended) {
     take(options.tick_s);
@@ -195,6 +198,9 @@ void run_ninja(const std::vector<NinjaJob>& jobs, const MemoryPools& pools, cons
   }
   take(0);
   if (cancel_requested()) throw Cancelled{};
+  // Out of memory, or killed by somebody: the others were built all the same.
+  for (const std::string& name : std::set<std::string>(open))
+    hand_on({name, true, {static_cast<int>(ExitCode::internal), "ended without a word, see its log", 0, 0, 0}});
   // A job that failed is told by its own reason; Ninja may have stopped for the same one, a full disk.
   if (end.code == 0 || failed > 0) return;
   std::error_code error;

@@ -128,6 +128,16 @@ rm -rf "$work/out/.library"
 build l.yaml
 [[ $before == "$(digests)" ]] || fail "a lost memory changed a case"
 
+# A damaged cache is no cache: every entry loses a byte, or its end.
+n=0
+for f in "$work"/out/.trephine-cache/*; do
+  n=$((n + 1)) size=$(stat -c %s "$f")
+  if ((n % 2)); then printf '\252' | dd of="$f" bs=1 seek=$((size / 2)) conv=notrunc status=none; else truncate -s $((size / 2)) "$f"; fi
+done
+((n > 10)) || fail "there is no cache to damage"
+build l.yaml --rebuild
+[[ $before == "$(digests)" ]] || fail "a damaged cache changed a case"
+
 # gc: what no case.json names, and nothing else.
 touch "$work/out/first/meshes/skull-0123456789abcdef.glb" "$work/out/first/notes.txt" "$work/out/.trephine-tmp-999999-1-x"
 mkdir -p "$work/out/killed/meshes" && touch "$work/out/killed/.lock"
