@@ -47,7 +47,9 @@ Grid<float> soft_of(const HuView& hu, const Box& box, const CoarseRaster& raster
   if (p.smoothing_sigma_mm > 0) v = masked_gaussian(std::move(v), known, p.smoothing_sigma_mm, -1000, 0.02, progress);
   if (p.edge == SegmentEdge::half_maximum) level_tissue(v, known, report, progress);
   // The more noise, the wider the planes over which it is averaged.
-  const double wide_mm = std::min(most_sheet_mm, sheet_mm_per_noise * tissue_noise(v, known, progress));
+  const double noise = tissue_noise(v, known, progress);
+  check_noise(noise);
+  const double wide_mm = std::min(most_sheet_mm, sheet_mm_per_noise * noise);
   if (wide_mm >= least_sheet_mm) v = averaged_along_sheets(v, known, wide_mm, progress);
   return soft_tissue(std::move(v), known, false, strength_ratio, -1000, report, progress);
 }

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "segmentation/soft_tissue.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "segmentation/filters.h"
 
@@ -118,6 +121,16 @@ void level_tissue(Grid<float>& hu, const BitMask& known, Report& report, const P
           row[i] += float(std::clamp(tissue_level_hu - (a + i * (first + i * second)), -most_hu, most_hu));
       }
   });
+}
+
+void check_noise(double noise) {
+  constexpr double most = 65;  // 20 HU in slices of 3 mm are 43
+  if (noise > most)
+    throw Error(
+        ExitCode::quality, "", "volume",
+        fmt::format("noise of {:.0f} HU mm^1.5, at most {:.0f}: CSF and tissue are not told apart; take a series "
+                    "of a smoother kernel, or set smoothing_sigma_mm",
+                    noise, most));
 }
 
 double tissue_noise(const Grid<float>& hu, const BitMask& known, const Progress& progress) {

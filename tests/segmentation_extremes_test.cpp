@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The recipe's four anatomies, landmarks and gate on scans that are hardly fit for it: the right shapes, or a refusal
+// that names the stage.
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "phantom/head.h"
+#include "phantom/scan.h"
+#include "segmentation/anatomy_gate.h"
+#include "segmentation/landmarks.h"
+#include "segmentation/segment.h"
+
+namespace trephine {
+namespace {
+
+using phantom::Anatomy;
+
+struct Outcome {
+  ExitCode code = ExitCode::ok;
+  std::string field, what;
+  Field skin, skull, brain, ventricles;  ///< as far as it came
+  HeadLandmarks landmarks;
+};
+
+/// The values of pipelines/ventriculostomy.yaml.
+Outcome through_recipe(const HuVolume& volume) {
+  Outcome o;
+  Report report;
+  try {
+    SegmentParams p;
+    p.lower_hu = -475;
+    p.open_mm = 3;
+    p.components = SegmentComponents::largest;
+    p.fill = SegmentFill::cavities_and_cut;
+    p.fill_close_mm = 6;
+    with_field("skin.segment", [&] { o.skin = segment(volume, {}, p, report); });
+    p = {};
+    p.lower_hu = 226;
+    p.seed_lower_hu = 400;
+    p.edge = SegmentEdge::half_maximum;
+    p.min_component_ml = 1;
+    p.fill = SegmentFill::cavities;
+    p.fill_close_mm = 2;
+    p.fill_max_ml = 100;
+    with_field("skull.segment", [&] { o.skull = segment(volume, {&o.skin, nullptr, nullptr}, p, report); });
+    p = {};
+    p.method = SegmentMethod::brain;
+    p.lower_hu = 22.5;
+    p.edge = SegmentEdge::half_maximum;
+    with_field("brain.segment", [&] { o.brain = segment(volume, {nullptr, nullptr, &o.skull}, p, report); });
+    p.method = SegmentMethod::ventricles;
+    p.lower_hu = -15;
+    p.upper_hu = 18.5;
+    with_field("ventricles.segment", [&] { o.ventricles = segment(volume, {&o.brain, nullptr, nullptr}, p, report); });
+    LandmarkInputs in;
+    in.skin = &o.skin;
+    in.skull = &o.skull;
+    in.brain = &o.brain;
+    in.ventricles = &o.ventricles;
+    with_field("landmarks", [&] { o.landmarks = find_landmarks(volume, in, {}, report); });
+    with_field("anatomy", [&] {
+      require_anatomy(examine_anatomy({&o.skin, &o.skull, &o.brain, &o.ventricles}, &o.landmarks, {}, report));
+    });
+  } catch (const Error& e) {
+    o.code = e.code();
+    o.field = e.field();
+    o.what = e.what();
+  }
+  return o;
+}
+
+const phantom::Head& head() {
+  static const phantom::Head h{phantom::HeadParams{}};
+  return h;
+}
+
+HuVolume scanned(const phantom::ScanParams& how) {
+  phantom::Scan scan = phantom::scan(head(), how);
+  Grid<std::int16_t> volume;
+  static_cast<Lattice&>(volume) = phantom::lattice_of(scan);
+  volume.voxels = std::move(scan.hu);
+  return volume;
+}
+
+phantom::ScanParams usual() {
+  phantom::ScanParams how;
+  how.columns_count = how.rows_count = 160;
+  how.pixel_mm = 1.5;
+  how.slices_count = 80;
+  how.slice_step_mm = how.slice_thickness_mm = 2.4;
+  return how;
+}
+
+/// Of the voxels in both, on the field's own raster.
+double dice(const Field& field, Anatomy anatomy) {
+  double found = 0, truth = 0, both = 0;
+  for (int k = 0; k < field.size[2]; ++k)
+    for (int j = 0; j < field.size[1]; ++j)
+      for (int i = 0; i < field.size[0]; ++i) {
+        const bool f = field.at(i, j, k) > 0,
+                   t = head().implicit_mm(anatomy, field.to_world_mm({double(i), double(j), double(k)})) < 0;
+        found += f, truth += t, both += f && t;
+      }
+  return 2 * both / (found + truth);
+}
+
+/// Refused where it had to be, or with shapes at least so good.
+void right_or_refused(const Outcome& o, double least_brain, double least_ventricles) {
+  if (o.code == ExitCode::ok || o.field == "landmarks" || o.field.rfind("anatomy", 0) == 0) {
+    EXPECT_GT(dice(o.brain, Anatomy::brain), least_brain) << o.what;
+    EXPECT_GT(dice(o.ventricles, Anatomy::ventricles), least_ventricles) << o.what;
+  }
+  if (o.code == ExitCode::ok) return;
+  EXPECT_TRUE(o.code == ExitCode::quality || o.code == ExitCode::bad_input) << int(o.code) << " " << o.what;
+  EXPECT_FALSE(o.field.empty());
+  EXPECT_FALSE(o.what.empty());
+}
+
+TEST(RecipeExtremes, CutAtTheBase) {
+  phantom::ScanParams how = usual();
+  how.slices_count = 46;  // from 25 mm above the ear canals
+  how.centre_mm[2] = 80;
+  const Outcome o = through_recipe(scanned(how));
+  right_or_refused(o, 0.95, 0.8);
+  EXPECT_EQ(o.code, ExitCode::ok) << o.what;
+  EXPECT_FALSE(o.landmarks.find("inion") && o.landmarks.find("inion")->confidence >= 0.5);
+}
+
+TEST(LongRecipeExtremes, CutAtTheVertex) {
+  phantom::ScanParams how = usual();
+  how.slices_count = 56;  // to 90 mm above the ear canals
+  how.centre_mm[2] = 23;
+  const Outcome o = through_recipe(scanned(how));
+  right_or_refused(o, 0.95, 0.8);
+  EXPECT_EQ(o.code, ExitCode::ok) << o.what;
+  EXPECT_FALSE(o.landmarks.find("kocher_right"));
+}
+
+TEST(RecipeExtremes, NoiseOfSixtyHuIsRefused) {
+  phantom::ScanParams how = usual();
+  how.noise_hu = 60;
+  const Outcome o = through_recipe(scanned(how));
+  EXPECT_EQ(o.code, ExitCode::quality) << o.what;
+  EXPECT_NE(o.field.find("brain.segment"), std::string::npos) << o.field;
+  EXPECT_NE(o.what.find("noise"), std::string::npos) << o.what;
+}
+
+TEST(RecipeExtremes, AFieldOfViewOfFiveCentimetres) {
+  phantom::ScanParams how = usual();
+  how.field_of_view_mm = 50;
+  how.slices_count = 30;
+  const Outcome o = through_recipe(scanned(how));
+  EXPECT_EQ(o.code, ExitCode::quality) << o.what;
+  EXPECT_NE(o.field.find("segment"), std::string::npos) << o.field;
+}
+
+TEST(LongRecipeExtremes, AFieldOfViewOfAMetre) {
+  phantom::ScanParams how = usual();
+  how.columns_count = how.rows_count = 512;
+  how.field_of_view_mm = 1000;
+  how.slices_count = 64;
+  how.slice_step_mm = how.slice_thickness_mm = 3;
+  right_or_refused(through_recipe(scanned(how)), 0.9, 0.7);
+}
+
+TEST(LongRecipeExtremes, VoxelsOfAThirdOfAMillimetreInSlicesOfFive) {
+  phantom::ScanParams how = usual();
+  how.columns_count = how.rows_count = 768;
+  how.pixel_mm = 0.3;
+  how.slices_count = 38;
+  how.slice_step_mm = how.slice_thickness_mm = 5;
+  right_or_refused(through_recipe(scanned(how)), 0.9, 0.7);
+}
+
+TEST(RecipeExtremes, TheSameValueEverywhere) {
+  for (const int value : {-1000, 0, 40, 1500}) {
+    Grid<std::int16_t> volume;
+    volume.size = {40, 40, 30};
+    volume.spacing_mm = {2, 2, 2};
+    volume.voxels.assign(volume.count(), std::int16_t(value));
+    const Outcome o = through_recipe(volume);
+    EXPECT_EQ(o.code, ExitCode::quality) << value << " " << o.what;
+    EXPECT_NE(o.field.find("skin.segment"), std::string::npos) << value << " " << o.field;
+  }
+}
+
+}  // namespace
+}  // namespace trephine
