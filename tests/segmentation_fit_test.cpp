@@ -89,6 +89,42 @@ TEST(VentriclesFit, NoiseOfHalfTheContrastLeavesATenthOfAVoxelOfBias) {
   EXPECT_LT(std::abs(bias), 0.15);
 }
 
+/// Two balls of 7 mm joined by a passage of `passage_mm` and 7 mm of length.
+double joined_balls(Vec3 p, double passage_mm) {
+  const double balls = 7 - norm(Vec3{std::abs(p.x) - 10.5, p.y, p.z});
+  return std::max(balls, std::abs(p.x) < 10.5 ? passage_mm - std::hypot(p.y, p.z) : -20.0);
+}
+
+TEST(VentriclesFit, ANarrowPassageStaysOpen) {
+  Lattice l;
+  l.size = {46, 26, 26};
+  l.spacing_mm = {0.95, 0.95, 1};
+  l.origin_mm = {-21.4, -11.9, -12.5};
+  Grid<float> hu(l);
+  BitMask known(l), everywhere(l);
+  Field start(l);
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
+        hu.at(i, j, k) = float(31 - 23 * std::clamp(0.5 + joined_balls(p, 1.9), 0.0, 1.0));
+        known.set(i, j, k);
+        everywhere.set(i, j, k);
+        start.at(i, j, k) = float(joined_balls(p, 0.9));  // as noise and blur leave it
+      }
+  const auto narrowest = [&](const BitMask* necks) {
+    const Field fit = fit_fluid(hu, known, start, 10, necks);
+    double least = 100;
+    for (double x = -4; x <= 4; x += 0.5) {
+      const Vec3 q = fit.to_index({x, 0, 0});
+      least = std::min(least, double(fit.at(int(q.x + 0.5), int(q.y + 0.5), int(q.z + 0.5))));
+    }
+    return least;
+  };
+  EXPECT_GT(narrowest(&everywhere), 0.5);
+  EXPECT_LT(narrowest(nullptr), 0);  // what smoothing alone makes of it
+}
+
 TEST(VentriclesFit, FluidThatIsNotThereIsLeftAlone) {
   Scene s = scene(0);
   for (float& d : s.start.voxels) d = -5;  // no voxel inside: nothing to measure the fluid in
