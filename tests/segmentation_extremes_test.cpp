@@ -145,6 +145,17 @@ TEST(RecipeExtremes, NoiseOfSixtyHuIsRefused) {
   EXPECT_NE(o.what.find("noise"), std::string::npos) << o.what;
 }
 
+TEST(RecipeExtremes, VoxelsOfFourMillimetresAreNotTakenForNoise) {
+  phantom::ScanParams how = usual();
+  how.columns_count = how.rows_count = 64;
+  how.pixel_mm = 4;
+  how.slices_count = 40;
+  how.slice_step_mm = 5;
+  how.slice_thickness_mm = 1;
+  const Outcome o = through_recipe(scanned(how));
+  EXPECT_EQ(o.what.find("noise of"), std::string::npos) << o.field << o.what;
+}
+
 TEST(RecipeExtremes, AFieldOfViewOfFiveCentimetres) {
   phantom::ScanParams how = usual();
   how.field_of_view_mm = 50;

@@ -48,7 +48,7 @@ Grid<float> soft_of(const HuView& hu, const Box& box, const CoarseRaster& raster
   if (p.edge == SegmentEdge::half_maximum) level_tissue(v, known, report, progress);
   // The more noise, the wider the planes over which it is averaged.
   const double noise = tissue_noise(v, known, progress);
-  check_noise(noise);
+  check_noise(noise, v);
   const double wide_mm = std::min(most_sheet_mm, sheet_mm_per_noise * noise);
   if (wide_mm >= least_sheet_mm) v = averaged_along_sheets(v, known, wide_mm, progress);
   return soft_tissue(std::move(v), known, false, strength_ratio, -1000, report, progress);

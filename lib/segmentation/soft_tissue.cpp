@@ -123,14 +123,15 @@ void level_tissue(Grid<float>& hu, const BitMask& known, Report& report, const P
   });
 }
 
-void check_noise(double noise) {
-  constexpr double most = 65;  // 20 HU in slices of 3 mm are 43
-  if (noise > most)
-    throw Error(
-        ExitCode::quality, "", "volume",
-        fmt::format("noise of {:.0f} HU mm^1.5, at most {:.0f}: CSF and tissue are not told apart; take a series "
-                    "of a smoother kernel, or set smoothing_sigma_mm",
-                    noise, most));
+void check_noise(double noise, const Lattice& lattice) {
+  constexpr double most_hu = 23;       // 20 HU in slices of 3 mm are 15
+  constexpr double structure_mm3 = 8;  // a cube of 2 mm
+  const double hu = noise / std::sqrt(std::max(structure_mm3, lattice.voxel_volume_mm3()));
+  if (hu > most_hu)
+    throw Error(ExitCode::quality, "", "volume",
+                fmt::format("noise of {:.0f} HU in a cube of 2 mm, at most {:.0f}: CSF and tissue are not told apart; "
+                            "take a series of a smoother kernel, or set smoothing_sigma_mm",
+                            hu, most_hu));
 }
 
 double tissue_noise(const Grid<float>& hu, const BitMask& known, const Progress& progress) {

@@ -20,9 +20,9 @@ void level_tissue(Grid<float>& hu, const BitMask& known, Report& report, const P
 /// volume of v mm^3 has a standard deviation of that by sqrt(v), whatever kernel and thickness. From the spread between
 /// two Gaussian means in the tissue among `known`.
 double tissue_noise(const Grid<float>& hu, const BitMask& known, const Progress& progress = {});
-/// Throws Error 80 where that is so much that CSF and tissue, some 20 HU apart, are not told apart by any mean narrow
-/// enough for a sulcus or a horn.
-void check_noise(double noise);
+/// Throws Error 80 where that leaves so much in a cube of 2 mm (or a voxel, where that is larger) that CSF and tissue,
+/// some 20 HU apart, are not told apart.
+void check_noise(double noise, const Lattice& lattice);
 
 /// Denoises within `domain`, in place: argmin of 1/2 |u - hu|^2 + strength * (total variation of u), mm (Rudin, Osher
 /// and Fatemi 1992), by the accelerated primal-dual method of Chambolle and Pock (2011). Each threshold of the result

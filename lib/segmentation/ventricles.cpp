@@ -276,7 +276,7 @@ Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const Segm
   if (p.edge == SegmentEdge::half_maximum) level_tissue(raw, known, report, progress);
   Field soft = soft_tissue(raw, known, false, strength_ratio, 1000, report, progress);
   const double noise = tissue_noise(raw, known, progress);
-  check_noise(noise);
+  check_noise(noise, raw);
   progress.report(0.4);
   const double lower = p.lower_hu;
   double upper = p.upper_hu;
