@@ -276,6 +276,7 @@ class Build {
     running_.erase(std::remove(running_.begin(), running_.end(), e.name), running_.end());
     results_[e.name] = e.result;
     done_weight_ += weights_[e.name];
+    last_end_ = Clock::now();
     ++(e.result.code == 0 ? done_ : failed_);
     if (e.name.rfind("case.", 0) == 0 && e.result.code != static_cast<int>(ExitCode::cancelled)) try {
         write_result(state_, e.name.substr(5), e.result);
@@ -286,13 +287,21 @@ class Build {
     observer_.finished(e.name, e.result);
   }
 
+  // As fast as the jobs so far, from the last that ended on; -1: not known.
+  double seconds_left() const {
+    if (done_weight_ <= 0) return -1;
+    double all = 0;
+    for (const auto& [name, weight] : weights_) all += weight;
+    const double took = std::chrono::duration<double>(last_end_ - start_).count();
+    const double since = std::chrono::duration<double>(Clock::now() - last_end_).count();
+    const double left = took * (all - done_weight_) / done_weight_ - since;
+    return left > 0 ? left : -1;
+  }
+
   void tick() {
     std::vector<std::pair<std::string, std::string>> running;
     for (const std::string& name : running_) running.emplace_back(name, stage_in(state_.log_file(name)));
-    double all = 0;
-    for (const auto& [name, weight] : weights_) all += weight;
-    const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
-    observer_.working(running, done_, failed_, done_weight_ > 0 ? elapsed * (all - done_weight_) / done_weight_ : -1);
+    observer_.working(running, done_, failed_, seconds_left());
   }
 
   void collect() {
@@ -414,7 +423,7 @@ class Build {
   LibraryPlan plan_;
   LibraryBuildResult result_;
   const Clock::time_point begin_ = Clock::now();
-  Clock::time_point start_;
+  Clock::time_point start_, last_end_;
   std::vector<std::string> running_;
   std::map<std::string, JobResult> results_;
   std::map<std::string, double> weights_;

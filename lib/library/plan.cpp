@@ -199,7 +199,7 @@ class Planner {
     } catch (const Error& e) {
       if (e.code() == ExitCode::io || e.code() == ExitCode::cannot_create) throw;
       // A folder's name may say who it is: the case's token stands for it.
-      fault = Error(e.code(), "", e.field(), e.what());
+      fault = Error(e.code(), "", e.field().empty() ? "its series" : e.field(), e.what());
     }
     for (PlannedCase* c : cases) {
       c->fault = fault;

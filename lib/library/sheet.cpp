@@ -35,13 +35,13 @@ std::vector<std::string> pictures_of(const fs::path& library, const CaseRow& row
   return out;
 }
 
-// Each pixel the mean of those that it covers.
-Image scaled(const Image& image, int side) {
-  Image out(side, side, {1, 1, 1});
+// Into a box, each pixel the mean of those that it covers.
+Image scaled(const Image& image, int width, int height) {
+  Image out(width, height, {1, 1, 1});
   if (image.width < 1 || image.height < 1) return out;
-  const double scale = static_cast<double>(std::max(image.width, image.height)) / side;
-  const int w = std::max(1, static_cast<int>(image.width / scale)),
-            h = std::max(1, static_cast<int>(image.height / scale));
+  const double scale = std::max(static_cast<double>(image.width) / width, static_cast<double>(image.height) / height);
+  const int w = std::clamp(static_cast<int>(image.width / scale), 1, width),
+            h = std::clamp(static_cast<int>(image.height / scale), 1, height);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       const int x0 = static_cast<int>(x * scale), y0 = static_cast<int>(y * scale);
@@ -53,7 +53,7 @@ Image scaled(const Image& image, int side) {
           for (int c = 0; c < 3; ++c) sum[c] += image.at(u, v)[c];
       const long n = long(x1 - x0) * (y1 - y0);
       for (int c = 0; c < 3; ++c)
-        out.at(x + (side - w) / 2, y + (side - h) / 2)[c] =
+        out.at(x + (width - w) / 2, y + (height - h) / 2)[c] =
             static_cast<std::uint8_t>((sum[c] + n / 2) / std::max(n, 1L));
     }
   return out;
@@ -80,16 +80,17 @@ std::vector<std::string> lines_of(const CaseRow& row) {
 Image cell_of(const fs::path& library, const CaseRow& row, int side) {
   const double capital_px = std::max(5.0, side * 0.042);
   const int line_px = static_cast<int>(std::lround(capital_px * 2)), lines = 4;
-  Image cell(2 * side + 2, side + lines * line_px + line_px / 2, {1, 1, 1});
+  const int height = side * 2 / 3;  // of a case's pictures
+  Image cell(2 * side + 2, height + lines * line_px + line_px / 2, {1, 1, 1});
   const std::vector<std::string> pictures = pictures_of(library, row);
   for (std::size_t i = 0; i < pictures.size(); ++i) try {
       const std::vector<char> png = read_file(library / pictures[i], most_png_bytes);
-      paste(scaled(decode_png({png.data(), png.size()}), side), cell, static_cast<int>(i) * (side + 2), 0);
+      paste(scaled(decode_png({png.data(), png.size()}), side, height), cell, static_cast<int>(i) * (side + 2), 0);
     } catch (const Error&) {  // a picture that is gone or damaged is no reason to show none
     }
   const std::vector<std::string> text = lines_of(row);
   for (std::size_t i = 0; i < text.size(); ++i)
-    draw_text(cell, 4, side + line_px * (static_cast<double>(i) + 0.5), text[i], capital_px,
+    draw_text(cell, 4, height + line_px * (static_cast<double>(i) + 0.5), text[i], capital_px,
               row.fault.empty() || i == 0 ? Rgb{0.1, 0.1, 0.15} : Rgb{0.75, 0.1, 0.1}, {1, 1, 1});
   return cell;
 }
@@ -141,7 +142,7 @@ std::string sheet_page(const fs::path& library, const std::vector<CaseRow>& rows
       "main { display: grid; grid-template-columns: repeat(auto-fill, minmax(22em, 1fr)); gap: 1.2em }\n"
       "article { border: 1px solid #ccd; border-radius: 4px; padding: .8em }\n"
       "h2 { font-size: 1.05em; margin: 0 0 .4em }\n"
-      "img { width: 49%; aspect-ratio: 1; object-fit: contain; vertical-align: top }\n"
+      "img { width: 49%; aspect-ratio: 3 / 2; object-fit: contain; vertical-align: top }\n"
       "table { border-collapse: collapse; width: 100%; margin-top: .5em }\n"
       "td, th { text-align: right; padding: 0 .3em } td:first-child, th:first-child { text-align: left }\n"
       "p { margin: .3em 0 } .bad { color: #b01818 }\n"

@@ -152,11 +152,14 @@ build l.yaml
 
 # Killed at random moments, builder or all: whole cases, no process left, and the next build makes it good.
 kills=$((LONG ? 100 : 4)) met=0
+start=$EPOCHREALTIME
+build l.yaml --rebuild "${new[@]}"
+took_us=$((${EPOCHREALTIME/[.,]/} - ${start/[.,]/}))
 for ((i = 0; i < kills; ++i)); do
   set=("${new[@]}"); ((i % 2)) && set=()
   "$TREPHINE" library build l.yaml --out "$work/out" --quiet --no-pictures --rebuild --jobs 2 "${set[@]}" >said 2>&1 &
   pid=$!
-  sleep "$(python3 -c "import random; random.seed($i); print(random.uniform(0, 1.2))")"
+  sleep "$(python3 -c "import random; random.seed($i); print(random.uniform(0, 1.1e-6 * $took_us))")"
   kill -KILL $pid 2>/dev/null && met=$((met + 1))
   wait $pid 2>/dev/null || true
   for c in a b; do case_digest "$work/out/$c" >/dev/null || fail "kill $i: case $c is torn"; done
