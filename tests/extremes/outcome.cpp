@@ -62,6 +62,22 @@ class TimeLimit {
   std::thread thread_;
 };
 
+// Numbers of more than six digits, as some errors give them, rounded: the same on every machine.
+std::string steady(const std::string& text) {
+  std::string out;
+  for (std::size_t n = 0; n < text.size();) {
+    const std::size_t end = std::min(text.find_first_not_of("0123456789.", n), text.size());
+    const std::string word = text.substr(n, end - n);
+    if (word.size() > 7 && word.find('.') != std::string::npos && word.back() != '.')
+      out += rounded(std::strtod(word.c_str(), nullptr));
+    else
+      out += word;
+    if (end < text.size()) out += text[end];
+    n = end + 1;
+  }
+  return out;
+}
+
 std::string of_error(const Error& e) {
   static const std::set<ExitCode> documented = {ExitCode::usage,         ExitCode::bad_input, ExitCode::no_input,
                                                 ExitCode::cannot_create, ExitCode::io,        ExitCode::busy,
@@ -73,9 +89,9 @@ std::string of_error(const Error& e) {
   for (const char c : line)
     if (c == '\n' || c == '\r') return "FAULT: an error of several lines: " + printable(line);
   if (line.size() > 1500) return "FAULT: an error's line of " + std::to_string(line.size()) + " bytes";
-  std::string text =
-      "exit " + std::to_string(int(e.code())) + ": " + (e.field().empty() ? "" : e.field() + ": ") + what;
-  if (text.size() > 400) text = text.substr(0, 400) + " ...";
+  std::string text = "exit " + std::to_string(int(e.code())) + ": " +
+                     steady(printable((e.field().empty() ? "" : e.field() + ": ") + what));
+  if (text.size() > 200) text = text.substr(0, 200) + " ...";
   return text;
 }
 

@@ -117,7 +117,6 @@ StageInputs inputs_of(const Subject& subject) {
 bool is_slow(const Subject& subject, const std::string& parameter, const std::string& text) {
   const std::string& stage = subject.stage->name;
   if (stage == "landmarks") return true;
-  if ((stage == "measure" || stage == "mismatch") && parameter == "sample_count") return text == "100000000";
   if (stage == "smooth" && parameter == "iterations_count") return text == "100000";
   return (stage == "segment" && parameter == "close_mm" && text == "30") ||
          (stage == "simplify" && parameter == "close_handles_mm" && text == "60") ||
