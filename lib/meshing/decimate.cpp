@@ -17,8 +17,9 @@ namespace trephine {
 namespace {
 
 /// After so many rounds of undoing, what is undone is made up for elsewhere only once nothing is left to undo, so
-/// often.
-constexpr int rounds_that_collapse = 12, times_made_up = 12;
+/// often; more often where this share of the target is missing.
+constexpr int rounds_that_collapse = 12, times_made_up = 3, times_share_made_up = 12;
+constexpr double missing_share = 0.01;
 /// Share of the bound that samples may use; the rest is for what lies between them.
 constexpr double sampled_share = 0.9;
 
@@ -132,7 +133,9 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double bound_mm, 
     faults = meter->measure(o.mesh, triangle_of, collapse.carried(), progress.part(0.75, 0.9));
     if (faults.empty()) {
       o.deviation = meter->figures();
-      if (o.mesh.triangles.size() <= target || made_up++ == times_made_up) return o;
+      const double most = (1 + missing_share) * static_cast<double>(target);
+      const int times = static_cast<double>(o.mesh.triangles.size()) <= most ? times_share_made_up : times_made_up;
+      if (o.mesh.triangles.size() <= target || made_up++ >= times) return o;
       clean = true;
       continue;
     }

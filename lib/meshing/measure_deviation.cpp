@@ -128,23 +128,77 @@ bool DeviationMeter::cells_proven(const std::vector<NearbyPlace>& samples, int n
   return true;
 }
 
-/// All of it each time: what an earlier proof stood on may have changed.
+/// Cells of space, some of them marked.
+class MarkedCells {
+ public:
+  MarkedCells(const TriMesh& mesh, double side_mm) {
+    Vec3 high{-infinity, -infinity, -infinity};
+    low_ = Vec3{infinity, infinity, infinity};
+    for (const Vec3 p : mesh.points_mm)
+      for (int a = 0; a < 3; ++a) {
+        low_[a] = std::min(low_[a], p[a]);
+        high[a] = std::max(high[a], p[a]);
+      }
+    side_ = std::max({side_mm, (high.x - low_.x) / 400, (high.y - low_.y) / 400, (high.z - low_.z) / 400, 1e-9});
+    for (int a = 0; a < 3; ++a) count_[a] = static_cast<int>((high[a] - low_[a]) / side_) + 1;
+    marked_.assign(static_cast<std::size_t>(count_[0]) * count_[1] * count_[2], 0);
+  }
+  void mark(const std::array<Vec3, 3>& corners, double reach_mm) {
+    visit(corners, reach_mm, [this](std::size_t cell) { return marked_[cell] = 1, false; });
+  }
+  bool any(const std::array<Vec3, 3>& corners) const {
+    return visit(corners, 0, [this](std::size_t cell) { return marked_[cell] != 0; });
+  }
+
+ private:
+  /// The cells that the triangle's box meets; until one says true.
+  template <class Visitor>
+  bool visit(const std::array<Vec3, 3>& t, double reach_mm, const Visitor& visitor) const {
+    int from[3], to[3];
+    for (int a = 0; a < 3; ++a) {
+      const auto cell = [&](double x) {
+        return static_cast<int>(std::clamp(std::floor((x - low_[a]) / side_), 0.0, count_[a] - 1.0));
+      };
+      from[a] = cell(std::min({t[0][a], t[1][a], t[2][a]}) - reach_mm);
+      to[a] = cell(std::max({t[0][a], t[1][a], t[2][a]}) + reach_mm);
+    }
+    for (int k = from[2]; k <= to[2]; ++k)
+      for (int j = from[1]; j <= to[1]; ++j)
+        for (int i = from[0]; i <= to[0]; ++i)
+          if (visitor((static_cast<std::size_t>(k) * count_[1] + j) * count_[0] + i)) return true;
+    return false;
+  }
+
+  Vec3 low_;
+  double side_ = 1;
+  int count_[3] = {1, 1, 1};
+  std::vector<char> marked_;
+};
+
+/// A proof holds as long as nothing of the mesh that lay within the bound is gone.
 void DeviationMeter::input_unproven(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
                                     const CarriedPoints& carried, std::vector<std::uint32_t>& beyond,
-                                    const Progress& progress) const {
+                                    const Progress& progress) {
   const TriangleTree tree(plain);
   std::vector<std::uint32_t> plain_of(input_.triangles.size());
   for (std::uint32_t t = 0; t < triangle_of.size(); ++t) plain_of[triangle_of[t]] = t;
   const auto triangles = static_cast<std::int64_t>(input_.triangles.size());
   std::vector<std::vector<std::uint32_t>> found((triangles + grain - 1) / grain);
   const auto search = [&](NearbyPlace& p) {
-    p.distance = std::sqrt(tree.squared_distance(p.at, infinity, &p.triangle));
+    p.distance = std::sqrt(tree.squared_distance(p.at, p.distance * p.distance, &p.triangle));
   };
+  MarkedCells stale(input_, std::max(2 * bound_, 2 * edge_));
+  for (const auto& t : gone_) stale.mark(t, bound_);
+  gone_.clear();
+  input_proven_.resize(input_.triangles.size(), 0);
   parallel_for(0, triangles, grain, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     std::vector<std::array<NearbyPlace, 3>> stack;
     for (std::int64_t t = from; t < to; ++t) {
       const auto& v = input_.triangles[t];
+      const std::array<Vec3, 3> place{input_.points_mm[v[0]], input_.points_mm[v[1]], input_.points_mm[v[2]]};
+      if (input_proven_[t] && !stale.any(place)) continue;
+      input_proven_[t] = 1;
       const std::uint32_t carrier[3] = {carried.carrier(v[0]), carried.carrier(v[1]), carried.carrier(v[2])};
       const float farthest2 =
           std::max({carried.squared_distance(v[0]), carried.squared_distance(v[1]), carried.squared_distance(v[2])});
@@ -152,13 +206,14 @@ void DeviationMeter::input_unproven(const TriMesh& plain, const std::vector<std:
       if (farthest2 <= limit2_ && carrier[0] == carrier[1] && carrier[1] == carrier[2]) continue;
       std::array<NearbyPlace, 3> corner;
       for (int c = 0; c < 3; ++c) {
-        corner[c].at = input_.points_mm[v[c]];
+        corner[c].at = place[c];
         corner[c].distance = std::sqrt(carried.squared_distance(v[c]));
         corner[c].triangle = plain_of[carrier[c]];
         if (corner[c].distance > bound_) search(corner[c]);  // undoing let another triangle come nearer
       }
-      if (!proven_within(corner, bound_, plain, search, stack))
-        found[from / grain].insert(found[from / grain].end(), carrier, carrier + 3);
+      if (proven_within(corner, bound_, plain, search, stack)) continue;
+      input_proven_[t] = 0;
+      found[from / grain].insert(found[from / grain].end(), carrier, carrier + 3);
     }
   });
   for (const auto& f : found) beyond.insert(beyond.end(), f.begin(), f.end());
@@ -258,6 +313,8 @@ std::vector<std::uint32_t> DeviationMeter::measure(const TriMesh& plain, const s
   progress.report(0.3);
 
   std::vector<std::uint32_t> to_do;  // triangles of `plain` that are new or changed
+  std::vector<char> was_live(rasters_.size(), 0);
+  for (const std::uint32_t r : live_) was_live[r] = 1;
   live_.clear();
   for (std::uint32_t t = 0; t < triangle_of.size(); ++t) {
     std::uint32_t& raster = raster_of_[triangle_of[t]];
@@ -267,12 +324,17 @@ std::vector<std::uint32_t> DeviationMeter::measure(const TriMesh& plain, const s
     }
     const auto& v = plain.triangles[t];
     const std::array<Vec3, 3> corners{plain.points_mm[v[0]], plain.points_mm[v[1]], plain.points_mm[v[2]]};
+    const bool known = raster < was_live.size() && was_live[raster];
     if (rasters_[raster].distances.empty() || rasters_[raster].corners != corners) {
+      if (known) gone_.push_back(rasters_[raster].corners);
       rasters_[raster].corners = corners;
       to_do.push_back(t);
     }
     live_.push_back(raster);
+    if (known) was_live[raster] = 0;
   }
+  for (std::size_t r = 0; r < was_live.size(); ++r)
+    if (was_live[r]) gone_.push_back(rasters_[r].corners);
   parallel_for(0, static_cast<std::int64_t>(to_do.size()), 256, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     Room room;

@@ -56,7 +56,7 @@ class DeviationMeter {
   void from_triangle(Raster& raster, Room& room) const;
   bool cells_proven(const std::vector<NearbyPlace>& samples, int n, Room& room) const;
   void input_unproven(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of, const CarriedPoints& carried,
-                      std::vector<std::uint32_t>& beyond, const Progress& progress) const;
+                      std::vector<std::uint32_t>& beyond, const Progress& progress);
   void look(NearbyPlace& place) const;
 
   const NearInput& near_;
@@ -67,6 +67,8 @@ class DeviationMeter {
   std::vector<Raster> rasters_;              ///< per triangle that is live
   std::vector<std::uint32_t> raster_of_;     ///< the collapsing mesh's triangle -> its raster, or none
   std::vector<std::uint32_t> live_;          ///< rasters of the last measurement
+  std::vector<std::array<Vec3, 3>> gone_;    ///< triangles that are no longer there, since input_unproven
+  std::vector<char> input_proven_;           ///< by triangles of the input
 };
 
 }  // namespace trephine

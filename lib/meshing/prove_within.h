@@ -22,12 +22,14 @@ struct NearbyPlace {
 /// Whether no point of a triangle lies further than the limit from the surface `to`: proven, not sampled. Distance
 /// grows by no more than one goes, and no point of a triangle is further from all its corners than the longest side by
 /// the root of 3; and the distance to one triangle is convex, so largest at a corner. Where neither is enough, the
-/// triangle is cut in four; look(place) finds the distance of a new corner. False also where it would take too many
-/// pieces. `stack` is room to work.
+/// triangle is cut in four. A new corner's distance is that to its neighbours' triangles where that leaves much of the
+/// limit; else look(place) may find a nearer triangle. False also where it would take too many pieces. `stack` is room
+/// to work.
 template <class Look>
 bool proven_within(const std::array<NearbyPlace, 3>& corners, double limit, const TriMesh& to, const Look& look,
                    std::vector<std::array<NearbyPlace, 3>>& stack) {
-  constexpr std::size_t most_pieces = 20000;
+  constexpr std::size_t most_pieces = 1000;
+  constexpr double enough = 0.6;
   const auto reach = [&](Vec3 p, std::uint32_t t) {
     const auto& v = to.triangles[t];
     return norm(p - closest_on_triangle(p, to.points_mm[v[0]], to.points_mm[v[1]], to.points_mm[v[2]]));
@@ -50,9 +52,13 @@ bool proven_within(const std::array<NearbyPlace, 3>& corners, double limit, cons
     if (convex) continue;
     std::array<NearbyPlace, 3> middle;
     for (int c = 0; c < 3; ++c) {
-      middle[c] = t[c];
-      middle[c].at = (t[c].at + t[(c + 1) % 3].at) / 2;
-      look(middle[c]);
+      const NearbyPlace &a = t[c], &b = t[(c + 1) % 3];
+      const Vec3 at = (a.at + b.at) / 2;
+      const double to_a = reach(at, a.triangle), to_b = b.triangle == a.triangle ? to_a : reach(at, b.triangle);
+      middle[c] = to_b < to_a ? b : a;
+      middle[c].at = at;
+      middle[c].distance = std::min(to_a, to_b);
+      if (middle[c].distance > enough * limit) look(middle[c]);
     }
     stack.push_back({t[0], middle[0], middle[2]});
     stack.push_back({middle[0], t[1], middle[1]});
