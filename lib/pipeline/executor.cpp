@@ -208,7 +208,13 @@ class Executor {
     observer_.started(node.name);
     const auto start = Clock::now();
     result.report = {};
-    with_field(node.name, [&] { compute(node, result); });
+    try {
+      with_field(node.name, [&] { compute(node, result); });
+    } catch (const Error& e) {
+      // What a stage takes for a wrong use of its parameters is, in a run, a wrong configuration.
+      if (e.code() != ExitCode::usage) throw;
+      throw Error(ExitCode::bad_config, e.file(), e.field(), e.what());
+    }
     result.state = NodeResult::State::computed;
     result.seconds = seconds_since(start);
     store(node, result);

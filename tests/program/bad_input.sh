@@ -25,6 +25,19 @@ sed 's,\.\./materials,materials,' "$SOURCE/configs/scenes/ventriculostomy.yaml" 
 cp "$SOURCE/configs/materials.yaml" "$work/configs"
 expect 78 'c.yaml:4:1: caes: .*case' "${run[@]}" "$work/configs/c.yaml" --series "$SOURCE/sample_dicom" --out "$work/out"
 
+# What a stage takes for a wrong use is, from a configuration, a wrong configuration.
+cat >"$work/configs/bp.yaml" <<'END'
+trephine: 1
+anatomies:
+  skin:
+    colour_rgb: [0.87, 0.68, 0.56]
+    shows_face: false
+    stages: [presegment: {lower_hu: -475}, snake: {bubbles: nonsense}, contour]
+END
+printf 'trephine: 1\nanatomies: {skin: {}}\nface: {policy: keep, reason: a test}\n' >"$work/configs/bs.yaml"
+printf 'trephine: 1\npipeline: bp.yaml\nscene: bs.yaml\n' >"$work/configs/bc.yaml"
+expect 78 'skin.snake: bubbles: "nonsense"' "${run[@]}" "$work/configs/bc.yaml" --series "$SOURCE/sample_dicom" --out "$work/out" --case x
+
 # A folder that cannot be made (a file stands there), and one that cannot be written: before any work.
 echo >"$work/file"
 expect 73 'trephine run: .*file' "${run[@]}" "$SOURCE/configs/sample.yaml" --out "$work/file"
