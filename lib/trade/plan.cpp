@@ -107,17 +107,16 @@ TradePlan standard_plan(bool haptic) {
   TradePlan plan;
   // Neither decimated nor smoothed: the surface as the voxels say it.
   plan.finest = {count + "=0", ratio + "=0", bound + "=0", smoothing + "=0"};
-  plan.sweeps.push_back(sweep("bound", {}, {{bound, {"0.05", "0.1", "0.15", "0.2", "0.3", "0.5", "0.8", "1.2", "2"}}}));
+  plan.sweeps.push_back(sweep("bound", {}, {{bound, {"0.2", "0.3", "0.5", "0.8", "1.2"}}}));
   // Whatever the scene allows: how far that is from what could be shown.
-  plan.sweeps.push_back(sweep("free", {count + "=0"}, {{bound, {"0.05", "0.1", "0.3"}}}));
-  plan.sweeps.push_back(sweep("ratio", {count + "=0", bound + "=0"}, {{ratio, {"0.01", "0.02", "0.05", "0.1"}}}));
-  plan.sweeps.push_back(sweep("smooth", {bound + "=0.3"}, {{smoothing, {"0", "5", "20", "100"}}}));
+  plan.sweeps.push_back(sweep("free", {count + "=0"}, {{bound, {"0.3"}}}));
+  plan.sweeps.push_back(sweep("ratio", {count + "=0", bound + "=0"}, {{ratio, {"0.02", "0.05"}}}));
+  plan.sweeps.push_back(sweep("smooth", {bound + "=0.3"}, {{smoothing, {"0", "5", "100"}}}));
   plan.sweeps.push_back(
-      sweep("voxel", {},
-            {{voxel, {"[0.7, 0.7, 0]", voxels(1), voxels(1.5), voxels(2), voxels(3)}}, {bound, {"0.3", "0.8"}}}));
+      sweep("voxel", {}, {{voxel, {voxels(1), voxels(1.5), voxels(2), voxels(3)}}, {bound, {"0.3", "0.8"}}}));
   if (haptic)
-    plan.sweeps.push_back(sweep("haptic", {bound + "=0.3"},
-                                {{felt, {voxels(0.5), voxels(0.65), voxels(0.8), voxels(1), voxels(1.3), voxels(2)}}}));
+    plan.sweeps.push_back(
+        sweep("haptic", {bound + "=0.3"}, {{felt, {voxels(0.5), voxels(0.65), voxels(1), voxels(1.6)}}}));
   return plan;
 }
 

@@ -16,7 +16,7 @@ namespace trephine {
 
 struct TradeParams {
   int repeats_count = 3;
-  double max_repeat_s = 15;
+  double max_repeat_s = 5;
   int sample_count = 100000;
   std::int64_t cache_limit_mb = 32768;
   template <class V>
