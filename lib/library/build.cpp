@@ -26,6 +26,7 @@ constexpr std::size_t most_reasons = 3;
 constexpr const char* cache_name = ".trephine-cache";
 
 std::string rounded(double v) { return to_text(std::round(v * 10) / 10); }
+std::string megabytes(double mb) { return mb < 1000 ? rounded(mb) + " MB" : rounded(mb / 1000) + " GB"; }
 
 // What the kernel says is free, and the group's limit where the build runs in one.
 double free_memory_mb() {
@@ -126,12 +127,15 @@ class Build {
   }
 
   double needed_disk_mb() const {
-    double mb = 0;
+    double mb = 0, cache_mb = 0;
     for (const PlannedPhantom& p : plan_.phantoms)
       if (p.needed && !p.reasons.empty()) mb += p.estimate.disk_mb;
     for (const PlannedCase& c : plan_.cases)
-      if (!c.reasons.empty()) mb += c.estimate.disk_mb;
-    return mb;
+      if (!c.reasons.empty()) {
+        mb += c.estimate.disk_mb;
+        cache_mb += c.estimate.cache_mb;
+      }
+    return mb + std::min(cache_mb, static_cast<double>(request_.params.cache_limit_mb));
   }
 
   void check_disk() const {
@@ -141,8 +145,8 @@ class Build {
     const double free_mb = static_cast<double>(fs::space(state_.library(), error).available) / 1e6;
     if (error || need_mb <= free_mb) return;
     throw Error(ExitCode::cannot_create, request_.library.string(), "disk",
-                rounded(need_mb / 1000) + " GB are needed by estimate, " + rounded(free_mb / 1000) +
-                    " GB are free; --no-check-disk begins all the same");
+                megabytes(need_mb) + " are needed by estimate, " + megabytes(free_mb) +
+                    " are free; --no-check-disk begins all the same");
   }
 
   std::vector<NinjaJob> make_jobs() {
@@ -394,7 +398,7 @@ class Build {
     }
     result_.table = std::to_string(stale) + " of " + std::to_string(result_.cases) + " cases would be built, " +
                     std::to_string(result_.failed) + " cannot be";
-    if (stale > 0) result_.table += "; " + rounded(needed_disk_mb() / 1000) + " GB of disk by estimate";
+    if (stale > 0) result_.table += "; " + megabytes(needed_disk_mb()) + " of disk by estimate";
     result_.table += "\n" + lines;
     result_.json = counts().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   }

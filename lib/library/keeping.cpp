@@ -250,8 +250,8 @@ VerifyResult verify_library(const fs::path& library, const std::vector<std::stri
   out.cases = static_cast<int>(tokens.size());
   for (std::size_t i = 0; i < tokens.size(); ++i)
     if (!faults[i].empty()) out.faults.emplace_back(tokens[i], faults[i]);
-  out.table = std::to_string(out.cases) + " cases, " + std::to_string(out.files) + " files, " +
-              fixed_text(static_cast<double>(out.bytes) / 1e6, 1) + " MB: " +
+  out.table = std::to_string(out.cases) + (out.cases == 1 ? " case, " : " cases, ") + std::to_string(out.files) +
+              " files, " + fixed_text(static_cast<double>(out.bytes) / 1e6, 1) + " MB: " +
               (out.faults.empty() ? "all as case.json says" : std::to_string(out.faults.size()) + " damaged") + "\n";
   for (const auto& [token, fault] : out.faults) out.table += token + "  " + fault + "\n";
   return out;

@@ -15,6 +15,7 @@ namespace trephine {
 /// What one case or phantom needs; rough, from its voxels, or from its last build where that is known.
 struct Estimate {
   double memory_mb = 0, disk_mb = 0;
+  double cache_mb = 0;  ///< disk, too, but the cache has a limit
 };
 
 struct PlannedPhantom {

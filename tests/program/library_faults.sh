@@ -115,7 +115,7 @@ code=0; (ulimit -f 4; build l.yaml "${new[@]}" >said 2>&1) || code=$?
 build l.yaml
 if mkdir "$work/small" && mount -t tmpfs -o size=64k none "$work/small" 2>/dev/null; then
   code=0; "$TREPHINE" library build l.yaml --out "$work/small" --quiet >said 2>&1 || code=$?
-  [[ $code == 73 ]] && grep -q 'GB are free' said || { cat said; umount "$work/small"; fail "small disk: $code"; }
+  [[ $code == 73 ]] && grep -q 'MB are free' said || { cat said; umount "$work/small"; fail "small disk: $code"; }
   code=0; "$TREPHINE" library build l.yaml --out "$work/small" --quiet --no-check-disk >said 2>&1 || code=$?
   left=$(find "$work/small" -name case.json)
   umount "$work/small"
