@@ -122,6 +122,7 @@ Report cut_haptic_file(const ParsedCommand& parsed, const std::vector<Cutter>& c
   for (const Cutter& c : cutters) {
     Report one;
     cut_volume(volume, distance_to(c), bounds_of(c), numbers, one, progress);
+    warn_of_thin(report, c, volume.voxels.spacing_mm);
     add_of_cutter(report, c, one);
   }
   write_haptic(parsed.path("output"), volume);
@@ -134,6 +135,7 @@ Report cut_field_file(const ParsedCommand& parsed, const std::vector<Cutter>& cu
   for (const Cutter& c : cutters) {
     Report one;
     cut_field(field, distance_to(c), bounds_of(c), one, progress);
+    warn_of_thin(report, c, field.spacing_mm);
     add_of_cutter(report, c, one);
   }
   save_data(parsed.path("output"), std::make_shared<const Field>(std::move(field)));

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <set>
 
 #include "base/error.h"
@@ -37,6 +38,29 @@ Cutter widened(Cutter cutter, double by_mm) {
   cutter.end_radius_mm += by_mm;
   for (double& r : cutter.radii_mm) r += by_mm;
   return cutter;
+}
+
+void warn_of_thin(Report& report, const Cutter& c, Vec3 spacing_mm) {
+  double least_mm = 0;
+  switch (c.kind) {
+    case Cutter::Kind::mesh:
+      return;
+    case Cutter::Kind::ellipsoid:
+      least_mm = *std::min_element(c.radii_mm.begin(), c.radii_mm.end());
+      break;
+    case Cutter::Kind::cone:
+      least_mm = std::max(c.radius_mm, c.end_radius_mm);
+      break;
+    case Cutter::Kind::cylinder:
+    case Cutter::Kind::sphere:
+      least_mm = c.radius_mm;
+      break;
+  }
+  const double voxel_mm = std::max({spacing_mm.x, spacing_mm.y, spacing_mm.z});
+  if (least_mm < voxel_mm)
+    report.warn((c.name.empty() ? "cutter" : c.name) + ": its radius, " + to_text(ParameterValue(least_mm)) +
+                " mm, is less than a voxel, " + to_text(ParameterValue(voxel_mm)) +
+                " mm: the voxels cannot hold it, more may be removed");
 }
 
 StageType boolean_stage(double widen_mm) {

@@ -16,6 +16,10 @@ void add_of_cutter(Report& report, const Cutter& cutter, const Report& one);
 /// The cutter with its radii grown. A mesh cannot be: throws 78.
 Cutter widened(Cutter cutter, double by_mm);
 
+/// Warns where the cutter is thinner than a voxel: voxels cannot hold it, and what is removed is up to several times
+/// its volume.
+void warn_of_thin(Report& report, const Cutter& cutter, Vec3 spacing_mm);
+
 /// The cutters of the ports "cutters.*", in the order of the ports' names; a name that occurs twice gets a number.
 std::vector<Cutter> cutters_of(const StageInputs& inputs);
 

@@ -103,6 +103,7 @@ void cut(HapticVolume& volume, const HapticSpec& spec, const std::vector<Cutter>
       Report one;
       cut_volume(volume, distance_to(own), bounds_of(own), {volume.find_shape(s.name)->number}, one, progress);
       add_of_cutter(report, cutter, one);
+      warn_of_thin(report, own, volume.voxels.spacing_mm);
     }
 }
 

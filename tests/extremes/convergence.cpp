@@ -10,6 +10,7 @@
 #include "meshing/smooth.h"
 #include "outcome.h"
 #include "scenes.h"
+#include "stages/cut.h"
 #include "voxel/cut.h"
 #include "voxel/voxelize.h"
 
@@ -164,17 +165,49 @@ std::string over_radius() {
   return "removed % off the truth at mm: " + s.text();
 }
 
+std::string wider_than_the_body() {
+  Report report;
+  const TriMesh left = cut_surface(ball(cube({64, 64, 64}, {1, 1, 1}), 30), {drill({0, 0, 0}, 40, 100)}, {}, report);
+  return "FAULT: " + std::to_string(left.triangles.size()) + " triangles are left of nothing";
+}
+
+HapticVolume felt(const TriMesh& in, double mm) {
+  VoxelizeParams p;
+  p.spacing_mm = {mm, mm, mm};
+  Bounds b = bounds_of(in);
+  for (int a = 0; a < 3; ++a) b.min_mm[a] -= 3 * mm, b.max_mm[a] += 3 * mm;
+  Report r;
+  return voxelize(haptic_lattice(b, Lattice().direction, b.min_mm, p), {{"ball", &in, nullptr, 0}}, r);
+}
+
+std::string over_haptic_radius() {
+  Series s;
+  constexpr double R = 12.3;
+  const HapticVolume whole = felt(ball(cube({32, 32, 32}, {1, 1, 1}), R), 0.5);
+  const int number = whole.find_shape("ball")->number;
+  for (const double r : {0.05, 0.25, 0.5, 1.0, 5.0, 12.0, 40.0}) {
+    HapticVolume volume = whole;
+    const Cutter c = drill({0, 0, 0}, r, 100);
+    Report report;
+    cut_volume(volume, distance_to(c), bounds_of(c), {number}, report);
+    const double removed = shape_volume_mm3(whole, number) - shape_volume_mm3(volume, number);
+    const double left_mm3 = r < R ? ball_mm3(std::sqrt(R * R - r * r)) : 0;
+    s.at.push_back(r);
+    s.values.push_back(100 * (removed / (ball_mm3(R) - left_mm3) - 1));
+    // Less than a voxel's radius: not held, and said.
+    warn_of_thin(report, c, volume.voxels.spacing_mm);
+    if (report.warnings.empty() != (r >= 0.5)) return "FAULT: warns at the wrong radius, " + rounded(r) + " mm";
+    if (r >= 0.5 && std::fabs(s.values.back()) > 3) return "FAULT: not the truth: " + s.text();
+    if (removed < 0) return "FAULT: grows: " + s.text();
+  }
+  return "removed % off the truth at mm: " + s.text() + "; warns below the size of a voxel";
+}
+
 std::string over_haptic_spacing() {
   Series s;
   const TriMesh in = ball(cube({32, 32, 32}, {1, 1, 1}), 12.3);
   for (const double mm : {10.0, 5.0, 2.0, 1.0, 0.5, 0.25}) {
-    VoxelizeParams p;
-    p.spacing_mm = {mm, mm, mm};
-    Bounds b = bounds_of(in);
-    for (int a = 0; a < 3; ++a) b.min_mm[a] -= 3 * mm, b.max_mm[a] += 3 * mm;
-    Report r;
-    const HapticVolume v =
-        voxelize(haptic_lattice(b, Lattice().direction, b.min_mm, p), {{"ball", &in, nullptr, 0}}, r);
+    const HapticVolume v = felt(in, mm);
     s.at.push_back(mm);
     s.values.push_back(100 * (shape_volume_mm3(v, v.find_shape("ball")->number) / volume_mm3(in) - 1));
   }
@@ -195,6 +228,9 @@ std::vector<Section> convergence_sections() {
                  {"decimate: max_deviation_mm from 10 to 0.001", over_deviation},
                  {"smooth: 1 to 10,000 iterations, pass band 0.1, 1 mm at most", over_iterations},
                  {"boolean: drills of 0.05 to 29 mm radius through a sphere of 30 mm", over_radius},
+                 {"boolean: a drill of 40 mm radius, wider than the sphere", wider_than_the_body},
+                 {"haptic volume, voxels of 0.5 mm: drills of 0.05 to 40 mm radius through a sphere of 12.3 mm",
+                  over_haptic_radius},
                  {"voxelize: voxels of 10 to 0.25 mm, a sphere of 12.3 mm", over_haptic_spacing},
              };
            }}};
