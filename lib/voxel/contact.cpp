@@ -84,6 +84,7 @@ ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
     count *= std::size_t(blocks_[a]);
   }
   block_shape_.assign(count, mixed_block);
+  if (volume.encoding == HapticEncoding::occupancy) block_pair_.assign(count, many_shapes);
   smallest_side_mm_ = std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b)
@@ -168,8 +169,32 @@ void ContactVolume::note_blocks(const Box& box) {
           const std::size_t at =
               (std::size_t(k) * std::size_t(blocks_[1]) + std::size_t(j)) * std::size_t(blocks_[0]) + std::size_t(i);
           __atomic_store_n(&block_shape_[at], std::uint8_t(same ? entry_shape(first) : mixed_block), __ATOMIC_RELAXED);
+          if (same || block_pair_.empty()) continue;
+          const Box around =
+              grown({{i * side, j * side, k * side}, {(i + 1) * side, (j + 1) * side, (k + 1) * side}}, 1, v);
+          int a = 0, b = 0;
+          bool many = false;
+          for (int z = around.begin[2]; z < around.end[2]; ++z)
+            for (int y = around.begin[1]; y < around.end[1]; ++y)
+              for (int x = around.begin[0]; x < around.end[0]; ++x) {
+                const int s = entry_shape(table_[std::uint16_t(detail::load_voxel(v.at(x, y, z)))]);
+                if (s == 0 || s == a || s == b) continue;
+                many = many || b != 0;
+                (a == 0 ? a : b) = s;
+              }
+          __atomic_store_n(&block_pair_[at], many ? many_shapes : std::uint16_t(a | b << 8), __ATOMIC_RELAXED);
         }
   });
+}
+
+int ContactVolume::second_of(int own, int i, int j, int k) const {
+  const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
+  if (bi < blocks_[0] && bj < blocks_[1] && bk < blocks_[2]) {
+    const std::size_t at = (std::size_t(bk) * std::size_t(blocks_[1]) + std::size_t(bj)) * std::size_t(blocks_[0]);
+    const std::uint16_t pair = __atomic_load_n(&block_pair_[at + std::size_t(bi)], __ATOMIC_RELAXED);
+    if (pair != many_shapes) return (pair & 255) == own ? pair >> 8 : pair & 255;
+  }
+  return detail::other_shape(volume_.voxels, own, i, j, k);
 }
 
 Vec3 ContactVolume::to_index(Vec3 world_mm) const { return to_index_ * (world_mm - volume_.voxels.origin_mm); }
@@ -361,7 +386,10 @@ Vec3 ContactVolume::normal_at(Vec3 world_mm, int from, int into) const {
     const std::uint16_t e = table_[std::uint16_t(raw)];
     if (!hu) {
       if (from == 0 || into == 0) return entry_filled(e);
-      return inside ? detail::share_of(volume_.voxels, number, x, y, z) : 0;
+      const detail::RawVoxel voxel = detail::split(std::int16_t(raw));
+      if (voxel.number == number) return voxel.share;
+      if (voxel.number == 0 || voxel.bare || voxel.share == haptic_full) return 0;
+      return second_of(voxel.number, x, y, z) == number ? haptic_full - voxel.share : 0;
     }
     const double half = std::max(1, low_of_[number] + 1000);
     if (entry_shape(e) == number || (e == 0 && (from == 0 || into == 0)))

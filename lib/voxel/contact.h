@@ -116,6 +116,8 @@ class ContactVolume {
     const std::size_t at = (std::size_t(bk) * std::size_t(blocks_[1]) + std::size_t(bj)) * std::size_t(blocks_[0]);
     return __atomic_load_n(&block_shape_[at + std::size_t(bi)], __ATOMIC_RELAXED);
   }
+  /// The shape that has the rest of a partly filled, not bare voxel of shape `own`.
+  int second_of(int own, int i, int j, int k) const;
   void note_blocks(const Box& box);
 
   HapticVolume& volume_;
@@ -126,6 +128,10 @@ class ContactVolume {
   static constexpr int block_bits = 2, mixed_block = 255;
   std::array<int, 3> blocks_{0, 0, 0};  ///< whole ones, with the voxels after them
   std::vector<std::uint8_t> block_shape_;
+  /// Encoding `occupancy`: in and right around the block are the shapes of the low and the high byte (0: none) and no
+  /// others, so that a shared voxel's second shape is the other one; many_shapes where there are more.
+  static constexpr std::uint16_t many_shapes = 0xffff;
+  std::vector<std::uint16_t> block_pair_;
   int lowest_ = 0;  ///< encoding `hu`: the lowest window's low end
   int low_of_[haptic_max_shapes + 1] = {};
 };

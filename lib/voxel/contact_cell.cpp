@@ -148,7 +148,7 @@ void ContactCell::find_shapes(const ContactVolume& contact, int i, int j, int k)
     share[c] = v.share;
     if (v.bare || v.share == haptic_full) continue;
     shared = true;
-    second[c] = detail::other_shape(contact.volume_.voxels, own, i + int(c & 1), j + int(c >> 1 & 1), k + int(c >> 2));
+    second[c] = contact.second_of(own, i + int(c & 1), j + int(c >> 1 & 1), k + int(c >> 2));
     if (second[c] != 0) add(second[c]);
   }
   if (count_ < 2 && !shared) return;

@@ -40,16 +40,22 @@ Vec3 SimulatedHand::aim(double time_s) const {
 }
 
 bool SimulatedHand::read(double dt_s, DeviceReading& out) {
-  const int steps = int(std::clamp(std::ceil(dt_s / 1e-4), 0.0, 10000.0));
-  const double h = steps > 0 ? dt_s / steps : 0;
-  for (int n = 0; n < steps; ++n) {
-    time_s_ += h;
-    force_age_s_ += h;
-    const Vec3 force = force_n_ * hold.share(force_age_s_) +
-                       (aim(time_s_ - params_.delay_s) - position_mm_) * params_.arm_stiffness_n_per_mm -
-                       velocity_ * (params_.arm_damping_n_s_per_mm + params_.device_damping_n_s_per_mm);
-    velocity_ += force * (1000 * h / params_.mass_kg);  // N / kg are m / s^2
-    position_mm_ += velocity_ * h;
+  // The aim a millisecond at a time, the mass in steps that are fine beside the servo's own.
+  for (double left = std::clamp(dt_s, 0.0, 10.0); left > 0;) {
+    const double part = std::min(left, 0.001);
+    left -= part;
+    const int steps = std::max(32, int(std::ceil(part / 2e-5)));
+    const double h = part / steps;
+    time_s_ += part;
+    const Vec3 to = aim(time_s_ - params_.delay_s);
+    for (int n = 0; n < steps; ++n) {
+      force_age_s_ += h;
+      const double share = force_age_s_ <= hold.hold_s ? 1 : hold.share(force_age_s_);
+      const Vec3 force = force_n_ * share + (to - position_mm_) * params_.arm_stiffness_n_per_mm -
+                         velocity_ * (params_.arm_damping_n_s_per_mm + params_.device_damping_n_s_per_mm);
+      velocity_ += force * (1000 * h / params_.mass_kg);  // N / kg are m / s^2
+      position_mm_ += velocity_ * h;
+    }
   }
   out = {};
   out.tip_mm = position_mm_;
