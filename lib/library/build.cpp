@@ -282,13 +282,19 @@ class Build {
     done_weight_ += weights_[e.name];
     last_end_ = Clock::now();
     ++(e.result.code == 0 ? done_ : failed_);
-    if (e.name.rfind("case.", 0) == 0 && e.result.code != static_cast<int>(ExitCode::cancelled)) try {
-        write_result(state_, e.name.substr(5), e.result);
-      } catch (const Error& error) {
-        if (!told_full_) log_warning(std::string("results cannot be recorded: ") + error.what());
-        told_full_ = true;
-      }
+    if (e.name.rfind("case.", 0) == 0 && e.result.code != static_cast<int>(ExitCode::cancelled))
+      record(e.name.substr(5), e.result);
     observer_.finished(e.name, e.result);
+  }
+
+  // A full disk is no reason to leave out the summary.
+  void record(const std::string& token, const JobResult& result) {
+    try {
+      write_result(state_, token, result);
+    } catch (const Error& error) {
+      if (!told_full_) log_warning(std::string("results cannot be recorded: ") + error.what());
+      told_full_ = true;
+    }
   }
 
   // As fast as the jobs so far, from the last that ended on; -1: not known.
@@ -313,11 +319,11 @@ class Build {
     for (const PlannedCase& c : plan_.cases) {
       if (c.fault) {
         fail(c.token, {static_cast<int>(c.fault->code()), text_of(*c.fault), 0, 0, 0});
-        if (!c.entry.token.empty()) write_result(state_, c.token, failures_.back().second);
+        if (!c.entry.token.empty()) record(c.token, failures_.back().second);
       } else if (c.reasons.empty()) {
         ++result_.fresh;
         // What was wrong with it was put right without a build: its series is again what it was built of.
-        if (const auto last = read_result(state_, c.token); last && last->code != 0) write_result(state_, c.token, {});
+        if (const auto last = read_result(state_, c.token); last && last->code != 0) record(c.token, {});
       } else if (const auto found = results_.find("case." + c.token); found == results_.end()) {
         fail(c.token, {static_cast<int>(ExitCode::busy), "not begun: the build stopped before", 0, 0, 0});
       } else if (found->second.code != 0) {
