@@ -141,6 +141,11 @@ FaceVolume face_volume(const std::string& name, const Mask& mask) { return {name
 std::vector<FaceDistance> face_distances(const Field& original_skin, const FaceRegion& region,
                                          const std::vector<FaceSurface>& surfaces,
                                          const std::vector<FaceVolume>& volumes, const Progress& progress) {
+  for (const float v : original_skin.voxels)
+    if (!std::isfinite(v)) throw Error(ExitCode::bad_input, "", "skin", "a voxel is not finite");
+  for (const FaceSurface& s : surfaces)
+    for (const Vec3& p : s.mesh->points_mm)
+      if (!is_finite(p)) throw Error(ExitCode::bad_input, "", s.name, "a point is not finite");
   // The skin's raster and what lies about it: nearer than the search's limit, or it does not matter.
   Box box = segmentation::box_of(region, original_skin, face_search_mm);
   std::vector<FaceDistance> out;
