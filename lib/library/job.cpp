@@ -177,6 +177,7 @@ JobResult do_job(const LibraryJob& job) {
   } else {
     result.reason = reason_in(clean_log(log, job.series), job.arguments.front(), job.token);
     replace_all(result.reason, job.library.string() + "/", "");
+    if (result.reason.empty()) result.reason = "failed; its log could not be written";
     if (end.code == stopped) {
       result.code = static_cast<int>(ExitCode::internal);
       result.reason = "stopped after " + to_text(job.time_limit_s) + " s, its time limit";
