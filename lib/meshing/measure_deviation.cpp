@@ -228,6 +228,7 @@ void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uin
   const auto triangles = static_cast<std::int64_t>(input_.triangles.size());
   std::vector<std::vector<std::uint32_t>> found((triangles + grain - 1) / grain);
   const bool first = forward_.empty();
+  input_beyond_.resize(input_.triangles.size(), 0);
   // Between points of two carriers the nearest triangle can be a third: what lies beyond all points is looked up.
   double exact_beyond2 = 0;
   for (std::uint32_t p = 0; p < input_.points_mm.size(); ++p)
@@ -243,7 +244,10 @@ void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uin
     std::size_t slot = 0;
     for (std::int64_t t = from; t < to; ++t) {
       const auto& v = input_.triangles[t];
-      const bool measure = first || carried.moved(v[0]) || carried.moved(v[1]) || carried.moved(v[2]);
+      // What was beyond is looked at again: undoing may have brought a triangle near that carries none of its points.
+      const bool measure =
+          first || input_beyond_[t] || carried.moved(v[0]) || carried.moved(v[1]) || carried.moved(v[2]);
+      input_beyond_[t] = 0;
       Vec3 p[3];
       std::uint32_t carrier[3];
       double d[3];
@@ -259,8 +263,10 @@ void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uin
         distances[slot] = static_cast<float>(bound);
       };
       const auto next = [&] {
-        if (double(distances[slot]) * distances[slot] > limit2_)
+        if (double(distances[slot]) * distances[slot] > limit2_) {
+          input_beyond_[t] = 1;
           found[from / grain].insert(found[from / grain].end(), carrier, carrier + 3);
+        }
         ++slot;
       };
       const auto between = [&](Vec3 place, int a, int b, double bound = infinity) {

@@ -64,6 +64,7 @@ class DeviationMeter {
   double limit2_, bound_, edge_, spacing_, raster_beyond2_, exact_beyond2_;
   TriangleTree tree_;
   std::vector<std::vector<float>> forward_;  ///< from the input, by pieces of it
+  std::vector<char> input_beyond_;           ///< by triangles of the input: a sample of it is beyond the limit
   std::vector<Raster> rasters_;              ///< per triangle that is live
   std::vector<std::uint32_t> raster_of_;     ///< the collapsing mesh's triangle -> its raster, or none
   std::vector<std::uint32_t> live_;          ///< rasters of the last measurement
