@@ -7,6 +7,7 @@
 #include "meshing/contour.h"
 #include "stages/burr_hole.h"
 #include "stages/cut.h"
+#include "stages/face_gate.h"
 #include "stages/haptic.h"
 
 namespace trephine::extremes {
@@ -139,7 +140,7 @@ const std::vector<StageType>& all_stages() {
     haptic.shapes[0].name = "outer";
     haptic.shapes[0].drilled = true;
     for (StageType s : {deface_stage(), resample_stage(), burr_hole_stage("hole", {}), boolean_stage(),
-                        voxelize_stage(haptic), mismatch_stage()})
+                        face_gate_stage(), voxelize_stage(haptic), mismatch_stage()})
       all.push_back(std::move(s));
     return all;
   }();

@@ -45,6 +45,7 @@ Suited suited(const std::string& stage, const std::string& method) {
   if (key == "segment brain") return {Body::head, {"skull"}, {{"lower_hu", "22"}}};
   if (key == "segment ventricles") return {Body::head, {"within"}, {{"lower_hu", "-15"}, {"upper_hu", "21.5"}}};
   if (stage == "landmarks") return {Body::head, {"brain", "ventricles"}, {}};
+  if (stage == "face_gate") return {Body::head, {"surface.*"}, {}};
   if (stage == "deface") return {Body::head, {}, {}};
   if (stage == "anatomy") return {Body::head, {"skin", "skull", "brain", "ventricles", "landmarks"}, {}};
   if (stage == "canal") return {Body::spine, {}, {}};
@@ -117,6 +118,8 @@ StageInputs inputs_of(const Subject& subject) {
 bool is_slow(const Subject& subject, const std::string& parameter, const std::string& text) {
   const std::string& stage = subject.stage->name;
   if (stage == "landmarks") return true;
+  if (stage == "face_gate")
+    return text == "2,000 slices of 2 x 2" || text.find("voxels of 2 x 2") == 0 || text.find("voxels of 10 x") == 0;
   if (stage == "smooth" && parameter == "iterations_count") return text == "100000";
   return (stage == "segment" && parameter == "close_mm" && text == "30") ||
          (stage == "simplify" && parameter == "close_handles_mm" && text == "60") ||
