@@ -112,8 +112,7 @@ TradePlan standard_plan(bool haptic) {
   plan.sweeps.push_back(sweep("free", {count + "=0"}, {{bound, {"0.3"}}}));
   plan.sweeps.push_back(sweep("ratio", {count + "=0", bound + "=0"}, {{ratio, {"0.02", "0.05"}}}));
   plan.sweeps.push_back(sweep("smooth", {bound + "=0.3"}, {{smoothing, {"0", "5", "100"}}}));
-  plan.sweeps.push_back(
-      sweep("voxel", {}, {{voxel, {voxels(1), voxels(1.5), voxels(2), voxels(3)}}, {bound, {"0.3", "0.8"}}}));
+  plan.sweeps.push_back(sweep("voxel", {}, {{voxel, {voxels(1), voxels(1.5), voxels(2)}}, {bound, {"0.3", "0.8"}}}));
   if (haptic)
     plan.sweeps.push_back(
         sweep("haptic", {bound + "=0.3"}, {{felt, {voxels(0.5), voxels(0.65), voxels(1), voxels(1.6)}}}));
