@@ -11,8 +11,9 @@ cd "$work"
 
 # Blocks: one a line, FOLDER and LIBRARY filled in.
 sed -E '/<!-- (chain|package) -->/,/<!-- end -->/d' "$SOURCE/README.md" | sed -n '/^```sh$/,/^```$/p' | sed '/^```/d' |
-  sed 's,FOLDER,sample_dicom,; s,LIBRARY,library,' >blocks.sh
+  sed 's,FOLDER,sample_dicom,; s,LIBRARY,library,g' >blocks.sh
 grep -q 'trephine run' blocks.sh || fail "README.md shows no run"
+printf 'trephine: 1\nconfig: configs/ct_head.yaml\ncases: [{case: head-01, series: sample_dicom}]\n' >library.yaml
 bash -euo pipefail blocks.sh >/dev/null
 case_digest library/head-01 >/dev/null
 
