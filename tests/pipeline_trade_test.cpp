@@ -58,6 +58,19 @@ TEST(TradeChoice, AccuracyTakesTheFastestThatKeepsIt) {
   EXPECT_NE(c.why.find("the fastest of 2 of 6 points that keep max_deviation_mm 0.3"), std::string::npos) << c.why;
 }
 
+// Other voxels are fast and look accurate on the head that was measured; on the next they are not.
+TEST(TradeChoice, AccuracyIsNeverPromisedOfOtherVoxels) {
+  std::vector<TradePoint> all = points();
+  all.push_back(point("voxels", 6, 0.05, 80000));
+  all.back().settings.insert(all.back().settings.begin(), "resample.spacing_mm=[1, 1, 1]");
+  TradeRule rule;
+  rule.max_deviation_mm = 0.3;
+  EXPECT_EQ(choose(all, rule).point.name, "knee");
+  TradeRule budget;
+  budget.seconds = 10;
+  EXPECT_EQ(choose(all, budget).point.name, "voxels");
+}
+
 TEST(TradeChoice, ABudgetTakesTheMostAccurateWithinIt) {
   TradeRule rule;
   rule.seconds = 10;

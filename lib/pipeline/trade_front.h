@@ -53,9 +53,10 @@ struct TradeChoice {
   std::string why;  ///< one line
 };
 
-/// With accuracy asked for, the fastest point that keeps it and the budget; with a budget alone, the one of least RMS
-/// deviation within it; of equal ones the one with fewer triangles, then the first. Throws Error 80 naming the nearest
-/// that there is where none fits, 78 where a profile is unknown.
+/// With accuracy asked for, the fastest point on the scan's own voxels that keeps it and the budget (what resampling
+/// costs is no promise for another scan); with a budget alone, the one of least RMS deviation within it; of equal ones
+/// the one with fewer triangles, then the first. Throws Error 80 naming the nearest that there is where none fits, 78
+/// where a profile is unknown.
 TradeChoice choose(const std::vector<TradePoint>& points, const TradeRule& rule);
 
 /// The points of a trade.json. Throws 66 where it cannot be read, 65 naming the field where it is none of ours.
