@@ -145,6 +145,7 @@ sweeps: {bound: {values: {skin.decimate.max_deviation_mm: [1]}}}
 }
 
 TEST_F(Trade, WhatAGateRefusesIsAPointWithAReason) {
+  request.params.max_repeat_s = 0;  // once, then
   write_file(request.plan, R"(trephine: 1
 sweeps: {nothing: {values: {skin.segment.lower_hu: [30000]}}}
 )");

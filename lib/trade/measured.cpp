@@ -115,7 +115,7 @@ bool Repeats::suffice(const Measurement& m) const {
   if (!m.refused.empty()) return true;
   double total_s = 0;
   for (const double s : m.seconds) total_s += s;
-  return m.seconds.size() >= static_cast<std::size_t>(std::max(1, count)) || total_s >= max_s;
+  return m.seconds.size() >= static_cast<std::size_t>(std::max(1, count)) || (!m.seconds.empty() && total_s >= max_s);
 }
 
 Measurement measure_work(const Repeats& repeats, const std::function<void(Report& report, bool is_first)>& work) {
