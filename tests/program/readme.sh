@@ -4,7 +4,7 @@
 # deb.sh's).
 . "$(dirname "$0")/common.sh"
 PATH=$(dirname "$TREPHINE"):$PATH
-ln -s "$SOURCE/configs" "$SOURCE/pipelines" "$SOURCE/sample_dicom" "$SOURCE/trephine.root" "$work"
+cp -r "$SOURCE/configs" "$SOURCE/pipelines" "$SOURCE/sample_dicom" "$SOURCE/trephine.root" "$work"
 mkdir -p "$work/build/release"
 ln -s "$(dirname "$TREPHINE")" "$work/build/release/bin"
 cd "$work"
