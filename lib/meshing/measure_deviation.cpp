@@ -176,12 +176,9 @@ class MarkedCells {
 };
 
 /// A proof holds as long as nothing of the mesh that lay within the bound is gone.
-void DeviationMeter::input_unproven(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
-                                    const CarriedPoints& carried, std::vector<std::uint32_t>& beyond,
-                                    const Progress& progress) {
-  const TriangleTree tree(plain);
-  std::vector<std::uint32_t> plain_of(input_.triangles.size());
-  for (std::uint32_t t = 0; t < triangle_of.size(); ++t) plain_of[triangle_of[t]] = t;
+void DeviationMeter::input_unproven(const TriMesh& plain, const TriangleTree& tree,
+                                    const std::vector<std::uint32_t>& plain_of, const CarriedPoints& carried,
+                                    std::vector<std::uint32_t>& beyond, const Progress& progress) {
   const auto triangles = static_cast<std::int64_t>(input_.triangles.size());
   std::vector<std::vector<std::uint32_t>> found((triangles + grain - 1) / grain);
   const auto search = [&](NearbyPlace& p) {
@@ -219,12 +216,9 @@ void DeviationMeter::input_unproven(const TriMesh& plain, const std::vector<std:
   for (const auto& f : found) beyond.insert(beyond.end(), f.begin(), f.end());
 }
 
-void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
-                                const CarriedPoints& carried, std::vector<std::uint32_t>& beyond,
-                                const Progress& progress) {
-  const TriangleTree tree(plain);
-  std::vector<std::uint32_t> plain_of(input_.triangles.size());
-  for (std::uint32_t t = 0; t < triangle_of.size(); ++t) plain_of[triangle_of[t]] = t;
+void DeviationMeter::from_input(const TriMesh& plain, const TriangleTree& tree,
+                                const std::vector<std::uint32_t>& plain_of, const CarriedPoints& carried,
+                                std::vector<std::uint32_t>& beyond, const Progress& progress) {
   const auto triangles = static_cast<std::int64_t>(input_.triangles.size());
   std::vector<std::vector<std::uint32_t>> found((triangles + grain - 1) / grain);
   const bool first = forward_.empty();
@@ -314,7 +308,10 @@ void DeviationMeter::from_input(const TriMesh& plain, const std::vector<std::uin
 std::vector<std::uint32_t> DeviationMeter::measure(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
                                                    CarriedPoints& carried, const Progress& progress) {
   std::vector<std::uint32_t> beyond;
-  from_input(plain, triangle_of, carried, beyond, progress);
+  const TriangleTree tree(plain);
+  std::vector<std::uint32_t> plain_of(input_.triangles.size());
+  for (std::uint32_t t = 0; t < triangle_of.size(); ++t) plain_of[triangle_of[t]] = t;
+  from_input(plain, tree, plain_of, carried, beyond, progress);
   carried.forget_moves();
   progress.report(0.3);
 
@@ -358,7 +355,7 @@ std::vector<std::uint32_t> DeviationMeter::measure(const TriMesh& plain, const s
   if (beyond.empty() && limit2_ < infinity) {
     for (std::uint32_t t = 0; t < triangle_of.size(); ++t)
       if (!rasters_[live_[t]].proven) beyond.push_back(triangle_of[t]);
-    input_unproven(plain, triangle_of, carried, beyond, progress);
+    input_unproven(plain, tree, plain_of, carried, beyond, progress);
   }
   std::sort(beyond.begin(), beyond.end());
   beyond.erase(std::unique(beyond.begin(), beyond.end()), beyond.end());

@@ -44,8 +44,9 @@ class DeviationMeter {
     std::vector<float> distances;
     bool beyond = false, proven = true;
   };
-  void from_input(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of, const CarriedPoints& carried,
-                  std::vector<std::uint32_t>& beyond, const Progress& progress);
+  /// `tree` is over `plain`, plain_of leads from the collapsing mesh's triangles to its own.
+  void from_input(const TriMesh& plain, const TriangleTree& tree, const std::vector<std::uint32_t>& plain_of,
+                  const CarriedPoints& carried, std::vector<std::uint32_t>& beyond, const Progress& progress);
   /// What one thread needs.
   struct Room {
     std::vector<std::uint32_t> points;  ///< some of the input near the triangle
@@ -55,8 +56,8 @@ class DeviationMeter {
   };
   void from_triangle(Raster& raster, Room& room) const;
   bool cells_proven(const std::vector<NearbyPlace>& samples, int n, Room& room) const;
-  void input_unproven(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of, const CarriedPoints& carried,
-                      std::vector<std::uint32_t>& beyond, const Progress& progress);
+  void input_unproven(const TriMesh& plain, const TriangleTree& tree, const std::vector<std::uint32_t>& plain_of,
+                      const CarriedPoints& carried, std::vector<std::uint32_t>& beyond, const Progress& progress);
   void look(NearbyPlace& place) const;
 
   const NearInput& near_;
