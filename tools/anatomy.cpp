@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/write_file.h"
+#include "cli/argument.h"
 #include "commands.h"
 #include "grid/nrrd.h"
 #include "segmentation/anatomy_gate.h"
@@ -12,14 +13,6 @@
 
 namespace trephine {
 namespace {
-
-Argument argument(const char* name, Argument::Kind kind, const char* help) {
-  Argument a;
-  a.name = name;
-  a.kind = kind;
-  a.help = help;
-  return a;
-}
 
 /// The stage's work, with a picture of the worst place where one is asked for.
 Report examine(const ParsedCommand& parsed, const Progress& progress) {

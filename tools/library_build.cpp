@@ -3,22 +3,11 @@
 
 #include "base/log.h"
 #include "base/write_file.h"
+#include "cli/argument.h"
 #include "commands.h"
 #include "library_display.h"
 
 namespace trephine {
-namespace {
-
-Argument argument(const char* name, Argument::Kind kind, const char* help) {
-  Argument a;
-  a.name = name;
-  a.kind = kind;
-  a.help = help;
-  return a;
-}
-
-}  // namespace
-
 Command library_build_command() {
   using Kind = Argument::Kind;
   Command c;

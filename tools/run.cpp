@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "base/write_file.h"
+#include "cli/argument.h"
 #include "cli/progress_display.h"
 #include "commands.h"
 #include "pipeline/run_case.h"
@@ -32,14 +33,6 @@ struct ExplainParams {
            "(with --json as JSON).");
   }
 };
-
-Argument argument(const char* name, Argument::Kind kind, const char* help) {
-  Argument a;
-  a.name = name;
-  a.kind = kind;
-  a.help = help;
-  return a;
-}
 
 }  // namespace
 

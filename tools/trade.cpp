@@ -3,22 +3,11 @@
 
 #include <cstdio>
 
+#include "cli/argument.h"
 #include "cli/progress_display.h"
 #include "commands.h"
 
 namespace trephine {
-namespace {
-
-Argument argument(const char* name, Argument::Kind kind, const char* help) {
-  Argument a;
-  a.name = name;
-  a.kind = kind;
-  a.help = help;
-  return a;
-}
-
-}  // namespace
-
 Command trade_command() {
   using Kind = Argument::Kind;
   Command c;

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+#include "cli/command.h"
+
+namespace trephine {
+
+/// An optional argument; the caller sets what else it is.
+inline Argument argument(const std::string& name, Argument::Kind kind, const std::string& help) {
+  Argument a;
+  a.name = name;
+  a.kind = kind;
+  a.help = help;
+  return a;
+}
+
+}  // namespace trephine
