@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/write_file.h"
+#include "cli/argument.h"
 #include "commands.h"
 #include "felt_case.h"
 #include "haptics/recording.h"
@@ -87,20 +88,11 @@ Command replay_command() {
       "code "
       "80 where any bit of any frame is another. With another walk or surface the two are compared by the figures of "
       "their forces instead: the dissertation's force anomaly coefficient, and what it leaves out.";
-  Argument folder;
-  folder.name = "case";
-  folder.kind = Argument::Kind::in_folder;
-  folder.help = "Folder of the case.";
+  Argument folder = argument("case", Argument::Kind::in_folder, "Folder of the case.");
   folder.positional = folder.required = true;
-  Argument recording;
-  recording.name = "recording";
-  recording.kind = Argument::Kind::in_file;
-  recording.help = "What `trephine-sim servo --record` wrote.";
+  Argument recording = argument("recording", Argument::Kind::in_file, "What `trephine-sim servo --record` wrote.");
   recording.positional = recording.required = true;
-  Argument json;
-  json.name = "json";
-  json.kind = Argument::Kind::out_file;
-  json.help = "Writes the figures to this file.";
+  Argument json = argument("json", Argument::Kind::out_file, "Writes the figures to this file.");
   c.arguments = {folder, recording, json};
   c.groups = {ParameterGroup::of<ContactParams>("Contact, where it is to be another than recorded")};
   c.examples = {"trephine-sim replay library/sample skull.servo",

@@ -13,6 +13,7 @@
 #include "base/progress.h"
 #include "base/text.h"
 #include "base/write_file.h"
+#include "cli/argument.h"
 #include "commands.h"
 #include "device/hand_path.h"
 #include "device/simulated_hand.h"
@@ -179,33 +180,17 @@ Command servo_command() {
       "It says at the start what the system grants: SCHED_FIFO and locked memory need CAP_SYS_NICE and CAP_IPC_LOCK, "
       "or "
       "limits (ulimit -r, -l) that allow them.";
-  Argument folder;
-  folder.name = "case";
-  folder.kind = Argument::Kind::in_folder;
-  folder.help = "Folder of the case.";
+  Argument folder = argument("case", Argument::Kind::in_folder, "Folder of the case.");
   folder.positional = folder.required = true;
-  Argument device;
-  device.name = "device";
-  device.kind = Argument::Kind::choice;
-  device.help = "Who holds the tool; hand where it is not given.";
+  Argument device = argument("device", Argument::Kind::choice, "Who holds the tool; hand where it is not given.");
   device.choices = {"hand", "trajectory"};
-  Argument trajectory;
-  trajectory.name = "trajectory";
-  trajectory.kind = Argument::Kind::in_file;
-  trajectory.help =
-      "Lines of time_s x_mm y_mm z_mm [ax ay az [buttons]], LPS; the axis points from the tip to the tail.";
-  Argument shape;
-  shape.name = "shape";
-  shape.kind = Argument::Kind::text;
-  shape.help = "The one shape that is felt; all of the case where it is not given.";
-  Argument record;
-  record.name = "record";
-  record.kind = Argument::Kind::out_file;
-  record.help = "Writes every tick to this file.";
-  Argument json;
-  json.name = "json";
-  json.kind = Argument::Kind::out_file;
-  json.help = "Writes the statistics to this file.";
+  Argument trajectory =
+      argument("trajectory", Argument::Kind::in_file,
+               "Lines of time_s x_mm y_mm z_mm [ax ay az [buttons]], LPS; the axis points from the tip to the tail.");
+  Argument shape =
+      argument("shape", Argument::Kind::text, "The one shape that is felt; all of the case where it is not given.");
+  Argument record = argument("record", Argument::Kind::out_file, "Writes every tick to this file.");
+  Argument json = argument("json", Argument::Kind::out_file, "Writes the statistics to this file.");
   c.arguments = {folder, device, trajectory, shape, record, json};
   c.groups = {ParameterGroup::of<RunParams>("Parameters"),
               ParameterGroup::of<ServoParams>("Servo loop"),
