@@ -80,6 +80,10 @@ TEST(Config, WhatWins) {
   const Files set(head + "set: {skull.decimate.max_deviation_mm: 0.5, skull.decimate.target_triangles_count: 5000}\n");
   EXPECT_EQ(decimation(read_case_config(set.config)).max_deviation_mm, 0.5);
   EXPECT_EQ(decimation(read_case_config(set.config)).target_triangles_count, 5000);
+  // For a machine that shows half of it.
+  const Files half(head + "set: {scene.triangles_ratio: 0.5}\n");
+  EXPECT_EQ(decimation(read_case_config(half.config)).target_triangles_count, 40000);
+  EXPECT_EQ(read_case_config(half.config).scene.at(0).max_triangles, 40000);
   ConfigOverrides overrides;
   overrides.set = {"skull.decimate.max_deviation_mm=0.125"};
   EXPECT_EQ(decimation(read_case_config(set.config, overrides)).max_deviation_mm, 0.125);

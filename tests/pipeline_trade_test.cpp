@@ -110,6 +110,45 @@ TEST(TradeChoice, ProfilesAreTheEndsAndTheKneeOfTheFront) {
   EXPECT_EQ(choose({point("only", 1, 0.1, 4)}, rule).point.name, "only");
 }
 
+TEST(TradeChoice, MoreTrianglesThanTheSceneSaysAreForThoseWhoAskForThem) {
+  TradePoint more = point("more", 5, 0.01, 90);
+  more.settings = {"scene.triangles_ratio=2"};
+  TradePoint fewer = point("fewer", 0.5, 0.9, 1);
+  fewer.settings = {"scene.triangles_ratio=0.5"};
+  std::vector<TradePoint> all = points();
+  all.insert(all.end(), {more, fewer});
+  const auto chosen = [&](const TradeRule& rule) { return choose(all, rule).point.name; };
+  TradeRule profile;
+  profile.profile = "draft";
+  EXPECT_EQ(chosen(profile), "fewer");
+  profile.profile = "standard";
+  EXPECT_EQ(chosen(profile), "knee");
+  profile.profile = "fine";
+  EXPECT_EQ(chosen(profile), "more");
+  TradeRule accuracy;
+  accuracy.rms_deviation_mm = 0.011;
+  EXPECT_THROW(chosen(accuracy), Error);
+  accuracy.triangles_count = 100;
+  EXPECT_EQ(chosen(accuracy), "more");
+}
+
+TEST(TradeFront, OfSeveralHeadsIsWhatHoldsForAll) {
+  TradePoint a = point("a", 10, 0.1, 40), b = point("b", 20, 0.05, 50), only = point("only", 1, 0.3, 5);
+  a.settings = {"x=1"}, b.settings = {"x=2"}, only.settings = {"x=3"};
+  TradePoint other_a = a, other_b = b;
+  other_a.seconds = 4, other_a.deviation_rms_mm = 0.2, other_a.triangles_count = 60;
+  other_b.refused = "brain.segment: nothing";
+  const auto all = points_of_all({{a, b, only}, {other_b, other_a}});
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].name, "a");
+  EXPECT_EQ(all[0].seconds, 10);
+  EXPECT_EQ(all[0].deviation_rms_mm, 0.2);
+  EXPECT_EQ(all[0].triangles_count, 60);
+  EXPECT_EQ(all[1].refused, "brain.segment: nothing");
+  EXPECT_EQ(points_of_all({{a, b, only}}).size(), 3u);
+  EXPECT_TRUE(points_of_all({{a}, {b}}).empty());
+}
+
 TEST(TradeFile, IsReadBackAndFaultsAreNamed) {
   const ScratchFolder folder;
   const auto file = folder.path() / "trade.json";

@@ -218,6 +218,10 @@ TEST_F(Trade, ARunGetsThePointThatItsRuleChooses) {
   EXPECT_EQ(code_of("trade: trade/trade.json\nprofile: best\n"), ExitCode::bad_config);
   EXPECT_EQ(code_of("trade: trade/trade.json\nprofile: fine\nbudget: {seconds: 9}\n"), ExitCode::bad_config);
   EXPECT_EQ(code_of("trade: none.json\nprofile: fine\n"), ExitCode::no_input);
+  EXPECT_EQ(code_of("trade: [trade/trade.json, none.json]\nprofile: fine\n"), ExitCode::no_input);
+  EXPECT_EQ(code_of("trade: [trade/trade.json, trade/trade.json]\nprofile: fine\n"), ExitCode::ok);
+  EXPECT_EQ(code_of("trade: []\nprofile: fine\n"), ExitCode::bad_config);
+  EXPECT_EQ(code_of("trade: {}\nprofile: fine\n"), ExitCode::bad_config);
   EXPECT_EQ(code_of("trade: trade/trade.json\nprofile: fine\n"), ExitCode::ok);
 }
 

@@ -96,6 +96,8 @@ CaseSettings read_case_settings(const LibraryCase& one, const std::vector<fs::pa
   const fs::path scene_file = file_of(one.config, tree, "scene");
   const YamlNode scene = read_yaml(scene_file);
   flatten(scene, "scene", {"scene.materials"}, out.values);
+  for (const Parameter& p : config.scene_params.set->parameters)
+    out.values["scene." + p.name] = to_text(config.scene_params.get(p));
   add_materials(scene, scene_file, config, out.values);
   add_recipe(read_yaml(file_of(one.config, tree, "pipeline")), config, out.values);
   for (const CaseLandmark& l : config.landmarks)

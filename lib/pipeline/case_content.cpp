@@ -178,7 +178,7 @@ class Builder {
     if (most > 0 && triangles > most)
       throw Error(ExitCode::quality, "", "budget.triangles",
                   std::to_string(triangles) + " triangles, the budget is " + std::to_string(most) + "; point " +
-                      config_.trade.choice.point.name + " of " + config_.trade.points.filename().string() +
+                      config_.trade.choice.point.name + " of " + config_.trade.front_names() +
                       " kept it on the case that it was measured on");
   }
 

@@ -2,6 +2,7 @@
 #include "pipeline/config.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "base/text.h"
@@ -46,12 +47,12 @@ class Reader {
     const YamlNode* burr_holes = map.list("burr_holes");
     const YamlNode* set = map.map("set");
     const TradeRule rule = read_rule(map);
-    const fs::path points_file = path_value(map, config_, "trade", tree);
+    const std::vector<fs::path> fronts = path_values(map, config_, "trade", tree);
     map.finish();
     if (!pipeline.empty()) read_recipe(pipeline);
     if (!scene.empty()) read_scene(scene);
     if (burr_holes) read_burr_holes(config_, *burr_holes, out_, faults_);
-    choose_point(map, tree, rule, points_file);
+    choose_point(map, tree, rule, fronts);
     if (set)
       for (const auto& [key, value] : set->entries)
         if (const std::string fault = paths_.set(key.text, value, absolute_path(config_).parent_path()); !fault.empty())
@@ -59,6 +60,7 @@ class Reader {
     for (const std::string& text : overrides_.set) paths_.set_from_text(text, faults_);
     for (RecipeAnatomy& anatomy : out_.anatomies)
       for (RecipeStep& step : anatomy.steps) resolve_files(anatomy.name, step);
+    scale_triangles();
     // Last, for what smoothing takes of it may just have been set.
     for (const Budget& budget : budgets_) give(budget);
     keep_rule();
@@ -87,12 +89,32 @@ class Reader {
 
   fs::path path_value(MapReader& map, const fs::path& file, const std::string& key, const YamlNode& tree) {
     const auto text = map.text(key);
-    if (!text) return {};
-    const fs::path path = absolute_path(fs::absolute(file).parent_path() / *text);
+    return text ? path_of(map, file, key, *tree.find(key), *text) : fs::path();
+  }
+
+  // A path, or a list of them.
+  std::vector<fs::path> path_values(MapReader& map, const fs::path& file, const std::string& key,
+                                    const YamlNode& tree) {
+    const YamlNode* node = map.any(key);
+    if (!node) return {};
+    if (node->kind == YamlNode::Kind::scalar) return {path_of(map, file, key, *node, node->text)};
+    std::vector<fs::path> paths;
+    for (const YamlNode& item : node->items)
+      if (item.kind == YamlNode::Kind::scalar)
+        paths.push_back(path_of(map, file, key, item, item.text));
+      else
+        map.fault(item, key, "must be a path, or a list of paths");
+    if (paths.empty()) map.fault(*node, key, "must be a path, or a list of paths");
+    return paths;
+  }
+
+  fs::path path_of(MapReader& map, const fs::path& file, const std::string& key, const YamlNode& at,
+                   const std::string& text) {
+    const fs::path path = absolute_path(fs::absolute(file).parent_path() / text);
     const bool allowed =
         std::any_of(roots_.begin(), roots_.end(), [&](const fs::path& root) { return lies_in(path, root); });
     if (allowed) return path;
-    map.fault(*tree.find(key), key, *text + ", leads out of the root " + roots_[0].string() + "; --root adds one");
+    map.fault(at, key, text + ", leads out of the root " + roots_[0].string() + "; --root adds one");
     return {};
   }
 
@@ -130,17 +152,24 @@ class Reader {
     return rule;
   }
 
-  void choose_point(MapReader& map, const YamlNode& tree, const TradeRule& rule, const fs::path& file) {
+  void choose_point(MapReader& map, const YamlNode& tree, const TradeRule& rule, const std::vector<fs::path>& files) {
     if (rule.empty() || overrides_.without_rule) return;
-    if (file.empty()) {
-      if (!tree.find("trade"))
-        map.fault(tree, "trade", "is missing: which trade.json shall " + rule.text() + " be chosen from?");
-      return;
-    }
+    if (!tree.find("trade"))
+      map.fault(tree, "trade", "is missing: which trade.json shall " + rule.text() + " be chosen from?");
+    if (files.empty() || std::any_of(files.begin(), files.end(), [](const fs::path& f) { return f.empty(); })) return;
+    std::vector<std::vector<TradePoint>> fronts;
+    for (const fs::path& file : files) try {
+        fronts.push_back(read_trade_points(file));
+      } catch (const Error& e) {
+        faults_.add(Error(e.code(), file.string(), e.field(), e.what()));
+        return;
+      }
+    out_.trade.rule = rule;
+    out_.trade.fronts = files;
     try {
-      out_.trade = {rule, file, choose(read_trade_points(file), rule)};
+      out_.trade.choice = choose(points_of_all(fronts), rule);
     } catch (const Error& e) {
-      faults_.add(Error(e.code(), file.string(), e.field(), e.what()));
+      faults_.add(Error(e.code(), files.size() == 1 ? files[0].string() : config_.string(), e.field(), e.what()));
       return;
     }
     for (const std::string& text : out_.trade.choice.point.settings) paths_.set_from_text(text, faults_);
@@ -354,6 +383,20 @@ class Reader {
     read_haptic_scene(file, *haptic, known, out_, faults_);
   }
 
+  // What the scene allows, for this case's machine; decimation heads for it unless it was given its own count by path.
+  void scale_triangles() {
+    const double ratio = out_.scene_params.as<SceneParams>().triangles_ratio;
+    if (ratio == 1) return;
+    for (SceneAnatomy& wanted : out_.scene) {
+      if (wanted.max_triangles == 0) continue;
+      wanted.max_triangles = std::max<std::int64_t>(4, std::llround(double(wanted.max_triangles) * ratio));
+      if (paths_.was_set(wanted.name + ".decimate.target_triangles_count")) continue;
+      for (RecipeAnatomy& anatomy : out_.anatomies)
+        if (anatomy.name == wanted.name)
+          set_if_there(anatomy, "decimate", "target_triangles_count", ParameterValue(wanted.max_triangles));
+    }
+  }
+
   // The deviation that the scene allows is shared out: smoothing keeps its bound, decimation gets the rest, unless it
   // was given its own by path.
   void give(const Budget& budget) {
@@ -428,6 +471,12 @@ class Reader {
 };
 
 }  // namespace
+
+std::string CaseTrade::front_names() const {
+  std::string names;
+  for (const fs::path& file : fronts) names += (names.empty() ? "" : ", ") + file.filename().string();
+  return names;
+}
 
 const RecipeStep* RecipeAnatomy::find_step(const std::string& stage) const {
   for (const RecipeStep& s : steps)

@@ -45,6 +45,17 @@ struct SceneAnatomy {
   std::int64_t max_triangles = 0;
 };
 
+/// Of the whole scene, by path: "scene.triangles_ratio".
+struct SceneParams {
+  double triangles_ratio = 1;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&SceneParams::triangles_ratio, "triangles_ratio", Range{0.01, 100},
+             "How many times as many triangles as the scene says each anatomy may have: for a machine that shows more "
+             "of them, or fewer.");
+  }
+};
+
 /// An anatomy from which the scene cuts the case's burr holes, its own share of the hole so much wider all around: skin
 /// is folded back from where the bone is opened.
 struct SceneDrill {
@@ -80,8 +91,9 @@ struct CaseDrill {
 
 /// What the case asks of a measured front, and the point of it that it got.
 struct CaseTrade {
-  TradeRule rule;                ///< empty: nothing is asked
-  std::filesystem::path points;  ///< the trade.json that it was chosen from
+  TradeRule rule;                             ///< empty: nothing is asked
+  std::vector<std::filesystem::path> fronts;  ///< each trade.json that it was chosen from
+  std::string front_names() const;            ///< "head.json", or "a.json, b.json"
   TradeChoice choice;
 };
 
@@ -93,9 +105,10 @@ struct CaseConfig {
   std::vector<RecipeAnatomy> anatomies;  ///< the whole recipe, in its order
   std::vector<RecipeStep> head;          ///< its stages of the whole scan; of another part of the body than the head
                                          ///< resample alone
-  std::vector<SceneAnatomy> scene;       ///< what is wanted, in the recipe's order
-  std::string face, face_reason;         ///< "", keep, crop or deface
-  std::vector<CaseLandmark> landmarks;   ///< given, by the configuration or a file that it names
+  std::vector<SceneAnatomy> scene;  ///< what is wanted, in the recipe's order; triangles as scene_params scale them
+  AnyParams scene_params = AnyParams::make<SceneParams>();
+  std::string face, face_reason;        ///< "", keep, crop or deface
+  std::vector<CaseLandmark> landmarks;  ///< given, by the configuration or a file that it names
   std::vector<SceneLandmark> scene_landmarks;
   std::vector<CaseDrill> burr_holes;  ///< none where the scene cuts none
   std::vector<SceneDrill> drilled;    ///< in the scene's order

@@ -43,6 +43,7 @@ std::map<std::string, ConfigPaths::Target> ConfigPaths::targets() const {
     for (const Parameter& p : params.set->parameters) all[prefix + "." + p.name] = {&params, &p};
   };
   add("import", import_);
+  add("scene", config_.scene_params);
   if (config_.haptic.wanted) add("haptic", config_.haptic.params);
   for (CaseDrill& hole : config_.burr_holes) add(hole.name, hole.params);
   for (RecipeAnatomy& anatomy : config_.anatomies)

@@ -141,7 +141,7 @@ void tell_overrun(Run& run, double seconds) {
   if (budget_s <= 0 || seconds <= budget_s) return;
   run.warnings.push_back("took " + to_text(ParameterValue(std::round(10 * seconds) / 10)) + " s, the budget is " +
                          to_text(ParameterValue(budget_s)) + " s: this machine or its load is not that of " +
-                         run.config.trade.points.filename().string());
+                         run.config.trade.front_names());
   log_warning(run.config.case_token + ": " + run.warnings.back());
 }
 
@@ -206,7 +206,7 @@ CaseConfig read_config(const RunRequest& request) {
 void tell_choice(const CaseConfig& config) {
   if (!config.trade.rule.empty())
     log_line(config.case_token + ": " + config.trade.rule.text() + ": point " + config.trade.choice.point.name +
-             " of " + config.trade.points.filename().string() + ", " + config.trade.choice.why);
+             " of " + config.trade.front_names() + ", " + config.trade.choice.why);
 }
 
 }  // namespace

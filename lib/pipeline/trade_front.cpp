@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/params.h"
+#include "base/text.h"
 #include "base/write_file.h"
 
 namespace trephine {
@@ -40,6 +41,14 @@ bool keeps_voxels(const TradePoint& p) {
                       [](const std::string& s) { return s.rfind("resample.", 0) == 0; });
 }
 
+// More triangles than the scene says: its machine may not show them, so nobody gets them who did not ask.
+bool is_within_scene(const TradePoint& p) {
+  const std::string path = "scene.triangles_ratio=";
+  return std::none_of(p.settings.begin(), p.settings.end(), [&](const std::string& s) {
+    return s.rfind(path, 0) == 0 && parse_number(s.substr(path.size())).value_or(0) > 1;
+  });
+}
+
 std::string figures(const TradePoint& p) {
   return number(std::round(p.seconds * 10) / 10) + " s, " + std::to_string(p.triangles_count) +
          " triangles, deviation " + number(std::round(p.deviation_max_mm * 1e4) / 1e4) + " mm at most, " +
@@ -65,7 +74,7 @@ TradeChoice choose_profile(const std::vector<TradePoint>& points, const std::str
   std::vector<TradePoint> measured;
   // The finest result's own deviation is nothing by definition: on logarithmic axes that is no place.
   for (const TradePoint& p : points)
-    if (p.deviation_rms_mm > 0) measured.push_back(p);
+    if (p.deviation_rms_mm > 0 && (profile == "fine" || is_within_scene(p))) measured.push_back(p);
   const auto front = pareto_front(measured, TradeCost::seconds, TradeError::rms);
   if (front.empty()) throw Error(ExitCode::quality, "", "profile", "the front has no point");
   const std::size_t knee = knee_of(measured, front);
@@ -175,6 +184,7 @@ TradeChoice choose(const std::vector<TradePoint>& points, const TradeRule& rule)
   std::size_t keep = 0;
   for (const TradePoint& p : points) {
     if (!p.refused.empty() || (accuracy && !keeps_voxels(p))) continue;
+    if (rule.triangles_count == 0 && !is_within_scene(p)) continue;
     if (!nearest || excess(p, rule) < excess(*nearest, rule)) nearest = &p;
     if (excess(p, rule) > 0) continue;
     ++keep;
@@ -186,6 +196,32 @@ TradeChoice choose(const std::vector<TradePoint>& points, const TradeRule& rule)
                     (nearest ? "; the nearest is " + nearest->name + ": " + figures(*nearest) : ""));
   return {*best, std::string(accuracy ? "the fastest" : "the most accurate") + " of " + std::to_string(keep) + " of " +
                      std::to_string(points.size()) + " points that keep " + rule.text() + ": " + figures(*best)};
+}
+
+std::vector<TradePoint> points_of_all(const std::vector<std::vector<TradePoint>>& sweeps) {
+  if (sweeps.empty()) return {};
+  std::vector<TradePoint> all;
+  for (TradePoint p : sweeps[0]) {
+    bool everywhere = true;
+    for (std::size_t i = 1; i < sweeps.size() && everywhere; ++i) {
+      const auto other = std::find_if(sweeps[i].begin(), sweeps[i].end(),
+                                      [&](const TradePoint& o) { return o.settings == p.settings; });
+      if (other == sweeps[i].end()) {
+        everywhere = false;
+        break;
+      }
+      if (p.refused.empty()) p.refused = other->refused;
+      p.seconds = std::max(p.seconds, other->seconds);
+      p.peak_memory_mb = std::max(p.peak_memory_mb, other->peak_memory_mb);
+      p.triangles_count = std::max(p.triangles_count, other->triangles_count);
+      p.bytes = std::max(p.bytes, other->bytes);
+      p.deviation_max_mm = std::max(p.deviation_max_mm, other->deviation_max_mm);
+      p.deviation_p99_mm = std::max(p.deviation_p99_mm, other->deviation_p99_mm);
+      p.deviation_rms_mm = std::max(p.deviation_rms_mm, other->deviation_rms_mm);
+    }
+    if (everywhere) all.push_back(std::move(p));
+  }
+  return all;
 }
 
 std::string trade_points_json(const std::vector<TradePoint>& points) {

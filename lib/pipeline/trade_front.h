@@ -44,8 +44,9 @@ struct TradeRule {
 };
 
 /// The profiles, each a point of the front of seconds against RMS deviation, by the front's own shape: draft is its
-/// fastest, fine its most accurate that is slower than the knee, standard its knee: the point farthest below the line
-/// from draft to fine in logarithmic axes (Satopaa and others, "Finding a kneedle in a haystack", 2011).
+/// fastest; standard its knee, the point farthest below the line from its fastest to its most accurate in logarithmic
+/// axes (Satopaa and others, "Finding a kneedle in a haystack", 2011); both among the points within the scene's own
+/// triangles (scene.triangles_ratio at most 1). fine is the most accurate of all.
 constexpr const char* profile_names[] = {"draft", "standard", "fine"};
 
 struct TradeChoice {
@@ -55,9 +56,14 @@ struct TradeChoice {
 
 /// With accuracy asked for, the fastest point on the scan's own voxels that keeps it and the budget (what resampling
 /// costs is no promise for another scan); with a budget alone, the one of least RMS deviation within it; of equal ones
-/// the one with fewer triangles, then the first. Throws Error 80 naming the nearest that there is where none fits, 78
-/// where a profile is unknown.
+/// the one with fewer triangles, then the first. Points of more triangles than the scene says (scene.triangles_ratio
+/// above 1) are chosen only under a budget of triangles. Throws Error 80 naming the nearest that there is where none
+/// fits, 78 where a profile is unknown.
 TradeChoice choose(const std::vector<TradePoint>& points, const TradeRule& rule);
+
+/// What holds for every head of several sweeps: the points that all of them hold with the same settings, in the first
+/// one's order, each with the worst of their figures. Refused in one, it is refused.
+std::vector<TradePoint> points_of_all(const std::vector<std::vector<TradePoint>>& sweeps);
 
 /// The points of a trade.json. Throws 66 where it cannot be read, 65 naming the field where it is none of ours.
 std::vector<TradePoint> read_trade_points(const std::filesystem::path& file);

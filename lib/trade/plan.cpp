@@ -100,7 +100,7 @@ std::vector<PlannedPoint> points_of(const TradePlan& plan) {
 TradePlan standard_plan(bool haptic) {
   const std::string bound = "*.decimate.max_deviation_mm", count = "*.decimate.target_triangles_count",
                     ratio = "*.decimate.keep_ratio", smoothing = "*.smooth.iterations_count",
-                    voxel = "resample.spacing_mm", felt = "haptic.spacing_mm";
+                    voxel = "resample.spacing_mm", felt = "haptic.spacing_mm", detail = "scene.triangles_ratio";
   const auto sweep = [](const char* name, std::vector<std::string> settings, std::vector<SweptParameter> values) {
     return TradeSweep{name, std::move(settings), std::move(values)};
   };
@@ -111,8 +111,10 @@ TradePlan standard_plan(bool haptic) {
   // Whatever the scene allows: how far that is from what could be shown.
   plan.sweeps.push_back(sweep("free", {count + "=0"}, {{bound, {"0.3"}}}));
   plan.sweeps.push_back(sweep("ratio", {count + "=0", bound + "=0"}, {{ratio, {"0.02", "0.05"}}}));
+  // A machine that shows twice what the scene asks of it, or half.
+  plan.sweeps.push_back(sweep("detail", {}, {{detail, {"0.5", "2"}}, {bound, {"0.5", "1.2"}}}));
   plan.sweeps.push_back(sweep("smooth", {bound + "=0.3"}, {{smoothing, {"0", "5", "100"}}}));
-  plan.sweeps.push_back(sweep("voxel", {}, {{voxel, {voxels(1), voxels(1.5), voxels(2)}}, {bound, {"0.3", "0.8"}}}));
+  plan.sweeps.push_back(sweep("voxel", {}, {{voxel, {voxels(1), voxels(1.5), voxels(2)}}, {bound, {"0.8", "1.2"}}}));
   if (haptic)
     plan.sweeps.push_back(
         sweep("haptic", {bound + "=0.3"}, {{felt, {voxels(0.5), voxels(0.65), voxels(1), voxels(1.6)}}}));
