@@ -2,6 +2,7 @@
 #include "segmentation/surface_field.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 
@@ -140,8 +141,10 @@ Vec3 gradient(const Field& f, int i, int j, int k) {
   return {g.x / f.spacing_mm.x, g.y / f.spacing_mm.y, g.z / f.spacing_mm.z};
 }
 
-constexpr float sharp_mm = 0.9f, blurred_mm = 3.f;  ///< slices that blur a table of bone not at all, and most
-constexpr float most_gain = 0.5f;                   ///< and how much of its HU they then take
+constexpr float sharp_mm = 0.9f;  ///< slices that blur a table of bone hardly
+// A table of the skull as the model has it: its thickness, what spongy bone under it reaches of its HU, and the blur of
+// a usual kernel.
+constexpr double table_mm = 1.8, spongy_ratio = 0.4, kernel_sigma_mm = 0.4;
 struct Profile {
   float high, low;
   bool leaves;        ///< the way downhill leaves the mask
@@ -187,11 +190,48 @@ float compact_bone(const std::vector<Profile>& profiles) {
   return *at;
 }
 
-/// A table thinner than the blur never reaches its own HU, and half of what it does reach lies outside of it; at its
-/// edge the value is half of its own, as long as it is thicker than half the blur.
-float unblurred(const Profile& p, float compact) {
-  const float gain = 1 + most_gain * std::clamp((p.blur_mm - sharp_mm) / (blurred_mm - sharp_mm), 0.f, 1.f);
-  return std::max(p.high, std::min(compact, gain * p.high));
+/// What part of an edge lies before x, in slices of `thick_mm` along the way and interpolated linearly between them (a
+/// quadratic B-spline on average), and blurred by the kernel.
+double passed(double x, double thick_mm) {
+  constexpr int half = 12;
+  double sum = 0, weights = 0;
+  for (int n = -half; n <= half; ++n) {
+    const double z = 3.0 * n / half, weight = std::exp(-0.5 * z * z);
+    const double u = (x - z * kernel_sigma_mm) / thick_mm, a = std::abs(u);
+    const double beyond = a >= 1.5 ? 0 : a > 0.5 ? std::pow(1.5 - a, 3) / 6 : 0.5 - a * (0.75 - a * a / 3);
+    sum += weight * (u > 0 ? 1 - beyond : beyond);
+    weights += weight;
+  }
+  return sum / weights;
+}
+
+constexpr int gain_steps = 32;
+constexpr double gain_step_mm = 0.2;
+
+/// A table thinner than the blur never reaches its own HU, and half of what it does reach lies outside of it. How many
+/// times half of what is reached the value at its edge is, by what slices blur along the way (steps of gain_step_mm):
+/// of a table, and about the same of plates and thicker tables.
+std::array<float, gain_steps> edge_gains() {
+  std::array<float, gain_steps> gains;
+  for (int n = 0; n < gain_steps; ++n) {
+    const double thick = std::max(0.01, n * gain_step_mm);
+    const auto value = [&](double x) {
+      const double bone = passed(x, thick), spongy = passed(x - table_mm, thick);
+      return bone - (1 - spongy_ratio) * spongy;
+    };
+    double high = 0;
+    for (double x = 0; x < 4; x += 0.05) high = std::max(high, value(x));
+    gains[n] = float(std::max(1.0, 2 * value(0) / high));
+  }
+  return gains;
+}
+
+/// What half is taken of at the bone's edge. Thick bone does reach its HU, hence no more than `compact`.
+float unblurred(const Profile& p, float compact, const std::array<float, gain_steps>& gains, float water) {
+  const float at = std::min(p.blur_mm / float(gain_step_mm), float(gain_steps - 1));
+  const int n = std::min(int(at), gain_steps - 2);
+  const float gain = gains[n] + (at - float(n)) * (gains[n + 1] - gains[n]);
+  return std::max(p.high, std::min(compact, water + gain * (p.high - water)));
 }
 
 }  // namespace
@@ -230,7 +270,8 @@ void apply_half_maximum(Field& hu, BitMask& shape, double lower_hu, double reach
         }
     }
   });
-  const float compact = compact_bone(profiles);
+  const float compact = compact_bone(profiles), water = float(-lower_hu);
+  const auto gains = edge_gains();
   parallel_for(0, l.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k) {
       std::size_t n = first[k];
@@ -240,7 +281,7 @@ void apply_half_maximum(Field& hu, BitMask& shape, double lower_hu, double reach
           float& v = hu.at(i, j, k);
           const bool was_material = v > 0;
           const Profile& p = profiles[n++];
-          if (p.leaves) v -= std::max(0.f, 0.5f * (unblurred(p, compact) + p.low));
+          if (p.leaves) v -= std::max(0.f, 0.5f * (unblurred(p, compact, gains, water) + p.low));
           if (was_material && v <= 0) shape.clear(i, j, k);
         }
     }
