@@ -61,7 +61,7 @@ struct ContactVolume::Segment {
 };
 
 struct ContactVolume::Crossing {
-  bool hit = false;
+  bool hit = false, passed = false;
   double t = 1;  // of the part
   int from = 0, into = 0;
 };
@@ -247,6 +247,19 @@ bool ContactVolume::clip(Segment& s) const {
   return true;
 }
 
+// Whether both ends, and so all between them, lie in one block that is of that shape alone.
+bool ContactVolume::within_block(const Segment& s, int shape) const {
+  const double half = params_.surface == ContactParams::Surface::nearest ? 0.5 : 0;
+  int first[3];
+  for (int a = 0; a < 3; ++a) {
+    const double p = s.begin[a] + half, q = s.end[a] + half;
+    if (!(p >= 0 && q >= 0 && p < 1 << 30 && q < 1 << 30)) return false;
+    first[a] = int(p);
+    if (first[a] >> block_bits != int(q) >> block_bits) return false;
+  }
+  return shape_of_block(first[0], first[1], first[2]) == shape;
+}
+
 ContactVolume::Crossing ContactVolume::walk_cells(const Segment& s, int shape, const TouchableFaces& faces) const {
   Crossing c;
   c.from = c.into = shape;
@@ -255,7 +268,9 @@ ContactVolume::Crossing ContactVolume::walk_cells(const Segment& s, int shape, c
     c.from = c.into;
     c.into = into;
     c.t = t;
-    return c.hit = stops(c.from, into, faces);
+    c.hit = stops(c.from, into, faces);
+    c.passed = c.passed || !c.hit;
+    return c.hit;
   };
   for_each_cell(s.begin, s.end, [&](int i, int j, int k, double t0, double t1) {
     const int block = shape_of_block(i, j, k);
@@ -289,7 +304,9 @@ ContactVolume::Crossing ContactVolume::walk_voxels(const Segment& s, int shape, 
     c.from = c.into;
     c.into = now;
     c.t = t0;
-    return c.hit = stops(c.from, c.into, faces);
+    c.hit = stops(c.from, c.into, faces);
+    c.passed = c.passed || !c.hit;
+    return c.hit;
   });
   return c;
 }
@@ -308,6 +325,7 @@ ContactVolume::Crossing ContactVolume::walk_steps(const Segment& s, int shape, c
     c.into = now;
     c.hit = stops(c.from, c.into, faces);
     c.t = t;
+    c.passed = c.passed || !c.hit;
     if (!c.hit) continue;
     // The change lies behind the sample before; halving finds it.
     double low = double(std::max(0, n - 1)) / steps;
@@ -321,6 +339,12 @@ ContactVolume::Crossing ContactVolume::walk_steps(const Segment& s, int shape, c
 }
 
 Contact ContactVolume::intersect(Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces) const {
+  Contact out = cross(start_mm, end_mm, start_shape, faces);
+  if (out.hit) out.normal = normal_of(out, end_mm - start_mm);
+  return out;
+}
+
+Contact ContactVolume::cross(Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces) const {
   Contact out;
   out.point_mm = end_mm;
   out.from = out.into = start_shape;
@@ -334,14 +358,17 @@ Contact ContactVolume::intersect(Vec3 start_mm, Vec3 end_mm, int start_shape, co
   Segment s;
   s.begin = to_index(start_mm);
   s.end = to_index(end_mm);
+  if (within_block(s, start_shape)) return out;
   if (!clip(s)) {
     out.from = out.into = 0;
+    out.passed = start_shape != 0;
     return out;
   }
   const int shape = s.t0 > 0 ? 0 : start_shape;
   const Crossing c = params_.walk == ContactParams::Walk::stepped         ? walk_steps(s, shape, faces)
                      : params_.surface == ContactParams::Surface::nearest ? walk_voxels(s, shape, faces)
                                                                           : walk_cells(s, shape, faces);
+  out.passed = c.passed || shape != start_shape || (!c.hit && s.t1 < 1 && c.into != 0);
   if (!c.hit) {
     out.from = out.into = s.t1 < 1 ? 0 : c.into;
     return out;
@@ -354,16 +381,19 @@ Contact ContactVolume::intersect(Vec3 start_mm, Vec3 end_mm, int start_shape, co
   const bool front = c.into != 0 && (faces.front >> c.into & 1);
   out.face = front ? ContactFace::front : ContactFace::back;
   out.shape = front ? c.into : c.from;
-  const Vec3 forward = way / norm(way);
-  Vec3 n = normal_at(out.point_mm, c.from, c.into);
+  return out;
+}
+
+Vec3 ContactVolume::normal_of(const Contact& c, Vec3 way) const {
+  const Vec3 forward = normalized(way);
+  Vec3 n = normal_at(c.point_mm, c.from, c.into);
   // The differences are smoother than the surface: where they point along the way, the normal is turned across it.
   const double ahead = dot(n, forward);
   if (n == Vec3{} || ahead > 0.999)
     n = -forward;
   else if (ahead > -1e-3)
     n = normalized(n - forward * (ahead + 1e-3));
-  out.normal = n;
-  return out;
+  return n;
 }
 
 Vec3 ContactVolume::normal_at(Vec3 world_mm, int from, int into) const {

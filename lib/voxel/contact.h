@@ -46,6 +46,7 @@ struct TouchableFaces {
 
 struct Contact {
   bool hit = false;
+  bool passed = false;   ///< before that, or the end, it went from one shape to another where nothing stops it
   bool refused = false;  ///< a coordinate was not finite, or beyond 1e9 mm: nothing was walked
   Vec3 point_mm;         ///< where the surface is crossed; without a hit the end
   Vec3 normal;           ///< unit, towards the side that the segment comes from; zero without a hit
@@ -83,6 +84,11 @@ class ContactVolume {
     return intersect(start_mm, end_mm, shape_at(start_mm), faces);
   }
 
+  /// As intersect(), but the normal stays zero: for many points of which few contacts matter.
+  Contact cross(Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces = {}) const;
+  /// The normal that intersect() gives to a contact met along `way`.
+  Vec3 normal_of(const Contact& contact, Vec3 way) const;
+
   /// Unit normal of the surface between the two shapes (0: none), from `into` towards `from`: central differences of
   /// the occupancy over one voxel a side, weighted 1 2 1 across (Sobel), interpolated to the point; zero where there
   /// are none.
@@ -103,6 +109,7 @@ class ContactVolume {
   struct Crossing;
   Vec3 to_index(Vec3 world_mm) const;
   bool clip(Segment& segment) const;
+  bool within_block(const Segment& segment, int shape) const;
   Crossing walk_cells(const Segment& segment, int shape, const TouchableFaces& faces) const;
   Crossing walk_voxels(const Segment& segment, int shape, const TouchableFaces& faces) const;
   Crossing walk_steps(const Segment& segment, int shape, const TouchableFaces& faces) const;

@@ -17,8 +17,11 @@ bool usable(Vec3 p) { return std::abs(p.x) <= 1e6 && std::abs(p.y) <= 1e6 && std
 
 }  // namespace
 
-Proxy::Proxy(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft)
-    : contact_(contact), feels_(feels), force_(force), shaft_(shaft), faces_(touchable_of(feels)) {
+Proxy::Proxy(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft,
+             const Tool& tool)
+    : contact_(contact), feels_(feels), force_(force), shaft_(shaft), faces_(touchable_of(feels)), tool_(tool) {
+  if (!tool.points_mm.empty()) body_.emplace(contact, tool.points_mm);
+  if (!(shaft_.shaft_length_mm > 0)) shaft_.shaft_length_mm = tool.length_mm;
   const Vec3 s = contact.volume().voxels.spacing_mm;
   margin_mm_ = 1e-3 * contact.smallest_side_mm();
   const bool boxes = contact.params().surface == ContactParams::Surface::nearest;
@@ -51,7 +54,12 @@ const HapticState& Proxy::update(const HapticInput& in) {
   velocity_ += ((in.tip_mm - device_mm_) / in.dt_s - velocity_) * (in.dt_s / (in.dt_s + slowness));
   device_mm_ = in.tip_mm;
   since_s_ += in.dt_s;
-  follow(in.tip_mm);
+  if (body_) {
+    follow_tool(in);
+  } else {
+    state_.axis = in.axis;
+    follow(in.tip_mm);
+  }
 
   Vec3 force = surface_force(in.tip_mm) + inside_force(in);
   if (since_s_ < force_.ramp_s) force = force * (since_s_ / force_.ramp_s);
@@ -79,6 +87,7 @@ void Proxy::begin(const HapticInput& in) {
   velocity_ = {};
   since_s_ = drawn_mm_ = 0;
   std::fill(sample_shape_, sample_shape_ + max_samples, std::uint8_t{0});
+  if (body_) return begin_tool(in);
   const CaseFace& front = feels_[std::size_t(state_.inside)].front;
   if (state_.inside == 0 || !front.touchable || front.pop_through_n > 0) return;
   double nearest = farthest_exit_mm;
@@ -243,15 +252,15 @@ Vec3 Proxy::inside_force(const HapticInput& in) {
   const double spacing = shaft_.shaft_length_mm / max_samples;
   for (int n = 0; n < 8; ++n) {
     next_sample_ = (next_sample_ + 1) % max_samples;
-    const Vec3 at = state_.proxy_mm + in.axis * (spacing * (next_sample_ + 0.5));
+    const Vec3 at = state_.proxy_mm + state_.axis * (spacing * (next_sample_ + 0.5));
     sample_shape_[next_sample_] = std::uint8_t(contact_.shape_at(at));
   }
   double limit = 0;
   for (const std::uint8_t s : sample_shape_) limit += feels_[s].shaft_friction_n_per_mm * spacing;
-  drawn_mm_ += dot(velocity_, in.axis) * in.dt_s;
+  drawn_mm_ += dot(velocity_, state_.axis) * in.dt_s;
   const double most = limit / shaft_n_per_mm;
   drawn_mm_ = std::clamp(drawn_mm_, -most, most);
-  return force - in.axis * (shaft_n_per_mm * drawn_mm_);
+  return force - state_.axis * (shaft_n_per_mm * drawn_mm_);
 }
 
 void Proxy::note_events(const HapticState& before) {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <optional>
 
 #include "base/vec3.h"
 #include "haptics/constraints.h"
 #include "haptics/feel.h"
+#include "haptics/tool.h"
+#include "haptics/tool_body.h"
 #include "voxel/contact.h"
 
 namespace trephine {
@@ -18,21 +21,24 @@ struct HapticInput {
 };
 
 namespace haptic_event {
-constexpr std::uint32_t touch = 1, untouch = 2, motion = 4, popped = 8, left = 16;
-}
+constexpr std::uint32_t touch = 1, untouch = 2, motion = 4, popped = 8, left = 16, locked = 32, unlocked = 64;
+constexpr int count = 7;
+}  // namespace haptic_event
 /// What makes the force zero until reset().
 namespace haptic_fault {
 constexpr std::uint32_t pose = 1, time_step = 2, force = 4, device_lost = 8;
 }
 
 struct HapticState {
-  Vec3 force_n;     ///< on the hand
-  Vec3 proxy_mm;    ///< where the tool's tip is shown: never behind a surface that holds it
-  Vec3 normal;      ///< of the surface that presses most; zero without contact
-  int touched = 0;  ///< its shape, 0 without contact
-  int face = 0;     ///< 1 front, 2 back, 0 without contact
-  int inside = 0;   ///< the shape that the proxy is in, 0 for none
-  int held_by = 0;  ///< surfaces that press
+  Vec3 force_n;         ///< on the hand
+  Vec3 proxy_mm;        ///< where the tool's tip is shown: never behind a surface that holds it
+  Vec3 axis{0, 0, 1};   ///< and how it lies: the device's, but where surfaces or a lock keep a tool from turning
+  Vec3 normal;          ///< of the surface that presses most; zero without contact
+  int touched = 0;      ///< its shape, 0 without contact
+  int face = 0;         ///< 1 front, 2 back, 0 without contact
+  int inside = 0;       ///< the shape that the proxy's tip is in, 0 for none
+  int held_by = 0;      ///< surfaces that press
+  bool locked = false;  ///< a tool's orientation is (docs/haptics.md, Tools)
   std::uint32_t events = 0, faults = 0;
 };
 
@@ -45,11 +51,17 @@ struct HapticState {
 /// A face whose spring exceeds its pop_through_n lets the proxy in: then the shape's drag and shaft friction act until
 /// it has left. A tool that starts inside a shape that nothing can enter is put to its nearest surface.
 ///
+/// With a tool of many points (the dissertation, chapter 5) the proxy is the whole of it: the way of each point is
+/// walked, so none crosses a touchable face, and what any point meets is a plane for the tip. The tool turns with the
+/// device as far as its points may, and where one wall only is in the way the tip gives. A shape that some point popped
+/// into is open to the others until the tool's axis passes through it no more.
+///
 /// update() allocates, locks and throws nothing and makes no system call; equal inputs give equal bits.
 class Proxy {
  public:
   /// `contact` must outlive it.
-  Proxy(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft = {});
+  Proxy(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft = {},
+        const Tool& tool = {});
 
   /// A pose, axis or time step that is not finite, or a step that is not in (0, 1] s, is a fault: the force is exactly
   /// 0 from then on, until reset().
@@ -59,6 +71,8 @@ class Proxy {
   /// Begins anew: the next update places the proxy, and forces rise from 0.
   void reset();
   const HapticState& state() const { return state_; }
+  /// Where each point of the tool is shown; null for a point.
+  const ToolBody* tool_body() const { return body_ ? &*body_ : nullptr; }
 
  private:
   struct Held {
@@ -73,6 +87,26 @@ class Proxy {
   Vec3 surface_force(Vec3 device_mm);
   Vec3 inside_force(const HapticInput& in);
   void note_events(const HapticState& before);
+
+  // proxy_tool.cpp: the same for a tool.
+  struct Wall {
+    Plane plane;  // for the tip
+    int point;
+  };
+  void begin_tool(const HapticInput& in);
+  void follow_tool(const HapticInput& in);
+  bool meet_tool(const ToolBody::Meeting& m, Vec3 device_mm, Vec3& goal_mm, Mat3& aim, int pass);
+  int find_walls(const ToolBody::Meeting& m, Wall* walls) const;
+  bool knows(Vec3 normal) const;
+  Plane tip_plane(int point, Vec3 normal) const;
+  int put_plane(const Plane& plane, const Contact& contact);
+  void approach_tool(const ToolBody::Meeting& m);
+  bool step_over_tool(Vec3 normal, Vec3 device_mm, Vec3 goal_mm);
+  bool should_lock(const ToolBody::Meeting& m, Vec3 turn);
+  void try_unlock(Vec3 axis);
+  void hold_turn(Vec3 device_mm, Vec3& goal_mm, Mat3& aim);
+  void open_behind();
+  TouchableFaces closed_faces() const;
 
   const ContactVolume& contact_;
   Feels feels_;
@@ -95,6 +129,20 @@ class Proxy {
   std::uint8_t sample_shape_[max_samples] = {};
   int next_sample_ = 0;
   double drawn_mm_ = 0;
+
+  Tool tool_;
+  std::optional<ToolBody> body_;
+  TouchableFaces open_{0, 0}, crossed_{0, 0};  // popped through; and, of these, found along the axis in this round
+  int slice_ = 0;                              // of the axis, looked at next
+  Vec3 lock_normal_;
+  double lock_dot_ = 0;
+  int locked_for_ = 0;  // frames
+  struct Collided {     // in this frame
+    int point;
+    Vec3 at_mm, normal;
+  };
+  Collided from_tip_, from_tail_;
+  bool any_collided_ = false, slid_ = false;
 };
 
 }  // namespace trephine

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The proxy of a tool of many points. Planes are for the tip: a point that is `arm` away from it may not go behind its
+// wall, so the tip may not go behind the wall moved by -arm.
+#include <algorithm>
+#include <cmath>
+
+#include "haptics/proxy.h"
+
+namespace trephine {
+namespace {
+
+constexpr int most_passes = 10, turning_passes = 5;
+constexpr double same_surface = 0.8;
+constexpr double cancels = 0.2;        // of the normals' lengths together
+constexpr double most_turn_rad = 0.5;  // a frame
+constexpr double farthest_exit_mm = 60;
+constexpr int unlock_frames = 8;
+constexpr int slices = 16;
+
+std::uint64_t bit(int shape) { return shape != 0 ? std::uint64_t{1} << shape : 0; }
+
+}  // namespace
+
+// Puts the tool where the device is, or, where a point would lie inside what nothing enters, next to it.
+void Proxy::begin_tool(const HapticInput& in) {
+  open_ = crossed_ = {0, 0};
+  slice_ = 0;
+  std::uint64_t solid = 0;
+  for (std::size_t n = 1; n < feels_.size(); ++n)
+    if (feels_[n].front.touchable && !(feels_[n].front.pop_through_n > 0)) solid |= bit(int(n));
+  const Mat3 frame = frame_along(in.axis == Vec3{} ? Vec3{0, 0, 1} : in.axis);
+  bool free = body_->place(in.tip_mm, frame, solid);
+  for (double mm = 0.1; mm < farthest_exit_mm && !free; mm *= 1.25)
+    for (int n = -1; n < 27 && !free; ++n) {
+      const Vec3 way =
+          n < 0 ? frame.column[2] : normalized(Vec3{double(n % 3 - 1), double(n / 3 % 3 - 1), double(n / 9 - 1)});
+      if (way != Vec3{}) free = body_->place(in.tip_mm + way * mm, frame, solid);
+    }
+  if (!free) body_->place(in.tip_mm, frame);  // no way out: what is inside stays inside
+  state_.proxy_mm = moved_from_mm_ = body_->tip_mm();
+  state_.axis = frame.column[2];
+  state_.inside = body_->shape(0);
+}
+
+TouchableFaces Proxy::closed_faces() const { return {faces_.front & ~open_.front, faces_.back & ~open_.back}; }
+
+void Proxy::follow_tool(const HapticInput& in) {
+  ToolBody& b = *body_;
+  count_ = 0;
+  solved_ = any_collided_ = slid_ = false;
+  const Vec3 axis = in.axis == Vec3{} ? b.frame().column[2] : in.axis;
+  open_behind();
+  try_unlock(normalized(axis));
+  Mat3 aim = state_.locked ? b.frame() : turned(b.frame(), axis, most_turn_rad);
+  Vec3 goal = in.tip_mm;
+  for (int pass = 0; pass < most_passes; ++pass) {
+    const ToolBody::Meeting m = b.sweep(goal, aim, closed_faces());
+    if (!m.hit) {
+      b.arrive();
+      break;
+    }
+    if (!meet_tool(m, in.tip_mm, goal, aim, pass)) break;
+  }
+  state_.proxy_mm = b.tip_mm();
+  state_.axis = b.frame().column[2];
+  state_.inside = b.shape(0);
+  if (count_ == 0) sliding_ = false;
+}
+
+Plane Proxy::tip_plane(int point, Vec3 normal) const {
+  return {body_->met(point).point_mm + normal * margin_mm_ - body_->arm(point), normal};
+}
+
+// One wall, or two where the averaged normals would cancel. The tip's path meets it where the nearest point collides:
+// what the searches find beyond gives its normal.
+int Proxy::find_walls(const ToolBody::Meeting& m, Wall* walls) const {
+  const ToolBody& b = *body_;
+  const auto normal_of = [&](int point) { return contact_.normal_of(b.met(point), b.way(point)); };
+  const auto no_further = [&](Plane plane) {
+    const Plane near = tip_plane(m.nearest, plane.normal);
+    return dot(plane.normal, near.point_mm - plane.point_mm) > 0 ? near : plane;
+  };
+  if (tool_.search != ToolParams::Search::both || m.from_tip == m.from_tail) {
+    const int point = tool_.search == ToolParams::Search::tail_to_tip ? m.from_tail : m.from_tip;
+    walls[0] = {no_further(tip_plane(point, normal_of(point))), point};
+    return 1;
+  }
+  const bool tip_first = b.met(m.from_tip).along <= b.met(m.from_tail).along;
+  const int near = tip_first ? m.from_tip : m.from_tail, far = tip_first ? m.from_tail : m.from_tip;
+  const Vec3 a = normal_of(near), c = normal_of(far), sum = a + c;
+  if (norm(sum) < cancels * (norm(a) + norm(c))) {
+    walls[0] = {tip_plane(near, a), near};
+    walls[1] = {tip_plane(far, c), far};
+    return 2;
+  }
+  walls[0] = {no_further(tip_plane(near, normalized(sum))), near};
+  return 1;
+}
+
+bool Proxy::knows(Vec3 normal) const {
+  for (int n = 0; n < count_; ++n)
+    if (dot(planes_[n].normal, normal) > same_surface) return true;
+  return false;
+}
+
+// The plane's place among the three, -1 where all others press.
+int Proxy::put_plane(const Plane& plane, const Contact& contact) {
+  const ShapeFeel& shape = feels_[std::size_t(contact.shape)];
+  const bool front = contact.face == ContactFace::front;
+  int at = count_ < 3 ? count_ : -1;
+  for (int n = 0; n < count_ && count_ == 3; ++n)
+    if (solved_ && nearest_.pressure_mm[n] == 0) at = n;
+  Plane put = plane;
+  for (int n = 0; n < count_; ++n)
+    if (dot(planes_[n].normal, plane.normal) > same_surface) {
+      at = n;
+      if (dot(plane.normal, planes_[n].point_mm - plane.point_mm) > 0) put.point_mm = planes_[n].point_mm;
+    }
+  if (at < 0) return -1;
+  planes_[at] = put;
+  held_[at] = {contact.shape, front ? 1 : 2, contact.into, front ? shape.front : shape.back};
+  count_ = std::max(count_, at + 1);
+  return at;
+}
+
+void Proxy::approach_tool(const ToolBody::Meeting& m) {
+  const double length = norm(body_->way(m.nearest)), reach = m.along * length;
+  if (reach > 4 * margin_mm_) body_->advance((reach - margin_mm_) / length, closed_faces());
+}
+
+void Proxy::hold_turn(Vec3 device, Vec3& goal, Mat3& aim) {
+  aim = body_->frame();
+  goal = device;
+  count_ = 0;
+  solved_ = false;
+}
+
+// As meet(). False where the tool stays for this frame.
+bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3& aim, int pass) {
+  ToolBody& b = *body_;
+  const bool turning = !(aim == b.frame());
+  const Vec3 turn = aim.column[2] - b.frame().column[2];
+  Wall walls[2];
+  const int walls_met = find_walls(m, walls);
+  bool barred = pass > 0 && walls_met == 1 && knows(walls[0].plane.normal);
+  if (barred && walls[0].point != m.nearest) {
+    walls[0] = {tip_plane(m.nearest, contact_.normal_of(b.met(m.nearest), b.way(m.nearest))), m.nearest};
+    barred = knows(walls[0].plane.normal);
+  }
+  const bool lock = should_lock(m, turn);
+  const Vec3 way = b.way(walls[0].point), arm = b.arm(walls[0].point);
+  const Contact contacts[2] = {b.met(walls[0].point), b.met(walls[walls_met - 1].point)};
+  approach_tool(m);
+  if (lock) {
+    hold_turn(device, goal, aim);
+    return true;
+  }
+  if (barred) {
+    if (!turning && step_over_tool(walls[0].plane.normal, device, goal)) return false;
+    const Vec3 exact = contact_.exact_normal(contacts[0], way);
+    if (exact != Vec3{} && dot(exact, way) < 0)
+      walls[0].plane = {contacts[0].point_mm + exact * margin_mm_ - arm, exact};
+  }
+  int put[2] = {-1, -1};
+  for (int n = 0; n < walls_met; ++n) put[n] = put_plane(walls[n].plane, contacts[n]);
+  solved_ = put[0] >= 0 && nearest_before(planes_, count_, device, nearest_);
+  if (!solved_ || (turning && pass + 1 == turning_passes)) {
+    if (!turning) return false;
+    hold_turn(device, goal, aim);
+    return true;
+  }
+  for (int n = 0; n < walls_met; ++n) {
+    if (put[n] < 0) continue;
+    const CaseFace& feel = held_[put[n]].feel;
+    if (!(feel.pop_through_n > 0) || feel.stiffness_n_per_mm * nearest_.pressure_mm[put[n]] <= feel.pop_through_n)
+      continue;
+    open_.front |= bit(contacts[n].into);
+    open_.back |= bit(contacts[n].from);
+    crossed_.front |= bit(contacts[n].into);
+    crossed_.back |= bit(contacts[n].from);
+    slice_ = 0;
+    state_.events |= haptic_event::popped;
+    goal = device;
+    count_ = 0;
+    solved_ = false;
+    return true;
+  }
+  // Friction acts along the walls; a turn may need the tip to give first.
+  const CaseFace& feel = held_[put[0]].feel;
+  Nearest here;
+  Vec3 from = b.tip_mm();
+  const bool gives = nearest_before(planes_, count_, from, here) && norm(here.point_mm - from) > 2 * margin_mm_;
+  if (gives) from = here.point_mm;
+  const Vec3 rest = nearest_.point_mm - from;
+  const double length = norm(rest), depth = norm(nearest_.point_mm - device);
+  const double ratio = sliding_ ? feel.dynamic_friction_ratio : feel.static_friction_ratio;
+  if (length <= ratio * depth) {
+    sliding_ = sliding_ && slid_;  // what slid so far this frame does not stick for being met again
+    goal = from;
+    return gives || turning;
+  }
+  sliding_ = slid_ = true;
+  goal = from + rest * (1 - feel.dynamic_friction_ratio * depth / length);
+  return true;
+}
+
+// Up a step, along, and down towards the device, as step_over().
+bool Proxy::step_over_tool(Vec3 normal, Vec3 device, Vec3 goal) {
+  ToolBody& b = *body_;
+  const Mat3 frame = b.frame();
+  const TouchableFaces faces = closed_faces();
+  const Vec3 up = normal * step_mm_, before = b.tip_mm();
+  if (b.sweep(before + up, frame, faces).hit) return false;
+  b.arrive();
+  const ToolBody::Meeting across = b.sweep(goal + up, frame, faces);
+  const bool barred = across.hit && across.along < 0.5;
+  if (!across.hit)
+    b.arrive();
+  else if (!barred)
+    b.advance(across.along - 0.01, faces);
+  const ToolBody::Meeting down = b.sweep(barred ? before : device, frame, faces);
+  if (down.hit) {
+    approach_tool(down);
+  } else {
+    b.arrive();
+    if (!barred) {
+      count_ = 0;
+      solved_ = false;
+    }
+  }
+  return !barred;
+}
+
+// Table V: points that collide from both ends, further apart than the distance, while the tool is turned into one of
+// their walls. Of the two normals that wall's is kept: between opposite walls, h's may be the one that it turns from.
+bool Proxy::should_lock(const ToolBody::Meeting& m, Vec3 turn) {
+  const ToolBody& b = *body_;
+  const auto collided = [&](int point) {
+    return Collided{point, b.met(point).point_mm, contact_.normal_of(b.met(point), b.way(point))};
+  };
+  if (tool_.search != ToolParams::Search::both || !(tool_.lock_distance_mm > 0) || state_.locked) {
+    any_collided_ = true;
+    return false;
+  }
+  if (!any_collided_ || m.from_tip < from_tip_.point) from_tip_ = collided(m.from_tip);
+  if (!any_collided_ || m.from_tail > from_tail_.point) from_tail_ = collided(m.from_tail);
+  any_collided_ = true;
+  if (norm(turn) < 1e-9 || !(norm(from_tip_.at_mm - from_tail_.at_mm) > tool_.lock_distance_mm)) return false;
+  const Collided* into = dot(from_tip_.normal, turn) < 0    ? &from_tip_
+                         : dot(from_tail_.normal, turn) < 0 ? &from_tail_
+                                                            : nullptr;
+  if (!into) return false;
+  state_.locked = true;
+  state_.events |= haptic_event::locked;
+  lock_normal_ = into->normal;
+  lock_dot_ = dot(lock_normal_, b.frame().column[2]);
+  locked_for_ = 0;
+  return true;
+}
+
+// Table VI; and, looked at now and then, where nothing is in the turn's way any more: the tool was drawn out.
+void Proxy::try_unlock(Vec3 axis) {
+  if (!state_.locked) return;
+  ToolBody& b = *body_;
+  if (!(dot(lock_normal_, axis) > lock_dot_ + 1e-12) &&
+      (++locked_for_ % unlock_frames != 0 ||
+       b.sweep(b.tip_mm(), turned(b.frame(), axis, most_turn_rad), closed_faces()).hit))
+    return;
+  state_.locked = false;
+  state_.events |= haptic_event::unlocked;
+}
+
+// What was popped through closes again when a round along the axis, a slice a frame, has found none of it.
+void Proxy::open_behind() {
+  if (open_.front == 0 && open_.back == 0) return;
+  const ToolBody& b = *body_;
+  const std::uint64_t open = open_.front | open_.back;
+  std::uint64_t found = 0;
+  const Vec3 axis = b.frame().column[2];
+  Vec3 at = b.tip_mm() + axis * (tool_.length_mm * slice_ / slices);
+  const Vec3 end = b.tip_mm() + axis * (tool_.length_mm * (slice_ + 1) / slices);
+  int shape = contact_.shape_at(at);
+  found |= bit(shape);
+  for (int n = 0; n < 8; ++n) {
+    const Contact c = contact_.cross(at, end, shape, {open, open});
+    if (!c.hit) break;
+    found |= bit(c.from) | bit(c.into);
+    at = c.point_mm;
+    shape = c.into;
+  }
+  for (int i = 0; i < b.count(); ++i) found |= bit(b.shape(i));
+  crossed_.front |= found & open_.front;
+  crossed_.back |= found & open_.back;
+  if (++slice_ < slices) return;
+  slice_ = 0;
+  open_ = crossed_;
+  crossed_ = {0, 0};
+}
+
+}  // namespace trephine

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "haptics/tool.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/text.h"
+
+namespace trephine {
+namespace {
+
+using Kind = ToolParams::Kind;
+using Tip = ToolParams::Tip;
+
+struct Own {
+  Kind kind;
+  Tip tip;
+  double diameter_mm, length_mm, spacing_mm;
+};
+// docs/haptics.md says where they are from.
+constexpr Own owns[] = {{Kind::needle, Tip::cone, 1.27, 90, 2},
+                        {Kind::catheter, Tip::round, 2.5, 100, 2},
+                        {Kind::burr, Tip::ball, 5, 30, 1.2},
+                        {Kind::craniotome, Tip::flat, 2.3, 20, 1.2},
+                        {Kind::jamshidi, Tip::cone, 3.05, 100, 2}};
+
+constexpr double cone_lengths = 2;  // of a cone, in diameters
+constexpr double neck_ratio = 0.5;  // of the shaft behind a ball, of the ball's diameter
+constexpr int least_around = 4;
+
+// The outline from the tip to the tail: distance along the axis and from it, each `spacing` of its length.
+struct Outline {
+  std::vector<Vec3> at{Vec3{}};  // x: from the axis, z: along it
+  double spacing;
+  void line(double x, double z) {
+    const Vec3 from = at.back(), way = Vec3{x, 0, z} - from;
+    const int n = std::max(1, int(std::ceil(norm(way) / spacing - 1e-9)));
+    for (int i = 1; i <= n; ++i) at.push_back(from + way * (double(i) / n));
+  }
+  void arc(double radius, double until_rad) {
+    const int n = std::max(1, int(std::ceil(radius * until_rad / spacing - 1e-9)));
+    for (int i = 1; i <= n; ++i) {
+      const double a = until_rad * i / n;
+      at.push_back({radius * std::sin(a), 0, radius * (1 - std::cos(a))});
+    }
+  }
+};
+
+}  // namespace
+
+ToolParams own_tool(const ToolParams& params) {
+  ToolParams p = params;
+  for (const Own& o : owns) {
+    if (o.kind != p.tool) continue;
+    if (p.tool_tip == Tip::own) p.tool_tip = o.tip;
+    if (!(p.tool_diameter_mm > 0)) p.tool_diameter_mm = o.diameter_mm;
+    if (!(p.tool_length_mm > 0)) p.tool_length_mm = o.length_mm;
+    if (!(p.tool_spacing_mm > 0)) p.tool_spacing_mm = o.spacing_mm;
+  }
+  return p;
+}
+
+Tool make_tool(const ToolParams& params) {
+  const ToolParams p = own_tool(params);
+  Tool tool;
+  tool.search = p.tool_search;
+  tool.lock_distance_mm = p.lock_distance_mm;
+  if (p.tool == Kind::point) return tool;
+  tool.length_mm = p.tool_length_mm;
+  const double radius = 0.5 * p.tool_diameter_mm, length = p.tool_length_mm;
+  const double neck = p.tool_tip == Tip::ball ? neck_ratio * radius : radius;
+  Outline o;
+  // More than that along the outline, or around it, is too much anyway, and is not laid out first.
+  if ((length + 4 * radius) / p.tool_spacing_mm > most_tool_points ||
+      2 * M_PI * radius / p.tool_spacing_mm > most_tool_points)
+    throw Error(ExitCode::bad_config, "", "tool_spacing_mm",
+                "gives more than " + std::to_string(most_tool_points) + " points");
+  o.spacing = p.tool_spacing_mm;
+  switch (p.tool_tip) {
+    case Tip::own:
+    case Tip::flat:
+      o.line(radius, 0);
+      break;
+    case Tip::round:
+      o.arc(radius, 0.5 * M_PI);
+      break;
+    case Tip::cone:
+      o.line(radius, cone_lengths * 2 * radius);
+      break;
+    case Tip::ball:
+      o.arc(radius, M_PI - std::asin(neck_ratio));
+      break;
+  }
+  if (o.at.back().z > length)
+    throw Error(ExitCode::bad_config, "", "tool_length_mm", "is less than the tip's " + to_text(o.at.back().z));
+  if (o.at.back().z < length) o.line(neck, length);
+  int ring = 0;
+  for (const Vec3& at : o.at) {
+    const int around =
+        at.x < 1e-9 ? 1 : std::max(least_around, int(std::ceil(2 * M_PI * at.x / p.tool_spacing_mm - 1e-9)));
+    const double half = ring++ % 2 == 0 ? 0 : 0.5;
+    for (int n = 0; n < around; ++n) {
+      const double a = 2 * M_PI * (n + half) / around;
+      tool.points_mm.push_back({at.x * std::cos(a), at.x * std::sin(a), at.z});
+    }
+    if (tool.points_mm.size() > std::size_t(most_tool_points))
+      throw Error(ExitCode::bad_config, "", "tool_spacing_mm",
+                  "gives more than " + std::to_string(most_tool_points) + " points");
+  }
+  return tool;
+}
+
+Mat3 frame_along(Vec3 axis) {
+  Mat3 f;
+  f.column[2] = normalized(axis);
+  const Vec3 w = f.column[2];
+  f.column[0] = normalized(cross(std::abs(w.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}, w));
+  f.column[1] = cross(w, f.column[0]);
+  return f;
+}
+
+Mat3 turned(const Mat3& frame, Vec3 axis, double most_rad) {
+  const Vec3 w = frame.column[2];
+  Vec3 to = normalized(axis);
+  if (to == Vec3{} || to == w) return frame;
+  Vec3 about = cross(w, to);
+  double sine = norm(about);
+  const double cosine = dot(w, to);
+  if (sine < 1e-12) {
+    if (cosine > 0) {
+      Mat3 f = frame;
+      f.column[2] = to;
+      return f;
+    }
+    about = frame.column[0];  // the opposite way, about any direction across
+    sine = 0;
+  } else {
+    about = about / sine;
+  }
+  const double angle = std::min(most_rad, std::atan2(sine, cosine)), c = std::cos(angle), s = std::sin(angle);
+  const auto turn = [&](Vec3 v) { return v * c + cross(about, v) * s + about * (dot(about, v) * (1 - c)); };
+  Mat3 f;
+  f.column[2] = angle < most_rad ? to : normalized(turn(w));
+  const Vec3 u = turn(frame.column[0]);
+  f.column[0] = normalized(u - f.column[2] * dot(u, f.column[2]));
+  f.column[1] = cross(f.column[2], f.column[0]);
+  return f;
+}
+
+}  // namespace trephine

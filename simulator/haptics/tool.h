@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "base/params.h"
+#include "base/vec3.h"
+
+namespace trephine {
+
+/// What the hand holds, as points on its outside (the dissertation, chapter 5). 0 and `own` stand for the tool's own,
+/// which own_tool() fills in; docs/haptics.md has the table.
+struct ToolParams {
+  enum class Kind { point, needle, catheter, burr, craniotome, jamshidi };
+  enum class Tip { own, flat, round, cone, ball };
+  /// both: the first point that collides from the tip and the first from the tail, their normals averaged (the
+  /// dissertation's refinement, which alone can lock); else one of them.
+  enum class Search { both, tip_to_tail, tail_to_tip };
+  Kind tool = Kind::point;
+  Tip tool_tip = Tip::own;
+  double tool_diameter_mm = 0, tool_length_mm = 0, tool_spacing_mm = 0;
+  Search tool_search = Search::both;
+  double lock_distance_mm = 3;
+  template <class V>
+  static void describe(V& v) {
+    using P = ToolParams;
+    v.choice(&P::tool, "tool",
+             {{"point", Kind::point},
+              {"needle", Kind::needle},
+              {"catheter", Kind::catheter},
+              {"burr", Kind::burr},
+              {"craniotome", Kind::craniotome},
+              {"jamshidi", Kind::jamshidi}},
+             "What the hand holds.");
+    v.choice(&P::tool_tip, "tool_tip",
+             {{"own", Tip::own}, {"flat", Tip::flat}, {"round", Tip::round}, {"cone", Tip::cone}, {"ball", Tip::ball}},
+             "Shape of its tip; own: the tool's.");
+    v.number(&P::tool_diameter_mm, "tool_diameter_mm", Range{0, 50},
+             "Of the shaft, or of the ball; 0: the tool's own.");
+    v.number(&P::tool_length_mm, "tool_length_mm", Range{0, 400}, "From the tip to the last point; 0: the tool's own.");
+    v.number(&P::tool_spacing_mm, "tool_spacing_mm", Range{0, 50}, "Between the points; 0: the tool's own.");
+    v.choice(
+        &P::tool_search, "tool_search",
+        {{"both", Search::both}, {"tip_to_tail", Search::tip_to_tail}, {"tail_to_tip", Search::tail_to_tip}},
+        "From where the points are searched for one that collides; both: their normals are averaged, and it may lock.");
+    v.number(&P::lock_distance_mm, "lock_distance_mm", Range{0, 400},
+             "A tool that is turned while points further apart than this collide keeps its orientation; 0: never.");
+  }
+};
+
+/// With the tool's own values for what is 0 or `own`.
+ToolParams own_tool(const ToolParams& params);
+
+/// A tool ready for the servo loop. Coordinates are its own: the tip at 0, the tail towards +z; points ascend from the
+/// tip to the tail, rings about the axis with each second one turned by half a step.
+struct Tool {
+  std::vector<Vec3> points_mm;  ///< none: a point at the tip alone
+  double length_mm = 0;
+  ToolParams::Search search = ToolParams::Search::both;
+  double lock_distance_mm = 3;
+};
+constexpr int most_tool_points = 2048;
+
+/// Throws Error 78 where the tool would have more points than that, or is shorter than its tip.
+Tool make_tool(const ToolParams& params);
+
+/// A frame whose third column is the axis; the other two follow from it.
+Mat3 frame_along(Vec3 axis);
+/// The frame turned by the least rotation that takes its third column towards the axis, by `most_rad` at most.
+Mat3 turned(const Mat3& frame, Vec3 axis, double most_rad = 4);
+
+}  // namespace trephine

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "haptics/tool_body.h"
+
+#include <algorithm>
+
+#include "haptics/tool.h"
+
+namespace trephine {
+
+ToolBody::ToolBody(const ContactVolume& contact, std::vector<Vec3> points_mm)
+    : contact_(contact), points_mm_(std::move(points_mm)) {
+  const std::size_t n = points_mm_.size();
+  at_.resize(n);
+  end_.resize(n);
+  arm_.resize(n);
+  tried_.resize(n);
+  shape_.resize(n);
+  tried_shape_.resize(n);
+  met_.resize(n);
+}
+
+bool ToolBody::place(Vec3 tip_mm, const Mat3& frame, std::uint64_t avoid) {
+  tip_mm_ = tip_mm;
+  frame_ = frame;
+  for (std::size_t i = 0; i < points_mm_.size(); ++i) {
+    at_[i] = tip_mm + frame * points_mm_[i];
+    const int shape = contact_.shape_at(at_[i]);
+    shape_[i] = std::uint8_t(shape);
+    if (shape != 0 && (avoid >> shape & 1)) return false;
+  }
+  return true;
+}
+
+ToolBody::Meeting ToolBody::sweep(Vec3 tip_mm, const Mat3& frame, const TouchableFaces& faces) {
+  to_mm_ = tip_mm;
+  to_frame_ = frame;
+  double longest = 0;
+  for (std::size_t i = 0; i < points_mm_.size(); ++i) {
+    arm_[i] = frame * points_mm_[i];
+    end_[i] = tip_mm + arm_[i];
+    const Vec3 d = end_[i] - at_[i];
+    longest = std::max(longest, dot(d, d));
+  }
+  longest = std::sqrt(longest);
+  const double step = contact_.params().step_ratio * contact_.smallest_side_mm();
+  const double together = longest > step ? step / longest : 1;
+  Meeting m;
+  double until = 1;  // nothing beyond matters
+  for (std::size_t i = 0; i < points_mm_.size(); ++i) {
+    Contact& c = met_[i];
+    c = contact_.cross(at_[i], until < 1 ? at_[i] + (end_[i] - at_[i]) * until : end_[i], shape_[i], faces);
+    if (!c.hit) continue;
+    c.along *= until;
+    if (m.hit && c.along >= m.along) continue;
+    m.hit = true;
+    m.along = c.along;
+    m.nearest = int(i);
+    until = std::min(1.0, m.along + together);
+  }
+  if (!m.hit) return m;
+  m.from_tip = m.from_tail = m.nearest;
+  for (int i = 0; i < count(); ++i)
+    if (met(i).hit && met(i).along <= until) {
+      m.from_tip = std::min(m.from_tip, i);
+      m.from_tail = std::max(m.from_tail, i);
+    }
+  return m;
+}
+
+void ToolBody::arrive() {
+  tip_mm_ = to_mm_;
+  frame_ = to_frame_;
+  std::swap(at_, end_);
+  for (std::size_t i = 0; i < at_.size(); ++i) shape_[i] = std::uint8_t(met_[i].into);
+}
+
+// Goes there where no point meets anything; without `all` only points whose ways do are looked at.
+bool ToolBody::try_pose(Vec3 tip_mm, const Mat3& frame, const TouchableFaces& faces, bool all) {
+  for (std::size_t i = 0; i < at_.size(); ++i) {
+    tried_[i] = tip_mm + frame * points_mm_[i];
+    tried_shape_[i] = shape_[i];
+    if (!all && !met_[i].hit && !met_[i].passed) continue;
+    const Contact c = contact_.cross(at_[i], tried_[i], shape_[i], faces);
+    if (c.hit) return false;
+    tried_shape_[i] = std::uint8_t(c.into);
+  }
+  tip_mm_ = tip_mm;
+  frame_ = frame;
+  std::swap(at_, tried_);
+  std::swap(shape_, tried_shape_);
+  return true;
+}
+
+bool ToolBody::advance(double share, const TouchableFaces& faces) {
+  const bool turning = !(to_frame_ == frame_);
+  if (!(share > 0)) return false;
+  for (int n = 0; n < (turning ? 3 : 1); ++n, share *= 0.5) {
+    Mat3 frame = frame_;
+    if (turning) {
+      const Vec3 w = frame_.column[2];
+      frame = turned(frame_, w + (to_frame_.column[2] - w) * share);
+    }
+    if (try_pose(tip_mm_ + (to_mm_ - tip_mm_) * share, frame, faces, turning)) return true;
+  }
+  return false;
+}
+
+}  // namespace trephine

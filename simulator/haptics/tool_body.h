@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "base/vec3.h"
+#include "voxel/contact.h"
+
+namespace trephine {
+
+/// A rigid set of points in a haptic volume, each of which knows the shape it is in. It moves only by ways that were
+/// walked point by point, so none of them crosses a face that was touchable, whatever the rounding. What lies between
+/// two points is not felt: a wall thinner than they are apart, met with its edge, may stand between them.
+///
+/// Only the constructor allocates.
+class ToolBody {
+ public:
+  /// `points_mm`: at least one, from the tip to the tail.
+  ToolBody(const ContactVolume& contact, std::vector<Vec3> points_mm);
+
+  int count() const { return int(points_mm_.size()); }
+  Vec3 tip_mm() const { return tip_mm_; }
+  const Mat3& frame() const { return frame_; }
+  Vec3 at_mm(int point) const { return at_[std::size_t(point)]; }
+  int shape(int point) const { return shape_[std::size_t(point)]; }
+
+  /// Puts it there, each point in whatever shape is there; false, and then in parts only, where one lies in a shape
+  /// whose bit is set in `avoid`.
+  bool place(Vec3 tip_mm, const Mat3& frame, std::uint64_t avoid = 0);
+
+  /// What a sweep meets: the point that collides first, and of those that collide within one voxel of it, the first
+  /// from the tip and the first from the tail.
+  struct Meeting {
+    bool hit = false;
+    double along = 1;
+    int nearest = 0, from_tip = 0, from_tail = 0;
+  };
+  /// Walks every point's straight way to that pose. Nothing moves.
+  Meeting sweep(Vec3 tip_mm, const Mat3& frame, const TouchableFaces& faces);
+  const Contact& met(int point) const { return met_[std::size_t(point)]; }  ///< without normal
+  Vec3 way(int point) const { return end_[std::size_t(point)] - at_[std::size_t(point)]; }
+  Vec3 arm(int point) const { return arm_[std::size_t(point)]; }  ///< from the tip to it at the pose swept to
+
+  /// Goes where the last sweep went, which met nothing.
+  void arrive();
+  /// Goes that share of the last sweep's way, which met nothing so far. A turn leaves the straight ways, so what it
+  /// does is walked again, and less of it is done where that meets something; false where nothing was done.
+  bool advance(double share, const TouchableFaces& faces);
+
+ private:
+  bool try_pose(Vec3 tip_mm, const Mat3& frame, const TouchableFaces& faces, bool all);
+  const ContactVolume& contact_;
+  std::vector<Vec3> points_mm_;
+  Vec3 tip_mm_, to_mm_;
+  Mat3 frame_, to_frame_;
+  std::vector<Vec3> at_, end_, arm_, tried_;
+  std::vector<std::uint8_t> shape_, tried_shape_;
+  std::vector<Contact> met_;
+};
+
+}  // namespace trephine
