@@ -53,14 +53,14 @@ ExitCode run_replay(const ParsedCommand& parsed) {
                      contact_params.step_ratio != h.contact.step_ratio;
 
   const ContactVolume contact(felt.loaded.haptic, contact_params);
-  Proxy proxy(contact, felt.feels, h.force, h.shaft);
+  Proxy proxy(contact, felt.feels, h.force, h.shaft, make_tool(h.tool));
   const std::vector<ServoFrame> replayed = replay_frames(recording.frames, proxy);
   std::size_t different = 0, first = 0;
   for (std::size_t n = 0; n < replayed.size(); ++n)
     if (!same_frame(replayed[n], recording.frames[n]) && different++ == 0) first = n;
 
-  std::cout << fmt::format("{} frames at {:g} Hz of device {}, case {}\n", replayed.size(), h.rate_hz, h.device,
-                           h.case_token);
+  std::cout << fmt::format("{} frames at {:g} Hz of device {}, tool {}, case {}\n", replayed.size(), h.rate_hz,
+                           h.device, tool_name(h.tool), h.case_token);
   const ForceFigures was = force_figures(recording.frames), is = force_figures(replayed);
   print("recorded", was);
   if (other) print("replayed", is);

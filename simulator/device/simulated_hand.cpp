@@ -59,6 +59,7 @@ bool SimulatedHand::read(double dt_s, DeviceReading& out) {
   }
   out = {};
   out.tip_mm = position_mm_;
+  out.axis = axis;
   return is_finite(position_mm_);
 }
 

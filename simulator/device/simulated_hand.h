@@ -37,7 +37,8 @@ class SimulatedHand : public Device {
   bool read(double dt_s, DeviceReading& out) override;
   void send(Vec3 force_n) override;
 
-  ForceHold hold;  ///< what it does when it is not sent to
+  ForceHold hold;      ///< what it does when it is not sent to
+  Vec3 axis{0, 0, 1};  ///< of the tool that it holds, which it does not turn
 
  private:
   Vec3 aim(double time_s) const;

@@ -56,7 +56,8 @@ struct ShaftParams {
   double shaft_length_mm = 0;
   template <class V>
   static void describe(V& v) {
-    v.number(&ShaftParams::shaft_length_mm, "shaft_length_mm", Range{0, 500}, "Of the tool behind its tip.");
+    v.number(&ShaftParams::shaft_length_mm, "shaft_length_mm", Range{0, 500},
+             "Of the tool behind its tip, for friction; 0: the tool's length.");
   }
 };
 

@@ -42,7 +42,8 @@ std::string header_text(const RecordingHeader& h) {
   const Json j = {
       {"case", h.case_token},          {"haptic_sha256", h.haptic_sha256}, {"device", h.device},
       {"rate_hz", h.rate_hz},          {"felt_shape", h.felt_shape},       {"frame_bytes", sizeof(ServoFrame)},
-      {"contact", to_json(h.contact)}, {"force", to_json(h.force)},        {"shaft", to_json(h.shaft)}};
+      {"contact", to_json(h.contact)}, {"force", to_json(h.force)},        {"shaft", to_json(h.shaft)},
+      {"tool", to_json(h.tool)}};
   std::string text = j.dump(1);
   if (text.size() + 1 > header_bytes) throw Error(ExitCode::internal, "", "header", "is too long");
   text.resize(header_bytes - 1, ' ');
@@ -106,6 +107,7 @@ Recording read_recording(const std::filesystem::path& file) {
       from_json(j.at("contact"), h.contact);
       from_json(j.at("force"), h.force);
       from_json(j.at("shaft"), h.shaft);
+      if (j.contains("tool")) from_json(j.at("tool"), h.tool);
     } catch (const Json::exception& e) {
       refuse("header", e.what());
     }

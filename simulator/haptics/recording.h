@@ -21,6 +21,7 @@ struct RecordingHeader {
   ContactParams contact;
   ForceParams force;
   ShaftParams shaft;
+  ToolParams tool;  ///< as own_tool() gives it; recordings made before there were tools are of a point
 };
 
 /// Writes through FileWriter: the file is there when finish() was called, or not at all. Throws 73 and 74.

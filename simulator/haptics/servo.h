@@ -50,7 +50,7 @@ class FrameQueue {
 
 struct ServoStatistics {
   std::uint64_t ticks = 0, overruns = 0;  ///< overruns: ticks that began after the next was due
-  std::uint64_t touching = 0, events[5] = {};
+  std::uint64_t touching = 0, events[haptic_event::count] = {};
   std::uint32_t faults = 0;
   double most_force_n = 0, most_force_step_n = 0;
   Histogram late, busy;  ///< wake-up after its time; from there to the force sent (clock time of this thread's tick)

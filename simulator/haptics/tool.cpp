@@ -49,6 +49,11 @@ struct Outline {
 
 }  // namespace
 
+const char* tool_name(const ToolParams& params) {
+  static constexpr const char* names[] = {"point", "needle", "catheter", "burr", "craniotome", "jamshidi"};
+  return names[int(params.tool)];
+}
+
 ToolParams own_tool(const ToolParams& params) {
   ToolParams p = params;
   for (const Own& o : owns) {

@@ -47,6 +47,9 @@ struct ToolParams {
   }
 };
 
+/// "needle".
+const char* tool_name(const ToolParams& params);
+
 /// With the tool's own values for what is 0 or `own`.
 ToolParams own_tool(const ToolParams& params);
 
