@@ -44,7 +44,10 @@ std::unique_ptr<Device> make_device(const ParsedCommand& parsed, const ContactVo
   }
   if (parsed.has("trajectory")) throw Error(ExitCode::usage, "", "--trajectory", "needs --device trajectory");
   HandPath path = path_over(contact, faces, parsed.params<HandPathParams>());
-  return std::make_unique<SimulatedHand>(parsed.params<HandParams>(), std::move(path.points_mm), path.loop_from);
+  auto hand = std::make_unique<SimulatedHand>(parsed.params<HandParams>(), std::move(path.points_mm), path.loop_from);
+  const auto& from = parsed.params<HandPathParams>().from;
+  hand->axis = normalized(Vec3{from[0], from[1], from[2]});
+  return hand;
 }
 
 Json times_of(const Histogram& h) {
@@ -72,6 +75,8 @@ Json json_of(const ServoStatistics& s, const RealtimeGrant& grant, const ServoPa
           {"motion", s.events[2]},
           {"popped", s.events[3]},
           {"left", s.events[4]},
+          {"locked", s.events[5]},
+          {"unlocked", s.events[6]},
           {"most_force_n", s.most_force_n},
           {"most_force_step_n", s.most_force_step_n},
           {"tick", times_of(s.busy)},
@@ -88,8 +93,8 @@ void print_statistics(const ServoStatistics& s, bool paced, std::uint64_t droppe
   const double touching = s.ticks > 0 ? 100.0 * double(s.touching) / double(s.ticks) : 0;
   std::cout << fmt::format("{} ticks, {} overruns, in contact {:.1f} %, faults {}\n", s.ticks, s.overruns, touching,
                            s.faults == 0 ? "none" : fault_names(s.faults));
-  std::cout << fmt::format("events: touch {}, untouch {}, motion {}, popped {}, left {}\n", s.events[0], s.events[1],
-                           s.events[2], s.events[3], s.events[4]);
+  std::cout << fmt::format("events: touch {}, untouch {}, motion {}, popped {}, left {}, locked {}, unlocked {}\n",
+                           s.events[0], s.events[1], s.events[2], s.events[3], s.events[4], s.events[5], s.events[6]);
   std::cout << fmt::format("force at most {:.3f} N, {:.4f} N from tick to tick\n", s.most_force_n, s.most_force_step_n);
   print_times("tick time", s.busy);
   if (paced) print_times("woken late", s.late);
@@ -108,7 +113,8 @@ ExitCode run_servo(const ParsedCommand& parsed) {
   FeltCase felt(parsed.path("case"), parsed.text("shape"));
   const ContactVolume contact(felt.loaded.haptic, parsed.params<ContactParams>());
   const std::unique_ptr<Device> device = make_device(parsed, contact, touchable_of(felt.feels));
-  Proxy proxy(contact, felt.feels, parsed.params<ForceParams>(), parsed.params<ShaftParams>());
+  const ToolParams tool = own_tool(parsed.params<ToolParams>());
+  Proxy proxy(contact, felt.feels, parsed.params<ForceParams>(), parsed.params<ShaftParams>(), make_tool(tool));
 
   std::unique_ptr<RecordingWriter> recording;
   if (parsed.has("record")) {
@@ -118,6 +124,7 @@ ExitCode run_servo(const ParsedCommand& parsed) {
     header.contact = parsed.params<ContactParams>();
     header.force = parsed.params<ForceParams>();
     header.shaft = parsed.params<ShaftParams>();
+    header.tool = tool;
     recording = std::make_unique<RecordingWriter>(parsed.path("record"), header);
   }
   // What the servo does not sleep for it must not outrun: without a clock every frame fits.
@@ -137,8 +144,11 @@ ExitCode run_servo(const ParsedCommand& parsed) {
   std::vector<ServoFrame> frames;
   std::exception_ptr fault;
   try {
-    std::cout << fmt::format("servo at {:g} Hz on {}: {}\n", params.rate_hz, device->name(), grant_text(params, grant))
-              << std::flush;
+    std::cout << fmt::format("servo at {:g} Hz on {}: {}\n", params.rate_hz, device->name(), grant_text(params, grant));
+    if (proxy.tool_body())
+      std::cout << fmt::format("tool {}: {} points, {:g} mm in diameter, {:g} mm long\n", tool_name(tool),
+                               proxy.tool_body()->count(), tool.tool_diameter_mm, tool.tool_length_mm);
+    std::cout << std::flush;
     while (!done) {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
       if (!recording || !params.paced) continue;
@@ -192,15 +202,13 @@ Command servo_command() {
   Argument record = argument("record", Argument::Kind::out_file, "Writes every tick to this file.");
   Argument json = argument("json", Argument::Kind::out_file, "Writes the statistics to this file.");
   c.arguments = {folder, device, trajectory, shape, record, json};
-  c.groups = {ParameterGroup::of<RunParams>("Parameters"),
-              ParameterGroup::of<ServoParams>("Servo loop"),
-              ParameterGroup::of<ContactParams>("Contact"),
-              ParameterGroup::of<ForceParams>("Force"),
-              ParameterGroup::of<ShaftParams>("Tool"),
-              ParameterGroup::of<HandParams>("Simulated hand"),
-              ParameterGroup::of<HandPathParams>("The hand's task")};
+  c.groups = {ParameterGroup::of<RunParams>("Parameters"),      ParameterGroup::of<ServoParams>("Servo loop"),
+              ParameterGroup::of<ContactParams>("Contact"),     ParameterGroup::of<ForceParams>("Force"),
+              ParameterGroup::of<ToolParams>("Tool"),           ParameterGroup::of<ShaftParams>("Its shaft"),
+              ParameterGroup::of<HandParams>("Simulated hand"), ParameterGroup::of<HandPathParams>("The hand's task")};
   c.examples = {"trephine-sim servo library/sample --seconds 5",
                 "trephine-sim servo library/sample --shape skull --device hand --seconds 5 --record skull.servo",
+                "trephine-sim servo library/sample --tool burr --seconds 5",
                 "trephine-sim servo library/sample --device trajectory --trajectory path.txt --seconds 2"};
   c.run = run_servo;
   return c;

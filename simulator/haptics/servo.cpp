@@ -93,7 +93,7 @@ void Servo::tick(double dt_s, double late_ns) {
   ServoStatistics& c = statistics_;
   ++c.ticks;
   c.touching += s.touched != 0;
-  for (int n = 0; n < 5; ++n) c.events[n] += s.events >> n & 1;
+  for (int n = 0; n < haptic_event::count; ++n) c.events[n] += s.events >> n & 1;
   c.faults |= s.faults;
   c.most_force_n = std::max(c.most_force_n, norm(s.force_n));
   c.most_force_step_n = std::max(c.most_force_step_n, norm(s.force_n - last_force_n_));
