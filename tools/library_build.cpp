@@ -37,6 +37,9 @@ Command library_build_command() {
       config, out,     only, why,
       set,    phantom, root, argument("json", Kind::out_file, "Write what was built, and what failed, here too.")};
   c.groups = {ParameterGroup::of<LibraryBuildParams>("Parameters")};
+  c.only_looks = [](const ParsedCommand& parsed) {
+    return parsed.params<LibraryBuildParams>().dry_run || parsed.has("why");
+  };
   c.run = [](const ParsedCommand& parsed) {
     LibraryBuildRequest request;
     request.config = parsed.path("config");

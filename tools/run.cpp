@@ -68,6 +68,7 @@ Command run_command() {
                  argument("cache", Kind::out_folder, "Folder of the stage cache, instead of LIBRARY/.trephine-cache."),
                  argument("json", Kind::out_file, "Write run.json (times, reports, memory) here too.")};
   c.groups = {ParameterGroup::of<RunParams>("Parameters"), ParameterGroup::of<ExplainParams>("Explanation")};
+  c.only_looks = [](const ParsedCommand& parsed) { return parsed.params<ExplainParams>().explain; };
   c.run = [](const ParsedCommand& parsed) {
     RunRequest request;
     request.config = parsed.path("config");

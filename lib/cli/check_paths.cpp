@@ -78,7 +78,7 @@ void check_paths(const ParsedCommand& parsed) {
           code = ExitCode::cannot_create;
           break;
         case Argument::Kind::out_folder:
-          fault = output_folder_fault(value);
+          if (!parsed.command->only_looks || !parsed.command->only_looks(parsed)) fault = output_folder_fault(value);
           code = ExitCode::cannot_create;
           break;
         case Argument::Kind::text:

@@ -56,6 +56,8 @@ struct Command {
   std::vector<ParameterGroup> groups;
   std::vector<std::string> examples;  ///< whole command lines
   std::function<ExitCode(const ParsedCommand&)> run;
+  /// Whether this call writes no output folder (--dry-run): then that need not be writable. Empty: it always writes.
+  std::function<bool(const ParsedCommand&)> only_looks;
   bool hidden = false;  ///< left out of the program's help, the reference and completion
 };
 

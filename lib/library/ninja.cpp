@@ -98,6 +98,21 @@ class Events {
   std::string text_;
 };
 
+// However run_ninja is left (no memory, say), the jobs are asked to stop, so that they tidy up, and are waited for.
+struct Running {
+  explicit Running(pid_t p) : pid(p) {}
+  Running(const Running&) = delete;
+  ~Running() {
+    constexpr double patience_s = 10;
+    if (pid == 0) return;
+    kill(pid, SIGINT);  // it hands it on to the jobs and waits for them
+    if (wait_for(pid, patience_s).ended) return;
+    kill(pid, SIGKILL);
+    wait_for(pid, 1e6);
+  }
+  pid_t pid;
+};
+
 }  // namespace
 
 std::size_t MemoryPools::class_of(double memory_mb) const {
@@ -175,6 +190,7 @@ void run_ninja(const std::vector<NinjaJob>& jobs, const MemoryPools& pools, cons
   } catch (const Error& e) {
     throw Error(ExitCode::internal, "ninja", "", std::string(e.what()) + "; the package ninja-build brings it");
   }
+  Running running(pid);
   bool told = false;
   int failed = 0;
   std::set<std::string> open;
@@ -192,9 +208,10 @@ void run_ninja(const std::vector<NinjaJob>& jobs, const MemoryPools& pools, cons
     tick();
     if (cancel_requested() && !told) {
       told = true;
-      kill(pid, SIGINT);  // it hands it on to the jobs and waits for them
+      kill(pid, SIGINT);
     }
     end = wait_for(pid, 0);
+    if (end.ended) running.pid = 0;
   }
   take(0);
   if (cancel_requested()) throw Cancelled{};

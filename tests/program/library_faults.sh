@@ -188,9 +188,17 @@ code=0; wait $pid || code=$?
 code=0; build l.yaml --rebuild --case-limit-s 0.001 --case a --set skull.smooth.iterations_count=9 >said 2>&1 || code=$?
 [[ $code == 70 ]] && grep -q 'time limit' said || { cat said; fail "time limit: $code"; }
 
-# A library that cannot be written: refused before any work.
-if [[ $(id -u) != 0 ]]; then
-  chmod -R a-w "$work/out"
-  expect 73 'not writable' build l.yaml
+# A library that cannot be written: refused before any work, but looked at.
+as=()
+if [[ $(id -u) == 0 ]]; then
+  as=(setpriv --reuid 65534 --regid 65534 --clear-groups)
+  chmod -R a+rX "$work"
+fi
+chmod -R a-w "$work/out"
+if "${as[@]}" "$TREPHINE" --version >/dev/null 2>&1 && "${as[@]}" test -r "$work/l.yaml"; then
+  expect 73 'not writable' "${as[@]}" "$TREPHINE" library build "$work/l.yaml" --out "$work/out"
+  "${as[@]}" "$TREPHINE" library build "$work/l.yaml" --out "$work/out" --dry-run --quiet >said || fail "--dry-run of a read-only library"
+  grep -q ' would be built' said || { cat said; fail "--dry-run of a read-only library says nothing"; }
+  "${as[@]}" "$TREPHINE" library build "$work/l.yaml" --out "$work/out" --why a --quiet >said || fail "--why of a read-only library"
 fi
 echo ok
