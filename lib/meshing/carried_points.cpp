@@ -2,6 +2,7 @@
 #include "meshing/carried_points.h"
 
 #include <limits>
+#include <utility>
 
 #include "base/parallel.h"
 #include "meshing/triangle_tree.h"
@@ -10,6 +11,8 @@ namespace trephine {
 namespace {
 
 constexpr std::uint32_t none = CollapseMesh::none;
+/// Share of the limit from which what lies beside a point is looked at.
+constexpr double some_way = 0.5;
 
 /// Calls visit(triangle) for the triangles around u or v, each once.
 template <class Visit>
@@ -91,6 +94,48 @@ bool CarriedPoints::assign(const std::vector<std::array<Vec3, 3>>& corners, doub
     }
     if (!(best <= squared_limit)) return false;
     hand.assigned.emplace_back(where, static_cast<float>(best));
+  }
+  return true;
+}
+
+bool CarriedPoints::between_within(const std::vector<std::array<Vec3, 3>>& corners, const Incidence& incidence,
+                                   double squared_limit, Hand& hand) const {
+  constexpr std::uint32_t none_there = 0xffffffffu;
+  hand.sorted.clear();
+  const auto place_of = [&](std::uint32_t point) {
+    if (hand.sorted.empty()) {
+      for (std::uint32_t i = 0; i < hand.points.size(); ++i) hand.sorted.emplace_back(hand.points[i], i);
+      std::sort(hand.sorted.begin(), hand.sorted.end());
+    }
+    const auto at = std::lower_bound(hand.sorted.begin(), hand.sorted.end(), std::make_pair(point, 0u));
+    return at != hand.sorted.end() && at->first == point ? at->second : none_there;
+  };
+  const auto squared = [&](Vec3 p, std::uint32_t n) {
+    const Vec3 d = p - closest_on_triangle(p, corners[n][0], corners[n][1], corners[n][2]);
+    return dot(d, d);
+  };
+  const auto within = [&](Vec3 p) {
+    for (std::uint32_t n = 0; n < corners.size(); ++n)
+      if (squared(p, n) <= squared_limit) return true;
+    return false;
+  };
+  for (std::uint32_t i = 0; i < hand.points.size(); ++i) {
+    if (hand.assigned[i].second < some_way * some_way * squared_limit) continue;
+    const std::uint32_t point = hand.points[i];
+    for (std::uint32_t n = incidence.begin[point]; n < incidence.begin[point + 1]; ++n) {
+      const auto& t = input_.triangles[incidence.triangle[n]];
+      const int k = t[0] == point ? 0 : t[1] == point ? 1 : 2;
+      const std::uint32_t next = place_of(t[(k + 1) % 3]);
+      if (next == none_there) continue;
+      const std::uint32_t own = hand.assigned[i].first, to_next = hand.assigned[next].first;
+      const Vec3 p = hand.places.at(i), q = hand.places.at(next);
+      // The distance to one triangle is convex.
+      if (own != to_next && squared((p + q) / 2, own) > squared_limit && !within((p + q) / 2)) return false;
+      const std::uint32_t last = place_of(t[(k + 2) % 3]);
+      if (last == none_there || (own == to_next && own == hand.assigned[last].first)) continue;
+      const Vec3 middle = (p + q + hand.places.at(last)) / 3;
+      if (squared(middle, own) > squared_limit && !within(middle)) return false;
+    }
   }
   return true;
 }

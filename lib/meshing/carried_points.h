@@ -7,6 +7,7 @@
 
 #include "meshing/collapse_mesh.h"
 #include "meshing/place_list.h"
+#include "surface/incidence.h"
 #include "surface/trimesh.h"
 
 namespace trephine {
@@ -21,6 +22,7 @@ class CarriedPoints {
     std::vector<std::uint32_t> points;
     PlaceList places;
     std::vector<std::pair<std::uint32_t, float>> assigned;  ///< per point: number of the corners, squared distance
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> sorted;  ///< the points with their place in `points`
   };
 
   /// The input must outlive this. Nothing is carried until take_up.
@@ -36,6 +38,10 @@ class CarriedPoints {
   /// Finds for each of them the nearest of the triangles given by their corners; false as soon as one lies beyond the
   /// limit.
   bool assign(const std::vector<std::array<Vec3, 3>>& corners, double squared_limit, Hand& hand) const;
+  /// Whether what lies between those points, the middles of the input's edges and triangles that are theirs alone, is
+  /// within the limit of these triangles as well. Looks only where a point has come half that way.
+  bool between_within(const std::vector<std::array<Vec3, 3>>& corners, const Incidence& incidence, double squared_limit,
+                      Hand& hand) const;
   /// Lets triangles[n] carry what was assigned to corners[n]. The mesh must still be as it was when they were gathered.
   void commit(const CollapseMesh& mesh, std::uint32_t u, std::uint32_t v, const std::vector<std::uint32_t>& triangles,
               const Hand& hand);

@@ -24,7 +24,7 @@ constexpr double least_progress = 0.03, least_uncarried_progress = 0.1;
 constexpr double points_per_cell = 1500;
 constexpr int most_cells = 64;
 /// Every so many points are looked at to find a round's cost.
-constexpr std::uint32_t sampling = 16;
+constexpr std::uint32_t sampling = 32;
 
 constexpr float infinite_cost = std::numeric_limits<float>::infinity();
 
@@ -47,8 +47,10 @@ float EdgeCollapse::cost_below(double share) const {
       if (u >= mesh_.points() || !mesh_.live_point(static_cast<std::uint32_t>(u))) continue;
       mesh_.for_each_leaving(static_cast<std::uint32_t>(u), [&](std::uint32_t e) {
         const std::uint32_t h = std::min(e, mesh_.twin(e));
-        Candidate c;
-        if (!(rejected_[h / 3] >> h % 3 & 1) && candidate(h, c)) found[from / 1024].push_back(c.cost);
+        if (rejected_[h / 3] >> h % 3 & 1) return;
+        Candidate c{costs_[h], h, 0};
+        const bool known = c.cost >= 0 && !((flags_[u] | flags_[mesh_.to(e)]) & locked);
+        if (known || candidate(h, c)) found[from / 1024].push_back(c.cost);
       });
     }
   });
@@ -114,31 +116,60 @@ EdgeCollapse::Cells EdgeCollapse::cut(std::size_t round) {
 }
 
 /// The edges among these points.
-void EdgeCollapse::gather(const std::uint32_t* from, const std::uint32_t* to, float cost_limit, Worker& w) const {
+void EdgeCollapse::gather(const std::uint32_t* from, const std::uint32_t* to, float cost_limit, Worker& w) {
   w.heap.clear();
   for (; from != to; ++from) {
     const std::uint32_t u = *from;
     mesh_.for_each_leaving(u, [&](std::uint32_t e) {
       const std::uint32_t v = mesh_.to(e), h = std::min(e, mesh_.twin(e));
+      if (u > v || !(flags_[v] & core) || (rejected_[h / 3] >> h % 3 & 1)) return;
       Candidate c;
-      if (u > v || !(flags_[v] & core) || (rejected_[h / 3] >> h % 3 & 1) || !candidate(h, c)) return;
-      if (c.cost <= cost_limit) w.heap.push_back(c);
+      if (bounded_candidate(h, c) && c.cost <= cost_limit) w.heap.push_back(c);
     });
   }
   std::make_heap(w.heap.begin(), w.heap.end(), Later());
 }
 
-/// Collapses at most so many edges, the cheapest first, with those that come up on the way.
+/// With the cost as last computed: a quadric only grows, so that is a lower bound of what it is.
+bool EdgeCollapse::bounded_candidate(std::uint32_t half_edge, Candidate& c) {
+  const float known = costs_[half_edge];
+  if (std::isnan(known)) {
+    if (!candidate(half_edge, c)) return false;
+    costs_[half_edge] = c.cost;
+    return true;
+  }
+  const std::uint32_t u = mesh_.from(half_edge), v = mesh_.to(half_edge);
+  c = {std::abs(known), half_edge, versions_[u] + versions_[v] - std::signbit(known)};
+  return !((flags_[u] | flags_[v]) & locked);
+}
+
+/// Collapses at most so many edges, the cheapest first, with those that come up on the way. An edge whose points have
+/// changed is looked at again when its turn comes by its old cost, not before.
 void EdgeCollapse::work_off(std::size_t count, float cost_limit, Worker& w, const std::function<void()>& tick) {
+  const auto push = [&](const Candidate& c) {
+    if (!(c.cost <= cost_limit)) return;
+    w.heap.push_back(c);
+    std::push_heap(w.heap.begin(), w.heap.end(), Later());
+  };
   for (std::size_t steps = 0, done = 0; done < count && !w.heap.empty(); ++steps) {
     if (steps % 4096 == 0) tick();
     std::pop_heap(w.heap.begin(), w.heap.end(), Later());
-    const Candidate c = w.heap.back();
+    Candidate c = w.heap.back();
     w.heap.pop_back();
     const std::uint32_t h = c.half_edge;
-    if (!mesh_.live_triangle(h / 3)) continue;
+    if (!mesh_.live_triangle(h / 3) || h > mesh_.twin(h) || (rejected_[h / 3] >> h % 3 & 1)) continue;
     const std::uint32_t u = mesh_.from(h);
-    if (versions_[u] + versions_[mesh_.to(h)] != c.version) continue;
+    if (versions_[u] + versions_[mesh_.to(h)] != c.version) {
+      if (!std::signbit(costs_[h]) || !candidate(h, c)) continue;  // it was looked at since
+      costs_[h] = c.cost;
+      push(c);
+      continue;
+    }
+    const std::uint32_t g = mesh_.twin(h);
+    const auto known = [this](std::uint32_t e) { return costs_[std::min(e, mesh_.twin(e))]; };
+    // The sides that fall together: the cost of both is a lower bound of what it will be.
+    const std::array<float, 4> sides{known(CollapseMesh::next(h)), known(CollapseMesh::previous(h)),
+                                     known(CollapseMesh::next(g)), known(CollapseMesh::previous(g))};
     const Outcome outcome = attempt(h, w);
     w.limited |= outcome == Outcome::limit;
     if (outcome != Outcome::done) {
@@ -146,14 +177,21 @@ void EdgeCollapse::work_off(std::size_t count, float cost_limit, Worker& w, cons
       continue;
     }
     ++done;
-    mesh_.for_each_leaving(u, [&](std::uint32_t e) { rejected_[e / 3] = 0; });
+    const auto larger = [](float a, float b) {
+      return std::isnan(a) || std::isnan(b) ? a + b : -std::max(std::abs(a), std::abs(b));
+    };
+    const std::uint32_t first = mesh_.twin(CollapseMesh::previous(h)), second = mesh_.twin(CollapseMesh::previous(g));
+    costs_[std::min(first, mesh_.twin(first))] = larger(sides[0], sides[1]);
+    costs_[std::min(second, mesh_.twin(second))] = larger(sides[2], sides[3]);
+    // What had been rejected may do now.
     mesh_.for_each_leaving(u, [&](std::uint32_t e) {
+      const std::uint32_t k = std::min(e, mesh_.twin(e));
+      costs_[k] = -std::abs(costs_[k]);
+      const bool anew = (rejected_[k / 3] >> k % 3 & 1) || e == first || e == second || std::isnan(costs_[k]);
       Candidate next;
-      if (!(flags_[mesh_.to(e)] & core) || !candidate(std::min(e, mesh_.twin(e)), next)) return;
-      if (!(next.cost <= cost_limit)) return;
-      w.heap.push_back(next);
-      std::push_heap(w.heap.begin(), w.heap.end(), Later());
+      if (anew && (flags_[mesh_.to(e)] & core) && bounded_candidate(k, next)) push(next);
     });
+    mesh_.for_each_leaving(u, [&](std::uint32_t e) { rejected_[e / 3] = 0; });
   }
 }
 
@@ -228,6 +266,7 @@ bool EdgeCollapse::run(std::size_t target, const Progress& progress) {
       limited = false;
       std::fill(rejected_.begin(), rejected_.end(), 0);
       take_up();
+      undo_beyond();
       rounds(target, floor_of(rounds_to), limited, progress.part(0.5, 0.9));
     }
   }

@@ -27,6 +27,10 @@ constexpr double some_way = 0.35;
 /// Share of the limit that the root of the mean squared distance to the planes may use while no points are carried.
 constexpr double uncarried_share = 0.25;
 
+/// What was collapsed without carried points and went too far is undone so often; the final measurement sees to the
+/// rest.
+constexpr int times_undone = 20;
+
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Twice the root of 3, times twice the area, by the sum of the squared sides: 1 for an equilateral triangle.
@@ -45,12 +49,13 @@ EdgeCollapse::EdgeCollapse(const TriMesh& input, double limit_mm, double step_mm
       carried_(input),
       quadrics_(input.points_mm.size()),
       versions_(input.points_mm.size(), 0),
+      costs_(3 * input.triangles.size(), std::numeric_limits<float>::quiet_NaN()),
       flags_(input.points_mm.size(), 0),
       rejected_(input.triangles.size(), 0) {
   area_ = area_mm2(input);
   // An even triangle's side, were all of them.
   const double side = std::sqrt(area_ / double(input.triangles.size()) * 4 / std::sqrt(3.0));
-  sample_spacing_ = limit_mm > 0 ? 2 * std::clamp(1.5 * limit_mm, side / 4, side) : side;
+  sample_spacing_ = limit_mm > 0 ? 1.4 * std::clamp(1.5 * limit_mm, side / 4, side) : side;
   parallel_for(0, static_cast<std::int64_t>(quadrics_.size()), 8192, [&](std::int64_t from, std::int64_t to) {
     for (auto v = static_cast<std::uint32_t>(from); v < to; ++v) {
       Quadric q;
@@ -192,6 +197,8 @@ EdgeCollapse::Outcome EdgeCollapse::attempt(std::uint32_t h, Worker& w) {
   if (carried_.carries()) {
     carried_.gather(mesh_, u, v, w.hand);
     if (!carried_.assign(w.corners, limit2_ * carried_share * carried_share, w.hand)) return Outcome::limit;
+    if (limit2_ < infinity && !carried_.between_within(w.corners, input_->incidence(), limit2_, w.hand))
+      return Outcome::limit;
     if (!samples_within(w)) return Outcome::limit;
     carried_.commit(mesh_, u, v, w.staying, w.hand);
   }
@@ -203,6 +210,21 @@ EdgeCollapse::Outcome EdgeCollapse::attempt(std::uint32_t h, Worker& w) {
   mesh_.collapse(h, at, w.log);
   versions_[u] = std::max(versions_[u], versions_[v]) + 1;
   return Outcome::done;
+}
+
+/// What was collapsed before points were carried may have left some of them too far behind; the sooner that is undone
+/// the less goes with it.
+void EdgeCollapse::undo_beyond() {
+  const double limit2 = limit2_ * carried_share * carried_share;
+  std::vector<std::uint32_t> beyond;
+  for (int times = 0; times < times_undone; ++times) {
+    beyond.clear();
+    for (std::uint32_t p = 0; p < plain_input_.points_mm.size(); ++p)
+      if (carried_.squared_distance(p) > limit2) beyond.push_back(carried_.carrier(p));
+    std::sort(beyond.begin(), beyond.end());
+    beyond.erase(std::unique(beyond.begin(), beyond.end()), beyond.end());
+    if (beyond.empty() || undo(beyond) == 0) return;
+  }
 }
 
 std::size_t EdgeCollapse::undo(const std::vector<std::uint32_t>& triangles) {
@@ -251,6 +273,8 @@ std::size_t EdgeCollapse::undo_at(std::uint32_t t) {
       around.push_back(triangle);
       corners.push_back({mesh_.point_mm(p[0]), mesh_.point_mm(p[1]), mesh_.point_mm(p[2])});
       rejected_[triangle] = 0;
+      for (std::uint32_t h = 3 * triangle; h < 3 * triangle + 3; ++h)
+        costs_[std::min(h, mesh_.twin(h))] = std::numeric_limits<float>::quiet_NaN();
     };
     mesh_.for_each_leaving(u, [&](std::uint32_t e) { take(e / 3); });
     mesh_.for_each_leaving(v, [&](std::uint32_t e) {

@@ -72,12 +72,14 @@ class EdgeCollapse {
   void rounds(std::size_t target, std::size_t floor, bool& limited, const Progress& progress);
   void finish(std::size_t target, bool& limited, const Progress& progress);
   void take_up();
+  void undo_beyond();
   float cost_below(double share) const;
   Cells cut(std::size_t round);
-  void gather(const std::uint32_t* from, const std::uint32_t* to, float cost_limit, Worker& w) const;
+  void gather(const std::uint32_t* from, const std::uint32_t* to, float cost_limit, Worker& w);
   void work_off(std::size_t count, float cost_limit, Worker& w, const std::function<void()>& tick);
   Vec3 place(std::uint32_t u, std::uint32_t v, double& cost, double& weight) const;
   bool candidate(std::uint32_t half_edge, Candidate& c) const;
+  bool bounded_candidate(std::uint32_t half_edge, Candidate& c);
   Outcome attempt(std::uint32_t half_edge, Worker& w);
   bool keeps_manifold(std::uint32_t u, std::uint32_t v, Worker& w) const;
   bool keeps_shape(std::uint32_t u, std::uint32_t v, Vec3 at, Worker& w) const;
@@ -93,6 +95,9 @@ class EdgeCollapse {
   std::optional<NearInput> input_;       ///< once points are carried
   std::vector<StoredQuadric> quadrics_;  ///< about the points themselves
   std::vector<std::uint32_t> versions_;
+  /// Per half-edge that is the lower of its two: the edge's cost as last computed; negative where its points have
+  /// changed since; no number: not known.
+  std::vector<float> costs_;
   std::vector<char> flags_;     ///< per point
   std::vector<char> rejected_;  ///< per triangle a bit for each half-edge that did not collapse as things were
   std::vector<std::uint32_t> live_points_;  ///< during rounds; some may have died since
