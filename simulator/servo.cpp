@@ -18,6 +18,7 @@
 #include "device/hand_path.h"
 #include "device/simulated_hand.h"
 #include "device/trajectory.h"
+#include "device/udp_device.h"
 #include "felt_case.h"
 #include "haptics/recording.h"
 #include "haptics/servo.h"
@@ -35,6 +36,16 @@ struct RunParams {
   }
 };
 
+// Until somebody holds the tool.
+std::unique_ptr<Device> listen(const ParsedCommand& parsed) {
+  const ServoParams& servo = parsed.params<ServoParams>();
+  if (!servo.paced) throw Error(ExitCode::usage, "", "--no-paced", "a device that is there keeps to the clock");
+  auto device = std::make_unique<UdpDevice>(parsed.params<UdpParams>(), servo.realtime);
+  std::cout << "waiting for a device on " << device->endpoint() << "\n" << std::flush;
+  device->wait(Progress({}, &cancel_requested()));
+  return device;
+}
+
 std::unique_ptr<Device> make_device(const ParsedCommand& parsed, const ContactVolume& contact,
                                     const TouchableFaces& faces) {
   if (parsed.text("device") == "trajectory") {
@@ -43,6 +54,7 @@ std::unique_ptr<Device> make_device(const ParsedCommand& parsed, const ContactVo
     return std::make_unique<Trajectory>(read_trajectory(parsed.path("trajectory")));
   }
   if (parsed.has("trajectory")) throw Error(ExitCode::usage, "", "--trajectory", "needs --device trajectory");
+  if (parsed.text("device") == "udp") return listen(parsed);
   HandPath path = path_over(contact, faces, parsed.params<HandPathParams>());
   auto hand = std::make_unique<SimulatedHand>(parsed.params<HandParams>(), std::move(path.points_mm), path.loop_from);
   const auto& from = parsed.params<HandPathParams>().from;
@@ -59,10 +71,13 @@ Json times_of(const Histogram& h) {
           {"max_us", us(h.max_ns())}};
 }
 
-Json json_of(const ServoStatistics& s, const RealtimeGrant& grant, const ServoParams& params, const char* device,
+Json json_of(const ServoStatistics& s, const RealtimeGrant& grant, const ServoParams& params, const Device& device,
              std::uint64_t dropped) {
+  Json counts = Json::object();
+  for (const auto& [name, count] : device.counts()) counts[name] = count;
   return {{"rate_hz", params.rate_hz},
-          {"device", device},
+          {"device", device.name()},
+          {"device_counts", counts},
           {"fifo", grant.fifo},
           {"locked", grant.locked},
           {"ticks", s.ticks},
@@ -169,9 +184,13 @@ ExitCode run_servo(const ParsedCommand& parsed) {
     recording->finish();
   }
   print_statistics(servo.statistics(), params.paced, queue.dropped());
+  std::string counts;
+  for (const auto& [name, count] : device->counts())
+    counts += fmt::format("{} {} {}", counts.empty() ? "" : ",", count, name);
+  if (!counts.empty()) std::cout << device->name() << ":" << counts << "\n";
   if (parsed.has("json"))
     write_file(parsed.path("json"),
-               json_of(servo.statistics(), grant, params, device->name(), queue.dropped()).dump(1) + "\n");
+               json_of(servo.statistics(), grant, params, *device, queue.dropped()).dump(1) + "\n");
   return ExitCode::ok;
 }
 
@@ -184,7 +203,8 @@ Command servo_command() {
   c.description =
       "A thread of its own reads the device, moves the tool's proxy through the case's haptic volume and sends the "
       "force, 1000 times a second or more. The device is a simulated hand, which presses on the first surface that it "
-      "meets and moves over it in a circle, or a trajectory from a file. docs/haptics.md describes contact, forces, "
+      "meets and moves over it in a circle, a trajectory from a file, or one that sends its poses by UDP. "
+      "docs/haptics.md describes contact, forces, "
       "and "
       "the recording, which `trephine-sim replay` reads.\n\n"
       "It says at the start what the system grants: SCHED_FIFO and locked memory need CAP_SYS_NICE and CAP_IPC_LOCK, "
@@ -193,7 +213,7 @@ Command servo_command() {
   Argument folder = argument("case", Argument::Kind::in_folder, "Folder of the case.");
   folder.positional = folder.required = true;
   Argument device = argument("device", Argument::Kind::choice, "Who holds the tool; hand where it is not given.");
-  device.choices = {"hand", "trajectory"};
+  device.choices = {"hand", "trajectory", "udp"};
   Argument trajectory =
       argument("trajectory", Argument::Kind::in_file,
                "Lines of time_s x_mm y_mm z_mm [ax ay az [buttons]], LPS; the axis points from the tip to the tail.");
@@ -205,11 +225,13 @@ Command servo_command() {
   c.groups = {ParameterGroup::of<RunParams>("Parameters"),      ParameterGroup::of<ServoParams>("Servo loop"),
               ParameterGroup::of<ContactParams>("Contact"),     ParameterGroup::of<ForceParams>("Force"),
               ParameterGroup::of<ToolParams>("Tool"),           ParameterGroup::of<ShaftParams>("Its shaft"),
-              ParameterGroup::of<HandParams>("Simulated hand"), ParameterGroup::of<HandPathParams>("The hand's task")};
+              ParameterGroup::of<HandParams>("Simulated hand"), ParameterGroup::of<HandPathParams>("The hand's task"),
+              ParameterGroup::of<UdpParams>("Device by UDP")};
   c.examples = {"trephine-sim servo library/sample --seconds 5",
                 "trephine-sim servo library/sample --shape skull --device hand --seconds 5 --record skull.servo",
                 "trephine-sim servo library/sample --tool burr --seconds 5",
-                "trephine-sim servo library/sample --device trajectory --trajectory path.txt --seconds 2"};
+                "trephine-sim servo library/sample --device trajectory --trajectory path.txt --seconds 2",
+                "trephine-sim servo library/sample --device udp --port 20517 --seconds 60"};
   c.run = run_servo;
   return c;
 }

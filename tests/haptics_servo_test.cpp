@@ -1,11 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
-#include <linux/audit.h>
-#include <linux/filter.h>
-#include <linux/seccomp.h>
-#include <stddef.h>
-#include <sys/prctl.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -21,17 +15,12 @@
 #include "device/trajectory.h"
 #include "haptics/recording.h"
 #include "haptics/servo.h"
+#include "haptics_only_sleep.h"
 #include "haptics_scene.h"
 #include "scratch_folder.h"
 
 using namespace trephine;
 using namespace trephine::scene;
-
-#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-constexpr bool sanitized = true;
-#else
-constexpr bool sanitized = false;
-#endif
 
 namespace {
 
@@ -218,26 +207,8 @@ TEST(HapticsServo, AStalledServoLetsTheForceDecay) {
 }
 
 // H6: under a filter that kills at any system call but the sleep; and no allocation.
-namespace {
-
-thread_local bool counting = false;
-thread_local int allocations = 0;
-
-void allow_only_sleep() {
-  const sock_filter allow = BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
-                    kill = BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_KILL);
-  sock_filter filter[] = {BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
-                          BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_clock_nanosleep, 1, 0),
-                          BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_exit_group, 0, 1), allow, kill};
-  const sock_fprog program{sizeof filter / sizeof *filter, filter};
-  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0)
-    _exit(3);
-}
-
-}  // namespace
-
 __attribute__((noinline)) void* operator new(std::size_t size) {
-  if (counting) ++allocations;
+  if (counting_allocations) ++allocations;
   if (void* p = std::malloc(size)) return p;
   throw std::bad_alloc();
 }
@@ -261,9 +232,9 @@ TEST(HapticsServo, ItsTicksSleepAndMakeNoOtherSystemCall) {
   const pid_t child = fork();
   if (child == 0) {
     allow_only_sleep();
-    counting = true;
+    counting_allocations = true;
     servo.run(700, never);
-    counting = false;
+    counting_allocations = false;
     syscall(SYS_exit_group, allocations != 0 ? 1 : servo.statistics().touching < 10 ? 2 : 0);
   }
   int status = 0;

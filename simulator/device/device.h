@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/vec3.h"
 
@@ -12,8 +15,16 @@ struct DeviceReading {
   std::uint32_t buttons = 0;
 };
 
-/// What the servo loop sees of a device. Both calls come from the servo thread and may neither allocate, lock, nor make
-/// a system call: a device with input or output of its own has a thread for that.
+/// What a tick found, for a device that shows it to somebody.
+struct DeviceNews {
+  double time_s = 0;  ///< of the servo loop
+  Vec3 proxy_mm;
+  int touched = 0, inside = 0;
+  std::uint32_t faults = 0;
+};
+
+/// What the servo loop sees of a device. read, tell and send come from the servo thread and may neither allocate, lock,
+/// nor make a system call: a device with input or output of its own has a thread for that.
 class Device {
  public:
   virtual ~Device() = default;
@@ -24,6 +35,10 @@ class Device {
   virtual bool read(double dt_s, DeviceReading& out) = 0;
   /// The force on the hand from now on.
   virtual void send(Vec3 force_n) = 0;
+  /// What else the tick found, before its send.
+  virtual void tell(const DeviceNews&) {}
+  /// What it counted, by name; for another thread, too.
+  virtual std::vector<std::pair<std::string, std::uint64_t>> counts() const { return {}; }
 };
 
 /// What a device does with a force that nobody renews: it holds it, then lets it decay, so that a stalled simulator

@@ -88,6 +88,7 @@ void Servo::tick(double dt_s, double late_ns) {
   in.dt_s = dt_s;
   if (!there) proxy_.latch(haptic_fault::device_lost);
   const HapticState& s = proxy_.update(in);
+  device_.tell({frame_.time_s + dt_s, s.proxy_mm, s.touched, s.inside, s.faults});
   device_.send(s.force_n);
 
   ServoStatistics& c = statistics_;

@@ -1,0 +1,382 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The UDP device between a client and a running servo loop.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <map>
+#include <random>
+#include <thread>
+
+#include "base/error.h"
+#include "device/udp_device.h"
+#include "haptics/servo.h"
+#include "haptics_only_sleep.h"
+#include "haptics_scene.h"
+#include "haptics_udp_client.h"
+
+using namespace trephine;
+using namespace trephine::scene;
+
+namespace {
+
+const std::atomic<bool> no_stop{false};
+
+UdpParams free_port(double timeout_ms) {
+  UdpParams p;
+  p.port = 0;
+  p.timeout_ms = timeout_ms;
+  p.wait_s = 10;
+  return p;
+}
+
+// A floor below z = 0 and a servo over it, from the first pose until this ends.
+struct Loop {
+  HapticVolume volume = empty(24, {2, 2, 2});
+  ContactVolume contact;
+  Feels feels = one_shape(1, face(0.5), face(0.5));
+  ForceParams force;
+  UdpDevice device;
+  Proxy proxy;
+  FrameQueue queue{1 << 16};
+  Servo servo;
+  std::atomic<bool> stop{false};
+  std::thread thread;
+
+  static HapticVolume& filled(HapticVolume& v) {
+    fill(v, 1, [](Vec3 p) { return -p.z; });
+    return v;
+  }
+  static ForceParams no_ramp() {
+    ForceParams p;
+    p.ramp_s = 0;
+    return p;
+  }
+  static ServoParams normal() {
+    ServoParams p;
+    p.realtime = false;
+    return p;
+  }
+  explicit Loop(double timeout_ms)
+      : contact(filled(volume)),
+        force(no_ramp()),
+        device(free_port(timeout_ms)),
+        proxy(contact, feels, force),
+        servo(proxy, device, normal(), &queue) {}
+  void start() {
+    device.wait(Progress{});
+    thread = std::thread([this] { servo.run(60000, stop); });
+  }
+  std::vector<ServoFrame> end() {
+    stop = true;
+    if (thread.joinable()) thread.join();
+    std::vector<ServoFrame> frames;
+    queue.drain(frames);
+    return frames;
+  }
+  ~Loop() { end(); }
+  std::uint64_t count(const std::string& name) const {
+    for (const auto& [n, c] : device.counts())
+      if (n == name) return c;
+    ADD_FAILURE() << name;
+    return 0;
+  }
+  // Nothing that was sent is still on its way.
+  void settle(const std::string& name, std::uint64_t until) const {
+    for (int n = 0; n < 2000 && count(name) < until; ++n) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+};
+
+// The client touches down from 1 mm above and presses half a millimetre deep: 0.25 N.
+constexpr Vec3 above{0, 0, 1}, pressed{0, 0, -0.5};
+void press(Loop& loop, UdpClient& client, UdpForce& answer) {
+  client.send_pose(above);
+  loop.start();
+  while (client.receive(answer) && answer.answers != client.next.sequence) {
+  }
+  ASSERT_TRUE(client.ask(pressed, answer));
+  ASSERT_NEAR(answer.force_n.z, 0.25, 0.01);
+}
+
+}  // namespace
+
+// The documented layout, byte by byte.
+TEST(HapticsUdp, PacketsAreAsDocumented) {
+  UdpPose p;
+  p.session = 0x01020304;
+  p.sequence = 0x1122334455667788;
+  p.time_s = 1.5;
+  p.reading.tip_mm = {1, 2, -3};
+  p.reading.axis = {0, 1, 0};
+  p.reading.buttons = 5;
+  const auto b = encode_pose(p);
+  const auto number = [&](const auto& bytes, std::size_t at) {
+    double v;
+    std::memcpy(&v, bytes.data() + at, 8);  // this machine is little endian
+    return v;
+  };
+  ASSERT_EQ(b.size(), 80u);
+  EXPECT_EQ(std::memcmp(b.data(), "TRPP\1\0\0\0\4\3\2\1\5\0\0\0\x88\x77\x66\x55\x44\x33\x22\x11", 24), 0);
+  EXPECT_EQ(number(b, 24), 1.5);
+  EXPECT_EQ(number(b, 48), -3);
+  EXPECT_EQ(number(b, 64), 1);
+  UdpPose back;
+  ASSERT_TRUE(decode_pose(b.data(), b.size(), back));
+  EXPECT_EQ(encode_pose(back), b);
+
+  UdpForce f;
+  f.busy = true;
+  f.session = 7;
+  f.answers = 9;
+  f.pose_time_s = 2;
+  f.news = {3, {4, 5, 6}, 2, -1, 8};
+  f.force_n = {0.5, 0, 0.25};
+  const auto c = encode_force(f);
+  ASSERT_EQ(c.size(), 96u);
+  EXPECT_EQ(std::memcmp(c.data(), "TRPF\1\0\1\0\7\0\0\0\10\0\0\0\11\0\0\0\0\0\0\0", 24), 0);
+  EXPECT_EQ(number(c, 32), 3);
+  EXPECT_EQ(number(c, 40), 0.5);
+  EXPECT_EQ(number(c, 64), 4);
+  EXPECT_EQ(std::memcmp(c.data() + 88, "\2\0\0\0\377\377\377\377", 8), 0);
+  UdpForce again;
+  ASSERT_TRUE(decode_force(c.data(), c.size(), again));
+  EXPECT_EQ(encode_force(again), c);
+}
+
+TEST(HapticsUdp, MalformedPosesAreRefused) {
+  UdpPose p, out;
+  p.sequence = 1;
+  const auto decodes = [&](const UdpPose& pose) {
+    const auto b = encode_pose(pose);
+    return decode_pose(b.data(), b.size(), out);
+  };
+  ASSERT_TRUE(decodes(p));
+  auto b = encode_pose(p);
+  EXPECT_FALSE(decode_pose(b.data(), b.size() - 1, out));
+  EXPECT_FALSE(decode_pose(b.data(), 0, out));
+  for (const std::size_t at : {0u, 3u, 4u, 5u}) {
+    b = encode_pose(p);
+    b[at] ^= 2;
+    EXPECT_FALSE(decode_pose(b.data(), b.size(), out)) << at;
+  }
+  UdpPose bad = p;
+  bad.sequence = 0;
+  EXPECT_FALSE(decodes(bad));
+  bad = p;
+  bad.time_s = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(decodes(bad));
+  for (const double length : {0.0, 0.98, 1.02}) {
+    bad = p;
+    bad.reading.axis = {0, length, 0};
+    EXPECT_FALSE(decodes(bad)) << length;
+  }
+  bad.reading.axis = {0, std::numeric_limits<double>::infinity(), 0};
+  EXPECT_TRUE(decodes(bad)) << "the device's fault, for the servo to latch";
+}
+
+// Every answer is the force of the very tick that took the pose, bit for bit, and no pose is answered twice.
+TEST(HapticsUdp, AnswersAreTheForcesOfTheTicksThatTookThePoses) {
+  Loop loop(5000);
+  UdpClient client(loop.device.port());
+  UdpForce answer;
+  ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
+  std::map<std::uint64_t, std::pair<Vec3, UdpForce>> answers;
+  for (int n = 0; n < 300; ++n) {
+    const Vec3 tip{0.01 * n, 0.003 * n, -0.5 + 0.4 * std::sin(0.1 * n)};
+    ASSERT_TRUE(client.ask(tip, answer)) << n;
+    EXPECT_EQ(answer.news.faults, 0u);
+    EXPECT_TRUE(answers.emplace(answer.answers, std::make_pair(tip, answer)).second);
+  }
+  const std::vector<ServoFrame> frames = loop.end();
+  for (const auto& [sequence, a] : answers) {
+    const auto same = [&](const ServoFrame& f) {
+      return std::memcmp(f.tip_mm, &a.first, 24) == 0 && std::memcmp(f.force_n, &a.second.force_n, 24) == 0 &&
+             std::memcmp(f.proxy_mm, &a.second.news.proxy_mm, 24) == 0 && f.time_s == a.second.news.time_s;
+    };
+    EXPECT_EQ(std::count_if(frames.begin(), frames.end(), same), 1) << sequence;
+  }
+  EXPECT_EQ(loop.count("poses"), 302u);
+  EXPECT_EQ(loop.count("answers"), 302u);
+}
+
+TEST(HapticsUdp, DuplicatesAndLatePosesAreDropped) {
+  Loop loop(5000);
+  UdpClient client(loop.device.port());
+  UdpForce answer;
+  ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
+  const std::uint64_t newest = client.next.sequence;
+  client.next.reading.tip_mm = {0, 0, -3};
+  client.again();  // the same number
+  client.next.sequence = 1;
+  client.again();  // an old one
+  client.next.sequence = newest + 10;
+  ASSERT_TRUE(client.ask(pressed, answer));  // a gap is no fault
+  EXPECT_EQ(loop.count("late"), 2u);
+  for (const ServoFrame& f : loop.end()) EXPECT_GT(f.tip_mm[2], -1) << "a late pose was taken";
+}
+
+// Random bytes, cut and damaged packets, from the client's own socket and from others: nothing changes.
+TEST(HapticsUdp, RandomDatagramsChangeNothing) {
+  Loop loop(60000);
+  UdpClient client(loop.device.port()), other(loop.device.port(), 1);
+  UdpForce answer;
+  ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
+  const Vec3 force = answer.force_n;
+  std::mt19937_64 rng(5);
+  std::uint64_t malformed = 0;
+  for (int n = 0; n < 20000; ++n) {
+    UdpPose p = client.next;
+    p.sequence += 1 + rng() % 1000;
+    p.reading.tip_mm = {0, 0, -4};
+    const auto good = encode_pose(p);
+    std::vector<std::uint8_t> bytes(good.begin(), good.end());
+    switch (rng() % 4) {
+      case 0:  // anything at all
+        bytes.resize(rng() % 1600);
+        for (std::uint8_t& b : bytes) b = std::uint8_t(rng());
+        break;
+      case 1:  // cut, or followed by something
+        bytes.resize(rng() % 2 ? rng() % 80 : 81 + rng() % 100, 0);
+        break;
+      case 2:  // a bit of magic or version
+        bytes[rng() % 6] ^= std::uint8_t(1 << rng() % 8);
+        break;
+      case 3:  // the right magic, and noise
+        for (std::size_t b = 6; b < 56; ++b) bytes[b] = std::uint8_t(rng());
+        for (std::size_t b = 56; b < 64; ++b) bytes[b] = std::uint8_t(0x70 + b % 8);  // an axis of 1e240
+    }
+    (n % 2 ? client : other).send_bytes(bytes.data(), bytes.size());
+    if (++malformed % 50 != 0) continue;
+    loop.settle("malformed", malformed);  // a full socket would drop them unseen
+    ASSERT_EQ(loop.count("malformed"), malformed) << n;
+  }
+  EXPECT_EQ(loop.count("malformed"), malformed);
+  ASSERT_TRUE(client.ask(pressed, answer));
+  EXPECT_LT(norm(answer.force_n - force), 1e-9);
+  EXPECT_EQ(answer.news.faults, 0u);
+  bool down = false;
+  for (const ServoFrame& f : loop.end()) {
+    down = down || f.tip_mm[2] == pressed.z;
+    const Vec3 is{f.force_n[0], f.force_n[1], f.force_n[2]};
+    EXPECT_LT(norm(is - (down ? force : Vec3{})), 1e-9);
+  }
+}
+
+// H5: a client that dies.
+TEST(HapticsUdp, ALostClientIsZeroForceWithinTheTimeout) {
+  constexpr double timeout_s = 0.2;
+  Loop loop(1000 * timeout_s);
+  UdpForce answer;
+  {
+    UdpClient client(loop.device.port());
+    ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  UdpClient late(loop.device.port(), 2);
+  ASSERT_TRUE(late.ask(pressed, answer)) << "who comes later is told";
+  EXPECT_EQ(answer.force_n, Vec3{});
+  EXPECT_EQ(answer.news.faults, haptic_fault::device_lost);
+  const std::vector<ServoFrame> frames = loop.end();
+  const auto begin = std::find_if(frames.begin(), frames.end(), [](const ServoFrame& f) { return f.tip_mm[2] < 0; });
+  ASSERT_NE(begin, frames.end());
+  for (auto f = begin; f != frames.end(); ++f) {
+    const double age = f->time_s - begin->time_s;
+    // Ticks that wake late, as they do on a busy machine, see the clock and not the loop's time.
+    if (age < timeout_s - 0.1) {
+      EXPECT_GT(f->force_n[2], 0.2) << age;
+    } else if (age > timeout_s + 0.1) {
+      EXPECT_EQ(f->force_n[2], 0) << age;
+    }
+  }
+  EXPECT_EQ(frames.back().faults, haptic_fault::device_lost);
+}
+
+TEST(HapticsUdp, OneClientAtATime) {
+  Loop loop(60000);
+  UdpClient first(loop.device.port(), 1), second(loop.device.port(), 2);
+  UdpForce answer, refused;
+  ASSERT_NO_FATAL_FAILURE(press(loop, first, answer));
+  const Vec3 force = answer.force_n;
+  for (int n = 0; n < 20; ++n) {
+    ASSERT_TRUE(second.ask({0, 0, -3}, refused));
+    EXPECT_TRUE(refused.busy);
+    EXPECT_EQ(refused.force_n, Vec3{});
+  }
+  EXPECT_EQ(loop.count("strangers"), 20u);
+  // Another run behind the first one's socket is another client, too.
+  first.next.session = 3;
+  ASSERT_TRUE(first.ask({0, 0, -3}, refused));
+  EXPECT_TRUE(refused.busy);
+  first.next.session = 1;
+  ASSERT_TRUE(first.ask(pressed, answer));
+  EXPECT_FALSE(answer.busy);
+  EXPECT_LT(norm(answer.force_n - force), 1e-9);
+  for (const ServoFrame& f : loop.end()) EXPECT_GT(f.tip_mm[2], -1);
+}
+
+// H1
+TEST(HapticsUdp, APoseThatIsNotFiniteLatchesZeroForce) {
+  for (const bool axis : {false, true}) {
+    Loop loop(5000);
+    UdpClient client(loop.device.port());
+    UdpForce answer;
+    ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    if (axis) client.next.reading.axis.x = nan;
+    ASSERT_TRUE(client.ask(axis ? pressed : Vec3{0, nan, 0}, answer));
+    EXPECT_EQ(answer.force_n, Vec3{});
+    EXPECT_EQ(answer.news.faults, haptic_fault::pose);
+    client.next.reading.axis = {0, 0, 1};
+    ASSERT_TRUE(client.ask(pressed, answer));
+    EXPECT_EQ(answer.force_n, Vec3{}) << "latched";
+  }
+}
+
+TEST(HapticsUdp, AddressesAreChecked) {
+  UdpParams p = free_port(50);
+  p.address = "localhost";
+  EXPECT_THROW(UdpDevice{p}, Error);
+  p.address = "192.0.2.1";  // of no machine (RFC 5737)
+  EXPECT_THROW(UdpDevice{p}, Error);
+  p.address = "127.0.0.1";
+  const UdpDevice device(p);
+  p.port = device.port();
+  EXPECT_THROW(UdpDevice{p}, Error) << "in use";
+  p.port = 0;
+  p.wait_s = 0.02;
+  const UdpDevice alone(p);
+  EXPECT_THROW(alone.wait(Progress{}), Error);
+}
+
+// H6, as for the other devices: the thread of the socket is not the servo's.
+TEST(HapticsUdp, TheServoMakesNoSystemCallForIt) {
+  if (sanitized) GTEST_SKIP() << "sanitizers make calls of their own";
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    Loop loop(60000);
+    const int port = loop.device.port();
+    (void)!write(ends[1], &port, sizeof port);
+    loop.device.wait(Progress{});
+    allow_only_sleep();
+    counting_allocations = true;
+    loop.servo.run(300, no_stop);
+    counting_allocations = false;
+    syscall(SYS_exit_group, allocations != 0 ? 1 : loop.servo.statistics().touching < 10 ? 2 : 0);
+  }
+  int port = 0, status = 0;
+  ASSERT_EQ(read(ends[0], &port, sizeof port), ssize_t(sizeof port));
+  UdpClient client(port);
+  UdpForce answer;
+  client.send_pose(above);
+  int answers = 0;
+  while (waitpid(child, &status, WNOHANG) == 0) answers += client.ask(pressed, answer, 5);
+  ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
+  EXPECT_EQ(WEXITSTATUS(status), 0) << "1: allocated; 2: no contact; 3: no filter";
+  EXPECT_GT(answers, 10);
+  close(ends[0]);
+  close(ends[1]);
+}

@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# trephine-sim servo --device udp with the reference client: both ends of a closed loop on a case, the forces that the client
+# got are those that were recorded, a client that is killed, and a second one.
+. "$(dirname "$0")/common.sh"
+"${CC:-cc}" -std=c99 -pedantic -Wall -Wextra -Werror -O1 -o "$work/client" "$SOURCE/examples/udp_client/udp_client.c" -lm
+[[ $(wc -l <"$SOURCE/examples/udp_client/udp_client.c") -lt 200 ]] || fail "200 lines or more"
+"$WRITE_CASE" "$work/sample"
+
+begin() {  # FLAGS...: a servo in the background; port is where it listens
+  rm -f "$work/text"
+  "$TREPHINE" servo "$work/sample" --device udp --port 0 --no-realtime "$@" >"$work/text" 2>"$work/stderr" &
+  servo=$!
+  for _ in $(seq 3000); do
+    port=$(sed -n 's/^waiting for a device on 127\.0\.0\.1:\([0-9]*\)$/\1/p' "$work/text" 2>/dev/null || true)
+    [[ -z $port ]] || return 0
+    kill -0 $servo 2>/dev/null || fail "the servo ended: $(cat "$work/stderr")"
+    sleep 0.02
+  done
+  fail "no port"
+}
+# Down on the sample's outer surface, 1.3 mm below the start.
+client() ( exec "$work/client" 127.0.0.1 "$port" "$1" 1 -20 384 0 0 -1 3 "${@:2}" )
+
+begin --timeout-ms 5000 --seconds 2 --record "$work/a.servo" --json "$work/a.json"
+client 3 "$work/log" >"$work/client_text" || fail "the client: $(cat "$work/client_text")"
+wait $servo || fail "the servo: $(cat "$work/stderr")"
+grep -Eq '^udp: [0-9]+ poses, [0-9]+ answers, 0 malformed, 0 late, 0 strangers$' "$work/text" || { cat "$work/text"; fail "counts"; }
+python3 - "$work/a.json" "$work/a.servo" "$work/log" <<'PY'
+import json, struct, sys
+said = json.load(open(sys.argv[1]))
+assert said["device"] == "udp" and said["faults"] == 0, said
+assert said["touching_ratio"] > 0.3 and said["most_force_n"] > 0.3, said
+data = open(sys.argv[2], "rb").read()
+ticks = {}
+for f in struct.iter_unpack("<Q17dI4i3I", data[16 + 4096:]):
+    ticks.setdefault(f[3:6], set()).add(f[15:18])
+answers = [[float.fromhex(v) if "x" in v else int(v) for v in line.split()] for line in open(sys.argv[3])]
+assert len(answers) == said["device_counts"]["answers"] > 300, (len(answers), said["device_counts"])
+sequences = [a[0] for a in answers]
+assert sequences == sorted(set(sequences))
+assert all(tuple(a[4:7]) in ticks[tuple(a[1:4])] for a in answers), "a force that was not recorded"
+assert max(a[6] for a in answers) > 0.3, "the client felt nothing"
+PY
+"$TREPHINE" replay "$work/sample" "$work/a.servo" >/dev/null || fail "the recording does not replay"
+
+# Killed while it presses.
+begin --timeout-ms 200 --seconds 4 --record "$work/b.servo"
+"$work/client" 127.0.0.1 "$port" 60 1 -20 384 0 0 -1 3 >"$work/client_text" &
+first=$!
+for _ in $(seq 500); do grep -q '^servo at ' "$work/text" && break; sleep 0.01; done
+sleep 1
+kill -9 $first
+wait $first 2>/dev/null || true
+wait $servo || fail "the servo: $(cat "$work/stderr")"
+grep -q 'faults device lost$' "$work/text" || { cat "$work/text"; fail "the client was not missed"; }
+python3 - "$work/b.servo" <<'PY'
+import struct, sys
+frames = list(struct.iter_unpack("<Q17dI4i3I", open(sys.argv[1], "rb").read()[16 + 4096:]))
+last = max(n for n, f in enumerate(frames) if n and f[3:6] != frames[n - 1][3:6])  # the last new pose
+lost = next(n for n, f in enumerate(frames) if f[24] == 8)
+assert all(f[15:18] == (0, 0, 0) for f in frames[lost:]) and all(f[24] == 8 for f in frames[lost:])
+assert frames[lost][1] - frames[last][1] < 0.3, (frames[lost][1], frames[last][1])
+PY
+
+# Two at once: the second is refused, and the first does not feel it.
+begin --timeout-ms 5000 --seconds 3
+client 4 >"$work/client_text" &
+first=$!
+for _ in $(seq 500); do grep -q '^servo at ' "$work/text" && break; sleep 0.01; done
+code=0
+client 0.5 >"$work/second" || code=$?
+[[ $code == 2 ]] || fail "the second client ended with $code"
+grep -q ' 0 answers.*force at most 0\.000 N, another client is there' "$work/second" || { cat "$work/second"; fail "second"; }
+wait $first || fail "the first client: $(cat "$work/client_text")"
+wait $servo || fail "the servo: $(cat "$work/stderr")"
+grep -Eq '^udp: .* [1-9][0-9]* strangers$' "$work/text" || { cat "$work/text"; fail "no stranger"; }
+grep -q 'faults none$' "$work/text" || { cat "$work/text"; fail "a fault"; }
+
+servo=("$TREPHINE" servo "$work/sample" --device udp --port 0)
+expect 66 'device: no pose came to 127\.0\.0\.1:[0-9]+' "${servo[@]}" --wait-s 0.05
+expect 64 'no-paced' "${servo[@]}" --no-paced
+expect 64 'address: example is no address' "${servo[@]}" --address example
+expect 64 'trajectory' "${servo[@]}" --trajectory "$work/log"
