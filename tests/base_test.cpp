@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "base/params.h"
 #include "base/text.h"
+#include "base/text_table.h"
 
 namespace trephine {
 namespace {
@@ -20,6 +21,13 @@ TEST(Text, NumbersAreShortAndReadBack) {
   EXPECT_EQ(to_text(-1.5), "-1.5");
   for (double v : {1e-9, 0.1 + 0.2, 1e300, -5e-324, 123456789012345678.0, 1.0 / 3})
     EXPECT_EQ(parse_number(to_text(v)), v) << to_text(v);
+}
+
+TEST(Text, TablesHaveEvenColumnsAndNoBlanksAtTheEnd) {
+  EXPECT_EQ(text_table({{"name", "mm", "why"}, {"skin", "12.5", ""}, {"s", "1", "thin"}}, "lrl"),
+            "name    mm  why\nskin  12.5\ns        1  thin\n");
+  EXPECT_EQ(text_table({{"a", "1", "22"}, {"bb", "333", "4"}}, "lr"), "a     1  22\nbb  333   4\n");
+  EXPECT_EQ(text_table({}, "l"), "");
 }
 
 TEST(Text, ParsesOnlyDecimalNumbers) {

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/text_table.h"
 #include "dicom/catalogue.h"
 #include "dicom/hu.h"
 #include "dicom/import.h"
@@ -134,15 +135,7 @@ std::string list_text(const SeriesList& list) {
                     s.contrast ? "yes" : "no", measured ? fmt::format("{:.1f}", s.tilt_deg + 0.0) : "-",
                     measured ? steps : "-", s.transfer_syntax, or_dash(s.orientation), s.verdict});
   }
-  std::vector<std::size_t> width(rows.front().size(), 0);
-  for (const auto& row : rows)
-    for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], row[i].size());
-  std::string out;
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i + 1 < row.size(); ++i) out += fmt::format("{:<{}}  ", row[i], width[i]);
-    out += row.back() + "\n";
-  }
-  out += "\n";
+  std::string out = text_table(rows, "l") + "\n";
   for (const auto& [name, value] : list.folder.figures) out += fmt::format("{}: {}\n", name, to_text(value));
   return out;
 }

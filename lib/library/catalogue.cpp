@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "base/text_table.h"
 #include "base/write_file.h"
 
 namespace trephine {
@@ -156,7 +157,10 @@ CaseRow read_library_case(const fs::path& library, const std::string& token) {
               "the library has no such case" + (near.empty() ? "" : ", did you mean " + near + "?"));
 }
 
-std::string fixed_text(double v, int decimals) { return fmt::format("{:.{}f}", v, decimals); }
+std::string fixed_text(double v, int decimals) {
+  const std::string text = fmt::format("{:.{}f}", v, decimals);
+  return text.find_first_not_of("-0.") == std::string::npos && text[0] == '-' ? text.substr(1) : text;
+}
 
 std::string age_text(double seconds) {
   if (seconds < 90) return fmt::format("{:.0f} s", std::max(seconds, 0.0));
@@ -174,7 +178,7 @@ std::string figure_text(const CaseRow& row, const std::string& name, int decimal
 
 std::string library_table(const std::vector<CaseRow>& rows) {
   std::vector<std::vector<std::string>> cells = {{"case", "class", "ventricles ml", "Evans", "shift mm", "triangles",
-                                                  "max mm", "MB", "s", "warnings", "age", "version"}};
+                                                  "max mm", "MB", "s", "warnings", "age", "version", ""}};
   for (const CaseRow& row : rows) {
     const bool good = row.fault.empty();
     cells.push_back({row.token, row.patient_class, figure_text(row, "ventricles_ml", 1),
@@ -184,20 +188,9 @@ std::string library_table(const std::vector<CaseRow>& rows) {
                      good ? fixed_text(static_cast<double>(row.bytes) / 1e6, 1) : "",
                      good && row.seconds > 0 ? fixed_text(row.seconds, 0) : "",
                      good ? std::to_string(row.warnings.size()) : "", good ? age_text(row.age_s) : "",
-                     row.manifest.program_version.substr(row.manifest.program_version.find(' ') + 1)});
+                     row.manifest.program_version.substr(row.manifest.program_version.find(' ') + 1), state_of(row)});
   }
-  std::vector<std::size_t> width(cells[0].size(), 0);
-  for (const auto& line : cells)
-    for (std::size_t i = 0; i < line.size(); ++i) width[i] = std::max(width[i], line[i].size());
-  std::string out;
-  for (std::size_t r = 0; r < cells.size(); ++r) {
-    std::string line;
-    for (std::size_t i = 0; i < width.size(); ++i)
-      line += i < 2 ? fmt::format("{:<{}}  ", cells[r][i], width[i]) : fmt::format("{:>{}}  ", cells[r][i], width[i]);
-    if (r > 0) line += state_of(rows[r - 1]);
-    out += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
-  }
-  return out + std::to_string(rows.size()) + (rows.size() == 1 ? " case\n" : " cases\n");
+  return text_table(cells, "llrrrrrrrrrrl") + std::to_string(rows.size()) + (rows.size() == 1 ? " case\n" : " cases\n");
 }
 
 std::string library_json(const std::vector<CaseRow>& rows) {

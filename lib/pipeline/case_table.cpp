@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "base/text.h"
+#include "base/text_table.h"
 
 namespace trephine {
 std::string case_table(const std::vector<AnatomyResult>& anatomies) {
@@ -19,20 +20,7 @@ std::string case_table(const std::vector<AnatomyResult>& anatomies) {
                     fmt::format("{:.3f}", a.deviation_p99_mm), fmt::format("{:.3f}", a.deviation_rms_mm),
                     fmt::format("{:.1f}", a.volume_ml), fmt::format("{:.1f}", a.seconds), a.stopped_by});
   }
-  std::vector<std::size_t> width(rows[0].size(), 0);
-  for (const auto& row : rows)
-    for (std::size_t c = 0; c < row.size(); ++c) width[c] = std::max(width[c], row[c].size());
-  std::string text;
-  for (const auto& row : rows) {
-    std::string line;
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      const std::string pad(width[c] - row[c].size(), ' ');
-      const bool is_name = c == 0 || c + 1 == row.size();
-      line += (c ? "  " : "") + (is_name ? row[c] + pad : pad + row[c]);
-    }
-    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
-  }
-  return text;
+  return text_table(rows, "lrrrrrrrrrrl");
 }
 
 }  // namespace trephine

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "base/text_table.h"
 #include "trade/trade.h"
 
 namespace trephine {
@@ -75,20 +76,6 @@ Json details_of(const PointTrade& p) {
                              {"nearest_p99_mm", s.nearest_p99_mm},
                              {"missed_ratio", s.missed_ratio}};
   return out;
-}
-
-std::string aligned(const std::vector<std::vector<std::string>>& rows) {
-  std::vector<std::size_t> width(rows[0].size(), 0);
-  for (const auto& row : rows)
-    for (std::size_t c = 0; c < row.size(); ++c) width[c] = std::max(width[c], row[c].size());
-  std::string text;
-  for (const auto& row : rows) {
-    std::string line;
-    for (std::size_t c = 0; c < row.size(); ++c)
-      line += c == 0 ? fmt::format("{:<{}}", row[c], width[c]) : fmt::format("  {:>{}}", row[c], width[c]);
-    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
-  }
-  return text;
 }
 
 }  // namespace
@@ -233,7 +220,7 @@ std::string trade_table(const TradeResult& result) {
                                             : "",
                     profile == profile_of.end() ? "" : profile->second});
   }
-  std::string text = aligned(rows);
+  std::string text = text_table(rows, "lr");
   for (const PointTrade& p : result.points)
     if (!p.total.refused.empty()) text += p.total.name + ": refused: " + p.total.refused + "\n";
   return text;
