@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // CPU time of a haptic tick (proxy and force), this thread's own, the clock's reading taken off:
-//   bench_haptics [CASE...]
-// Over synthetic volumes by number of shapes, size, speed and contact method, then over the surfaces of cases.
-// Run it with other programs idle: their cache misses count, their time does not.
+//   bench_haptics [--tools] [CASE...]
+// --tools: only by the points of the tool. Over synthetic volumes by number of shapes, size, speed and contact method,
+// then over the surfaces of cases. Run it with other programs idle: their cache misses count, their time does not.
 #include <time.h>
 
 #include <algorithm>
@@ -41,8 +41,14 @@ struct Times {
   double mean, p50, p99, p999, max, touching;
 };
 
+// How a tool lies on its way: about that axis, and how far and fast it sways.
+struct Sway {
+  Vec3 axis{0, 0, 1};
+  double rad = 0;
+};
+
 // The device goes along the path at that speed, `ticks` times.
-Times measure(Proxy& proxy, const std::vector<Vec3>& path, double mm_a_frame, int ticks) {
+Times measure(Proxy& proxy, const std::vector<Vec3>& path, double mm_a_frame, int ticks, const Sway& sway = {}) {
   const double cost = clock_cost_ns();
   std::vector<double> ns;
   ns.reserve(std::size_t(ticks));
@@ -64,6 +70,9 @@ Times measure(Proxy& proxy, const std::vector<Vec3>& path, double mm_a_frame, in
     }
     HapticInput in;
     in.tip_mm = x;
+    // At 1 Hz about both axes across: up to 6 times its angle in rad/s.
+    const double a = 2 * M_PI * n / 1000;
+    in.axis = normalized(sway.axis + Vec3{std::sin(a), std::cos(a), std::sin(1.3 * a)} * sway.rad);
     const double begin = cpu_ns();
     proxy.update(in);
     const double t = cpu_ns() - begin - cost;
@@ -147,7 +156,49 @@ std::vector<Vec3> path_for(const ContactVolume& contact, const TouchableFaces& f
   return path;
 }
 
-void synthetic() {
+// A ball's outside, even.
+Tool ball(int points) {
+  Tool t;
+  const double r = 2.5;
+  t.points_mm.push_back({});
+  for (int n = 1; n < points; ++n) {
+    const double z = 1 - 2 * (n + 0.5) / points, a = M_PI * (3 - std::sqrt(5)) * n, w = std::sqrt(1 - z * z);
+    t.points_mm.push_back(Vec3{w * std::cos(a), w * std::sin(a), 1 - z} * r);
+  }
+  t.length_mm = 2 * r;
+  return t;
+}
+
+// A rod, its points 1 mm apart.
+Tool rod(int points) {
+  Tool t;
+  for (int n = 0; n < points; ++n) t.points_mm.push_back({0, 0, double(n)});
+  t.length_mm = points - 1;
+  return t;
+}
+
+// Over the surface at 1 mm of depth and 20 mm/s, swaying: what a tick costs by the points of the tool.
+void tools_over(const ContactVolume& contact, const Feels& feels) {
+  const std::vector<Vec3> path = path_for(contact, touchable_of(feels), 0.02);
+  const auto run = [&](const std::string& what, const Tool& tool, const Sway& sway) {
+    Proxy proxy(contact, feels, ForceParams{}, {}, tool);
+    print(what, measure(proxy, path, 0.02, 40000, sway));
+  };
+  for (const int n : {1, 16, 64, 256}) {
+    run("ball of " + std::to_string(n) + (n == 1 ? " point" : " points"), ball(n), {});
+    run("ball of " + std::to_string(n) + ", swaying", ball(n), {{0, 0, 1}, 0.2});
+    run("rod of " + std::to_string(n) + ", flat, swaying", rod(n), {{1, 0, 0}, 0.2});
+  }
+  for (const auto kind : {ToolParams::Kind::needle, ToolParams::Kind::catheter, ToolParams::Kind::burr,
+                          ToolParams::Kind::craniotome, ToolParams::Kind::jamshidi}) {
+    ToolParams p;
+    p.tool = kind;
+    const Tool tool = make_tool(p);
+    run(tool_name(p) + (", " + std::to_string(tool.points_mm.size()) + " points, swaying"), tool, {{0, 0, 1}, 0.2});
+  }
+}
+
+void synthetic(bool tools_only) {
   Feels feels;
   for (ShapeFeel& f : feels) f.front = f.back = bone();
   const ForceParams force;
@@ -156,6 +207,10 @@ void synthetic() {
     Proxy proxy(contact, feels, force);
     print(what, measure(proxy, path_for(contact, touchable_of(feels), speed), speed, speed < 1 ? 100000 : 20000));
   };
+  HapticVolume v = shells(256, 8);
+  head("points of the tool (256^3, 8 shapes, 0.02 mm a frame, exact, subvoxel)");
+  tools_over(ContactVolume(v), feels);
+  if (tools_only) return;
   head("shapes (256^3, 0.02 mm a frame, exact, subvoxel)");
   for (const int shapes : {1, 2, 4, 8}) {
     HapticVolume v = shells(256, shapes);
@@ -167,7 +222,6 @@ void synthetic() {
     run(v, methods[0], 0.02, std::to_string(n) + "^3");
   }
   head("speed and method (256^3, 8 shapes)");
-  HapticVolume v = shells(256, 8);
   for (const Method& m : methods)
     for (const double speed : {0.02, 0.2, 2.0, 100.0}) {
       char what[100];
@@ -176,9 +230,12 @@ void synthetic() {
     }
 }
 
-void of_case(const std::string& folder) {
+void of_case(const std::string& folder, bool tools_only) {
   LoadedCase c = load_case(folder);
   const Feels all = feels_of(c.manifest.haptic);
+  head((folder + ": points of the tool, all shapes felt (0.02 mm a frame, exact, subvoxel)").c_str());
+  tools_over(ContactVolume(c.haptic), all);
+  if (tools_only) return;
   head((folder + ": shape felt, method, speed").c_str());
   for (const HapticShape& s : c.haptic.shapes) {
     Feels feels = all;
@@ -200,8 +257,9 @@ void of_case(const std::string& folder) {
 
 int main(int argc, char** argv) try {
   std::printf("CPU time of a tick, us; reading the clock costs %.0f ns, taken off\n", clock_cost_ns());
-  if (argc == 1) synthetic();
-  for (int n = 1; n < argc; ++n) of_case(argv[n]);
+  const bool tools_only = argc > 1 && std::string(argv[1]) == "--tools";
+  if (argc == 1 + tools_only) synthetic(tools_only);
+  for (int n = 1 + tools_only; n < argc; ++n) of_case(argv[n], tools_only);
   return 0;
 } catch (const Error& e) {
   std::fprintf(stderr, "%s\n", e.line("bench_haptics").c_str());

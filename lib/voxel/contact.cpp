@@ -64,6 +64,7 @@ struct ContactVolume::Crossing {
   bool hit = false, passed = false;
   double t = 1;  // of the part
   int from = 0, into = 0;
+  bool change(int now, double at, const TouchableFaces& faces);
 };
 
 namespace {
@@ -248,47 +249,85 @@ bool ContactVolume::clip(Segment& s) const {
 }
 
 // Whether both ends, and so all between them, lie in one block that is of that shape alone.
-bool ContactVolume::within_block(const Segment& s, int shape) const {
+bool ContactVolume::within_block(const Segment& s, int shape, ContactBox* box) const {
   const double half = params_.surface == ContactParams::Surface::nearest ? 0.5 : 0;
   int first[3];
   for (int a = 0; a < 3; ++a) {
     const double p = s.begin[a] + half, q = s.end[a] + half;
     if (!(p >= 0 && q >= 0 && p < 1 << 30 && q < 1 << 30)) return false;
-    first[a] = int(p);
-    if (first[a] >> block_bits != int(q) >> block_bits) return false;
+    first[a] = int(p) >> block_bits;
+    if (first[a] != int(q) >> block_bits) return false;
   }
-  return shape_of_block(first[0], first[1], first[2]) == shape;
+  constexpr int side = 1 << block_bits;
+  if (shape_of_block(first[0] * side, first[1] * side, first[2] * side) != shape) return false;
+  if (box) {
+    box->low = Vec3{double(first[0]), double(first[1]), double(first[2])} * side - Vec3{half, half, half};
+    box->high = box->low + Vec3{side, side, side};
+  }
+  return true;
+}
+
+// Notes that the shape changes at t; true where the walk ends there.
+bool ContactVolume::Crossing::change(int now, double at, const TouchableFaces& faces) {
+  from = into;
+  into = now;
+  t = at;
+  hit = stops(from, now, faces);
+  passed = passed || !hit;
+  return hit;
+}
+
+// The part of a segment, from t0 to t1, that lies in a cell of more than one shape.
+bool ContactVolume::walk_cell(const ContactCell& cell, const Segment& s, const int* at, double t0, double t1,
+                              const TouchableFaces& faces, Crossing& c) const {
+  const Vec3 p = within_cell(between(s.begin, s.end, t0), at[0], at[1], at[2]);
+  const Vec3 q = within_cell(between(s.begin, s.end, t1), at[0], at[1], at[2]);
+  double breaks[ContactCell::max_breaks + 1];
+  int count = cell.breaks(p, q, breaks);
+  breaks[count++] = 1;
+  double before = 0;
+  for (int n = 0; n < count; ++n) {
+    const int now = cell.shape_at(between(p, q, 0.5 * (before + breaks[n])));
+    if (now != c.into && c.change(now, t0 + (t1 - t0) * before, faces)) return true;
+    before = breaks[n];
+  }
+  return false;
+}
+
+// The whole way where it lies in one cell; false where it does not.
+bool ContactVolume::within_cell_of(const Segment& s, int shape, const TouchableFaces& faces, Crossing& c,
+                                   ContactBox* box) const {
+  int at[3];
+  for (int a = 0; a < 3; ++a) {
+    const double cell = std::floor(s.begin[a]);
+    if (!(s.end[a] >= cell && s.end[a] < cell + 1 && std::abs(cell) < 1 << 30)) return false;
+    at[a] = int(cell);
+  }
+  c.from = c.into = shape;
+  const ContactCell cell(*this, at[0], at[1], at[2]);
+  if (!cell.uniform()) {
+    walk_cell(cell, s, at, 0, 1, faces, c);
+    return true;
+  }
+  if (cell.shape() != shape) {
+    c.change(cell.shape(), 0, faces);
+  } else if (box) {
+    box->low = {double(at[0]), double(at[1]), double(at[2])};
+    box->high = box->low + Vec3{1, 1, 1};
+  }
+  return true;
 }
 
 ContactVolume::Crossing ContactVolume::walk_cells(const Segment& s, int shape, const TouchableFaces& faces) const {
   Crossing c;
   c.from = c.into = shape;
-  // Notes that the shape changes at t; true where the walk ends there.
-  const auto change = [&](int into, double t) {
-    c.from = c.into;
-    c.into = into;
-    c.t = t;
-    c.hit = stops(c.from, into, faces);
-    c.passed = c.passed || !c.hit;
-    return c.hit;
-  };
   for_each_cell(s.begin, s.end, [&](int i, int j, int k, double t0, double t1) {
     const int block = shape_of_block(i, j, k);
-    if (block != mixed_block) return block != c.into && change(block, t0);
+    if (block != mixed_block) return block != c.into && c.change(block, t0, faces);
     const ContactCell cell(*this, i, j, k);
-    if (cell.uniform()) return cell.shape() != c.into && change(cell.shape(), t0);
-    const Vec3 p = within_cell(between(s.begin, s.end, t0), i, j, k);
-    const Vec3 q = within_cell(between(s.begin, s.end, t1), i, j, k);
-    double at[ContactCell::max_breaks + 1];
-    int count = cell.breaks(p, q, at);
-    at[count++] = 1;
-    double before = 0;
-    for (int n = 0; n < count; ++n) {
-      const int now = cell.shape_at(between(p, q, 0.5 * (before + at[n])));
-      if (now != c.into && change(now, t0 + (t1 - t0) * before)) return true;
-      before = at[n];
-    }
-    return false;
+    if (cell.uniform()) return cell.shape() != c.into && c.change(cell.shape(), t0, faces);
+    const int at[3] = {i, j, k};
+    return walk_cell(cell, s, at, t0, t1, faces, c);
   });
   return c;
 }
@@ -300,13 +339,7 @@ ContactVolume::Crossing ContactVolume::walk_voxels(const Segment& s, int shape, 
   for_each_cell(s.begin + half, s.end + half, [&](int i, int j, int k, double t0, double) {
     const int block = shape_of_block(i, j, k);
     const int now = block != mixed_block ? block : shape_of_voxel(i, j, k);
-    if (now == c.into) return false;
-    c.from = c.into;
-    c.into = now;
-    c.t = t0;
-    c.hit = stops(c.from, c.into, faces);
-    c.passed = c.passed || !c.hit;
-    return c.hit;
+    return now != c.into && c.change(now, t0, faces);
   });
   return c;
 }
@@ -321,12 +354,7 @@ ContactVolume::Crossing ContactVolume::walk_steps(const Segment& s, int shape, c
     const double t = double(n) / steps;
     const int now = shape_of(between(s.begin, s.end, t));
     if (now == c.into) continue;
-    c.from = c.into;
-    c.into = now;
-    c.hit = stops(c.from, c.into, faces);
-    c.t = t;
-    c.passed = c.passed || !c.hit;
-    if (!c.hit) continue;
+    if (!c.change(now, t, faces)) continue;
     // The change lies behind the sample before; halving finds it.
     double low = double(std::max(0, n - 1)) / steps;
     for (int halving = 0; halving < 30 && low < c.t; ++halving) {
@@ -344,7 +372,8 @@ Contact ContactVolume::intersect(Vec3 start_mm, Vec3 end_mm, int start_shape, co
   return out;
 }
 
-Contact ContactVolume::cross(Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces) const {
+Contact ContactVolume::cross(Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces,
+                             ContactBox* known) const {
   Contact out;
   out.point_mm = end_mm;
   out.from = out.into = start_shape;
@@ -358,16 +387,21 @@ Contact ContactVolume::cross(Vec3 start_mm, Vec3 end_mm, int start_shape, const 
   Segment s;
   s.begin = to_index(start_mm);
   s.end = to_index(end_mm);
-  if (within_block(s, start_shape)) return out;
-  if (!clip(s)) {
-    out.from = out.into = 0;
-    out.passed = start_shape != 0;
-    return out;
+  if (known && known->holds(s.begin) && known->holds(s.end)) return out;
+  if (within_block(s, start_shape, known)) return out;
+  const bool exact = params_.walk == ContactParams::Walk::exact;
+  const bool boxes = params_.surface == ContactParams::Surface::nearest;
+  Crossing c;
+  int shape = start_shape;
+  if (!exact || boxes || !within_cell_of(s, shape, faces, c, known)) {
+    if (!clip(s)) {
+      out.from = out.into = 0;
+      out.passed = start_shape != 0;
+      return out;
+    }
+    if (s.t0 > 0) shape = 0;
+    c = !exact ? walk_steps(s, shape, faces) : boxes ? walk_voxels(s, shape, faces) : walk_cells(s, shape, faces);
   }
-  const int shape = s.t0 > 0 ? 0 : start_shape;
-  const Crossing c = params_.walk == ContactParams::Walk::stepped         ? walk_steps(s, shape, faces)
-                     : params_.surface == ContactParams::Surface::nearest ? walk_voxels(s, shape, faces)
-                                                                          : walk_cells(s, shape, faces);
   out.passed = c.passed || shape != start_shape || (!c.hit && s.t1 < 1 && c.into != 0);
   if (!c.hit) {
     out.from = out.into = s.t1 < 1 ? 0 : c.into;

@@ -11,6 +11,8 @@
 
 namespace trephine {
 
+class ContactCell;
+
 /// How a segment is followed through a haptic volume, and what counts as the surface there.
 struct ContactParams {
   /// exact: every cell that the segment meets, one face at a time (Amanatides and Woo, A fast voxel traversal algorithm
@@ -56,6 +58,15 @@ struct Contact {
   double along = 1;        ///< 0 to 1 of the segment
 };
 
+/// A box of lattice coordinates in which all is of one shape, as cross() found it: a way inside it need not be walked.
+/// It holds until voxels change.
+struct ContactBox {
+  Vec3 low{1, 1, 1}, high;
+  bool holds(Vec3 p) const {
+    return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x < high.x && p.y < high.y && p.z < high.z;
+  }
+};
+
 /// The haptic volume as the hand meets it (the dissertation, chapter 3; the shape of OpenHaptics' intersectSurface):
 /// one walk for any number of shapes. Each point of space belongs to one shape or to none, and a contact is a crossing
 /// from one to another: the front of the shape that is entered, if that is touchable, else the back of the shape that
@@ -84,8 +95,10 @@ class ContactVolume {
     return intersect(start_mm, end_mm, shape_at(start_mm), faces);
   }
 
-  /// As intersect(), but the normal stays zero: for many points of which few contacts matter.
-  Contact cross(Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces = {}) const;
+  /// As intersect(), but the normal stays zero: for many points of which few contacts matter. `known` is looked at, and
+  /// replaced where the way lies in such a box.
+  Contact cross(Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces = {},
+                ContactBox* known = nullptr) const;
   /// The normal that intersect() gives to a contact met along `way`.
   Vec3 normal_of(const Contact& contact, Vec3 way) const;
 
@@ -109,7 +122,11 @@ class ContactVolume {
   struct Crossing;
   Vec3 to_index(Vec3 world_mm) const;
   bool clip(Segment& segment) const;
-  bool within_block(const Segment& segment, int shape) const;
+  bool within_block(const Segment& segment, int shape, ContactBox* box) const;
+  bool within_cell_of(const Segment& segment, int shape, const TouchableFaces& faces, Crossing& out,
+                      ContactBox* box) const;
+  bool walk_cell(const ContactCell& cell, const Segment& segment, const int* at, double t0, double t1,
+                 const TouchableFaces& faces, Crossing& crossing) const;
   Crossing walk_cells(const Segment& segment, int shape, const TouchableFaces& faces) const;
   Crossing walk_voxels(const Segment& segment, int shape, const TouchableFaces& faces) const;
   Crossing walk_steps(const Segment& segment, int shape, const TouchableFaces& faces) const;

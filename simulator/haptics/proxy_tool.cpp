@@ -46,6 +46,7 @@ TouchableFaces Proxy::closed_faces() const { return {faces_.front & ~open_.front
 
 void Proxy::follow_tool(const HapticInput& in) {
   ToolBody& b = *body_;
+  b.begin_frame();
   count_ = 0;
   solved_ = any_collided_ = slid_ = false;
   const Vec3 axis = in.axis == Vec3{} ? b.frame().column[2] : in.axis;

@@ -17,11 +17,17 @@ ToolBody::ToolBody(const ContactVolume& contact, std::vector<Vec3> points_mm)
   shape_.resize(n);
   tried_shape_.resize(n);
   met_.resize(n);
+  known_.resize(n);
+  const bool boxes = contact.params().surface == ContactParams::Surface::nearest;
+  together_mm_ = (boxes ? 1 : 0.1) * contact.smallest_side_mm();
 }
+
+void ToolBody::begin_frame() { std::fill(known_.begin(), known_.end(), ContactBox{}); }
 
 bool ToolBody::place(Vec3 tip_mm, const Mat3& frame, std::uint64_t avoid) {
   tip_mm_ = tip_mm;
   frame_ = frame;
+  begin_frame();
   for (std::size_t i = 0; i < points_mm_.size(); ++i) {
     at_[i] = tip_mm + frame * points_mm_[i];
     const int shape = contact_.shape_at(at_[i]);
@@ -42,23 +48,25 @@ ToolBody::Meeting ToolBody::sweep(Vec3 tip_mm, const Mat3& frame, const Touchabl
     longest = std::max(longest, dot(d, d));
   }
   longest = std::sqrt(longest);
-  const double step = contact_.params().step_ratio * contact_.smallest_side_mm();
-  const double together = longest > step ? step / longest : 1;
+  const double together = longest > together_mm_ ? together_mm_ / longest : 1;
   Meeting m;
   double until = 1;  // nothing beyond matters
-  for (std::size_t i = 0; i < points_mm_.size(); ++i) {
+  const auto walk_point = [&](std::size_t i) {
     Contact& c = met_[i];
-    c = contact_.cross(at_[i], until < 1 ? at_[i] + (end_[i] - at_[i]) * until : end_[i], shape_[i], faces);
-    if (!c.hit) continue;
+    c = walk(i, until < 1 ? at_[i] + (end_[i] - at_[i]) * until : end_[i], faces);
+    if (!c.hit) return;
     c.along *= until;
-    if (m.hit && c.along >= m.along) continue;
+    if (m.hit && c.along >= m.along) return;
     m.hit = true;
     m.along = c.along;
     m.nearest = int(i);
     until = std::min(1.0, m.along + together);
-  }
+  };
+  walk_point(std::size_t(first_));
+  for (std::size_t i = 0; i < points_mm_.size(); ++i)
+    if (i != std::size_t(first_)) walk_point(i);
   if (!m.hit) return m;
-  m.from_tip = m.from_tail = m.nearest;
+  m.from_tip = m.from_tail = first_ = m.nearest;
   for (int i = 0; i < count(); ++i)
     if (met(i).hit && met(i).along <= until) {
       m.from_tip = std::min(m.from_tip, i);
@@ -71,7 +79,13 @@ void ToolBody::arrive() {
   tip_mm_ = to_mm_;
   frame_ = to_frame_;
   std::swap(at_, end_);
-  for (std::size_t i = 0; i < at_.size(); ++i) shape_[i] = std::uint8_t(met_[i].into);
+  for (std::size_t i = 0; i < at_.size(); ++i) enter(i, met_[i].into);
+}
+
+void ToolBody::enter(std::size_t point, int shape) {
+  if (shape_[point] == shape) return;
+  shape_[point] = std::uint8_t(shape);
+  known_[point] = {};
 }
 
 // Goes there where no point meets anything; without `all` only points whose ways do are looked at.
@@ -80,14 +94,14 @@ bool ToolBody::try_pose(Vec3 tip_mm, const Mat3& frame, const TouchableFaces& fa
     tried_[i] = tip_mm + frame * points_mm_[i];
     tried_shape_[i] = shape_[i];
     if (!all && !met_[i].hit && !met_[i].passed) continue;
-    const Contact c = contact_.cross(at_[i], tried_[i], shape_[i], faces);
+    const Contact c = walk(i, tried_[i], faces);
     if (c.hit) return false;
     tried_shape_[i] = std::uint8_t(c.into);
   }
   tip_mm_ = tip_mm;
   frame_ = frame;
   std::swap(at_, tried_);
-  std::swap(shape_, tried_shape_);
+  for (std::size_t i = 0; i < at_.size(); ++i) enter(i, tried_shape_[i]);
   return true;
 }
 

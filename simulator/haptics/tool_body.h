@@ -28,8 +28,11 @@ class ToolBody {
   /// whose bit is set in `avoid`.
   bool place(Vec3 tip_mm, const Mat3& frame, std::uint64_t avoid = 0);
 
-  /// What a sweep meets: the point that collides first, and of those that collide within one voxel of it, the first
-  /// from the tip and the first from the tail.
+  /// To be called once a frame: what was learnt of the volume is forgotten, for it may have been cut since.
+  void begin_frame();
+
+  /// What a sweep meets: the point that collides first, and of those that collide with it, within a tenth of the
+  /// smallest voxel side along their ways (one voxel where boxes are felt), the first from the tip and from the tail.
   struct Meeting {
     bool hit = false;
     double along = 1;
@@ -48,6 +51,10 @@ class ToolBody {
   bool advance(double share, const TouchableFaces& faces);
 
  private:
+  Contact walk(std::size_t point, Vec3 end_mm, const TouchableFaces& faces) {
+    return contact_.cross(at_[point], end_mm, shape_[point], faces, &known_[point]);
+  }
+  void enter(std::size_t point, int shape);
   bool try_pose(Vec3 tip_mm, const Mat3& frame, const TouchableFaces& faces, bool all);
   const ContactVolume& contact_;
   std::vector<Vec3> points_mm_;
@@ -56,6 +63,9 @@ class ToolBody {
   std::vector<Vec3> at_, end_, arm_, tried_;
   std::vector<std::uint8_t> shape_, tried_shape_;
   std::vector<Contact> met_;
+  std::vector<ContactBox> known_;
+  double together_mm_;
+  int first_ = 0;  // that collided last: walked first, what lies beyond its contact need not be
 };
 
 }  // namespace trephine
