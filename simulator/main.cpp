@@ -2,13 +2,20 @@
 #include "cli/command.h"
 #include "commands.h"
 
-int main(int argc, char** argv) {
-  using namespace trephine;
+namespace trephine {
+namespace {
+
+Program declare() {
   Program program;
   program.name = "trephine-sim";
   program.version = TREPHINE_VERSION;
   program.summary = "runs surgical simulations on the cases that trephine makes";
   program.reference_folder = "docs/reference-sim";
   program.commands = {check_command(), servo_command(), replay_command()};
-  return run_program(program, argc, argv);
+  return program;
 }
+
+}  // namespace
+}  // namespace trephine
+
+int main(int argc, char** argv) { return trephine::run_program("trephine-sim", trephine::declare, argc, argv); }

@@ -76,7 +76,8 @@ class Cli : public testing::Test {
     lines_.clear();
     const LogSink before = set_log_sink([this](const std::string& line) { lines_.push_back(line); });
     testing::internal::CaptureStdout();
-    const int code = run_program(program_, static_cast<int>(words.size()), argv.data());
+    const int code = run_program(
+        "trephine", [this] { return program_; }, static_cast<int>(words.size()), argv.data());
     stdout_ = testing::internal::GetCapturedStdout();
     set_log_sink(before);
     return code;

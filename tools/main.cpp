@@ -3,8 +3,10 @@
 #include "commands.h"
 #include "recipe_schema.h"
 
-int main(int argc, char** argv) {
-  using namespace trephine;
+namespace trephine {
+namespace {
+
+Program declare() {
   Program program;
   program.name = "trephine";
   program.version = TREPHINE_VERSION;
@@ -30,5 +32,10 @@ int main(int argc, char** argv) {
   program.more_reference_pages = [] {
     return std::vector<std::pair<std::string, std::string>>{{"recipe.schema.json", recipe_schema()}};
   };
-  return run_program(program, argc, argv);
+  return program;
 }
+
+}  // namespace
+}  // namespace trephine
+
+int main(int argc, char** argv) { return trephine::run_program("trephine", trephine::declare, argc, argv); }

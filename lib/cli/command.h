@@ -115,7 +115,8 @@ struct Program {
 /// user cancelled; 74 where stdout could not be written; 70 for what nobody expected. Adds `help [COMMAND]`, the
 /// command `completion bash`, and, not shown, `reference --out DIR` (writes reference_pages) and `man --out DIR`
 /// (man_pages).
-int run_program(Program program, int argc, char** argv);
+/// `declare` is called within: what it throws, no memory say, ends the program as what a command throws.
+int run_program(const char* name, const std::function<Program()>& declare, int argc, char** argv);
 
 /// Reads a command's own words (after its name). Throws ErrorList (64) with all faults, then ErrorList (66, 73) for
 /// paths.

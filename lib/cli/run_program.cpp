@@ -143,11 +143,12 @@ void flush_output() {
 
 }  // namespace
 
-int run_program(Program program, int argc, char** argv) {
-  std::string who = program.name;
+int run_program(const char* name, const std::function<Program()>& declare, int argc, char** argv) {
+  std::string who = name;
   try {
     run_child_if_asked(argc, argv);
     install_signal_handlers();
+    Program program = declare();
     add_own_commands(program);
     const std::vector<std::string> words(argv + std::min(1, argc), argv + argc);
     const ExitCode code = run(program, words, who);

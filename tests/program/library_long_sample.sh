@@ -53,7 +53,7 @@ import json, pathlib, sys
 for case in sorted(pathlib.Path(sys.argv[1]).glob("*/case.json")):
     manifest = json.load(open(case))
     for a in manifest["anatomies"]:
-        print(case.parent.name, a["name"], a["file"])
+        print(case.parent.name, a["name"], a.get("file"))
     print(case.parent.name, "haptic", manifest["haptic"]["file"])
 PY
 }
