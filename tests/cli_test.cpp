@@ -77,7 +77,7 @@ class Cli : public testing::Test {
     const LogSink before = set_log_sink([this](const std::string& line) { lines_.push_back(line); });
     testing::internal::CaptureStdout();
     const int code = run_program(
-        "trephine", [this] { return program_; }, static_cast<int>(words.size()), argv.data());
+        program_.name.c_str(), [this] { return program_; }, static_cast<int>(words.size()), argv.data());
     stdout_ = testing::internal::GetCapturedStdout();
     set_log_sink(before);
     return code;
