@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "voxel/cell_walk.h"
 #include "voxel/contact_cell.h"
 #include "voxel/raw_voxel.h"
 
@@ -16,34 +17,6 @@ constexpr double farthest_mm = 1e9;
 
 bool usable(Vec3 p) {
   return std::abs(p.x) <= farthest_mm && std::abs(p.y) <= farthest_mm && std::abs(p.z) <= farthest_mm;  // not for NaN
-}
-
-// Calls visit(i, j, k, t0, t1) for each unit cell on the way from p to q, t in [0, 1], until it returns true. Each cell
-// shares a face with the one before; the last is the one that holds q, whatever rounding says of the crossings.
-template <class Visit>
-void for_each_cell(Vec3 p, Vec3 q, const Visit& visit) {
-  int cell[3], step[3], left[3];
-  double next[3], begin[3], per_unit[3];
-  for (int a = 0; a < 3; ++a) {
-    const double first = std::floor(p[a]), last = std::floor(q[a]), d = q[a] - p[a];
-    cell[a] = int(first);
-    left[a] = std::abs(int(last) - cell[a]);
-    step[a] = d < 0 ? -1 : 1;
-    begin[a] = p[a];
-    per_unit[a] = d != 0 ? 1 / d : 0;
-    next[a] = left[a] > 0 ? (first + (d > 0 ? 1 : 0) - p[a]) * per_unit[a] : std::numeric_limits<double>::infinity();
-  }
-  double t = 0;
-  while (true) {
-    const int a = next[0] <= next[1] ? (next[0] <= next[2] ? 0 : 2) : (next[1] <= next[2] ? 1 : 2);
-    const double until = left[a] > 0 ? std::clamp(next[a], t, 1.0) : 1;
-    if (visit(cell[0], cell[1], cell[2], t, until) || left[a] == 0) return;
-    t = until;
-    cell[a] += step[a];
-    --left[a];
-    next[a] = left[a] > 0 ? (cell[a] + (step[a] > 0 ? 1 : 0) - begin[a]) * per_unit[a]
-                          : std::numeric_limits<double>::infinity();
-  }
 }
 
 Vec3 between(Vec3 p, Vec3 q, double t) { return p + (q - p) * t; }
@@ -321,13 +294,14 @@ bool ContactVolume::within_cell_of(const Segment& s, int shape, const TouchableF
 ContactVolume::Crossing ContactVolume::walk_cells(const Segment& s, int shape, const TouchableFaces& faces) const {
   Crossing c;
   c.from = c.into = shape;
-  for_each_cell(s.begin, s.end, [&](int i, int j, int k, double t0, double t1) {
+  walk_over_cells<block_bits>(s.begin, s.end, [&](int i, int j, int k, double t0, double t1) {
     const int block = shape_of_block(i, j, k);
-    if (block != mixed_block) return block != c.into && c.change(block, t0, faces);
+    if (block != mixed_block) return block != c.into && c.change(block, t0, faces) ? WalkStep::end : WalkStep::block;
     const ContactCell cell(*this, i, j, k);
-    if (cell.uniform()) return cell.shape() != c.into && c.change(cell.shape(), t0, faces);
     const int at[3] = {i, j, k};
-    return walk_cell(cell, s, at, t0, t1, faces, c);
+    const bool end = cell.uniform() ? cell.shape() != c.into && c.change(cell.shape(), t0, faces)
+                                    : walk_cell(cell, s, at, t0, t1, faces, c);
+    return end ? WalkStep::end : WalkStep::cell;
   });
   return c;
 }
@@ -336,10 +310,11 @@ ContactVolume::Crossing ContactVolume::walk_voxels(const Segment& s, int shape, 
   Crossing c;
   c.from = c.into = shape;
   const Vec3 half{0.5, 0.5, 0.5};
-  for_each_cell(s.begin + half, s.end + half, [&](int i, int j, int k, double t0, double) {
+  walk_over_cells<block_bits>(s.begin + half, s.end + half, [&](int i, int j, int k, double t0, double) {
     const int block = shape_of_block(i, j, k);
     const int now = block != mixed_block ? block : shape_of_voxel(i, j, k);
-    return now != c.into && c.change(now, t0, faces);
+    if (now != c.into && c.change(now, t0, faces)) return WalkStep::end;
+    return block != mixed_block ? WalkStep::block : WalkStep::cell;
   });
   return c;
 }

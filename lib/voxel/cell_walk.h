@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// The unit cells that a segment meets, for contact.cpp. Nothing here allocates or throws.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "base/vec3.h"
+
+namespace trephine {
+
+/// What a walk does after a cell: end, go to the next one, or leave out what else it meets of the cell's block.
+enum class WalkStep { end, cell, block };
+
+/// Calls visit(i, j, k, t0, t1) for each unit cell on the way from p to q, t in [0, 1], face to face (Amanatides and
+/// Woo, A fast voxel traversal algorithm for ray tracing, 1987); blocks have 2^block_bits cells a side. The last cell
+/// is the one that holds q, whatever rounding says of the crossings. Cells and t do not depend on what was left out.
+template <int block_bits, class Visit>
+void walk_over_cells(Vec3 p, Vec3 q, const Visit& visit) {
+  int cell[3], step[3], left[3];
+  double next[3], begin[3], way[3], per_unit[3];
+  const auto crossing = [&](int a, int from) { return (from + (step[a] > 0 ? 1 : 0) - begin[a]) * per_unit[a]; };
+  const auto crossing_or_none = [&](int a) {
+    return left[a] > 0 ? crossing(a, cell[a]) : std::numeric_limits<double>::infinity();
+  };
+  for (int a = 0; a < 3; ++a) {
+    const double first = std::floor(p[a]), last = std::floor(q[a]);
+    way[a] = q[a] - p[a];
+    cell[a] = int(first);
+    left[a] = std::abs(int(last) - cell[a]);
+    step[a] = way[a] < 0 ? -1 : 1;
+    begin[a] = p[a];
+    per_unit[a] = way[a] != 0 ? 1 / way[a] : 0;
+    next[a] = crossing_or_none(a);
+  }
+  double t = 0;
+  const auto first_of = [](const double* v) { return v[0] <= v[1] ? (v[0] <= v[2] ? 0 : 2) : (v[1] <= v[2] ? 1 : 2); };
+  while (true) {
+    int a = first_of(next);
+    const double until = left[a] > 0 ? std::clamp(next[a], t, 1.0) : 1;
+    const WalkStep then = visit(cell[0], cell[1], cell[2], t, until);
+    if (then == WalkStep::end || left[a] == 0) return;
+    if (then == WalkStep::block) {
+      // Where each axis leaves the block, and which is the first.
+      double out[3];
+      constexpr int side = 1 << block_bits;
+      for (int b = 0; b < 3; ++b) {
+        const int within = cell[b] & (side - 1), cells = step[b] > 0 ? side - 1 - within : within;
+        out[b] = left[b] > cells ? crossing(b, cell[b] + step[b] * cells) : std::numeric_limits<double>::infinity();
+      }
+      a = first_of(out);
+      if (out[a] == std::numeric_limits<double>::infinity()) return;
+      // The other axes' crossings before that one, in the order in which single steps would take them.
+      for (int b = 0; b < 3; ++b) {
+        if (b == a) {
+          const int within = cell[b] & (side - 1), cells = step[b] > 0 ? side - 1 - within : within;
+          cell[b] += step[b] * cells;
+          left[b] -= cells;
+          next[b] = out[a];
+        } else {
+          while (next[b] < out[a] || (next[b] == out[a] && b < a)) {
+            cell[b] += step[b];
+            --left[b];
+            next[b] = crossing_or_none(b);
+          }
+        }
+      }
+      t = std::clamp(next[a], t, 1.0);
+    } else {
+      t = until;
+    }
+    cell[a] += step[a];
+    --left[a];
+    next[a] = crossing_or_none(a);
+  }
+}
+
+}  // namespace trephine
