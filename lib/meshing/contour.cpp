@@ -12,6 +12,7 @@
 #include "meshing/known_valid.h"
 #include "meshing/marching_cubes.h"
 #include "meshing/validity.h"
+#include "surface/incidence.h"
 
 namespace trephine {
 namespace {
@@ -80,9 +81,10 @@ std::size_t draw_in(TriMesh& mesh, const Lattice& lattice, const std::vector<std
   return moved;
 }
 
-/// Snaps the mesh to float32 and makes it valid there, drawing in more where the rounding matters.
-std::size_t make_valid(TriMesh& mesh, const Lattice& lattice, const Progress& progress) {
-  std::size_t moved = 0;
+/// Snaps the mesh to float32 and makes it valid there, drawing in more where the rounding matters; counts how many
+/// points that moved.
+Validity make_valid(TriMesh& mesh, const Lattice& lattice, std::size_t& moved, const Progress& progress) {
+  moved = 0;
   double margin = first_margin;
   for (;;) {
     progress.check();
@@ -90,7 +92,7 @@ std::size_t make_valid(TriMesh& mesh, const Lattice& lattice, const Progress& pr
     const Validity v = check_validity(mesh, progress);
     if (v.valid()) {
       remember_valid(mesh);
-      return moved;
+      return v;
     }
     margin = std::min(2.5 * margin, 1.0);
     std::vector<std::uint32_t> faults = degenerate_triangles(mesh);
@@ -108,16 +110,16 @@ TriMesh contour_grid(const Grid<T>& grid, double isovalue, const ContourParams& 
   TriMesh mesh = marching_cubes(grid, isovalue, inside, first_margin, progress.part(0, 0.4));
   to_patient(mesh, grid);
   const int cavities = params.keep_cavities ? 0 : drop_cavities(mesh, progress.part(0.4, 0.5));
-  const int small = keep_large_components(mesh, params.min_component_mm3);
-  const std::size_t moved = make_valid(mesh, grid, progress.part(0.5, 0.95));
+  const int small = keep_large_fan_components(mesh, params.min_component_mm3);  // marching cubes leave one fan a point
+  std::size_t moved = 0;
+  const Validity v = make_valid(mesh, grid, moved, progress.part(0.5, 0.95));
 
-  const Topology topology = topology_of(mesh);
   report.add("inside_voxels_count", inside.count);
   report.add("triangles_count", mesh.triangles.size());
   report.add("points_count", mesh.points_mm.size());
-  report.add("volume_ml", volume_mm3(mesh) / 1000);
-  report.add("components_count", topology.components);
-  report.add("genus_count", static_cast<std::int64_t>(topology.genus));
+  report.add("volume_ml", v.volume_mm3 / 1000);
+  report.add("components_count", v.topology.components);
+  report.add("genus_count", static_cast<std::int64_t>(v.topology.genus));
   report.add("small_components_dropped_count", small);
   report.add("cavities_dropped_count", cavities);
   report.add("points_drawn_in_count", moved);

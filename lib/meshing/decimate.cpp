@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "meshing/edge_collapse.h"
 #include "meshing/exact.h"
+#include "meshing/float32_raster.h"
 #include "meshing/known_valid.h"
 #include "meshing/measure_deviation.h"
 #include "meshing/validity.h"
@@ -95,6 +96,15 @@ class Sides {
   std::vector<double> input_volume_;
 };
 
+/// As the collapses need it: points alone, on float32's raster, each of them used.
+bool fit(const TriMesh& mesh) {
+  if (!mesh.normals.empty()) return false;
+  std::vector<bool> used(mesh.points_mm.size(), false);
+  for (const auto& t : mesh.triangles)
+    for (const std::uint32_t v : t) used[v] = true;
+  return std::find(used.begin(), used.end(), false) == used.end() && on_float32_raster(mesh);
+}
+
 struct Outcome {
   TriMesh mesh;
   DeviationFigures deviation;
@@ -150,10 +160,14 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double bound_mm, 
 
 TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& report, const Progress& progress) {
   check_mesh(mesh);
-  TriMesh input = mesh;
-  input.normals.clear();
-  drop_unused_points(input);
-  snap_to_float32(input);
+  TriMesh copy;
+  if (!fit(mesh)) {
+    copy = mesh;
+    copy.normals.clear();
+    drop_unused_points(copy);
+    snap_to_float32(copy);
+  }
+  const TriMesh& input = copy.triangles.empty() ? mesh : copy;
   with_field("decimate: input", [&] { require_valid(input, progress.part(0, 0.1)); });
   const std::size_t target = target_count(input, params);
   const double volume = volume_mm3(input);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "meshing/triangle_tree.h"
+#include "surface/incidence.h"
 
 namespace trephine {
 namespace {
@@ -42,7 +43,7 @@ bool encloses(const TriMesh& mesh, const Component& shell, Vec3 p) {
 
 int drop_cavities(TriMesh& mesh, const Progress& progress) {
   std::vector<int> label;
-  const int count = label_components(mesh, label);
+  const int count = label_fan_components(mesh, label);
   if (count < 2) return 0;
   std::vector<Component> components(count);
   const Vec3 o = mesh.points_mm[mesh.triangles.front()[0]];

@@ -64,14 +64,15 @@ DeviationMeter::DeviationMeter(const NearInput& input, double limit_mm, double b
       spacing_(limit_mm > 0 ? std::clamp(1.5 * limit_mm, edge_ / 4, edge_) : 2 * edge_),
       raster_beyond2_(limit_mm > 0 ? 36 * limit2_ : infinity),
       exact_beyond2_(limit_mm > 0 ? 0.6 * 0.6 * limit2_ : edge_ * edge_ / 16),
-      tree_(input_),
       raster_of_(input_.triangles.size(), CollapseMesh::none) {}
 
-void DeviationMeter::look(NearbyPlace& place) const {
+/// Without the tree, where it takes one: an upper bound, and the lack of it.
+void DeviationMeter::look(NearbyPlace& place, bool& lacks_tree) const {
   double d2 = near_.squared_bound(place.at, place.near, exact_beyond2_ / 36, &place.triangle);
-  if (d2 > exact_beyond2_) {
+  if (d2 > exact_beyond2_ && !tree_) lacks_tree = true;
+  if (d2 > exact_beyond2_ && tree_) {
     std::uint32_t at = CollapseMesh::none;
-    d2 = tree_.squared_distance(place.at, d2, &at);
+    d2 = tree_->squared_distance(place.at, d2, &at);
     if (at != CollapseMesh::none) {
       place.triangle = at;
       place.near = input_.triangles[at][0];
@@ -80,8 +81,8 @@ void DeviationMeter::look(NearbyPlace& place) const {
   place.distance = std::sqrt(d2);
 }
 
-/// The search starts at the nearest of the points in hand.
-void DeviationMeter::from_triangle(Raster& raster, Room& room) const {
+/// The search starts at the nearest of the points in hand. False, with nothing measured, where it takes the tree.
+bool DeviationMeter::from_triangle(Raster& raster, Room& room) const {
   room.places.clear();
   for (const std::uint32_t p : room.points) room.places.add(input_.points_mm[p]);
   const Vec3 a = raster.corners[0], ab = raster.corners[1] - a, ac = raster.corners[2] - a;
@@ -92,6 +93,7 @@ void DeviationMeter::from_triangle(Raster& raster, Room& room) const {
   raster.distances.clear();
   raster.distances.reserve(static_cast<std::size_t>(n + 1) * (n + 2) / 2);
   room.samples.clear();
+  room.lacks_tree = false;
   // Without a limit a side's points belong to the one of its two triangles that runs along it from its lower end.
   const auto runs_up = [](Vec3 p, Vec3 q) { return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z); };
   const auto& c = raster.corners;
@@ -104,19 +106,22 @@ void DeviationMeter::from_triangle(Raster& raster, Room& room) const {
       s.at = a + ab * (double(i) / n) + ac * (double(j) / n);
       bool certainly = false;
       s.near = room.points[room.places.nearest(s.at, 0, certainly)];
-      look(s);
+      look(s, room.lacks_tree);
+      if (room.lacks_tree) return raster.distances.clear(), false;
       raster.beyond |= s.distance * s.distance > limit2_;
       raster.distances.push_back(static_cast<float>(s.distance));
       if (limited) room.samples.push_back(s);
     }
   raster.proven = !limited || raster.beyond || cells_proven(room.samples, n, room);
+  if (room.lacks_tree) raster.distances.clear();
+  return !room.lacks_tree;
 }
 
 /// Of a raster of n steps a side.
 bool DeviationMeter::cells_proven(const std::vector<NearbyPlace>& samples, int n, Room& room) const {
   const auto check = [&](const NearbyPlace& a, const NearbyPlace& b, const NearbyPlace& c) {
     return proven_within(
-        {a, b, c}, bound_, input_, [this](NearbyPlace& p) { look(p); }, room.stack);
+        {a, b, c}, bound_, input_, [&](NearbyPlace& p) { look(p, room.lacks_tree); }, room.stack);
   };
   for (int i = 0; i < n; ++i) {
     const NearbyPlace* row = samples.data() + i * (n + 1) - i * (i - 1) / 2;
@@ -338,18 +343,24 @@ std::vector<std::uint32_t> DeviationMeter::measure(const TriMesh& plain, const s
   }
   for (std::size_t r = 0; r < was_live.size(); ++r)
     if (was_live[r]) gone_.push_back(rasters_[r].corners);
-  parallel_for(0, static_cast<std::int64_t>(to_do.size()), 256, [&](std::int64_t from, std::int64_t to) {
-    progress.check();
-    Room room;
-    for (std::int64_t n = from; n < to; ++n) {
-      // Near it are what it carries, and the points at which the triangle of that number lay in the input.
-      const std::uint32_t t = triangle_of[to_do[n]];
-      room.points.assign(input_.triangles[t].begin(), input_.triangles[t].end());
-      for (std::uint32_t p = carried.first_of(t); p != CollapseMesh::none; p = carried.next_of(p))
-        room.points.push_back(p);
-      from_triangle(rasters_[live_[to_do[n]]], room);
-    }
-  });
+  std::vector<char> lacks_tree(to_do.size(), 1);
+  for (bool again = true; again;) {
+    parallel_for(0, static_cast<std::int64_t>(to_do.size()), 256, [&](std::int64_t from, std::int64_t to) {
+      progress.check();
+      Room room;
+      for (std::int64_t n = from; n < to; ++n) {
+        if (!lacks_tree[n]) continue;
+        // Near it are what it carries, and the points at which the triangle of that number lay in the input.
+        const std::uint32_t t = triangle_of[to_do[n]];
+        room.points.assign(input_.triangles[t].begin(), input_.triangles[t].end());
+        for (std::uint32_t p = carried.first_of(t); p != CollapseMesh::none; p = carried.next_of(p))
+          room.points.push_back(p);
+        lacks_tree[n] = !from_triangle(rasters_[live_[to_do[n]]], room);
+      }
+    });
+    again = !tree_ && std::find(lacks_tree.begin(), lacks_tree.end(), 1) != lacks_tree.end();
+    if (again) tree_.emplace(input_);
+  }
   for (std::uint32_t t = 0; t < triangle_of.size(); ++t)
     if (rasters_[live_[t]].beyond) beyond.push_back(triangle_of[t]);
   if (beyond.empty() && limit2_ < infinity) {

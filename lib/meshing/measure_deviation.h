@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "base/progress.h"
@@ -52,18 +53,19 @@ class DeviationMeter {
     std::vector<std::uint32_t> points;  ///< some of the input near the triangle
     PlaceList places;
     std::vector<NearbyPlace> samples;
+    bool lacks_tree = false;
     std::vector<std::array<NearbyPlace, 3>> stack;
   };
-  void from_triangle(Raster& raster, Room& room) const;
+  bool from_triangle(Raster& raster, Room& room) const;
   bool cells_proven(const std::vector<NearbyPlace>& samples, int n, Room& room) const;
   void input_unproven(const TriMesh& plain, const TriangleTree& tree, const std::vector<std::uint32_t>& plain_of,
                       const CarriedPoints& carried, std::vector<std::uint32_t>& beyond, const Progress& progress);
-  void look(NearbyPlace& place) const;
+  void look(NearbyPlace& place, bool& lacks_tree) const;
 
   const NearInput& near_;
   const TriMesh& input_;
   double limit2_, bound_, edge_, spacing_, raster_beyond2_, exact_beyond2_;
-  TriangleTree tree_;
+  std::optional<TriangleTree> tree_;         ///< over the input, once a place is too far for the search from a point
   std::vector<std::vector<float>> forward_;  ///< from the input, by pieces of it
   std::vector<char> input_beyond_;           ///< by triangles of the input: a sample of it is beyond the limit
   std::vector<Raster> rasters_;              ///< per triangle that is live

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "base/params.h"
 #include "meshing/exact.h"
+#include "meshing/float32_raster.h"
 #include "meshing/known_valid.h"
 
 namespace trephine {
@@ -88,8 +89,12 @@ double float32_step_mm(const TriMesh& mesh) {
   return std::ldexp(1.0, exponent >= 5 && exponent <= 9 ? -14 : exponent - 23);
 }
 
-void centre_origin(TriMesh& mesh) {
-  if (mesh.points_mm.empty()) return;
+namespace {
+
+/// Where its origin lies outside the bounds, how far to move it: whole mm, or a power of two small enough not to matter
+/// to a small mesh.
+bool shift_of_origin(const TriMesh& mesh, Vec3& shift) {
+  if (mesh.points_mm.empty()) return false;
   Vec3 low = mesh.points_mm.front(), high = low;
   for (const Vec3 p : mesh.points_mm)
     for (int a = 0; a < 3; ++a) {
@@ -98,14 +103,30 @@ void centre_origin(TriMesh& mesh) {
     }
   const Vec3 centre = (low + high) / 2;
   const double half = norm(high - low) / 2;
-  if (norm(centre) <= half || !(half > 0)) return;
-  // Whole mm, or a power of two small enough not to matter to a small mesh.
+  if (norm(centre) <= half || !(half > 0)) return false;
   const double unit = std::min(1.0, std::exp2(std::floor(std::log2(half)) - 4));
-  Vec3 shift;
   for (int a = 0; a < 3; ++a)
     shift[a] = std::nearbyint((mesh.origin_mm[a] + centre[a]) / unit) * unit - mesh.origin_mm[a];
+  return true;
+}
+
+}  // namespace
+
+void centre_origin(TriMesh& mesh) {
+  Vec3 shift;
+  if (!shift_of_origin(mesh, shift)) return;
   for (Vec3& p : mesh.points_mm) p = p - shift;
   mesh.origin_mm += shift;
+}
+
+bool on_float32_raster(const TriMesh& mesh) {
+  Vec3 shift;
+  if (shift_of_origin(mesh, shift) && !(shift == Vec3{})) return false;
+  const double step = float32_step_mm(mesh);
+  return std::all_of(mesh.points_mm.begin(), mesh.points_mm.end(), [step](Vec3 p) {
+    return p.x == std::nearbyint(p.x / step) * step && p.y == std::nearbyint(p.y / step) * step &&
+           p.z == std::nearbyint(p.z / step) * step;
+  });
 }
 
 void snap_to_float32(TriMesh& mesh) {

@@ -71,6 +71,11 @@ void for_each_edge(const TriMesh& mesh, const Incidence& incidence, Visit&& visi
   for_each_edge(mesh, incidence, 0, static_cast<std::uint32_t>(mesh.points_mm.size()), visit);
 }
 
+/// As label_components and keep_large_components (trimesh.h), some times as fast, where the triangles around each point
+/// are known to be joined by edges (one fan a point).
+int label_fan_components(const TriMesh& mesh, std::vector<int>& component_of_triangle);
+int keep_large_fan_components(TriMesh& mesh, double min_volume_mm3);
+
 /// Disjoint sets over 0..n-1 with path halving; the representative is the lowest member.
 class DisjointSets {
  public:

@@ -99,9 +99,27 @@ int label_components(const TriMesh& mesh, std::vector<int>& component_of_triangl
   return count;
 }
 
-int keep_large_components(TriMesh& mesh, double min_volume_mm3) {
-  std::vector<int> component;
-  const int count = label_components(mesh, component);
+int label_fan_components(const TriMesh& mesh, std::vector<int>& component_of_triangle) {
+  DisjointSets sets(mesh.points_mm.size());
+  for (const auto& t : mesh.triangles) {
+    sets.unite(t[0], t[1]);
+    sets.unite(t[1], t[2]);
+  }
+  constexpr int unknown = -1;
+  std::vector<int> number(mesh.points_mm.size(), unknown);
+  component_of_triangle.resize(mesh.triangles.size());
+  int count = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    int& n = number[sets.find(mesh.triangles[t][0])];
+    if (n == unknown) n = count++;
+    component_of_triangle[t] = n;
+  }
+  return count;
+}
+
+namespace {
+
+int keep_large(TriMesh& mesh, double min_volume_mm3, const std::vector<int>& component, int count) {
   if (count < 2) return 0;
   const Vec3 o = mesh.points_mm[mesh.triangles.front()[0]];
   std::vector<double> volume(count, 0.0);
@@ -125,6 +143,20 @@ int keep_large_components(TriMesh& mesh, double min_volume_mm3) {
   mesh.triangles.resize(kept);
   drop_unused_points(mesh);
   return dropped;
+}
+
+}  // namespace
+
+int keep_large_components(TriMesh& mesh, double min_volume_mm3) {
+  std::vector<int> component;
+  const int count = label_components(mesh, component);
+  return keep_large(mesh, min_volume_mm3, component, count);
+}
+
+int keep_large_fan_components(TriMesh& mesh, double min_volume_mm3) {
+  std::vector<int> component;
+  const int count = label_fan_components(mesh, component);
+  return keep_large(mesh, min_volume_mm3, component, count);
 }
 
 }  // namespace trephine
