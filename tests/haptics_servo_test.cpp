@@ -223,24 +223,65 @@ TEST(HapticsServo, ItsTicksSleepAndMakeNoOtherSystemCall) {
   ShaftParams shaft;
   shaft.shaft_length_mm = 30;
   const ContactVolume contact(s.volume);
-  SimulatedHand hand = hand_over(contact, s.feels);
-  Proxy proxy(contact, s.feels, s.force, shaft);
-  FrameQueue queue(4096);
-  ServoParams params;
-  params.realtime = false;
-  Servo servo(proxy, hand, params, &queue);
-  const pid_t child = fork();
-  if (child == 0) {
-    allow_only_sleep();
-    counting_allocations = true;
-    servo.run(700, never);
-    counting_allocations = false;
-    syscall(SYS_exit_group, allocations != 0 ? 1 : servo.statistics().touching < 10 ? 2 : 0);
+  for (const auto kind : {ToolParams::Kind::point, ToolParams::Kind::burr}) {
+    SimulatedHand hand = hand_over(contact, s.feels);
+    ToolParams tool;
+    tool.tool = kind;
+    Proxy proxy(contact, s.feels, s.force, shaft, make_tool(tool));
+    FrameQueue queue(4096);
+    ServoParams params;
+    params.realtime = false;
+    Servo servo(proxy, hand, params, &queue);
+    const pid_t child = fork();
+    if (child == 0) {
+      allow_only_sleep();
+      counting_allocations = true;
+      servo.run(700, never);
+      counting_allocations = false;
+      syscall(SYS_exit_group, allocations != 0 ? 1 : servo.statistics().touching < 10 ? 2 : 0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
+    EXPECT_EQ(WEXITSTATUS(status), 0) << "1: allocated; 2: no contact; 3: no filter";
   }
-  int status = 0;
-  waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
-  EXPECT_EQ(WEXITSTATUS(status), 0) << "1: allocated; 2: no contact; 3: no filter";
+}
+
+// A tool that is turned while it presses; its recording replays bit for bit, and not with another tool.
+TEST(HapticsServo, ReplayWithAToolIsBitForBit) {
+  Scene s;
+  const ContactVolume contact(s.volume);
+  std::vector<TrajectoryPoint> path;
+  for (int n = 0; n < 40; ++n)
+    path.push_back({0.1 * n,
+                    {{3 * std::sin(0.7 * n), 3 * std::cos(0.9 * n), n % 5 == 0 ? 3.0 : -1.0},
+                     normalized(Vec3{std::sin(0.5 * n), 0.5 * std::cos(n), 1}),
+                     0}});
+  Trajectory device(path);
+  RecordingHeader header;
+  header.tool.tool = ToolParams::Kind::craniotome;
+  header.tool.tool_search = ToolParams::Search::tail_to_tip;
+  header.tool = own_tool(header.tool);
+  Proxy proxy(contact, s.feels, s.force, {}, make_tool(header.tool));
+  FrameQueue queue(4096);
+  Servo servo(proxy, device, unpaced(), &queue);
+  servo.run(4000, never);
+  EXPECT_GT(servo.statistics().touching, 1000u);
+  std::vector<ServoFrame> frames;
+  queue.drain(frames);
+  const ScratchFolder folder;
+  RecordingWriter writer(folder.path() / "a.servo", header);
+  writer.add(frames);
+  writer.finish();
+  const Recording read = read_recording(folder.path() / "a.servo");
+  EXPECT_STREQ(tool_name(read.header.tool), "craniotome");
+  EXPECT_EQ(read.header.tool.tool_search, ToolParams::Search::tail_to_tip);
+  EXPECT_EQ(read.header.tool.tool_diameter_mm, header.tool.tool_diameter_mm);
+  Proxy again(contact, s.feels, s.force, {}, make_tool(read.header.tool));
+  const std::vector<ServoFrame> replayed = replay_frames(read.frames, again);
+  for (std::size_t n = 0; n < frames.size(); ++n) ASSERT_TRUE(same_frame(frames[n], replayed[n])) << n;
+  Proxy point(contact, s.feels, s.force);
+  EXPECT_FALSE(same_frame(frames.back(), replay_frames(read.frames, point).back()));
 }
 
 TEST(HapticsServo, KeepsToTheClock) {

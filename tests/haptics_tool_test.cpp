@@ -378,15 +378,17 @@ TEST(HapticsTool, StartsInsideBone) {
   }
 }
 
+namespace {
+
 // Any tool, any turn, any speed, through walls of one voxel: no point of it is ever on another side than it was.
-TEST(HapticsTool, NoPointEverCrossesAWall) {
-  std::mt19937_64 rng(21);
+void thrash(int strokes, std::uint64_t seed) {
+  std::mt19937_64 rng(seed);
   long crossed = 0, touching = 0, ticks = 0, locked = 0, turned_back = 0;
   for (const HapticEncoding encoding : {HapticEncoding::occupancy, HapticEncoding::hu})
     for (walls::Wall& w : walls::all_walls(walls::lattice(36, {0.4, 0.4, 0.6}), encoding))
       for (const auto surface : {ContactParams::Surface::subvoxel, ContactParams::Surface::nearest}) {
         const ContactVolume contact(w.volume, {ContactParams::Walk::exact, surface, 1});
-        for (int stroke = 0; stroke < 40; ++stroke) {
+        for (int stroke = 0; stroke < strokes; ++stroke) {
           ToolParams p = params_of(kinds[rng() % 5], uniform(rng, 0.3, 1), 2.6, uniform(rng, 0.3, 0.8));
           p.tool_search = Search(rng() % 3);
           p.lock_distance_mm = rng() % 2 ? 0.7 : 0;
@@ -440,6 +442,11 @@ TEST(HapticsTool, NoPointEverCrossesAWall) {
   EXPECT_GT(touching, ticks / 10);
   EXPECT_GT(locked, 20);
 }
+
+}  // namespace
+
+TEST(HapticsTool, NoPointEverCrossesAWall) { thrash(40, 21); }
+TEST(LongHapticsTool, NoPointEverCrossesAWall) { thrash(1500, 22); }
 
 // Forces stay within the device's limits, whatever the hand does; and two runs are the same bit for bit.
 TEST(HapticsTool, ForceAndItsRateStayWithinTheDevice) {

@@ -42,6 +42,32 @@ printf '0 0 0 200\n1 0 0 100\n' >"$work/path.txt"
 "${servo[@]}" --device trajectory --trajectory "$work/path.txt" --seconds 1 --no-paced >"$work/text"
 grep -q '^1000 ticks, ' "$work/text" || fail "no trajectory"
 
+# A tool of many points: said at the start, named in the recording, and replayed.
+"${servo[@]}" --tool burr --tool-spacing-mm 0.8 --seconds 3 --no-paced --approach-mm 1 --radius-mm 10 \
+  --record "$work/tool.servo" --json "$work/tool.json" >"$work/text"
+grep -q '^tool burr: [0-9]* points, 5 mm in diameter, 30 mm long$' "$work/text" || fail "does not say its tool"
+"$TREPHINE" replay "$work/sample" "$work/tool.servo" >"$work/text"
+grep -q '^3000 frames at 1000 Hz of device hand, tool burr, case sample$' "$work/text" || fail "replays no burr"
+grep -q '^replayed bit for bit$' "$work/text" || fail "the burr is not the same"
+python3 - "$work/tool.json" "$work/tool.servo" <<'PY'
+import json, sys
+said = json.load(open(sys.argv[1]))
+assert said["touching_ratio"] > 0.5 and said["most_force_n"] > 0.01 and said["locked"] == 0, said
+tool = json.loads(open(sys.argv[2], "rb").read()[16:16 + 4096])["tool"]
+assert tool["tool"] == "burr" and tool["tool_tip"] == "ball" and tool["tool_spacing_mm"] == 0.8, tool
+PY
+# A recording of before there were tools is of a point.
+python3 - "$work/a.servo" "$work/old.servo" <<'PY'
+import json, sys
+data = open(sys.argv[1], "rb").read()
+header = json.loads(data[16:16 + 4096])
+assert header.pop("tool")["tool"] == "point"
+open(sys.argv[2], "wb").write(data[:16] + json.dumps(header).encode().ljust(4096) + data[16 + 4096:])
+PY
+"$TREPHINE" replay "$work/sample" "$work/old.servo" >"$work/text"
+grep -q '^replayed bit for bit$' "$work/text" || fail "an older recording is not the same"
+expect 78 'tool_spacing_mm: gives more than 2048 points' "${servo[@]}" --tool catheter --tool-spacing-mm 0.01
+
 # One bit of one frame.
 cp "$work/a.servo" "$work/c.servo"
 printf '\x01' | dd of="$work/c.servo" bs=1 seek=$((16 + 4096 + 5000 * 176 + 130)) conv=notrunc status=none
