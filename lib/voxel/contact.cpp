@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/parallel.h"
 #include "voxel/cell_walk.h"
 #include "voxel/contact_cell.h"
 #include "voxel/raw_voxel.h"
@@ -58,6 +57,10 @@ ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
     count *= std::size_t(blocks_[a]);
   }
   block_shape_.assign(count, mixed_block);
+  if (params.surface == ContactParams::Surface::subvoxel) {
+    block_cells_.assign(2 * count, ~std::uint64_t{0});
+    block_names_.assign(count, 0);
+  }
   if (volume.encoding == HapticEncoding::occupancy) block_pair_.assign(count, many_shapes);
   smallest_side_mm_ = std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
   for (int a = 0; a < 3; ++a)
@@ -85,93 +88,19 @@ ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
   settle(whole_box(l));
 }
 
-void ContactVolume::settle(const Box& box) {
-  Grid<std::int16_t>& v = volume_.voxels;
-  if (box.empty()) return;
-  if (volume_.encoding != HapticEncoding::occupancy) return note_blocks(box);
-  // Slices in parallel: only the rest's owner is written, and that is not what another voxel's owner depends on.
-  parallel_for(box.begin[2], box.end[2], 4, [&](std::int64_t from, std::int64_t to) {
-    for (int k = int(from); k < int(to); ++k)
-      for (int j = box.begin[1]; j < box.end[1]; ++j)
-        for (int i = box.begin[0]; i < box.end[0]; ++i) {
-          std::int16_t& voxel = v.at(i, j, k);
-          const std::int16_t raw = detail::load_voxel(voxel);
-          if (raw == haptic_empty || (table_[std::uint16_t(raw)] & contact_pure)) continue;
-          const detail::RawVoxel r = detail::split(raw);
-          if (r.number == 0 || r.bare || detail::other_shape(v, r.number, i, j, k) != 0) continue;
-          __atomic_store_n(&voxel, detail::join(r.number, r.share, true), __ATOMIC_RELAXED);
-        }
-  });
-  note_blocks(box);
-}
-
-void ContactVolume::loosen(const Box& box) {
-  int begin[3], end[3];
-  for (std::size_t a = 0; a < 3; ++a) {
-    begin[a] = std::max(0, (box.begin[a] - 1) >> block_bits);
-    end[a] = std::min(blocks_[a], ((box.end[a] - 1) >> block_bits) + 1);
-  }
-  for (int k = begin[2]; k < end[2]; ++k)
-    for (int j = begin[1]; j < end[1]; ++j)
-      for (int i = begin[0]; i < end[0]; ++i)
-        __atomic_store_n(
-            &block_shape_[(std::size_t(k) * std::size_t(blocks_[1]) + std::size_t(j)) * std::size_t(blocks_[0]) +
-                          std::size_t(i)],
-            std::uint8_t(mixed_block), __ATOMIC_RELAXED);
-}
-
-// Which blocks, with the voxels after them, are of one shape or of none.
-void ContactVolume::note_blocks(const Box& box) {
-  const Grid<std::int16_t>& v = volume_.voxels;
-  int begin[3], end[3];
-  for (std::size_t a = 0; a < 3; ++a) {
-    begin[a] = std::max(0, (box.begin[a] - 1) >> block_bits);
-    end[a] = std::min(blocks_[a], ((box.end[a] - 1) >> block_bits) + 1);
-  }
-  constexpr int side = 1 << block_bits;
-  parallel_for(begin[2], end[2], 1, [&](std::int64_t from, std::int64_t to) {
-    for (int k = int(from); k < int(to); ++k)
-      for (int j = begin[1]; j < end[1]; ++j)
-        for (int i = begin[0]; i < end[0]; ++i) {
-          const std::uint16_t first = table_[std::uint16_t(detail::load_voxel(v.at(i * side, j * side, k * side)))];
-          bool same = entry_shape(first) == 0 ? first == 0 : (first & contact_pure) != 0;
-          for (int z = k * side; z <= (k + 1) * side && same; ++z)
-            for (int y = j * side; y <= (j + 1) * side && same; ++y) {
-              const std::int16_t* row = v.voxels.data() + v.index(i * side, y, z);
-              for (int x = 0; x <= side; ++x) same = same && table_[std::uint16_t(detail::load_voxel(row[x]))] == first;
-            }
-          const std::size_t at =
-              (std::size_t(k) * std::size_t(blocks_[1]) + std::size_t(j)) * std::size_t(blocks_[0]) + std::size_t(i);
-          __atomic_store_n(&block_shape_[at], std::uint8_t(same ? entry_shape(first) : mixed_block), __ATOMIC_RELAXED);
-          if (same || block_pair_.empty()) continue;
-          const Box around =
-              grown({{i * side, j * side, k * side}, {(i + 1) * side, (j + 1) * side, (k + 1) * side}}, 1, v);
-          int a = 0, b = 0;
-          bool many = false;
-          for (int z = around.begin[2]; z < around.end[2]; ++z)
-            for (int y = around.begin[1]; y < around.end[1]; ++y)
-              for (int x = around.begin[0]; x < around.end[0]; ++x) {
-                const int s = entry_shape(table_[std::uint16_t(detail::load_voxel(v.at(x, y, z)))]);
-                if (s == 0 || s == a || s == b) continue;
-                many = many || b != 0;
-                (a == 0 ? a : b) = s;
-              }
-          __atomic_store_n(&block_pair_[at], many ? many_shapes : std::uint16_t(a | b << 8), __ATOMIC_RELAXED);
-        }
-  });
-}
-
-int ContactVolume::second_of(int own, int i, int j, int k) const {
-  const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
-  if (bi < blocks_[0] && bj < blocks_[1] && bk < blocks_[2]) {
-    const std::size_t at = (std::size_t(bk) * std::size_t(blocks_[1]) + std::size_t(bj)) * std::size_t(blocks_[0]);
-    const std::uint16_t pair = __atomic_load_n(&block_pair_[at + std::size_t(bi)], __ATOMIC_RELAXED);
-    if (pair != many_shapes) return (pair & 255) == own ? pair >> 8 : pair & 255;
-  }
-  return detail::other_shape(volume_.voxels, own, i, j, k);
-}
-
 Vec3 ContactVolume::to_index(Vec3 world_mm) const { return to_index_ * (world_mm - volume_.voxels.origin_mm); }
+
+int ContactVolume::shape_of_uniform_cell(int i, int j, int k) const {
+  const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
+  if (bi < 0 || bj < 0 || bk < 0 || bi >= blocks_[0] || bj >= blocks_[1] || bk >= blocks_[2]) return -1;
+  constexpr int last = (1 << block_bits) - 1;
+  const int cell = (i & last) + ((j & last) << block_bits) + ((k & last) << 2 * block_bits);
+  const std::size_t block = block_at(bi, bj, bk);
+  const std::uint64_t cells = __atomic_load_n(&block_cells_[2 * block + std::size_t(cell >> 5)], __ATOMIC_ACQUIRE);
+  const int kind = int(cells >> 2 * (cell & 31) & 3);
+  if (kind == 0 || kind == 3) return kind == 0 ? 0 : -1;
+  return __atomic_load_n(&block_names_[block], __ATOMIC_RELAXED) >> (kind == 1 ? 0 : 8) & 255;
+}
 
 int ContactVolume::shape_of_voxel(int i, int j, int k) const {
   if (!volume_.voxels.contains(i, j, k)) return 0;
@@ -191,7 +120,9 @@ int ContactVolume::shape_of(Vec3 index) const {
   }
   const int i = int(std::floor(index.x)), j = int(std::floor(index.y)), k = int(std::floor(index.z));
   const int block = shape_of_block(i, j, k);
-  return block != mixed_block ? block : ContactCell(*this, i, j, k).shape_at(within_cell(index, i, j, k));
+  if (block != mixed_block) return block;
+  const int uniform = shape_of_uniform_cell(i, j, k);
+  return uniform >= 0 ? uniform : ContactCell(*this, i, j, k).shape_at(within_cell(index, i, j, k));
 }
 
 int ContactVolume::shape_at(Vec3 world_mm) const { return usable(world_mm) ? shape_of(to_index(world_mm)) : 0; }
@@ -297,6 +228,8 @@ ContactVolume::Crossing ContactVolume::walk_cells(const Segment& s, int shape, c
   walk_over_cells<block_bits>(s.begin, s.end, [&](int i, int j, int k, double t0, double t1) {
     const int block = shape_of_block(i, j, k);
     if (block != mixed_block) return block != c.into && c.change(block, t0, faces) ? WalkStep::end : WalkStep::block;
+    const int uniform = shape_of_uniform_cell(i, j, k);
+    if (uniform >= 0) return uniform != c.into && c.change(uniform, t0, faces) ? WalkStep::end : WalkStep::cell;
     const ContactCell cell(*this, i, j, k);
     const int at[3] = {i, j, k};
     const bool end = cell.uniform() ? cell.shape() != c.into && c.change(cell.shape(), t0, faces)

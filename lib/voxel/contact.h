@@ -137,9 +137,15 @@ class ContactVolume {
   int shape_of_block(int i, int j, int k) const {
     const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
     if (bi < 0 || bj < 0 || bk < 0 || bi >= blocks_[0] || bj >= blocks_[1] || bk >= blocks_[2]) return mixed_block;
-    const std::size_t at = (std::size_t(bk) * std::size_t(blocks_[1]) + std::size_t(bj)) * std::size_t(blocks_[0]);
-    return __atomic_load_n(&block_shape_[at + std::size_t(bi)], __ATOMIC_RELAXED);
+    return __atomic_load_n(&block_shape_[block_at(bi, bj, bk)], __ATOMIC_RELAXED);
   }
+  std::size_t block_at(int bi, int bj, int bk) const {
+    return (std::size_t(bk) * std::size_t(blocks_[1]) + std::size_t(bj)) * std::size_t(blocks_[0]) + std::size_t(bi);
+  }
+  /// The shape (0: none) of all of the cell between eight voxel centres, of a sub-voxel surface; -1 where it is not of
+  /// one, and where that is not known.
+  int shape_of_uniform_cell(int i, int j, int k) const;
+  void note_cells(std::size_t block, int bi, int bj, int bk);
   /// The shape that has the rest of a partly filled, not bare voxel of shape `own`.
   int second_of(int own, int i, int j, int k) const;
   void note_blocks(const Box& box);
@@ -152,6 +158,10 @@ class ContactVolume {
   static constexpr int block_bits = 2, mixed_block = 255;
   std::array<int, 3> blocks_{0, 0, 0};  ///< whole ones, with the voxels after them
   std::vector<std::uint8_t> block_shape_;
+  /// Of a sub-voxel surface: 2 bits a cell, x fastest, 0: none, 1 and 2: the shapes of the low and the high byte of the
+  /// block's names, 3: not of one shape or not known. Names are written once, before the first cell that needs them.
+  std::vector<std::uint64_t> block_cells_;
+  std::vector<std::uint16_t> block_names_;
   /// Encoding `occupancy`: in and right around the block are the shapes of the low and the high byte (0: none) and no
   /// others, so that a shared voxel's second shape is the other one; many_shapes where there are more.
   static constexpr std::uint16_t many_shapes = 0xffff;
