@@ -46,5 +46,5 @@ function(trephine_test name)
     target_link_libraries(${name}_test PRIVATE trephine_${m})
   endforeach()
   gtest_discover_tests(${name}_test TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
-                       PROPERTIES TIMEOUT 600)
+                       PROPERTIES TIMEOUT 1200)
 endfunction()

@@ -4,7 +4,7 @@ add_executable(write_sample_case write_sample_case.cpp)
 target_link_libraries(write_sample_case PRIVATE trephine_cases trephine_voxel)
 # The simulator as its user meets it, and what other people's programs get: each script is a test.
 set(scripts simulator case_schema)
-if(NOT TREPHINE_SANITIZE)  # whose libraries and flags somebody else's program lacks
+if(NOT TREPHINE_SANITIZE AND NOT TREPHINE_HEADLESS)  # whose libraries and flags somebody else's program lacks
   list(APPEND scripts simulator_links case_consumer)
 endif()
 foreach(script ${scripts})

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/parallel.h"
 
+#ifndef TREPHINE_HEADLESS
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#endif
 
 #include <algorithm>
 #include <memory>
@@ -11,7 +13,9 @@
 namespace trephine {
 namespace {
 
+#ifndef TREPHINE_HEADLESS
 std::unique_ptr<tbb::global_control> g_limit;
+#endif
 int g_count = 0;
 
 int cores() { return std::max(1u, std::thread::hardware_concurrency()); }
@@ -20,7 +24,9 @@ int cores() { return std::max(1u, std::thread::hardware_concurrency()); }
 
 void set_thread_count(int count) {
   g_count = count > 0 ? count : cores();
+#ifndef TREPHINE_HEADLESS
   g_limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, g_count);
+#endif
 }
 
 int thread_count() { return g_count > 0 ? g_count : cores(); }
@@ -30,10 +36,15 @@ void parallel_for(std::int64_t begin, std::int64_t end, std::int64_t grain,
   if (end <= begin) return;
   grain = std::max<std::int64_t>(1, grain);
   const std::int64_t pieces = (end - begin + grain - 1) / grain;
-  tbb::parallel_for(std::int64_t{0}, pieces, [&](std::int64_t i) {
+  const auto piece = [&](std::int64_t i) {
     const std::int64_t from = begin + i * grain;
     body(from, std::min(end, from + grain));
-  });
+  };
+#ifdef TREPHINE_HEADLESS  // one after the other: what runs in parallel runs when a case is loaded
+  for (std::int64_t i = 0; i < pieces; ++i) piece(i);
+#else
+  tbb::parallel_for(std::int64_t{0}, pieces, piece);
+#endif
 }
 
 }  // namespace trephine

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Random sessions with every thread that a servo has beside it: a recorder, a device's socket with a client and a
+// stranger, somebody who removes voxels, somebody who looks. What sanitizers watch (presets headless-tsan,
+// headless-asan).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <limits>
+#include <memory>
+#include <random>
+#include <thread>
+
+#include "base/progress.h"
+#include "device/hand_path.h"
+#include "device/simulated_hand.h"
+#include "device/udp_device.h"
+#include "haptics/servo.h"
+#include "haptics/tool.h"
+#include "haptics_scene.h"
+#include "haptics_udp_client.h"
+
+using namespace trephine;
+using namespace trephine::scene;
+using walls::uniform;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+void sleep_ms(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
+
+// Two nested, bumpy balls.
+HapticVolume balls(std::mt19937_64& rng) {
+  HapticVolume v = empty(48, {uniform(rng, 0.3, 1.2), uniform(rng, 0.3, 1.2), uniform(rng, 0.3, 1.2)});
+  const Vec3 s = v.voxels.spacing_mm;
+  const double r = 18 * std::min({s.x, s.y, s.z}), bumps = uniform(rng, 0, 1);
+  fill(v, 1, [&](Vec3 p) { return r + bumps * std::sin(p.x) - norm(p); });
+  fill(v, 2, [&](Vec3 p) { return 0.6 * r - norm(p); });
+  return v;
+}
+
+// Lowers voxels along a random way, as a drill does, and lets the contact volume know.
+void drill(HapticVolume& volume, ContactVolume& contact, std::uint64_t seed, const std::atomic<bool>& stop) {
+  std::mt19937_64 rng(seed);
+  Grid<std::int16_t>& v = volume.voxels;
+  while (!stop) {
+    Box box;
+    for (std::size_t a = 0; a < 3; ++a) {
+      box.begin[a] = int(rng() % std::uint64_t(v.size[a] - 3));
+      box.end[a] = box.begin[a] + 3;
+    }
+    contact.loosen(box);
+    for (int k = box.begin[2]; k < box.end[2]; ++k)
+      for (int j = box.begin[1]; j < box.end[1]; ++j)
+        for (int i = box.begin[0]; i < box.end[0]; ++i)
+          __atomic_store_n(&v.at(i, j, k), std::int16_t(haptic_empty), __ATOMIC_RELAXED);
+    Box around;
+    for (std::size_t a = 0; a < 3; ++a) {
+      around.begin[a] = std::max(0, box.begin[a] - 2);
+      around.end[a] = std::min(v.size[a], box.end[a] + 2);
+    }
+    contact.settle(around);
+    sleep_ms(int(rng() % 20));
+  }
+}
+
+// A client that strokes, jumps and rests, sends some poses twice, and whose last pose may not be finite.
+void client_of(int port, std::uint64_t seed, bool ends_badly, const std::atomic<bool>& stop) {
+  std::mt19937_64 rng(seed);
+  UdpClient client(port, std::uint32_t(seed));
+  UdpForce answer;
+  Vec3 at{0, 0, 30}, to = at;
+  while (!stop) {
+    if (rng() % 50 == 0) to = Vec3{uniform(rng, -25, 25), uniform(rng, -25, 25), uniform(rng, -25, 25)};
+    if (rng() % 500 == 0) at = to;
+    at += (to - at) * 0.05;
+    if (rng() % 20 == 0)
+      client.next.reading.axis = normalized(Vec3{uniform(rng, -1, 1), uniform(rng, -1, 1), 1 + uniform(rng, 0, 1)});
+    client.next.reading.buttons = std::uint32_t(rng() % 4);
+    client.send_pose(at);
+    if (rng() % 30 == 0) client.again();
+    client.receive(answer, 1);
+    EXPECT_TRUE(is_finite(answer.force_n));
+  }
+  if (ends_badly) client.send_pose(Vec3{} / 0.0);
+}
+
+void stranger_of(int port, std::uint64_t seed, const std::atomic<bool>& stop) {
+  std::mt19937_64 rng(seed);
+  UdpClient client(port, 99);
+  while (!stop) {
+    std::vector<std::uint8_t> bytes(rng() % 200);
+    for (std::uint8_t& b : bytes) b = std::uint8_t(rng());
+    client.send_bytes(bytes.data(), bytes.size());
+    if (rng() % 10 == 0) client.send_pose({0, 0, 0});
+    sleep_ms(int(rng() % 5));
+  }
+}
+
+struct Seen {
+  std::uint64_t episodes = 0, ticks = 0, touching = 0, poses = 0, lost = 0;
+};
+
+// One scene, one device, one tool, for about that long.
+void episode(std::uint64_t seed, double seconds, Seen& seen) {
+  std::mt19937_64 rng(seed);
+  HapticVolume volume = balls(rng);
+  ContactParams contact_params;
+  if (rng() % 3 == 0) contact_params.surface = ContactParams::Surface::nearest;
+  if (rng() % 4 == 0) contact_params.walk = ContactParams::Walk::stepped;
+  ContactVolume contact(volume, contact_params);
+  Feels feels = untouchable();
+  for (const std::size_t n : {1u, 2u}) {
+    feels[n].front = face(uniform(rng, 0.1, 1.5), 0.4, 0.3, rng() % 2 ? uniform(rng, 0.2, 2) : 0, 0.0005);
+    feels[n].back = face(0.3, 0.2, 0.1);
+    feels[n].drag_n_s_per_mm = 0.001;
+    feels[n].shaft_friction_n_per_mm = 0.01;
+  }
+  ToolParams tool_params;
+  tool_params.tool = ToolParams::Kind(rng() % 6);
+  ShaftParams shaft;
+  shaft.shaft_length_mm = rng() % 2 ? 30 : 0;
+  const ForceParams force;
+  Proxy proxy(contact, feels, force, shaft, make_tool(tool_params));
+
+  const bool by_udp = rng() % 2 == 0;
+  ServoParams params;
+  params.realtime = false;
+  params.paced = by_udp || rng() % 2 == 0;
+  params.rate_hz = params.paced ? 500.0 * double(1 + rng() % 4) : 1000;
+  std::unique_ptr<Device> device;
+  UdpDevice* udp = nullptr;
+  std::vector<std::thread> threads;
+  std::atomic<bool> stop{false}, client_stop{false};
+  const bool ends_badly = rng() % 3 == 0, drilled = rng() % 2 == 0;
+  if (by_udp) {
+    UdpParams p;
+    p.port = 0;
+    p.timeout_ms = rng() % 4 == 0 ? 20 : 2000;
+    auto made = std::make_unique<UdpDevice>(p);
+    udp = made.get();
+    device = std::move(made);
+    threads.emplace_back(client_of, udp->port(), rng(), ends_badly, std::cref(client_stop));
+    threads.emplace_back(stranger_of, udp->port(), rng(), std::cref(stop));
+    udp->wait(Progress{});
+  } else {
+    HandPathParams task;
+    task.radius_mm = uniform(rng, 0, 4);
+    task.depth_mm = uniform(rng, 0, 6);
+    HandPath path = path_over(contact, touchable_of(feels), task);
+    device = std::make_unique<SimulatedHand>(HandParams{}, std::move(path.points_mm), path.loop_from);
+  }
+  FrameQueue queue(1 << 12);
+  Servo servo(proxy, *device, params, &queue);
+  std::atomic<bool> done{false};
+  std::thread servo_thread([&] {
+    servo.run(std::uint64_t(-1), stop);
+    done = true;
+  });
+  if (drilled) threads.emplace_back(drill, std::ref(volume), std::ref(contact), rng(), std::cref(stop));
+
+  std::vector<ServoFrame> frames;
+  Vec3 last;
+  std::uint64_t next = 0, ticks = 0;
+  const auto end = Clock::now() + std::chrono::milliseconds(std::int64_t(1000 * seconds));
+  const auto look = [&] {
+    frames.clear();
+    queue.drain(frames);
+    for (const ServoFrame& f : frames) {
+      const Vec3 is{f.force_n[0], f.force_n[1], f.force_n[2]};
+      ASSERT_TRUE(is_finite(is)) << "seed " << seed;
+      ASSERT_LE(norm(is), force.max_force_n + 1e-9) << "seed " << seed;
+      if (f.faults != 0) {
+        ASSERT_EQ(is, Vec3{}) << "seed " << seed;
+      } else if (f.tick == next && f.tick > 0) {  // none was dropped between
+        ASSERT_LE(norm(is - last), force.max_force_rate_n_per_s * f.dt_s + 1e-9) << "seed " << seed;
+      }
+      next = f.tick + 1;
+      last = is;
+    }
+    ASSERT_GE(servo.ticks_done(), ticks);
+    ticks = servo.ticks_done();
+    (void)device->counts();
+  };
+  while (Clock::now() < end && !testing::Test::HasFatalFailure()) {
+    look();
+    sleep_ms(5);
+  }
+  client_stop = true;
+  if (udp) sleep_ms(60);
+  stop = true;
+  servo_thread.join();
+  for (std::thread& t : threads) t.join();
+  look();
+  ++seen.episodes;
+  seen.ticks += servo.statistics().ticks;
+  seen.touching += servo.statistics().touching;
+  seen.lost += (servo.statistics().faults & haptic_fault::device_lost) != 0;
+  if (udp) seen.poses += device->counts()[0].second;
+}
+
+void session(double seconds, std::uint64_t seed) {
+  Seen seen;
+  const auto begin = Clock::now();
+  while (Clock::now() - begin < std::chrono::duration<double>(seconds) && !testing::Test::HasFatalFailure())
+    episode(seed++, std::min(2.0, 0.25 * seconds), seen);
+  std::printf("  %llu episodes, %llu ticks, %llu in contact, %llu poses by UDP, %llu devices lost\n",
+              static_cast<unsigned long long>(seen.episodes), static_cast<unsigned long long>(seen.ticks),
+              static_cast<unsigned long long>(seen.touching), static_cast<unsigned long long>(seen.poses),
+              static_cast<unsigned long long>(seen.lost));
+  EXPECT_GT(seen.ticks, 100u);
+  EXPECT_GT(seen.touching, 0u);
+}
+
+}  // namespace
+
+TEST(HapticsSession, RandomForThreeSeconds) { session(3, 1); }
+
+TEST(LongHapticsSession, RandomForTenMinutes) { session(600, 1000); }
