@@ -105,8 +105,10 @@ TEST(TradeChoice, ProfilesAreTheEndsAndTheKneeOfTheFront) {
   EXPECT_EQ(chosen("standard"), "knee");
   EXPECT_EQ(chosen("fine"), "fine");
   EXPECT_THROW(chosen("best"), Error);
-  // Of one point all three are it.
   rule.profile = "standard";
+  // Of two there is no knee: accuracy.
+  EXPECT_EQ(choose({point("slow", 30, 0.17, 4), point("quick", 27, 1.1, 4)}, rule).point.name, "slow");
+  // Of one point all three are it.
   EXPECT_EQ(choose({point("only", 1, 0.1, 4)}, rule).point.name, "only");
 }
 

@@ -55,13 +55,14 @@ std::string figures(const TradePoint& p) {
          number(std::round(p.deviation_rms_mm * 1e4) / 1e4) + " mm RMS";
 }
 
-// Of the front in logarithmic axes, how far each point lies below the line from its first to its last.
+// Of the front in logarithmic axes, the point farthest below the line from its first to its last; where none is, the
+// last: what costs accuracy and gains little is for those who ask for a draft.
 std::size_t knee_of(const std::vector<TradePoint>& points, const std::vector<std::size_t>& front) {
   const auto x = [&](std::size_t i) { return std::log(std::max(points[front[i]].seconds, 1e-6)); };
   const auto y = [&](std::size_t i) { return std::log(std::max(points[front[i]].deviation_rms_mm, 1e-6)); };
   const std::size_t last = front.size() - 1;
   const double dx = x(last) - x(0), dy = y(last) - y(0);
-  std::size_t best = 0;
+  std::size_t best = last;
   double deepest = 0;
   for (std::size_t i = 1; i < last; ++i) {
     const double below = dx * (y(0) - y(i)) - dy * (x(0) - x(i));
