@@ -9,7 +9,7 @@
 namespace trephine {
 namespace {
 
-constexpr int most_passes = 10, turning_passes = 5;
+constexpr int most_passes = 10, turning_passes = 3;
 constexpr double same_surface = 0.8;
 constexpr double cancels = 0.2;        // of the normals' lengths together
 constexpr double most_turn_rad = 0.5;  // a frame
