@@ -14,7 +14,9 @@ namespace trephine {
 namespace {
 
 #ifndef TREPHINE_HEADLESS
-std::unique_ptr<tbb::global_control> g_limit;
+// Never destroyed: with the limit gone TBB starts threads at the end of the process, and where it cannot, memory being
+// short, it ends it by an exception.
+std::unique_ptr<tbb::global_control>& g_limit = *new std::unique_ptr<tbb::global_control>;
 #endif
 int g_count = 0;
 
