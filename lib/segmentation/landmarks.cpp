@@ -17,8 +17,9 @@ namespace {
 using namespace segmentation;
 
 constexpr double tangent_mm = 5, middle_depth_mm = 70, tragi_to_nasion_deg = 20;
-constexpr double least_confidence = 0.05;  ///< of a landmark that is kept
-constexpr double least_symmetry = 0.15;    ///< of a plane without which there is no head
+constexpr double least_lopsided_mm = 3.5, most_lopsided_mm = 10;  ///< tragi against each other's mirror image
+constexpr double least_confidence = 0.05;                         ///< of a landmark that is kept
+constexpr double least_symmetry = 0.15;                           ///< of a plane without which there is no head
 const char* const how_to_give =
     "give nasion, inion, tragus_left and tragus_right (landmarks: {nasion: [x, y, z], ...}, mm, LPS; or a .mrk.json "
     "or .fcsv of 3D Slicer)";
@@ -58,6 +59,7 @@ class Finder {
       const char* name = side > 0 ? "tragus_left" : "tragus_right";
       if (!out_.find(name)) add(name, find_tragus(skin, head_, side), "found", "no ear with its concha");
     }
+    doubt_lopsided_tragi();
     progress.report(0.8);
     level_frame();
     if (!out_.find("vertex")) {
@@ -180,6 +182,20 @@ class Finder {
     if (std::abs(turn) > 40 * degree) return;
     head_.back = head_.back * std::cos(turn) - head_.up * std::sin(turn);
     head_.up = cross(head_.left, head_.back);
+  }
+
+  /// Ears are not lopsided by as much as a wrong rim is off, and which of the two is wrong is not known.
+  void doubt_lopsided_tragi() {
+    CaseLandmark* tragi[2] = {nullptr, nullptr};
+    for (CaseLandmark& l : out_.landmarks)
+      if (l.name == "tragus_left" || l.name == "tragus_right") tragi[l.name == "tragus_left" ? 0 : 1] = &l;
+    if (!tragi[0] || !tragi[1]) return;
+    const MidsagittalPlane& p = out_.midsagittal;
+    const Vec3 left = tragi[0]->position_mm;
+    const double apart_mm = norm(left - p.normal * (2 * dot(left - p.point_mm, p.normal)) - tragi[1]->position_mm);
+    report_.add("tragi_asymmetry_mm", apart_mm);
+    for (CaseLandmark* l : tragi)
+      if (!given(l->name.c_str())) l->confidence *= ramp(apart_mm, most_lopsided_mm, least_lopsided_mm);
   }
 
   /// Turns the axes so that the line from the tragi to the nasion rises by 20 degrees to the front, as it does where

@@ -16,6 +16,8 @@ namespace {
 constexpr double step_mm = 0.7, half_width_mm = 22;
 /// Walls up to this thick (twice the distance) are crossed where the foramen was not resolved.
 constexpr double most_outside_mm = 2.0;
+/// A foramen of this radius is seen in any noise; its narrowest part is so short, and hardly as long as the longest.
+constexpr double wide_mm = 1.3, short_mm = 4, longest_mm = 16;
 
 /// Signed distance to the ventricles' surface, positive inside, on a raster along the head's axes: x to the left, y to
 /// the back, z up.
@@ -181,14 +183,18 @@ std::vector<std::size_t> way(const Grid<float>& d, const std::vector<char>& seed
   return {};
 }
 
-/// The foramina mirror each other about the septum (at `septum_mm` to the left): two that do not are doubtful, and a
-/// missing or doubtful one is taken from a sure one.
+/// The foramina mirror each other about the septum (at `septum_mm` to the left): the less two of them do, the less sure
+/// both are, and a missing or doubtful one is taken from a sure one.
 void check_pair(std::array<std::optional<FoundPoint>, 2>& found, const HeadFrame& head, double septum_mm) {
   const auto mirrored = [&](Vec3 p) { return p - head.left * (2 * (dot(p - head.origin_mm, head.left) - septum_mm)); };
-  constexpr double most_apart_mm = 4, of_a_mirrored = 0.5;
-  const bool agree =
-      found[0] && found[1] && norm(mirrored(found[0]->position_mm) - found[1]->position_mm) < most_apart_mm;
-  if (agree) return;
+  constexpr double least_apart_mm = 1, most_apart_mm = 4, of_a_mirrored = 0.5;
+  const double apart_mm = found[0] && found[1] ? norm(mirrored(found[0]->position_mm) - found[1]->position_mm) : 1e9;
+  if (apart_mm < most_apart_mm) {
+    // Two that are 4 mm apart are off by 2 mm each at least.
+    for (auto& p : found)
+      p->confidence = std::min(p->confidence, 0.5 + 0.5 * ramp(apart_mm, most_apart_mm, least_apart_mm));
+    return;
+  }
   for (int s = 0; s < 2; ++s) {
     const auto &here = found[s], &there = found[1 - s];
     if (there && there->confidence > 0.6 && (!here || here->confidence < 0.6)) {
@@ -290,8 +296,12 @@ std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles,
     FoundPoint p;
     p.position_mm =
         local.to_world(middle_of_passage(local, path, from, to, local.corner_mm.x + *column * step_mm, side));
-    // Open: sure; where a wall was crossed, the less the thicker it is.
-    p.confidence = d.voxels[path[narrow]] > 0 ? 1 : ramp(d.voxels[path[narrow]], -most_outside_mm, 0) * 0.8;
+    // Wide: sure. A narrow one may be a gap that noise made or moved, a long one has no narrowest place; where a wall
+    // was crossed, the less the thicker it is.
+    const double radius_mm = d.voxels[path[narrow]];
+    p.confidence = radius_mm > 0 ? std::min(0.8 + 0.2 * ramp(radius_mm, 0, wide_mm),
+                                            ramp(double(to - from) * step_mm, longest_mm, short_mm))
+                                 : ramp(radius_mm, -most_outside_mm, 0) * 0.8;
     found[s] = p;
   }
   check_pair(found, head, local.corner_mm.x + *column * step_mm);
