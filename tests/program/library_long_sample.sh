@@ -66,7 +66,6 @@ assert built["built"] == 30 and built["failed"] == 0, built["failures"]
 cases = collections.Counter()
 for run in pathlib.Path(sys.argv[2]).glob("*/run.json"):
     stages = {name: s["seconds"] for name, s in json.load(open(run))["stages"].items() if s["state"] == "computed"}
-    assert "ventricles.smooth" in stages or run.parent.name.endswith("voxels"), (run, stages)
     again = {n: s for n, s in stages.items() if not n.startswith("ventricles.") and n != "haptic.mismatch"}
     assert set(again) <= {"import", "skin.normals", "brain.normals"}, (run, again)
     cases.update(stages)
