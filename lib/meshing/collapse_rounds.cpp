@@ -15,8 +15,8 @@ namespace {
 constexpr double round_share = 0.35;
 /// Points carry once so many times the target is left.
 constexpr double carry_from = 2.5;
-/// The rounds end at so many times the target, or at this count.
-constexpr double rounds_to = 1.1;
+/// The rounds end at so many times the target, with a limit (there each attempt takes long), or at this count.
+constexpr double rounds_to = 1.1, limited_rounds_to = 1.03;
 constexpr std::size_t rounds_to_count = 20000;
 /// A round that takes less than this share of the triangles is the last; while points are yet to be carried the second.
 constexpr double least_progress = 0.03, least_uncarried_progress = 0.1;
@@ -267,8 +267,10 @@ bool EdgeCollapse::run(std::size_t target, const Progress& progress) {
       std::fill(rejected_.begin(), rejected_.end(), 0);
       take_up();
       undo_beyond();
-      rounds(target, floor_of(rounds_to), limited, progress.part(0.5, 0.9));
+      rounds(target, floor_of(limited_rounds_to), limited, progress.part(0.5, 0.9));
     }
+  } else if (bounded && mesh_.live_triangles() > floor_of(limited_rounds_to)) {  // some were undone
+    rounds(target, floor_of(limited_rounds_to), limited, progress.part(0, 0.9));
   }
   finish(target, limited, progress.part(0.9, 1));
   if (!carried_.carries()) take_up();

@@ -12,6 +12,10 @@ namespace trephine {
 namespace {
 
 constexpr std::int64_t grain = 2048;
+/// Share of the limit from which distances are exact.
+constexpr double exact_share = 0.85;
+/// Triangles of the input that are passed over together.
+constexpr std::int64_t block = 32;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double mean_edge_of(const TriMesh& mesh) {
@@ -63,7 +67,7 @@ DeviationMeter::DeviationMeter(const NearInput& input, double limit_mm, double b
       edge_(mean_edge_of(input_)),
       spacing_(limit_mm > 0 ? std::clamp(1.5 * limit_mm, edge_ / 4, edge_) : 2 * edge_),
       raster_beyond2_(limit_mm > 0 ? 36 * limit2_ : infinity),
-      exact_beyond2_(limit_mm > 0 ? 0.6 * 0.6 * limit2_ : edge_ * edge_ / 16),
+      exact_beyond2_(limit_mm > 0 ? exact_share * exact_share * limit2_ : edge_ * edge_ / 16),
       raster_of_(input_.triangles.size(), CollapseMesh::none) {}
 
 /// Without the tree, where it takes one: an upper bound, and the lack of it.
@@ -189,14 +193,30 @@ void DeviationMeter::input_unproven(const TriMesh& plain, const TriangleTree& tr
   const auto search = [&](NearbyPlace& p) {
     p.distance = std::sqrt(tree.squared_distance(p.at, p.distance * p.distance, &p.triangle));
   };
+  if (block_boxes_.empty()) {
+    block_boxes_.resize((triangles + block - 1) / block);
+    for (std::int64_t t = 0; t < triangles; ++t)
+      for (const std::uint32_t v : input_.triangles[t]) block_boxes_[t / block].add(input_.points_mm[v]);
+  }
   MarkedCells stale(input_, std::max(2 * bound_, 2 * edge_));
   for (const auto& t : gone_) stale.mark(t, bound_);
   gone_.clear();
   input_proven_.resize(input_.triangles.size(), 0);
+  const auto block_proven = [&](std::int64_t t, const MarkedCells& cells) {
+    const auto begin = input_proven_.begin() + t, end = begin + std::min(block, triangles - t);
+    if (std::find(begin, end, 0) != end) return false;
+    const FloatBox& b = block_boxes_[t / block];
+    const Vec3 low{b.min[0], b.min[1], b.min[2]}, high{b.max[0], b.max[1], b.max[2]};
+    return !cells.any({low, high, low});
+  };
   parallel_for(0, triangles, grain, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     std::vector<std::array<NearbyPlace, 3>> stack;
     for (std::int64_t t = from; t < to; ++t) {
+      if (t % block == 0 && block_proven(t, stale)) {
+        t += block - 1;
+        continue;
+      }
       const auto& v = input_.triangles[t];
       const std::array<Vec3, 3> place{input_.points_mm[v[0]], input_.points_mm[v[1]], input_.points_mm[v[2]]};
       if (input_proven_[t] && !stale.any(place)) continue;
@@ -234,11 +254,21 @@ void DeviationMeter::from_input(const TriMesh& plain, const TriangleTree& tree,
     exact_beyond2 = std::max(exact_beyond2, carried.squared_distance(p));
   exact_beyond2 = std::min(exact_beyond2, exact_beyond2_);
   forward_.resize(found.size());
+  std::vector<char> changed(found.size(), first);
+  if (!first) {
+    for (std::uint32_t p = 0; p < input_.points_mm.size(); ++p)
+      if (carried.moved(p))
+        for (std::uint32_t n = near_.incidence().begin[p]; n < near_.incidence().begin[p + 1]; ++n)
+          changed[near_.incidence().triangle[n] / grain] = 1;
+    for (std::int64_t t = 0; t < triangles; ++t)
+      if (input_beyond_[t]) changed[t / grain] = 1;
+  }
   // The distance to one triangle is a convex function: between points of one carrier it is at most their mean.
   // A triangle samples its middle, the middles of the sides that it runs upwards, and the points that it is the first
   // to use; again only where what carries its points changed.
   parallel_for(0, triangles, grain, [&](std::int64_t from, std::int64_t to) {
     progress.check();
+    if (!changed[from / grain]) return;
     auto& distances = forward_[from / grain];
     std::size_t slot = 0;
     for (std::int64_t t = from; t < to; ++t) {

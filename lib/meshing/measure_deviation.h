@@ -33,7 +33,7 @@ class DeviationMeter {
   /// triangles at samples beyond the limit, or that carry the points beside them, ascending; where there is none, those
   /// that are not proven to lie within the bound, or at which the input is not. Distances are upper
   /// bounds, from what carries a point or from the triangles around the nearest point; they are exact where they exceed
-  /// three fifths of the limit (without one: a quarter of the mean edge).
+  /// 0.85 of the limit (without one: a quarter of the mean edge).
   std::vector<std::uint32_t> measure(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of,
                                      CarriedPoints& carried, const Progress& progress);
   /// Of the last measurement.
@@ -73,6 +73,7 @@ class DeviationMeter {
   std::vector<std::uint32_t> live_;          ///< rasters of the last measurement
   std::vector<std::array<Vec3, 3>> gone_;    ///< triangles that are no longer there, since input_unproven
   std::vector<char> input_proven_;           ///< by triangles of the input
+  std::vector<FloatBox> block_boxes_;        ///< of some of these together
 };
 
 }  // namespace trephine

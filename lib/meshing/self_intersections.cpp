@@ -87,6 +87,8 @@ struct Boxes {
   std::array<std::vector<float>, 3> min, max;
   std::vector<std::uint32_t> number;  ///< in the tree's order
   std::vector<std::int32_t> hit;
+  std::vector<std::uint32_t> met;  ///< the first met_count: which of them meet
+  std::size_t met_count = 0;
   void clear() {
     for (int a = 0; a < 3; ++a) min[a].clear(), max[a].clear();
     number.clear();
@@ -95,16 +97,24 @@ struct Boxes {
     for (int a = 0; a < 3; ++a) min[a].push_back(box.min[a]), max[a].push_back(box.max[a]);
     number.push_back(n);
   }
-  /// Sets hit where a box meets this one.
-  void meet(const FloatBox& b) {
-    hit.resize(number.size());
+  /// Finds those from `first` on that meet this box.
+  void meet(const FloatBox& b, std::size_t first) {
+    if (hit.size() < number.size()) {
+      hit.resize(number.size());
+      met.resize(number.size());
+    }
     const float *x0 = min[0].data(), *y0 = min[1].data(), *z0 = min[2].data();
     const float *x1 = max[0].data(), *y1 = max[1].data(), *z1 = max[2].data();
     const float bx0 = b.min[0], by0 = b.min[1], bz0 = b.min[2], bx1 = b.max[0], by1 = b.max[1], bz1 = b.max[2];
     std::int32_t* h = hit.data();
     const std::size_t count = number.size();
-    for (std::size_t n = 0; n < count; ++n)
+    for (std::size_t n = first; n < count; ++n)
       h[n] = (x0[n] <= bx1) & (bx0 <= x1[n]) & (y0[n] <= by1) & (by0 <= y1[n]) & (z0[n] <= bz1) & (bz0 <= z1[n]);
+    met_count = 0;
+    for (std::size_t n = first; n < count; ++n) {
+      met[met_count] = number[n];
+      met_count += static_cast<std::size_t>(h[n]);
+    }
   }
 };
 
@@ -159,10 +169,11 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh
       for (std::size_t n = TriangleTree::width * leaf; n < end_of(leaf); ++n)
         if (box.meets(tree.box(n))) boxes.add(tree.box(n), static_cast<std::uint32_t>(n));
     });
+    std::size_t after = 0;  // their numbers ascend
     for (std::size_t m = begin; m < end; ++m) {
-      boxes.meet(tree.box(m));
-      for (std::size_t n = 0; n < boxes.number.size(); ++n)
-        if (boxes.hit[n] && boxes.number[n] > m) test(order[m], order[boxes.number[n]], out);
+      while (after < boxes.number.size() && boxes.number[after] <= m) ++after;
+      boxes.meet(tree.box(m), after);
+      for (std::size_t n = 0; n < boxes.met_count; ++n) test(order[m], order[boxes.met[n]], out);
     }
   };
   parallel_for(0, jobs, grain, [&](std::int64_t from, std::int64_t to) {

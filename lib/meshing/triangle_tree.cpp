@@ -31,24 +31,27 @@ std::uint64_t spread(std::uint64_t v) {
 
 constexpr std::int64_t grain = 16384;
 
-/// By their first, stable: eleven bits at a time, those in which all keys agree left out.
+/// By both: the upper bits of the first eleven at a time, and the few that agree in these one against another.
 void sort_by_key(std::vector<std::pair<std::uint64_t, std::uint32_t>>& keys) {
   if (keys.size() < 4096) {
     std::sort(keys.begin(), keys.end());
     return;
   }
-  constexpr int bits = 11;
-  std::uint64_t differ = 0;
-  for (const auto& k : keys) differ |= k.first ^ keys.front().first;
+  constexpr int bits = 11, lowest = 63 - 3 * bits;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> other(keys.size());
-  for (int shift = 0; shift < 64; shift += bits) {
-    if ((differ >> shift & ((1 << bits) - 1)) == 0) continue;
+  for (int shift = lowest; shift < 63; shift += bits) {
     std::array<std::uint32_t, 1 << bits> at{};
     for (const auto& k : keys) ++at[k.first >> shift & ((1 << bits) - 1)];
     std::uint32_t sum = 0;
     for (std::uint32_t& a : at) sum += std::exchange(a, sum);
     for (const auto& k : keys) other[at[k.first >> shift & ((1 << bits) - 1)]++] = k;
     keys.swap(other);
+  }
+  for (auto from = keys.begin(); from != keys.end();) {
+    auto to = from + 1;
+    while (to != keys.end() && to->first >> lowest == from->first >> lowest) ++to;
+    if (to - from > 1) std::sort(from, to);
+    from = to;
   }
 }
 
