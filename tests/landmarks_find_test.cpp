@@ -189,6 +189,22 @@ TEST(LandmarksFind, GivenOnesWinAndAreMeasuredFrom) {
   EXPECT_EQ(both.landmarks.size(), find(scene()).landmarks.size() + 1);
 }
 
+TEST(LandmarksFind, TragiThatDoNotMirrorEachOtherAreDoubtful) {
+  // Which of the two is wrong cannot be known; what a person gave stays sure.
+  double before = 2;
+  for (const double off_mm : {0.0, 3.0, 12.0}) {
+    LandmarkInputs in = scene().inputs();
+    in.given = {{"tragus_left", scene().head.landmark("tragus_left") + Vec3{0, -off_mm, 0}, 1, "given"}};
+    Report report;
+    const HeadLandmarks found = find_landmarks(scene().volume, in, as_the_truth(), report);
+    EXPECT_EQ(confidence(found, "tragus_left"), 1);
+    EXPECT_LT(confidence(found, "tragus_right"), before) << off_mm;
+    before = confidence(found, "tragus_right");
+    EXPECT_NEAR(std::get<double>(*report.find("tragi_asymmetry_mm")), off_mm, 5) << "the head itself is lopsided";
+  }
+  EXPECT_LT(before, 0.3);
+}
+
 TEST(LandmarksFind, KochersPointIsThatOfTheBurrHole) {
   LandmarkParams params;
   Report report;
