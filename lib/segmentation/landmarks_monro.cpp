@@ -187,20 +187,20 @@ std::vector<std::size_t> way(const Grid<float>& d, const std::vector<char>& seed
 /// both are, and a missing or doubtful one is taken from a sure one.
 void check_pair(std::array<std::optional<FoundPoint>, 2>& found, const HeadFrame& head, double septum_mm) {
   const auto mirrored = [&](Vec3 p) { return p - head.left * (2 * (dot(p - head.origin_mm, head.left) - septum_mm)); };
-  constexpr double least_apart_mm = 1, most_apart_mm = 4, of_a_mirrored = 0.5;
+  constexpr double least_apart_mm = 1, doubtful_apart_mm = 2, most_apart_mm = 4, of_a_mirrored = 0.5;
   const double apart_mm = found[0] && found[1] ? norm(mirrored(found[0]->position_mm) - found[1]->position_mm) : 1e9;
-  if (apart_mm < most_apart_mm) {
-    // Two that are 4 mm apart are off by 2 mm each at least.
-    for (auto& p : found)
-      p->confidence = std::min(p->confidence, 0.5 + 0.5 * ramp(apart_mm, most_apart_mm, least_apart_mm));
-    return;
-  }
-  for (int s = 0; s < 2; ++s) {
+  for (int s = 0; s < 2 && apart_mm > doubtful_apart_mm; ++s) {
     const auto &here = found[s], &there = found[1 - s];
     if (there && there->confidence > 0.6 && (!here || here->confidence < 0.6)) {
       found[s] = FoundPoint{mirrored(there->position_mm), of_a_mirrored * there->confidence};
       return;
     }
+  }
+  if (apart_mm < most_apart_mm) {
+    // Two that are 4 mm apart are off by 2 mm each at least.
+    for (auto& p : found)
+      p->confidence = std::min(p->confidence, 0.5 + 0.5 * ramp(apart_mm, most_apart_mm, least_apart_mm));
+    return;
   }
   for (auto& p : found)
     if (p) p->confidence *= 0.5;
