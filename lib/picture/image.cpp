@@ -22,7 +22,7 @@ png_image header() {
 Image::Image(int w, int h, Rgb fill) : width(w), height(h), rgb(std::size_t(w) * h * 3) {
   std::array<std::uint8_t, 3> bytes{};
   for (int c = 0; c < 3; ++c) bytes[c] = static_cast<std::uint8_t>(std::lround(std::clamp(fill[c], 0.0, 1.0) * 255));
-  for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = bytes[i % 3];
+  for (std::size_t i = 0; i < rgb.size(); i += 3) std::copy(bytes.begin(), bytes.end(), rgb.data() + i);
 }
 
 std::string encode_png(const Image& image) {

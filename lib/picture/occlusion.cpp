@@ -12,38 +12,39 @@ namespace {
 constexpr int sample_count = 24, turns = 7, tile = 4;
 
 struct Offset {
-  float x, y;
+  int x, y;  // pixels
 };
 
 // A spiral, turned by another angle at each pixel of a 4 x 4 tile; the blur over such a tile takes its pattern away.
-std::vector<Offset> spirals() {
+std::vector<Offset> spirals(float radius_px) {
   constexpr double full = 6.283185307179586;
   std::vector<Offset> out;
   for (int cell = 0; cell < tile * tile; ++cell)
     for (int k = 0; k < sample_count; ++k) {
       const double radius = (k + 0.5) / sample_count;
       const double angle = full * (radius * turns + (cell * 7 % (tile * tile)) / double(tile * tile));
-      out.push_back({float(radius * std::cos(angle)), float(radius * std::sin(angle))});
+      const auto pixels = [&](double v) { return static_cast<int>(std::lround(float(v) * radius_px)); };
+      out.push_back({pixels(radius * std::cos(angle)), pixels(radius * std::sin(angle))});
     }
   return out;
 }
 
-float hidden_at(const SurfaceBuffer& b, int x, int y, const Offset* offsets, float radius_px, float radius_mm) {
+float hidden_at(const SurfaceBuffer& b, int x, int y, const Offset* offsets, float radius_mm) {
   const std::size_t at = std::size_t(y) * b.width + x;
   const auto &p = b.position[at], &n = b.normal[at];
   float sum = 0;
   for (int k = 0; k < sample_count; ++k) {
-    const int i = x + static_cast<int>(std::lround(offsets[k].x * radius_px));
-    const int j = y + static_cast<int>(std::lround(offsets[k].y * radius_px));
+    const int i = x + offsets[k].x, j = y + offsets[k].y;
     if (i < 0 || j < 0 || i >= b.width || j >= b.height) continue;
     const std::size_t other = std::size_t(j) * b.width + i;
-    if (!b.covered[other]) continue;
     const auto& q = b.position[other];
     const float v[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
+    const float along = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
+    if (!(along > 0)) continue;  // nor where nothing is
     const float length2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     const float near = 1 - length2 / (radius_mm * radius_mm * 1.5f);
     if (!(near > 0) || !(length2 > 0)) continue;
-    const float cosine = (v[0] * n[0] + v[1] * n[1] + v[2] * n[2]) / std::sqrt(length2);
+    const float cosine = along / std::sqrt(length2);
     sum += std::max(0.f, cosine - 0.05f) * near;
   }
   return sum / sample_count;
@@ -52,16 +53,14 @@ float hidden_at(const SurfaceBuffer& b, int x, int y, const Offset* offsets, flo
 }  // namespace
 
 std::vector<float> openness(const SurfaceBuffer& b, const Camera& camera, double radius_mm) {
-  static const std::vector<Offset> offsets = spirals();
   std::vector<float> raw(b.covered.size(), 0.f), out(b.covered.size(), 1.f);
-  const float radius_px = static_cast<float>(radius_mm * camera.px_per_mm);
+  const std::vector<Offset> offsets = spirals(static_cast<float>(radius_mm * camera.px_per_mm));
   parallel_for(0, b.height, 16, [&](std::int64_t from, std::int64_t to) {
     for (int y = static_cast<int>(from); y < to; ++y)
       for (int x = 0; x < b.width; ++x)
         if (b.covered[std::size_t(y) * b.width + x])
-          raw[std::size_t(y) * b.width + x] =
-              hidden_at(b, x, y, offsets.data() + (y % tile * tile + x % tile) * sample_count, radius_px,
-                        static_cast<float>(radius_mm));
+          raw[std::size_t(y) * b.width + x] = hidden_at(
+              b, x, y, offsets.data() + (y % tile * tile + x % tile) * sample_count, static_cast<float>(radius_mm));
   });
   parallel_for(0, b.height, 16, [&](std::int64_t from, std::int64_t to) {
     for (int y = static_cast<int>(from); y < to; ++y)

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -143,7 +144,8 @@ struct Pixels {
 
 class BandPainter {
  public:
-  BandPainter(const Scene& scene, Pixels& pixels) : s_(scene), pixels_(pixels), layers_(scene.surfaces.size()) {}
+  BandPainter(const Scene& scene, Pixels& pixels)
+      : s_(scene), pixels_(pixels), layers_(scene.surfaces.size()), last_(std::size_t(scene.params.width)) {}
 
   void paint(int band) {
     const int width = s_.params.width * s_.samples, rows = s_.params.height * s_.samples;
@@ -184,7 +186,7 @@ class BandPainter {
     Light& shadowed = pixels_.shadowed[pixel];
     float left = 1.f / static_cast<float>(s_.samples * s_.samples);
     for (const Fragment& f : found_) {
-      const Lit l = lit(s_, f, x, y);
+      const Lit& l = lit_once(f, x, y, pixel);
       const float share = left * static_cast<float>(l.opacity);
       Light& sum = l.opacity >= 1 ? shadowed : open;
       for (int c = 0; c < 3; ++c) sum[c] += l.colour[c] * share;
@@ -198,6 +200,14 @@ class BandPainter {
     for (int c = 0; c < 3; ++c) open[c] += back[c] * left;
   }
 
+  // Within a pixel a triangle looks the same: it is lit where the first of its samples lies.
+  const Lit& lit_once(const Fragment& f, int x, int y, std::size_t pixel) {
+    Last& last = last_[pixel % last_.size()];
+    if (last.pixel != pixel || last.surface != f.surface || last.triangle != f.triangle || last.cap != f.cap)
+      last = {pixel, f.surface, f.triangle, f.cap, lit(s_, f, x, y)};
+    return last.light;
+  }
+
   void remember(std::size_t pixel, const Lit& l) {
     pixels_.buffer.covered[pixel] = 1;
     for (int c = 0; c < 3; ++c) {
@@ -206,9 +216,18 @@ class BandPainter {
     }
   }
 
+  struct Last {
+    std::size_t pixel = ~std::size_t{0};
+    int surface = 0;
+    std::uint32_t triangle = 0;
+    bool cap = false;
+    Lit light{};
+  };
+
   const Scene& s_;
   Pixels& pixels_;
   std::vector<Layer> layers_;
+  std::vector<Last> last_;  // of each column of pixels
   std::vector<Fragment> found_;
 };
 
@@ -258,7 +277,8 @@ Image render_surfaces(const std::vector<SurfaceView>& surfaces, const RenderPara
   pixels.shadowed.resize(count);
   pixels.buffer.width = params.width;
   pixels.buffer.height = params.height;
-  pixels.buffer.position.resize(count);
+  constexpr float nowhere = std::numeric_limits<float>::quiet_NaN();
+  pixels.buffer.position.resize(count, {nowhere, nowhere, nowhere});
   pixels.buffer.normal.resize(count);
   pixels.buffer.covered.resize(count);
   // A pixel's samples all lie in one piece: it starts and ends at whole pixels, and its sums run in one order.

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 
+#include "base/parallel.h"
 #include "boolean/cutter.h"
 #include "picture/image.h"
 #include "picture/render.h"
@@ -116,31 +118,74 @@ CasePicture landmarks_picture(const HuVolume& volume, const std::vector<PictureA
   return {"landmarks.png", encode_png(contact_sheet(images, 3))};
 }
 
+// Images, some of them on several sheets: one part of an image's work follows another, so that as many are made at once
+// as there are threads.
+struct Sheet {
+  std::string name;
+  std::vector<std::size_t> cells;  // images
+};
+
+class Sheets {
+ public:
+  std::size_t image(std::function<Image()> make) {
+    makers_.push_back(std::move(make));
+    return makers_.size() - 1;
+  }
+  void add(Sheet sheet) { sheets_.push_back(std::move(sheet)); }
+
+  std::vector<CasePicture> make(const Progress& progress) const {
+    std::vector<Image> images(makers_.size());
+    parallel_for(0, std::int64_t(images.size()), 1, [&](std::int64_t from, std::int64_t to) {
+      for (std::int64_t i = from; i < to; ++i) images[i] = makers_[i]();
+    });
+    std::vector<CasePicture> pictures(sheets_.size());
+    parallel_for(0, std::int64_t(sheets_.size()), 1, [&](std::int64_t from, std::int64_t to) {
+      progress.check();
+      for (std::int64_t i = from; i < to; ++i) {
+        std::vector<Image> cells;
+        for (const std::size_t c : sheets_[i].cells) cells.push_back(images[c]);
+        pictures[i] = {sheets_[i].name, encode_png(contact_sheet(cells, 3))};
+      }
+    });
+    return pictures;
+  }
+
+ private:
+  std::vector<std::function<Image()>> makers_;
+  std::vector<Sheet> sheets_;
+};
+
 }  // namespace
 
 std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
                                             const std::vector<CaseLandmark>& landmarks, const Progress& progress) {
   if (anatomies.empty()) return {};
-  std::vector<CasePicture> pictures;
   const Bounds frame = bounds_of_all(anatomies);
   const Vec3 focus = point_of_interest(anatomies);
-  std::vector<Image> overview;
+  Sheets sheets;
+  Sheet overview{"overview.png", {}};
 
   std::vector<SurfaceView> solid;
   for (const PictureAnatomy& a : anatomies) solid.push_back({a.surface, a.colour_rgb, 1});
-  overview.push_back(shaded(see_through(anatomies), View::oblique_left, "all", frame, progress));
-  ClipPlane front_half;
-  front_half.point_mm = focus;
-  front_half.normal = {0, -1, 0};
-  overview.push_back(shaded(solid, View::front, "cut", frame, progress, front_half));
+  if (anatomies.size() > 1)  // else it is the anatomy's own
+    overview.cells.push_back(
+        sheets.image([&] { return shaded(see_through(anatomies), View::oblique_left, "all", frame, progress); }));
+  overview.cells.push_back(sheets.image([&] {
+    ClipPlane front_half;
+    front_half.point_mm = focus;
+    front_half.normal = {0, -1, 0};
+    return shaded(solid, View::front, "cut", frame, progress, front_half);
+  }));
 
   for (const PictureAnatomy& a : anatomies) {
-    const std::vector<SurfaceView> one{{a.surface, a.colour_rgb, 1}};
-    std::vector<Image> sides;
+    Sheet sides{a.name + ".png", {}};
     for (const View v : {View::oblique_left, View::oblique_right, View::front, View::left, View::back, View::top})
-      sides.push_back(shaded(one, v, a.name, {}, progress));
-    overview.push_back(sides[0]);
-    pictures.push_back({a.name + ".png", encode_png(contact_sheet(sides, 3))});
+      sides.cells.push_back(sheets.image([&a, v, &progress] {
+        return shaded({{a.surface, a.colour_rgb, 1}}, v, a.name, {}, progress);
+      }));
+    overview.cells.push_back(sides.cells[0]);
+    if (anatomies.size() == 1) overview.cells.push_back(sides.cells[1]);
+    sheets.add(std::move(sides));
   }
 
   std::vector<OverlayShape> shapes;
@@ -157,18 +202,25 @@ std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::v
     params.plane = planes[p];
     params.longer_side_px = cell_px;
     params.window_width_hu = 150;  // brain and CSF are to be told apart; bone is white in any window
-    std::vector<Image> images;
+    const auto slice = [&] {
+      return sheets.image([&volume, &shapes, &progress, params] {
+        progress.check();
+        return slice_overlay(volume, params, shapes);
+      });
+    };
+    Sheet sheet{std::string(names[p]) + ".png", {}};
     for (int i = 0; i < slices; ++i) {
-      progress.check();
       params.position_mm = from + (to - from) * (i + 1) / (slices + 1);
-      images.push_back(slice_overlay(volume, params, shapes));
+      sheet.cells.push_back(slice());
     }
     params.position_mm = std::clamp(focus[axis], range[0], range[1]);
-    overview.push_back(slice_overlay(volume, params, shapes));
-    pictures.push_back({std::string(names[p]) + ".png", encode_png(contact_sheet(images, 3))});
+    overview.cells.push_back(slice());
+    sheets.add(std::move(sheet));
   }
+  std::vector<CasePicture> pictures;
   if (!landmarks.empty()) pictures.push_back(landmarks_picture(volume, anatomies, landmarks, frame, progress));
-  pictures.push_back({"overview.png", encode_png(contact_sheet(overview, 3))});
+  sheets.add(std::move(overview));
+  for (CasePicture& p : sheets.make(progress)) pictures.push_back(std::move(p));
   return pictures;
 }
 
