@@ -75,23 +75,19 @@ Json json_of(const ServoStatistics& s, const RealtimeGrant& grant, const ServoPa
              std::uint64_t dropped) {
   Json counts = Json::object();
   for (const auto& [name, count] : device.counts()) counts[name] = count;
+  Json events = Json::object();
+  for (int n = 0; n < haptic_event::count; ++n) events[haptic_event::names[n]] = s.events[n];
   return {{"rate_hz", params.rate_hz},
           {"device", device.name()},
           {"device_counts", counts},
           {"fifo", grant.fifo},
-          {"locked", grant.locked},
+          {"memory_locked", grant.locked},
           {"ticks", s.ticks},
           {"overruns", s.overruns},
           {"frames_lost", dropped},
           {"faults", s.faults},
           {"touching_ratio", s.ticks > 0 ? double(s.touching) / double(s.ticks) : 0},
-          {"touch", s.events[0]},
-          {"untouch", s.events[1]},
-          {"motion", s.events[2]},
-          {"popped", s.events[3]},
-          {"left", s.events[4]},
-          {"locked", s.events[5]},
-          {"unlocked", s.events[6]},
+          {"events", events},
           {"most_force_n", s.most_force_n},
           {"most_force_step_n", s.most_force_step_n},
           {"tick", times_of(s.busy)},
@@ -108,8 +104,10 @@ void print_statistics(const ServoStatistics& s, bool paced, std::uint64_t droppe
   const double touching = s.ticks > 0 ? 100.0 * double(s.touching) / double(s.ticks) : 0;
   std::cout << fmt::format("{} ticks, {} overruns, in contact {:.1f} %, faults {}\n", s.ticks, s.overruns, touching,
                            s.faults == 0 ? "none" : fault_names(s.faults));
-  std::cout << fmt::format("events: touch {}, untouch {}, motion {}, popped {}, left {}, locked {}, unlocked {}\n",
-                           s.events[0], s.events[1], s.events[2], s.events[3], s.events[4], s.events[5], s.events[6]);
+  std::string events;
+  for (int n = 0; n < haptic_event::count; ++n)
+    events += fmt::format("{} {} {}", events.empty() ? "" : ",", haptic_event::names[n], s.events[n]);
+  std::cout << "events:" << events << "\n";
   std::cout << fmt::format("force at most {:.3f} N, {:.4f} N from tick to tick\n", s.most_force_n, s.most_force_step_n);
   print_times("tick time", s.busy);
   if (paced) print_times("woken late", s.late);

@@ -274,7 +274,7 @@ TEST(HapticsServo, ReplayWithAToolIsBitForBit) {
   writer.add(frames);
   writer.finish();
   const Recording read = read_recording(folder.path() / "a.servo");
-  EXPECT_STREQ(tool_name(read.header.tool), "craniotome");
+  EXPECT_EQ(tool_name(read.header.tool), "craniotome");
   EXPECT_EQ(read.header.tool.tool_search, ToolParams::Search::tail_to_tip);
   EXPECT_EQ(read.header.tool.tool_diameter_mm, header.tool.tool_diameter_mm);
   Proxy again(contact, s.feels, s.force, {}, make_tool(read.header.tool));

@@ -47,7 +47,7 @@ class Reader {
     const YamlNode* burr_holes = map.list("burr_holes");
     const YamlNode* set = map.map("set");
     const TradeRule rule = read_rule(map);
-    const std::vector<fs::path> fronts = path_values(map, config_, "trade", tree);
+    const std::vector<fs::path> fronts = path_values(map, config_, "trade");
     map.finish();
     if (!pipeline.empty()) read_recipe(pipeline);
     if (!scene.empty()) read_scene(scene);
@@ -60,7 +60,7 @@ class Reader {
     for (const std::string& text : overrides_.set) paths_.set_from_text(text, faults_);
     for (RecipeAnatomy& anatomy : out_.anatomies)
       for (RecipeStep& step : anatomy.steps) resolve_files(anatomy.name, step);
-    scale_triangles();
+    limit_triangles();
     // Last, for what smoothing takes of it may just have been set.
     for (const Budget& budget : budgets_) give(budget);
     keep_rule();
@@ -93,8 +93,7 @@ class Reader {
   }
 
   // A path, or a list of them.
-  std::vector<fs::path> path_values(MapReader& map, const fs::path& file, const std::string& key,
-                                    const YamlNode& tree) {
+  std::vector<fs::path> path_values(MapReader& map, const fs::path& file, const std::string& key) {
     const YamlNode* node = map.any(key);
     if (!node) return {};
     if (node->kind == YamlNode::Kind::scalar) return {path_of(map, file, key, *node, node->text)};
@@ -363,8 +362,6 @@ class Reader {
       out_.scene.push_back(found->second);
       if (found->second.max_deviation_mm > 0)
         budgets_.push_back({file, *anatomies->find(anatomy.name), anatomy.name, found->second.max_deviation_mm});
-      if (found->second.max_triangles > 0)
-        set_if_there(anatomy, "decimate", "target_triangles_count", ParameterValue(found->second.max_triangles));
     }
     if (out_.scene.empty() && faults_.empty()) map.fault(tree, "anatomies", "the scene wants nothing");
     for (const SceneDrill& d : out_.drilled)
@@ -383,29 +380,35 @@ class Reader {
     read_haptic_scene(file, *haptic, known, out_, faults_);
   }
 
-  // What the scene allows, for this case's machine; decimation heads for it unless it was given its own count by path.
-  void scale_triangles() {
+  // What the scene allows, for this case's machine.
+  void limit_triangles() {
     const double ratio = out_.scene_params.as<SceneParams>().triangles_ratio;
-    if (ratio == 1) return;
     for (SceneAnatomy& wanted : out_.scene) {
       if (wanted.max_triangles == 0) continue;
       wanted.max_triangles = std::max<std::int64_t>(4, std::llround(double(wanted.max_triangles) * ratio));
-      if (paths_.was_set(wanted.name + ".decimate.target_triangles_count")) continue;
-      for (RecipeAnatomy& anatomy : out_.anatomies)
-        if (anatomy.name == wanted.name)
-          set_if_there(anatomy, "decimate", "target_triangles_count", ParameterValue(wanted.max_triangles));
+      head_for(wanted.name, wanted.max_triangles);
     }
+  }
+
+  // Decimation's count, unless it was given its own by path.
+  void head_for(const std::string& name, std::int64_t triangles) {
+    if (!paths_.was_set(name + ".decimate.target_triangles_count"))
+      set_if_there(anatomy(name), "decimate", "target_triangles_count", ParameterValue(triangles));
+  }
+
+  RecipeAnatomy& anatomy(const std::string& name) {
+    return *std::find_if(out_.anatomies.begin(), out_.anatomies.end(),
+                         [&](const RecipeAnatomy& a) { return a.name == name; });
   }
 
   // The deviation that the scene allows is shared out: smoothing keeps its bound, decimation gets the rest, unless it
   // was given its own by path.
   void give(const Budget& budget) {
     if (paths_.was_set(budget.anatomy + ".decimate.max_deviation_mm")) return;
-    RecipeAnatomy& anatomy = *std::find_if(out_.anatomies.begin(), out_.anatomies.end(),
-                                           [&](const RecipeAnatomy& a) { return a.name == budget.anatomy; });
-    const double rest_mm = budget.allowed_mm - smoothing_mm(anatomy);
-    if (rest_mm > 0) return set_if_there(anatomy, "decimate", "max_deviation_mm", ParameterValue(rest_mm));
-    faults_.add(budget.file, budget.at, "anatomies." + anatomy.name + ".max_deviation_mm",
+    RecipeAnatomy& own = anatomy(budget.anatomy);
+    const double rest_mm = budget.allowed_mm - smoothing_mm(own);
+    if (rest_mm > 0) return set_if_there(own, "decimate", "max_deviation_mm", ParameterValue(rest_mm));
+    faults_.add(budget.file, budget.at, "anatomies." + own.name + ".max_deviation_mm",
                 to_text(budget.allowed_mm) + ", must exceed what smooth may move the surface by, " +
                     to_text(budget.allowed_mm - rest_mm));
   }
@@ -417,17 +420,16 @@ class Reader {
     if (limit_mm <= 0) return;
     for (SceneAnatomy& wanted : out_.scene) {
       if (wanted.max_deviation_mm <= 0 || wanted.max_deviation_mm > limit_mm) wanted.max_deviation_mm = limit_mm;
-      RecipeAnatomy& anatomy = *std::find_if(out_.anatomies.begin(), out_.anatomies.end(),
-                                             [&](const RecipeAnatomy& a) { return a.name == wanted.name; });
-      const double rest_mm = limit_mm - smoothing_mm(anatomy);
+      RecipeAnatomy& own = anatomy(wanted.name);
+      const double rest_mm = limit_mm - smoothing_mm(own);
       if (rest_mm <= 0)
         faults_.add(Error(ExitCode::bad_config, config_.string(), "accuracy.max_deviation_mm",
-                          to_text(ParameterValue(limit_mm)) + ", must exceed what smooth may move " + anatomy.name +
+                          to_text(ParameterValue(limit_mm)) + ", must exceed what smooth may move " + own.name +
                               " by, " + to_text(ParameterValue(limit_mm - rest_mm))));
-      else if (const RecipeStep* decimate = anatomy.find_step("decimate"))
+      else if (const RecipeStep* decimate = own.find_step("decimate"))
         if (const double now = std::get<double>(decimate->params.get(*decimate->params.set->find("max_deviation_mm")));
             now == 0 || now > rest_mm)
-          set_if_there(anatomy, "decimate", "max_deviation_mm", ParameterValue(rest_mm));
+          set_if_there(own, "decimate", "max_deviation_mm", ParameterValue(rest_mm));
     }
   }
 
@@ -440,15 +442,10 @@ class Reader {
   // The wall of a burr hole is triangles too, and they count against the scene's limit.
   void leave_room(const SceneDrill& drilled) {
     constexpr std::int64_t triangles_a_hole = 4000;
-    if (paths_.was_set(drilled.anatomy + ".decimate.target_triangles_count")) return;
+    const auto holes = static_cast<std::int64_t>(out_.burr_holes.size());
     for (const SceneAnatomy& limit : out_.scene)
       if (limit.name == drilled.anatomy && limit.max_triangles > 0)
-        for (RecipeAnatomy& anatomy : out_.anatomies)
-          if (anatomy.name == drilled.anatomy) {
-            const auto holes = static_cast<std::int64_t>(out_.burr_holes.size());
-            const auto rest = std::max(limit.max_triangles - triangles_a_hole * holes, limit.max_triangles / 2);
-            set_if_there(anatomy, "decimate", "target_triangles_count", ParameterValue(rest));
-          }
+        head_for(limit.name, std::max(limit.max_triangles - triangles_a_hole * holes, limit.max_triangles / 2));
   }
 
   static void set_if_there(RecipeAnatomy& anatomy, const std::string& stage, const std::string& name,

@@ -49,6 +49,17 @@ bool is_within_scene(const TradePoint& p) {
   });
 }
 
+void take_worse(TradePoint& p, const TradePoint& other) {
+  if (p.refused.empty()) p.refused = other.refused;
+  p.seconds = std::max(p.seconds, other.seconds);
+  p.peak_memory_mb = std::max(p.peak_memory_mb, other.peak_memory_mb);
+  p.triangles_count = std::max(p.triangles_count, other.triangles_count);
+  p.bytes = std::max(p.bytes, other.bytes);
+  p.deviation_max_mm = std::max(p.deviation_max_mm, other.deviation_max_mm);
+  p.deviation_p99_mm = std::max(p.deviation_p99_mm, other.deviation_p99_mm);
+  p.deviation_rms_mm = std::max(p.deviation_rms_mm, other.deviation_rms_mm);
+}
+
 std::string figures(const TradePoint& p) {
   return number(std::round(p.seconds * 10) / 10) + " s, " + std::to_string(p.triangles_count) +
          " triangles, deviation " + number(std::round(p.deviation_max_mm * 1e4) / 1e4) + " mm at most, " +
@@ -201,26 +212,17 @@ TradeChoice choose(const std::vector<TradePoint>& points, const TradeRule& rule)
 
 std::vector<TradePoint> points_of_all(const std::vector<std::vector<TradePoint>>& sweeps) {
   if (sweeps.empty()) return {};
-  std::vector<TradePoint> all;
-  for (TradePoint p : sweeps[0]) {
-    bool everywhere = true;
-    for (std::size_t i = 1; i < sweeps.size() && everywhere; ++i) {
-      const auto other = std::find_if(sweeps[i].begin(), sweeps[i].end(),
-                                      [&](const TradePoint& o) { return o.settings == p.settings; });
-      if (other == sweeps[i].end()) {
-        everywhere = false;
-        break;
-      }
-      if (p.refused.empty()) p.refused = other->refused;
-      p.seconds = std::max(p.seconds, other->seconds);
-      p.peak_memory_mb = std::max(p.peak_memory_mb, other->peak_memory_mb);
-      p.triangles_count = std::max(p.triangles_count, other->triangles_count);
-      p.bytes = std::max(p.bytes, other->bytes);
-      p.deviation_max_mm = std::max(p.deviation_max_mm, other->deviation_max_mm);
-      p.deviation_p99_mm = std::max(p.deviation_p99_mm, other->deviation_p99_mm);
-      p.deviation_rms_mm = std::max(p.deviation_rms_mm, other->deviation_rms_mm);
-    }
-    if (everywhere) all.push_back(std::move(p));
+  std::vector<TradePoint> all = sweeps[0];
+  for (std::size_t i = 1; i < sweeps.size(); ++i) {
+    std::vector<TradePoint> both;
+    for (TradePoint& p : all)
+      for (const TradePoint& other : sweeps[i])
+        if (other.settings == p.settings) {
+          take_worse(p, other);
+          both.push_back(std::move(p));
+          break;
+        }
+    all = std::move(both);
   }
   return all;
 }

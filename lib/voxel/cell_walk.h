@@ -44,19 +44,21 @@ void walk_over_cells(Vec3 p, Vec3 q, const Visit& visit) {
     if (then == WalkStep::block) {
       // Where each axis leaves the block, and which is the first.
       double out[3];
+      int cells[3];
       constexpr int side = 1 << block_bits;
       for (int b = 0; b < 3; ++b) {
-        const int within = cell[b] & (side - 1), cells = step[b] > 0 ? side - 1 - within : within;
-        out[b] = left[b] > cells ? crossing(b, cell[b] + step[b] * cells) : std::numeric_limits<double>::infinity();
+        const int within = cell[b] & (side - 1);
+        cells[b] = step[b] > 0 ? side - 1 - within : within;
+        out[b] =
+            left[b] > cells[b] ? crossing(b, cell[b] + step[b] * cells[b]) : std::numeric_limits<double>::infinity();
       }
       a = first_of(out);
       if (out[a] == std::numeric_limits<double>::infinity()) return;
       // The other axes' crossings before that one, in the order in which single steps would take them.
       for (int b = 0; b < 3; ++b) {
         if (b == a) {
-          const int within = cell[b] & (side - 1), cells = step[b] > 0 ? side - 1 - within : within;
-          cell[b] += step[b] * cells;
-          left[b] -= cells;
+          cell[b] += step[b] * cells[b];
+          left[b] -= cells[b];
           next[b] = out[a];
         } else {
           while (next[b] < out[a] || (next[b] == out[a] && b < a)) {

@@ -149,6 +149,7 @@ class ContactVolume {
   /// The shape that has the rest of a partly filled, not bare voxel of shape `own`.
   int second_of(int own, int i, int j, int k) const;
   void note_blocks(const Box& box);
+  Box blocks_of(const Box& voxels) const;
 
   HapticVolume& volume_;
   ContactParams params_;

@@ -27,15 +27,21 @@ void ContactVolume::settle(const Box& box) {
   note_blocks(box);
 }
 
-void ContactVolume::loosen(const Box& box) {
-  int begin[3], end[3];
+// The blocks that hold voxels of the box, or end with them.
+Box ContactVolume::blocks_of(const Box& box) const {
+  Box blocks;
   for (std::size_t a = 0; a < 3; ++a) {
-    begin[a] = std::max(0, (box.begin[a] - 1) >> block_bits);
-    end[a] = std::min(blocks_[a], ((box.end[a] - 1) >> block_bits) + 1);
+    blocks.begin[a] = std::max(0, (box.begin[a] - 1) >> block_bits);
+    blocks.end[a] = std::min(blocks_[a], ((box.end[a] - 1) >> block_bits) + 1);
   }
-  for (int k = begin[2]; k < end[2]; ++k)
-    for (int j = begin[1]; j < end[1]; ++j)
-      for (int i = begin[0]; i < end[0]; ++i) {
+  return blocks;
+}
+
+void ContactVolume::loosen(const Box& box) {
+  const Box blocks = blocks_of(box);
+  for (int k = blocks.begin[2]; k < blocks.end[2]; ++k)
+    for (int j = blocks.begin[1]; j < blocks.end[1]; ++j)
+      for (int i = blocks.begin[0]; i < blocks.end[0]; ++i) {
         const std::size_t at = block_at(i, j, k);
         __atomic_store_n(&block_shape_[at], std::uint8_t(mixed_block), __ATOMIC_RELAXED);
         if (block_cells_.empty()) continue;
@@ -87,16 +93,12 @@ void ContactVolume::note_cells(std::size_t block, int bi, int bj, int bk) {
 // Which blocks, with the voxels after them, are of one shape or of none.
 void ContactVolume::note_blocks(const Box& box) {
   const Grid<std::int16_t>& v = volume_.voxels;
-  int begin[3], end[3];
-  for (std::size_t a = 0; a < 3; ++a) {
-    begin[a] = std::max(0, (box.begin[a] - 1) >> block_bits);
-    end[a] = std::min(blocks_[a], ((box.end[a] - 1) >> block_bits) + 1);
-  }
+  const Box blocks = blocks_of(box);
   constexpr int side = 1 << block_bits;
-  parallel_for(begin[2], end[2], 1, [&](std::int64_t from, std::int64_t to) {
+  parallel_for(blocks.begin[2], blocks.end[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < int(to); ++k)
-      for (int j = begin[1]; j < end[1]; ++j)
-        for (int i = begin[0]; i < end[0]; ++i) {
+      for (int j = blocks.begin[1]; j < blocks.end[1]; ++j)
+        for (int i = blocks.begin[0]; i < blocks.end[0]; ++i) {
           const std::uint16_t first = table_[std::uint16_t(detail::load_voxel(v.at(i * side, j * side, k * side)))];
           bool same = entry_shape(first) == 0 ? first == 0 : (first & contact_pure) != 0;
           for (int z = k * side; z <= (k + 1) * side && same; ++z)

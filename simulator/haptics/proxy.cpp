@@ -8,10 +8,8 @@ namespace trephine {
 namespace {
 
 constexpr int most_passes = 6;
-constexpr double same_surface = 0.8;    // normals of one curved surface, not of two that meet in an edge
 constexpr double motion_mm = 0.1;       // how far the proxy moves for an event
 constexpr double shaft_n_per_mm = 0.5;  // spring of the shaft's friction until it slips
-constexpr double farthest_exit_mm = 60;
 
 bool usable(Vec3 p) { return std::abs(p.x) <= 1e6 && std::abs(p.y) <= 1e6 && std::abs(p.z) <= 1e6; }  // not for NaN
 
@@ -93,8 +91,8 @@ void Proxy::begin(const HapticInput& in) {
   double nearest = farthest_exit_mm;
   const TouchableFaces ways_out{0, std::uint64_t{1} << state_.inside};
   const int inside = state_.inside;
-  for (int n = 0; n < 27; ++n) {
-    const Vec3 way = normalized(Vec3{double(n % 3 - 1), double(n / 3 % 3 - 1), double(n / 9 - 1)});
+  for (int n = 0; n < exit_ways; ++n) {
+    const Vec3 way = exit_way(n);
     const Contact c = contact_.intersect(in.tip_mm, in.tip_mm + way * nearest, inside, ways_out);
     if (!c.hit) continue;
     const Vec3 outside = c.point_mm + way * margin_mm_;
@@ -103,6 +101,14 @@ void Proxy::begin(const HapticInput& in) {
     state_.proxy_mm = outside;
     state_.inside = contact_.shape_at(outside);
   }
+}
+
+Vec3 Proxy::exit_way(int n) { return normalized(Vec3{double(n % 3 - 1), double(n / 3 % 3 - 1), double(n / 9 - 1)}); }
+
+Proxy::Held Proxy::held(const Contact& c) const {
+  const ShapeFeel& shape = feels_[std::size_t(c.shape)];
+  const bool front = c.face == ContactFace::front;
+  return {c.shape, front ? 1 : 2, c.into, front ? shape.front : shape.back};
 }
 
 // Moves the proxy to before the contact, and a margin off its surface. A proxy that is there already stays, for else it
@@ -137,8 +143,6 @@ void Proxy::follow(Vec3 device) {
 // Takes a contact in: pops through it, or adds its plane and sets the next goal. False where the proxy stays for this
 // frame.
 bool Proxy::meet(const Contact& c, Vec3 device, Vec3& goal, int pass) {
-  const ShapeFeel& shape = feels_[std::size_t(c.shape)];
-  const bool front = c.face == ContactFace::front;
   const Vec3 before = state_.proxy_mm;
   approach(c);
   int at = count_;
@@ -157,7 +161,7 @@ bool Proxy::meet(const Contact& c, Vec3 device, Vec3& goal, int pass) {
     if (dot(exact, goal - before) < 0) normal = exact;
   }
   planes_[at] = {c.point_mm + normal * margin_mm_, normal};
-  held_[at] = {c.shape, front ? 1 : 2, c.into, front ? shape.front : shape.back};
+  held_[at] = held(c);
   count_ = std::max(count_, at + 1);
   solved_ = nearest_before(planes_, count_, device, nearest_);
   if (!solved_) return false;

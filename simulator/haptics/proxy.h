@@ -22,7 +22,8 @@ struct HapticInput {
 
 namespace haptic_event {
 constexpr std::uint32_t touch = 1, untouch = 2, motion = 4, popped = 8, left = 16, locked = 32, unlocked = 64;
-constexpr int count = 7;
+constexpr const char* names[] = {"touch", "untouch", "motion", "popped", "left", "locked", "unlocked"};  ///< by bit
+constexpr int count = int(sizeof names / sizeof *names);
 }  // namespace haptic_event
 /// What makes the force zero until reset().
 namespace haptic_fault {
@@ -107,6 +108,12 @@ class Proxy {
   void hold_turn(Vec3 device_mm, Vec3& goal_mm, Mat3& aim);
   void open_behind();
   TouchableFaces closed_faces() const;
+
+  static constexpr double same_surface = 0.8;  // normals of one curved surface, not of two that meet in an edge
+  static constexpr double farthest_exit_mm = 60;
+  static constexpr int exit_ways = 27;  // of bone that the tool starts in: to a cube's faces, edges and corners
+  static Vec3 exit_way(int n);          // unit; zero for the one in the middle
+  Held held(const Contact& contact) const;
 
   const ContactVolume& contact_;
   Feels feels_;

@@ -10,10 +10,8 @@ namespace trephine {
 namespace {
 
 constexpr int most_passes = 10, turning_passes = 3;
-constexpr double same_surface = 0.8;
 constexpr double cancels = 0.2;        // of the normals' lengths together
 constexpr double most_turn_rad = 0.5;  // a frame
-constexpr double farthest_exit_mm = 60;
 constexpr int unlock_frames = 8;
 constexpr int slices = 16;
 
@@ -31,9 +29,8 @@ void Proxy::begin_tool(const HapticInput& in) {
   const Mat3 frame = frame_along(in.axis == Vec3{} ? Vec3{0, 0, 1} : in.axis);
   bool free = body_->place(in.tip_mm, frame, solid);
   for (double mm = 0.1; mm < farthest_exit_mm && !free; mm *= 1.25)
-    for (int n = -1; n < 27 && !free; ++n) {
-      const Vec3 way =
-          n < 0 ? frame.column[2] : normalized(Vec3{double(n % 3 - 1), double(n / 3 % 3 - 1), double(n / 9 - 1)});
+    for (int n = -1; n < exit_ways && !free; ++n) {
+      const Vec3 way = n < 0 ? frame.column[2] : exit_way(n);
       if (way != Vec3{}) free = body_->place(in.tip_mm + way * mm, frame, solid);
     }
   if (!free) body_->place(in.tip_mm, frame);  // no way out: what is inside stays inside
@@ -106,8 +103,6 @@ bool Proxy::knows(Vec3 normal) const {
 
 // The plane's place among the three, -1 where all others press.
 int Proxy::put_plane(const Plane& plane, const Contact& contact) {
-  const ShapeFeel& shape = feels_[std::size_t(contact.shape)];
-  const bool front = contact.face == ContactFace::front;
   int at = count_ < 3 ? count_ : -1;
   for (int n = 0; n < count_ && count_ == 3; ++n)
     if (solved_ && nearest_.pressure_mm[n] == 0) at = n;
@@ -119,7 +114,7 @@ int Proxy::put_plane(const Plane& plane, const Contact& contact) {
     }
   if (at < 0) return -1;
   planes_[at] = put;
-  held_[at] = {contact.shape, front ? 1 : 2, contact.into, front ? shape.front : shape.back};
+  held_[at] = held(contact);
   count_ = std::max(count_, at + 1);
   return at;
 }

@@ -49,9 +49,8 @@ struct Outline {
 
 }  // namespace
 
-const char* tool_name(const ToolParams& params) {
-  static constexpr const char* names[] = {"point", "needle", "catheter", "burr", "craniotome", "jamshidi"};
-  return names[int(params.tool)];
+std::string tool_name(const ToolParams& params) {
+  return std::get<std::string>(parameters_of<ToolParams>().find("tool")->get(&params));
 }
 
 ToolParams own_tool(const ToolParams& params) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <string>
 #include <vector>
 
 #include "base/params.h"
@@ -48,7 +49,7 @@ struct ToolParams {
 };
 
 /// "needle".
-const char* tool_name(const ToolParams& params);
+std::string tool_name(const ToolParams& params);
 
 /// With the tool's own values for what is 0 or `own`.
 ToolParams own_tool(const ToolParams& params);

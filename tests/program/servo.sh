@@ -17,7 +17,7 @@ python3 - "$work/a.json" "$work/a.servo" <<'PY'
 import json, math, struct, sys
 said = json.load(open(sys.argv[1]))
 assert said["ticks"] == 6000 and said["faults"] == 0 and said["frames_lost"] == 0, said
-assert said["touching_ratio"] > 0.5 and said["touch"] >= 1 and said["most_force_n"] > 0.01, said
+assert said["touching_ratio"] > 0.5 and said["events"]["touch"] >= 1 and said["most_force_n"] > 0.01, said
 # The documented layout, read by somebody else.
 data = open(sys.argv[2], "rb").read()
 magic, version, length = struct.unpack_from("<8sII", data)
@@ -52,7 +52,7 @@ grep -q '^replayed bit for bit$' "$work/text" || fail "the burr is not the same"
 python3 - "$work/tool.json" "$work/tool.servo" <<'PY'
 import json, sys
 said = json.load(open(sys.argv[1]))
-assert said["touching_ratio"] > 0.5 and said["most_force_n"] > 0.01 and said["locked"] == 0, said
+assert said["touching_ratio"] > 0.5 and said["most_force_n"] > 0.01 and said["events"]["locked"] == 0, said
 tool = json.loads(open(sys.argv[2], "rb").read()[16:16 + 4096])["tool"]
 assert tool["tool"] == "burr" and tool["tool_tip"] == "ball" and tool["tool_spacing_mm"] == 0.8, tool
 PY
