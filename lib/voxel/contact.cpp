@@ -61,7 +61,7 @@ ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
     block_cells_.assign(2 * count, ~std::uint64_t{0});
     block_names_.assign(count, 0);
   }
-  if (volume.encoding == HapticEncoding::occupancy) block_pair_.assign(count, many_shapes);
+  block_near_.assign(count, all_shapes);
   smallest_side_mm_ = std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b)
@@ -73,7 +73,7 @@ ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
     for (const HapticShape& s : volume.shapes) {
       low_of_[s.number] = s.window_low;
       for (int raw = s.window_low; raw <= s.window_high; ++raw)
-        table_[std::uint16_t(raw)] = std::uint16_t(haptic_full << 8 | contact_pure | s.number);
+        table_[std::uint16_t(raw)] = std::uint32_t(haptic_full << 8 | contact_pure | s.number);
     }
     note_blocks(whole_box(l));
     return;
@@ -82,8 +82,9 @@ ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
     for (int raw = s.window_low; raw <= s.window_high; ++raw) {
       const detail::RawVoxel v = detail::split(std::int16_t(raw));
       if (v.number != s.number) continue;
-      const int pure = v.share == haptic_full ? contact_pure : 0;
-      table_[std::uint16_t(raw)] = std::uint16_t((v.bare ? v.share : haptic_full) << 8 | pure | v.number);
+      const int rest = v.share == haptic_full ? contact_pure : v.bare ? 0 : contact_shared;
+      table_[std::uint16_t(raw)] =
+          std::uint32_t(v.share << 16 | (v.bare ? v.share : haptic_full) << 8 | rest | v.number);
     }
   settle(whole_box(l));
 }
@@ -104,7 +105,7 @@ int ContactVolume::shape_of_uniform_cell(int i, int j, int k) const {
 
 int ContactVolume::shape_of_voxel(int i, int j, int k) const {
   if (!volume_.voxels.contains(i, j, k)) return 0;
-  const std::uint16_t e = table_[std::uint16_t(detail::load_voxel(volume_.voxels.at(i, j, k)))];
+  const std::uint32_t e = table_[std::uint16_t(detail::load_voxel(volume_.voxels.at(i, j, k)))];
   return 2 * entry_filled(e) > haptic_full ? entry_shape(e) : 0;
 }
 
@@ -130,6 +131,12 @@ int ContactVolume::shape_at(Vec3 world_mm) const { return usable(world_mm) ? sha
 // Keeps what lies in the lattice's box grown by one voxel, beyond which nothing is; false where nothing is left.
 bool ContactVolume::clip(Segment& s) const {
   const Vec3 p = s.begin, q = s.end;
+  bool within = true;
+  for (int a = 0; a < 3; ++a) {
+    const double high = volume_.voxels.size[std::size_t(a)];
+    within = within && p[a] >= -1 && q[a] >= -1 && p[a] <= high && q[a] <= high;
+  }
+  if (within) return true;
   double t0 = 0, t1 = 1;
   for (int a = 0; a < 3; ++a) {
     const double low = -1, high = volume_.voxels.size[std::size_t(a)], d = q[a] - p[a];
@@ -225,18 +232,51 @@ bool ContactVolume::within_cell_of(const Segment& s, int shape, const TouchableF
 ContactVolume::Crossing ContactVolume::walk_cells(const Segment& s, int shape, const TouchableFaces& faces) const {
   Crossing c;
   c.from = c.into = shape;
+  // Where nothing near can stop the way, and what it passed need not be known any more, voxels are not read: which
+  // shape the last such cell ends in is found out where it matters.
+  const std::uint32_t touch = std::uint32_t((faces.front | faces.back) >> 1);
+  struct {
+    int at[3];
+    double t0, t1;
+    bool open = false;
+  } left;
+  const auto touches = [&](int number) { return number != 0 && (touch >> (number - 1) & 1); };
+  const auto enter = [&](int number, double t) {
+    if (left.open && touches(number)) c.into = end_of_cell(s, left.at, left.t0, left.t1);
+    if (left.open && !touches(number)) c.into = number;
+    left.open = false;
+    return number != c.into && c.change(number, t, faces);
+  };
   walk_over_cells<block_bits>(s.begin, s.end, [&](int i, int j, int k, double t0, double t1) {
     const int block = shape_of_block(i, j, k);
-    if (block != mixed_block) return block != c.into && c.change(block, t0, faces) ? WalkStep::end : WalkStep::block;
+    if (block != mixed_block) return enter(block, t0) ? WalkStep::end : WalkStep::block;
     const int uniform = shape_of_uniform_cell(i, j, k);
-    if (uniform >= 0) return uniform != c.into && c.change(uniform, t0, faces) ? WalkStep::end : WalkStep::cell;
+    if (uniform >= 0) return enter(uniform, t0) ? WalkStep::end : WalkStep::cell;
+    if (c.passed && (near_block(i, j, k) & touch) == 0 && (left.open || !touches(c.into))) {
+      left = {{i, j, k}, t0, t1, true};
+      return WalkStep::cell;
+    }
+    if (left.open) c.into = end_of_cell(s, left.at, left.t0, left.t1);
+    left.open = false;
     const ContactCell cell(*this, i, j, k);
     const int at[3] = {i, j, k};
     const bool end = cell.uniform() ? cell.shape() != c.into && c.change(cell.shape(), t0, faces)
                                     : walk_cell(cell, s, at, t0, t1, faces, c);
     return end ? WalkStep::end : WalkStep::cell;
   });
+  if (left.open) c.into = end_of_cell(s, left.at, left.t0, left.t1);
   return c;
+}
+
+// The shape in which the way leaves that cell.
+int ContactVolume::end_of_cell(const Segment& s, const int* at, double t0, double t1) const {
+  const ContactCell cell(*this, at[0], at[1], at[2]);
+  Crossing c;
+  if (cell.uniform())
+    c.into = cell.shape();
+  else
+    walk_cell(cell, s, at, t0, t1, {0, 0}, c);
+  return c.into;
 }
 
 ContactVolume::Crossing ContactVolume::walk_voxels(const Segment& s, int shape, const TouchableFaces& faces) const {
@@ -338,6 +378,74 @@ Vec3 ContactVolume::normal_of(const Contact& c, Vec3 way) const {
   return n;
 }
 
+// What rises at the voxels of the 4 x 4 x 4 from `begin` on towards `into`, or, where that is nothing, towards `from`,
+// x the first index. False where they are not all in the lattice, or `hu`.
+bool ContactVolume::shares_around(const int* begin, int from, int into, double (*v)[16]) const {
+  const Grid<std::int16_t>& voxels = volume_.voxels;
+  for (int a = 0; a < 3; ++a)
+    if (begin[a] < 0 || begin[a] + 4 > voxels.size[std::size_t(a)]) return false;
+  if (volume_.encoding == HapticEncoding::hu) return false;
+  const std::size_t row_step = std::size_t(voxels.size[0]), slice_step = row_step * std::size_t(voxels.size[1]);
+  const std::int16_t* const first = voxels.voxels.data() + voxels.index(begin[0], begin[1], begin[2]);
+  if (from == 0 || into == 0) {  // by far the most: no question of whose
+    for (std::size_t n = 0; n < 16; ++n) {
+      const std::int16_t* row = first + (n >> 2) * slice_step + (n & 3) * row_step;
+      for (std::size_t x = 0; x < 4; ++x) v[x][n] = entry_filled(table_[std::uint16_t(detail::load_voxel(row[x]))]);
+    }
+    return true;
+  }
+  // Of a voxel that another shape shares, the rest: by block never or always this one's, or to be asked for.
+  enum { never, always, ask };
+  int rest_of[2][2][2];
+  for (int n = 0; n < 8; ++n) {
+    const int bi = ((begin[0] >> block_bits) + (n & 1)), bj = (begin[1] >> block_bits) + (n >> 1 & 1),
+              bk = (begin[2] >> block_bits) + (n >> 2);
+    int& rest = rest_of[n >> 2][n >> 1 & 1][n & 1];
+    rest = ask;
+    if (bi >= blocks_[0] || bj >= blocks_[1] || bk >= blocks_[2]) continue;
+    const std::uint32_t near = __atomic_load_n(&block_near_[block_at(bi, bj, bk)], __ATOMIC_RELAXED);
+    const std::uint32_t others = near & ~(std::uint32_t{1} << (into - 1));
+    rest = others == near ? never : (others & (others - 1)) == 0 ? always : ask;
+  }
+  for (int n = 0; n < 16; ++n) {
+    const int y = begin[1] + (n & 3), z = begin[2] + (n >> 2);
+    const std::int16_t* row = first + std::size_t(n >> 2) * slice_step + std::size_t(n & 3) * row_step;
+    const int* rests =
+        rest_of[(z >> block_bits) - (begin[2] >> block_bits)][(y >> block_bits) - (begin[1] >> block_bits)];
+    for (int x = 0; x < 4; ++x) {
+      const std::uint32_t e = table_[std::uint16_t(detail::load_voxel(row[x]))];
+      const int share = entry_share(e);
+      int of = 0;
+      if (entry_shape(e) == into) {
+        of = share;
+      } else if (e & contact_shared) {
+        const int rest = rests[((begin[0] + x) >> block_bits) - (begin[0] >> block_bits)];
+        if (rest == always || (rest == ask && second_of(entry_shape(e), begin[0] + x, y, z) == into))
+          of = haptic_full - share;
+      }
+      v[x][n] = of;
+    }
+  }
+  return true;
+}
+
+// The same voxel by voxel, whatever there is; of HU, those of air and of the shape.
+double ContactVolume::share_around(int i, int j, int k, int from, int into) const {
+  const int number = into != 0 ? into : from;
+  const bool hu = volume_.encoding == HapticEncoding::hu, inside = volume_.voxels.contains(i, j, k);
+  const int raw = inside ? detail::load_voxel(volume_.voxels.at(i, j, k)) : hu ? haptic_beyond_hu : haptic_empty;
+  const std::uint32_t e = table_[std::uint16_t(raw)];
+  if (!hu) {
+    if (from == 0 || into == 0) return entry_filled(e);
+    if (entry_shape(e) == number) return entry_share(e);
+    return (e & contact_shared) && second_of(entry_shape(e), i, j, k) == number ? haptic_full - entry_share(e) : 0;
+  }
+  const double half = std::max(1, low_of_[number] + 1000);
+  if (entry_shape(e) == number || (e == 0 && (from == 0 || into == 0)))
+    return std::clamp(0.5 + (raw - low_of_[number]) / (2 * half), 0.0, 1.0);
+  return (from == 0 || into == 0) && e != 0 && e != contact_gap ? 1 : 0;
+}
+
 Vec3 ContactVolume::normal_at(Vec3 world_mm, int from, int into) const {
   if (!usable(world_mm) || from == into) return {};
   const Lattice& l = volume_.voxels;
@@ -346,28 +454,15 @@ Vec3 ContactVolume::normal_at(Vec3 world_mm, int from, int into) const {
   Vec3 f;
   for (int a = 0; a < 3; ++a) {
     if (!(index[a] >= -1 && index[a] <= l.size[std::size_t(a)])) return {};
-    begin[a] = int(std::floor(index[a]));
-    f[a] = index[a] - begin[a];
+    const int cell = int(std::floor(index[a]));
+    f[a] = index[a] - cell;
+    begin[a] = cell - 1;
   }
-  const bool hu = volume_.encoding == HapticEncoding::hu;
-  const int number = into != 0 ? into : from;
-  // What rises towards `into`, or, where that is nothing, towards `from`: of HU, those of air and of the shape.
-  const auto sample = [&](int x, int y, int z) -> double {
-    const bool inside = l.contains(x, y, z);
-    const int raw = inside ? detail::load_voxel(volume_.voxels.at(x, y, z)) : hu ? haptic_beyond_hu : haptic_empty;
-    const std::uint16_t e = table_[std::uint16_t(raw)];
-    if (!hu) {
-      if (from == 0 || into == 0) return entry_filled(e);
-      const detail::RawVoxel voxel = detail::split(std::int16_t(raw));
-      if (voxel.number == number) return voxel.share;
-      if (voxel.number == 0 || voxel.bare || voxel.share == haptic_full) return 0;
-      return second_of(voxel.number, x, y, z) == number ? haptic_full - voxel.share : 0;
-    }
-    const double half = std::max(1, low_of_[number] + 1000);
-    if (entry_shape(e) == number || (e == 0 && (from == 0 || into == 0)))
-      return std::clamp(0.5 + (raw - low_of_[number]) / (2 * half), 0.0, 1.0);
-    return (from == 0 || into == 0) && e != 0 && e != contact_gap ? 1 : 0;
-  };
+  double v[4][16];
+  if (!shares_around(begin, from, into, v))
+    for (int n = 0; n < 16; ++n)
+      for (int x = 0; x < 4; ++x)
+        v[x][n] = share_around(begin[0] + x, begin[1] + (n & 3), begin[2] + (n >> 2), from, into);
   // Along an axis: differences two voxels apart, and the weights 1 2 1, both interpolated to the point.
   double change[3][4], smooth[3][4];
   for (int a = 0; a < 3; ++a) {
@@ -376,26 +471,24 @@ Vec3 ContactVolume::normal_at(Vec3 world_mm, int from, int into) const {
     std::copy(d, d + 4, change[a]);
     std::copy(w, w + 4, smooth[a]);
   }
-  const bool within = begin[0] >= 1 && begin[1] >= 1 && begin[2] >= 1 && begin[0] + 2 < l.size[0] &&
-                      begin[1] + 2 < l.size[1] && begin[2] + 2 < l.size[2];
-  const bool filled_only = within && !hu && (from == 0 || into == 0);  // by far the most: no question of whose
-  Vec3 g;
+  double gx[16], gy[16], gz[16];
+  for (int n = 0; n < 16; ++n) {
+    gx[n] = change[0][0] * v[0][n] + change[0][1] * v[1][n] + change[0][2] * v[2][n] + change[0][3] * v[3][n];
+    gy[n] = smooth[0][0] * v[0][n] + smooth[0][1] * v[1][n] + smooth[0][2] * v[2][n] + smooth[0][3] * v[3][n];
+  }
   for (int z = 0; z < 4; ++z)
     for (int y = 0; y < 4; ++y) {
-      double v[4];
-      if (filled_only) {
-        const std::int16_t* row =
-            volume_.voxels.voxels.data() + l.index(begin[0] - 1, begin[1] + y - 1, begin[2] + z - 1);
-        for (int x = 0; x < 4; ++x) v[x] = entry_filled(table_[std::uint16_t(detail::load_voxel(row[x]))]);
-      } else {
-        for (int x = 0; x < 4; ++x) v[x] = sample(begin[0] + x - 1, begin[1] + y - 1, begin[2] + z - 1);
-      }
-      const double changed = change[0][0] * v[0] + change[0][1] * v[1] + change[0][2] * v[2] + change[0][3] * v[3];
-      const double smoothed = smooth[0][0] * v[0] + smooth[0][1] * v[1] + smooth[0][2] * v[2] + smooth[0][3] * v[3];
-      g.x += smooth[2][z] * smooth[1][y] * changed;
-      g.y += smooth[2][z] * change[1][y] * smoothed;
-      g.z += change[2][z] * smooth[1][y] * smoothed;
+      const int n = 4 * z + y;
+      gx[n] = smooth[2][z] * smooth[1][y] * gx[n];
+      gz[n] = change[2][z] * smooth[1][y] * gy[n];
+      gy[n] = smooth[2][z] * change[1][y] * gy[n];
     }
+  Vec3 g;
+  for (int n = 0; n < 16; ++n) {
+    g.x += gx[n];
+    g.y += gy[n];
+    g.z += gz[n];
+  }
   g = l.direction * Vec3{g.x / l.spacing_mm.x, g.y / l.spacing_mm.y, g.z / l.spacing_mm.z};
   const double length = norm(g);
   if (!(length > 1e-9)) return {};

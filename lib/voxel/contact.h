@@ -128,6 +128,7 @@ class ContactVolume {
   bool walk_cell(const ContactCell& cell, const Segment& segment, const int* at, double t0, double t1,
                  const TouchableFaces& faces, Crossing& crossing) const;
   Crossing walk_cells(const Segment& segment, int shape, const TouchableFaces& faces) const;
+  int end_of_cell(const Segment& segment, const int* at, double t0, double t1) const;
   Crossing walk_voxels(const Segment& segment, int shape, const TouchableFaces& faces) const;
   Crossing walk_steps(const Segment& segment, int shape, const TouchableFaces& faces) const;
   int shape_of(Vec3 index) const;
@@ -139,6 +140,11 @@ class ContactVolume {
     if (bi < 0 || bj < 0 || bk < 0 || bi >= blocks_[0] || bj >= blocks_[1] || bk >= blocks_[2]) return mixed_block;
     return __atomic_load_n(&block_shape_[block_at(bi, bj, bk)], __ATOMIC_RELAXED);
   }
+  std::uint32_t near_block(int i, int j, int k) const {
+    const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
+    if (bi < 0 || bj < 0 || bk < 0 || bi >= blocks_[0] || bj >= blocks_[1] || bk >= blocks_[2]) return all_shapes;
+    return __atomic_load_n(&block_near_[block_at(bi, bj, bk)], __ATOMIC_RELAXED);
+  }
   std::size_t block_at(int bi, int bj, int bk) const {
     return (std::size_t(bk) * std::size_t(blocks_[1]) + std::size_t(bj)) * std::size_t(blocks_[0]) + std::size_t(bi);
   }
@@ -146,6 +152,8 @@ class ContactVolume {
   /// one, and where that is not known.
   int shape_of_uniform_cell(int i, int j, int k) const;
   void note_cells(std::size_t block, int bi, int bj, int bk);
+  bool shares_around(const int* begin, int from, int into, double (*v)[16]) const;
+  double share_around(int i, int j, int k, int from, int into) const;
   /// The shape that has the rest of a partly filled, not bare voxel of shape `own`.
   int second_of(int own, int i, int j, int k) const;
   void note_blocks(const Box& box);
@@ -155,18 +163,18 @@ class ContactVolume {
   ContactParams params_;
   double smallest_side_mm_ = 1;
   Mat3 to_index_;                     ///< of world minus origin
-  std::vector<std::uint16_t> table_;  ///< by raw value: shape in the low byte, of 255 how much is filled in the high
+  std::vector<std::uint32_t> table_;  ///< by raw value, as contact_cell.h takes it apart
   static constexpr int block_bits = 2, mixed_block = 255;
+  static constexpr std::uint32_t all_shapes = ~std::uint32_t{0};
   std::array<int, 3> blocks_{0, 0, 0};  ///< whole ones, with the voxels after them
   std::vector<std::uint8_t> block_shape_;
   /// Of a sub-voxel surface: 2 bits a cell, x fastest, 0: none, 1 and 2: the shapes of the low and the high byte of the
   /// block's names, 3: not of one shape or not known. Names are written once, before the first cell that needs them.
   std::vector<std::uint64_t> block_cells_;
   std::vector<std::uint16_t> block_names_;
-  /// Encoding `occupancy`: in and right around the block are the shapes of the low and the high byte (0: none) and no
-  /// others, so that a shared voxel's second shape is the other one; many_shapes where there are more.
-  static constexpr std::uint16_t many_shapes = 0xffff;
-  std::vector<std::uint16_t> block_pair_;
+  /// In the block, one voxel before and two after it, are no other shapes than these: bit n - 1 stands for shape n. So
+  /// no cell of the block has another one, and where there are two a shared voxel's second shape is the other one.
+  std::vector<std::uint32_t> block_near_;
   int lowest_ = 0;  ///< encoding `hu`: the lowest window's low end
   int low_of_[haptic_max_shapes + 1] = {};
 };

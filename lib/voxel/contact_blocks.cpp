@@ -44,6 +44,8 @@ void ContactVolume::loosen(const Box& box) {
       for (int i = blocks.begin[0]; i < blocks.end[0]; ++i) {
         const std::size_t at = block_at(i, j, k);
         __atomic_store_n(&block_shape_[at], std::uint8_t(mixed_block), __ATOMIC_RELAXED);
+        if (volume_.encoding == HapticEncoding::hu)  // where occupancy is lowered no shape is new
+          __atomic_store_n(&block_near_[at], all_shapes, __ATOMIC_RELAXED);
         if (block_cells_.empty()) continue;
         for (std::size_t half = 0; half < 2; ++half)
           __atomic_store_n(&block_cells_[2 * at + half], ~std::uint64_t{0}, __ATOMIC_RELAXED);
@@ -53,9 +55,9 @@ void ContactVolume::loosen(const Box& box) {
 // Which cells of a block are of one shape or none, as ContactCell says.
 void ContactVolume::note_cells(std::size_t block, int bi, int bj, int bk) {
   constexpr int side = 1 << block_bits, corners = side + 1;
-  std::uint16_t e[corners * corners * corners];
+  std::uint32_t e[corners * corners * corners];
   const Grid<std::int16_t>& v = volume_.voxels;
-  std::uint16_t* to = e;
+  std::uint32_t* to = e;
   for (int z = 0; z < corners; ++z)
     for (int y = 0; y < corners; ++y) {
       const std::int16_t* row = v.voxels.data() + v.index(bi * side, bj * side + y, bk * side + z);
@@ -67,10 +69,10 @@ void ContactVolume::note_cells(std::size_t block, int bi, int bj, int bk) {
   for (int z = 0; z < side; ++z)
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x) {
-        const std::uint16_t* first = e + (z * corners + y) * corners + x;
+        const std::uint32_t* first = e + (z * corners + y) * corners + x;
         bool same = true, solid = false, some = false;
         for (int c = 0; c < 8; ++c) {
-          const std::uint16_t entry = first[((c >> 2) * corners + (c >> 1 & 1)) * corners + (c & 1)];
+          const std::uint32_t entry = first[((c >> 2) * corners + (c >> 1 & 1)) * corners + (c & 1)];
           same = same && entry == *first;
           solid = solid || 2 * entry_filled(entry) > haptic_full;
           some = some || entry_shape(entry) != 0;
@@ -99,7 +101,7 @@ void ContactVolume::note_blocks(const Box& box) {
     for (int k = int(from); k < int(to); ++k)
       for (int j = blocks.begin[1]; j < blocks.end[1]; ++j)
         for (int i = blocks.begin[0]; i < blocks.end[0]; ++i) {
-          const std::uint16_t first = table_[std::uint16_t(detail::load_voxel(v.at(i * side, j * side, k * side)))];
+          const std::uint32_t first = table_[std::uint16_t(detail::load_voxel(v.at(i * side, j * side, k * side)))];
           bool same = entry_shape(first) == 0 ? first == 0 : (first & contact_pure) != 0;
           for (int z = k * side; z <= (k + 1) * side && same; ++z)
             for (int y = j * side; y <= (j + 1) * side && same; ++y) {
@@ -110,20 +112,20 @@ void ContactVolume::note_blocks(const Box& box) {
           __atomic_store_n(&block_shape_[at], std::uint8_t(same ? entry_shape(first) : mixed_block), __ATOMIC_RELAXED);
           if (same) continue;
           if (!block_cells_.empty()) note_cells(at, i, j, k);
-          if (block_pair_.empty()) continue;
-          const Box around =
-              grown({{i * side, j * side, k * side}, {(i + 1) * side, (j + 1) * side, (k + 1) * side}}, 1, v);
-          int a = 0, b = 0;
-          bool many = false;
-          for (int z = around.begin[2]; z < around.end[2]; ++z)
-            for (int y = around.begin[1]; y < around.end[1]; ++y)
-              for (int x = around.begin[0]; x < around.end[0]; ++x) {
-                const int s = entry_shape(table_[std::uint16_t(detail::load_voxel(v.at(x, y, z)))]);
-                if (s == 0 || s == a || s == b) continue;
-                many = many || b != 0;
-                (a == 0 ? a : b) = s;
-              }
-          __atomic_store_n(&block_pair_[at], many ? many_shapes : std::uint16_t(a | b << 8), __ATOMIC_RELAXED);
+          const int low[3] = {i * side, j * side, k * side};
+          int begin[3], end[3];
+          for (int a = 0; a < 3; ++a) {
+            begin[a] = std::max(0, low[a] - 1);
+            end[a] = std::min(v.size[std::size_t(a)], low[a] + side + 2);
+          }
+          std::uint64_t near = 0;
+          for (int z = begin[2]; z < end[2]; ++z)
+            for (int y = begin[1]; y < end[1]; ++y) {
+              const std::int16_t* row = v.voxels.data() + v.index(0, y, z);
+              for (int x = begin[0]; x < end[0]; ++x)
+                near |= std::uint64_t{1} << entry_shape(table_[std::uint16_t(detail::load_voxel(row[x]))]);
+            }
+          __atomic_store_n(&block_near_[at], std::uint32_t(near >> 1), __ATOMIC_RELAXED);
         }
   });
 }
@@ -131,8 +133,9 @@ void ContactVolume::note_blocks(const Box& box) {
 int ContactVolume::second_of(int own, int i, int j, int k) const {
   const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
   if (bi < blocks_[0] && bj < blocks_[1] && bk < blocks_[2]) {
-    const std::uint16_t pair = __atomic_load_n(&block_pair_[block_at(bi, bj, bk)], __ATOMIC_RELAXED);
-    if (pair != many_shapes) return (pair & 255) == own ? pair >> 8 : pair & 255;
+    const std::uint32_t near = __atomic_load_n(&block_near_[block_at(bi, bj, bk)], __ATOMIC_RELAXED);
+    const std::uint32_t others = near & ~(std::uint32_t{1} << (own - 1));
+    if ((others & (others - 1)) == 0) return others != 0 ? __builtin_ctz(others) + 1 : 0;
   }
   return detail::other_shape(volume_.voxels, own, i, j, k);
 }

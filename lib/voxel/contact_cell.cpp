@@ -131,38 +131,34 @@ ContactCell::ContactCell(const ContactVolume& contact, int i, int j, int k) {
 }
 
 void ContactCell::find_shapes(const ContactVolume& contact, int i, int j, int k) {
+  std::uint64_t seen = 1;
   const auto add = [&](int number) {
-    for (int n = 0; n < count_; ++n)
-      if (number_[std::size_t(n)] == number) return;
+    if (seen >> number & 1) return;
+    seen |= std::uint64_t{1} << number;
     if (count_ < max_shapes) number_[std::size_t(count_++)] = number;
   };
   std::array<int, 8> second{};  // whose the rest of the voxel is
-  std::array<int, 8> share{};
-  bool shared = false;
   for (std::size_t c = 0; c < 8; ++c) {
     filled_[c] = entry_filled(entry_[c]) - half_full;
-    const int own = entry_shape(entry_[c]);
-    if (own == 0) continue;
-    add(own);
-    const detail::RawVoxel v = detail::split(raw_[c]);
-    share[c] = v.share;
-    if (v.bare || v.share == haptic_full) continue;
-    shared = true;
-    second[c] = contact.second_of(own, i + int(c & 1), j + int(c >> 1 & 1), k + int(c >> 2));
-    if (second[c] != 0) add(second[c]);
+    add(entry_shape(entry_[c]));
+    if (!(entry_[c] & contact_shared)) continue;
+    second[c] = contact.second_of(entry_shape(entry_[c]), i + int(c & 1), j + int(c >> 1 & 1), k + int(c >> 2));
+    add(second[c]);
   }
-  if (count_ < 2 && !shared) return;
+  if (count_ < 2) return;
   for (int n = 0; n < count_; ++n) {
     const int number = number_[std::size_t(n)];
-    for (std::size_t c = 0; c < 8; ++c)
-      own_[std::size_t(n)][c] = entry_shape(entry_[c]) == number ? share[c]
-                                : second[c] == number            ? haptic_full - share[c]
+    for (std::size_t c = 0; c < 8; ++c) {
+      const int share = entry_share(entry_[c]);
+      own_[std::size_t(n)][c] = entry_shape(entry_[c]) == number ? share
+                                : second[c] == number            ? haptic_full - share
                                                                  : 0;
+    }
   }
 }
 
 void ContactCell::find_windows(const ContactVolume& contact) {
-  for (const std::uint16_t e : entry_) {
+  for (const std::uint32_t e : entry_) {
     const int number = entry_shape(e);
     if (number == 0) continue;
     bool known = false;
@@ -185,7 +181,7 @@ void ContactCell::find_windows(const ContactVolume& contact) {
 int ContactCell::shape_at(Vec3 p) const {
   if (uniform_) return shape_;
   if (boxes_) {
-    const std::uint16_t e = entry_[std::size_t(nearest_corner(p))];
+    const std::uint32_t e = entry_[std::size_t(nearest_corner(p))];
     if (entry_shape(e) != 0 && entry_filled(e) > half_full) return entry_shape(e);
   }
   if (hu_) {

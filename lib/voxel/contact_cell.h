@@ -9,10 +9,12 @@
 namespace trephine {
 
 /// What a table entry of ContactVolume says of a raw value.
-constexpr int contact_gap = 64;    ///< HU between windows: neither a shape nor air
-constexpr int contact_pure = 128;  ///< a voxel of one shape alone
-inline int entry_shape(std::uint16_t entry) { return entry & 63; }
-inline int entry_filled(std::uint16_t entry) { return entry >> 8; }
+constexpr int contact_gap = 64;          ///< HU between windows: neither a shape nor air
+constexpr int contact_pure = 128;        ///< a voxel of one shape alone
+constexpr int contact_shared = 1 << 24;  ///< partly filled, and the rest is not bare
+inline int entry_shape(std::uint32_t entry) { return int(entry & 63); }
+inline int entry_filled(std::uint32_t entry) { return int(entry >> 8 & 255); }
+inline int entry_share(std::uint32_t entry) { return int(entry >> 16 & 255); }  ///< encoding `occupancy`
 
 /// In a cell the shape at a point is decided by trilinear functions: along a segment by cubics, whose roots are found
 /// in Bernstein form, so that none is missed.
@@ -43,7 +45,7 @@ class ContactCell {
   bool uniform_ = true, hu_ = false;
   bool boxes_ = false;  ///< a corner that is solid fills its eighth of the cell
   int shape_ = 0;
-  std::array<std::uint16_t, 8> entry_;
+  std::array<std::uint32_t, 8> entry_;
   std::array<std::int16_t, 8> raw_;
   Corners filled_;  ///< occupancy: of 255, less half
   int count_ = 0;   ///< shapes near
