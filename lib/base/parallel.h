@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 namespace trephine {
 
@@ -15,5 +16,12 @@ int thread_count();
 /// deterministic. An exception of one piece is rethrown after all running pieces ended.
 void parallel_for(std::int64_t begin, std::int64_t end, std::int64_t grain,
                   const std::function<void(std::int64_t from, std::int64_t to)>& body);
+
+/// Does these at once; the order among them is open. Exceptions as in parallel_for.
+inline void parallel_do(const std::vector<std::function<void()>>& tasks) {
+  parallel_for(0, static_cast<std::int64_t>(tasks.size()), 1, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t i = from; i < to; ++i) tasks[static_cast<std::size_t>(i)]();
+  });
+}
 
 }  // namespace trephine

@@ -118,16 +118,17 @@ EdgeCollapse::Cells EdgeCollapse::cut(std::size_t round) {
 /// The edges among these points.
 void EdgeCollapse::gather(const std::uint32_t* from, const std::uint32_t* to, float cost_limit, Worker& w) {
   w.heap.clear();
+  w.sorted.clear();
   for (; from != to; ++from) {
     const std::uint32_t u = *from;
     mesh_.for_each_leaving(u, [&](std::uint32_t e) {
       const std::uint32_t v = mesh_.to(e), h = std::min(e, mesh_.twin(e));
       if (u > v || !(flags_[v] & core) || (rejected_[h / 3] >> h % 3 & 1)) return;
       Candidate c;
-      if (bounded_candidate(h, c) && c.cost <= cost_limit) w.heap.push_back(c);
+      if (bounded_candidate(h, c) && c.cost <= cost_limit) w.sorted.push_back(c);
     });
   }
-  std::make_heap(w.heap.begin(), w.heap.end(), Later());
+  std::sort(w.sorted.begin(), w.sorted.end(), Later());
 }
 
 /// With the cost as last computed: a quadric only grows, so that is a lower bound of what it is.
@@ -151,11 +152,20 @@ void EdgeCollapse::work_off(std::size_t count, float cost_limit, Worker& w, cons
     w.heap.push_back(c);
     std::push_heap(w.heap.begin(), w.heap.end(), Later());
   };
-  for (std::size_t steps = 0, done = 0; done < count && !w.heap.empty(); ++steps) {
-    if (steps % 4096 == 0) tick();
+  const auto next = [&w] {
+    if (w.heap.empty() || (!w.sorted.empty() && Later()(w.heap.front(), w.sorted.back()))) {
+      const Candidate c = w.sorted.back();
+      w.sorted.pop_back();
+      return c;
+    }
     std::pop_heap(w.heap.begin(), w.heap.end(), Later());
-    Candidate c = w.heap.back();
+    const Candidate c = w.heap.back();
     w.heap.pop_back();
+    return c;
+  };
+  for (std::size_t steps = 0, done = 0; done < count && !(w.heap.empty() && w.sorted.empty()); ++steps) {
+    if (steps % 4096 == 0) tick();
+    Candidate c = next();
     const std::uint32_t h = c.half_edge;
     if (!mesh_.live_triangle(h / 3) || h > mesh_.twin(h) || (rejected_[h / 3] >> h % 3 & 1)) continue;
     const std::uint32_t u = mesh_.from(h);
@@ -188,8 +198,8 @@ void EdgeCollapse::work_off(std::size_t count, float cost_limit, Worker& w, cons
       const std::uint32_t k = std::min(e, mesh_.twin(e));
       costs_[k] = -std::abs(costs_[k]);
       const bool anew = (rejected_[k / 3] >> k % 3 & 1) || e == first || e == second || std::isnan(costs_[k]);
-      Candidate next;
-      if (anew && (flags_[mesh_.to(e)] & core) && bounded_candidate(k, next)) push(next);
+      Candidate more;
+      if (anew && (flags_[mesh_.to(e)] & core) && bounded_candidate(k, more)) push(more);
     });
     mesh_.for_each_leaving(u, [&](std::uint32_t e) { rejected_[e / 3] = 0; });
   }

@@ -109,8 +109,10 @@ TriMesh contour_grid(const Grid<T>& grid, double isovalue, const ContourParams& 
   require_surface(grid, inside);
   TriMesh mesh = marching_cubes(grid, isovalue, inside, first_margin, progress.part(0, 0.4));
   to_patient(mesh, grid);
-  const int cavities = params.keep_cavities ? 0 : drop_cavities(mesh, progress.part(0.4, 0.5));
-  const int small = keep_large_fan_components(mesh, params.min_component_mm3);  // marching cubes leave one fan a point
+  int pieces = 2;
+  const int cavities = params.keep_cavities ? 0 : drop_cavities(mesh, pieces, progress.part(0.4, 0.5));
+  // Marching cubes leave one fan a point.
+  const int small = pieces < 2 ? 0 : keep_large_fan_components(mesh, params.min_component_mm3);
   std::size_t moved = 0;
   const Validity v = make_valid(mesh, grid, moved, progress.part(0.5, 0.95));
 

@@ -58,7 +58,8 @@ class EdgeCollapse {
   };
   /// What one thread needs to work off edges.
   struct Worker {
-    std::vector<Candidate> heap;
+    std::vector<Candidate> sorted;  ///< what there was to begin with, the first in order last
+    std::vector<Candidate> heap;    ///< what came up since
     std::vector<Wing> wings_u, wings_v;
     std::vector<std::uint32_t> staying;  ///< the triangles that stay, with their corners after the collapse
     std::vector<std::array<Vec3, 3>> corners;

@@ -4,21 +4,21 @@
 #include <algorithm>
 #include <vector>
 
-#include "meshing/triangle_tree.h"
 #include "surface/incidence.h"
 
 namespace trephine {
 namespace {
 
 struct Component {
-  std::vector<std::uint32_t> triangles;
+  std::uint32_t first = 0;               ///< triangle
+  std::vector<std::uint32_t> triangles;  ///< where it looks inwards
   double volume = 0;
-  FloatBox box;
+  Bounds box;
 };
 
-bool within(const FloatBox& a, const FloatBox& b) {
+bool within(const Bounds& a, const Bounds& b) {
   for (int i = 0; i < 3; ++i)
-    if (a.min[i] < b.min[i] || a.max[i] > b.max[i]) return false;
+    if (a.min_mm[i] < b.min_mm[i] || a.max_mm[i] > b.max_mm[i]) return false;
   return true;
 }
 
@@ -41,23 +41,29 @@ bool encloses(const TriMesh& mesh, const Component& shell, Vec3 p) {
 
 }  // namespace
 
-int drop_cavities(TriMesh& mesh, const Progress& progress) {
+int drop_cavities(TriMesh& mesh, int& pieces_left, const Progress& progress) {
   std::vector<int> label;
   const int count = label_fan_components(mesh, label);
+  pieces_left = count;
   if (count < 2) return 0;
   std::vector<Component> components(count);
   const Vec3 o = mesh.points_mm[mesh.triangles.front()[0]];
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+  for (std::uint32_t t = static_cast<std::uint32_t>(mesh.triangles.size()); t-- > 0;) components[label[t]].first = t;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     Component& c = components[label[t]];
-    c.triangles.push_back(t);
     Vec3 p[3];
     for (int k = 0; k < 3; ++k) {
       p[k] = mesh.points_mm[mesh.triangles[t][k]];
-      c.box.add(p[k]);
+      for (int a = 0; a < 3; ++a) {
+        c.box.min_mm[a] = std::min(c.box.min_mm[a], p[k][a]);
+        c.box.max_mm[a] = std::max(c.box.max_mm[a], p[k][a]);
+      }
       p[k] = p[k] - o;
     }
     c.volume += dot(p[0], cross(p[1], p[2])) / 6;
   }
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    if (components[label[t]].volume < 0) components[label[t]].triangles.push_back(t);
   std::vector<char> drop(count, 0);
   for (int c = 0; c < count; ++c) drop[c] = components[c].volume < 0;
   for (int c = 0; c < count; ++c) {
@@ -65,7 +71,7 @@ int drop_cavities(TriMesh& mesh, const Progress& progress) {
     progress.check();
     for (int other = 0; other < count; ++other)
       if (!drop[other] && within(components[other].box, components[c].box))
-        drop[other] = encloses(mesh, components[c], mesh.points_mm[mesh.triangles[components[other].triangles[0]][0]]);
+        drop[other] = encloses(mesh, components[c], mesh.points_mm[mesh.triangles[components[other].first][0]]);
   }
   const int dropped = static_cast<int>(std::count(drop.begin(), drop.end(), 1));
   if (dropped == 0) return 0;
@@ -74,6 +80,7 @@ int drop_cavities(TriMesh& mesh, const Progress& progress) {
     if (!drop[label[t]]) mesh.triangles[kept++] = mesh.triangles[t];
   mesh.triangles.resize(kept);
   drop_unused_points(mesh);
+  pieces_left = count - dropped;
   return dropped;
 }
 

@@ -59,11 +59,12 @@ bool is_fan(const TriMesh& mesh, const Incidence& incidence, std::uint32_t p) {
   return turns == 1;
 }
 
-/// For each triangle: 2 where degenerate, 1 where each of its points has a fan, else 0.
-std::vector<char> classify(const TriMesh& mesh, const Incidence& incidence) {
+/// For each triangle: 2 where degenerate, 1 where each of its points has a fan, else 0; without the incidence no fan is
+/// looked for.
+std::vector<char> classify(const TriMesh& mesh, const Incidence* incidence) {
   std::vector<char> fan(mesh.points_mm.size()), kind(mesh.triangles.size());
-  parallel_for(0, static_cast<std::int64_t>(fan.size()), 8192, [&](std::int64_t from, std::int64_t to) {
-    for (std::int64_t p = from; p < to; ++p) fan[p] = is_fan(mesh, incidence, static_cast<std::uint32_t>(p));
+  parallel_for(0, static_cast<std::int64_t>(incidence ? fan.size() : 0), 8192, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t p = from; p < to; ++p) fan[p] = is_fan(mesh, *incidence, static_cast<std::uint32_t>(p));
   });
   parallel_for(0, static_cast<std::int64_t>(kind.size()), 16384, [&](std::int64_t from, std::int64_t to) {
     for (std::int64_t t = from; t < to; ++t) {
@@ -118,18 +119,8 @@ struct Boxes {
   }
 };
 
-}  // namespace
-
-std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh, const Progress& progress,
-                                                             const std::vector<std::uint32_t>& only) {
-  if (mesh.triangles.empty()) return {};
-  return self_intersections(mesh, Incidence(mesh), progress, only);
-}
-
-std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh, const Incidence& incidence,
-                                                             const Progress& progress,
-                                                             const std::vector<std::uint32_t>& only) {
-  if (mesh.triangles.empty()) return {};
+std::vector<std::array<std::uint32_t, 2>> find_pairs(const TriMesh& mesh, const Incidence* incidence,
+                                                     const Progress& progress, const std::vector<std::uint32_t>& only) {
   const std::vector<char> kind = classify(mesh, incidence);
   progress.check();
   const TriangleTree tree(mesh);
@@ -191,6 +182,23 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
+}
+
+}  // namespace
+
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh, const Progress& progress,
+                                                             const std::vector<std::uint32_t>& only) {
+  if (mesh.triangles.empty()) return {};
+  // A few pairs are tested sooner than every point's fan is looked at.
+  if (!only.empty() && only.size() < mesh.triangles.size() / 8) return find_pairs(mesh, nullptr, progress, only);
+  return self_intersections(mesh, Incidence(mesh), progress, only);
+}
+
+std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh, const Incidence& incidence,
+                                                             const Progress& progress,
+                                                             const std::vector<std::uint32_t>& only) {
+  if (mesh.triangles.empty()) return {};
+  return find_pairs(mesh, &incidence, progress, only);
 }
 
 }  // namespace trephine

@@ -38,21 +38,38 @@ void sort_by_key(std::vector<std::pair<std::uint64_t, std::uint32_t>>& keys) {
     return;
   }
   constexpr int bits = 11, lowest = 63 - 3 * bits;
+  constexpr std::int64_t piece = 1 << 17;
+  const auto count = static_cast<std::int64_t>(keys.size());
   std::vector<std::pair<std::uint64_t, std::uint32_t>> other(keys.size());
+  using Places = std::array<std::uint32_t, 1 << bits>;
+  std::vector<Places> at((count + piece - 1) / piece);
   for (int shift = lowest; shift < 63; shift += bits) {
-    std::array<std::uint32_t, 1 << bits> at{};
-    for (const auto& k : keys) ++at[k.first >> shift & ((1 << bits) - 1)];
+    const auto digit = [&](std::int64_t n) { return keys[n].first >> shift & ((1 << bits) - 1); };
+    parallel_for(0, count, piece, [&](std::int64_t from, std::int64_t to) {
+      Places& own = at[from / piece];
+      own.fill(0);
+      for (std::int64_t n = from; n < to; ++n) ++own[digit(n)];
+    });
     std::uint32_t sum = 0;
-    for (std::uint32_t& a : at) sum += std::exchange(a, sum);
-    for (const auto& k : keys) other[at[k.first >> shift & ((1 << bits) - 1)]++] = k;
+    for (std::size_t d = 0; d < at[0].size(); ++d)
+      for (Places& own : at) sum += std::exchange(own[d], sum);
+    parallel_for(0, count, piece, [&](std::int64_t from, std::int64_t to) {
+      Places& own = at[from / piece];
+      for (std::int64_t n = from; n < to; ++n) other[own[digit(n)]++] = keys[n];
+    });
     keys.swap(other);
   }
-  for (auto from = keys.begin(); from != keys.end();) {
-    auto to = from + 1;
-    while (to != keys.end() && to->first >> lowest == from->first >> lowest) ++to;
-    if (to - from > 1) std::sort(from, to);
-    from = to;
-  }
+  const auto differ = [&](std::int64_t n) { return keys[n - 1].first >> lowest != keys[n].first >> lowest; };
+  parallel_for(0, count, piece, [&](std::int64_t from, std::int64_t to) {
+    // A piece sorts the groups that begin in it.
+    while (from > 0 && from < to && !differ(from)) ++from;
+    while (from < to) {
+      std::int64_t end = from + 1;
+      while (end < count && !differ(end)) ++end;
+      if (end - from > 1) std::sort(keys.begin() + from, keys.begin() + end);
+      from = end;
+    }
+  });
 }
 
 }  // namespace
@@ -83,7 +100,14 @@ double FloatBox::squared_distance(Vec3 p) const {
 TriangleTree::TriangleTree(const TriMesh& mesh) : mesh_(mesh) {
   const auto count = static_cast<std::int64_t>(mesh.triangles.size());
   FloatBox all;
-  for (const Vec3 p : mesh.points_mm) all.add(p);
+  Vec3 low{3e38, 3e38, 3e38}, high{-3e38, -3e38, -3e38};
+  for (const Vec3 p : mesh.points_mm)
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], p[a]);
+      high[a] = std::max(high[a], p[a]);
+    }
+  all.add(low);
+  all.add(high);
   double extent = 0;
   for (int a = 0; a < 3; ++a) extent = std::max(extent, double(all.max[a]) - all.min[a]);
   const double scale = extent > 0 ? 2097151 / extent : 0;

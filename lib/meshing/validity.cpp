@@ -2,6 +2,7 @@
 #include "meshing/validity.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.h"
@@ -50,13 +51,10 @@ std::vector<std::uint32_t> degenerate_triangles(const TriMesh& mesh) {
   return found;
 }
 
-Validity check_validity(const TriMesh& mesh, const Progress& progress) {
-  check_mesh(mesh);
-  Validity v;
-  const Incidence incidence(mesh);
-  v.topology = topology_of(mesh, incidence);
-  if (!v.topology.closed() || !v.topology.manifold()) locate_topology_faults(mesh, incidence, v.places);
-  progress.report(0.3);
+namespace {
+
+/// What needs no neighbours.
+void look_at_each(const TriMesh& mesh, Validity& v) {
   v.volume_mm3 = volume_mm3(mesh);
   v.float32 = std::all_of(mesh.points_mm.begin(), mesh.points_mm.end(), [](Vec3 p) {
     return p.x == static_cast<float>(p.x) && p.y == static_cast<float>(p.y) && p.z == static_cast<float>(p.z);
@@ -72,7 +70,21 @@ Validity check_validity(const TriMesh& mesh, const Progress& progress) {
     auto& places = flat ? v.places.degenerate : v.places.slivers;
     if (places.size() < FaultPlaces::limit) places.push_back(mesh.origin_mm + (a + b + c) / 3);
   }
-  const auto pairs = self_intersections(mesh, incidence, progress.part(0.4, 1));
+}
+
+}  // namespace
+
+Validity check_validity(const TriMesh& mesh, const Progress& progress) {
+  check_mesh(mesh);
+  Validity v;
+  const Incidence incidence(mesh);
+  std::vector<std::array<std::uint32_t, 2>> pairs;
+  parallel_do({[&] { pairs = self_intersections(mesh, incidence, progress.part(0.1, 0.9)); },
+               [&] {
+                 v.topology = topology_of(mesh, incidence);
+                 if (!v.topology.closed() || !v.topology.manifold()) locate_topology_faults(mesh, incidence, v.places);
+               },
+               [&] { look_at_each(mesh, v); }});
   v.self_intersections = pairs.size();
   for (std::size_t i = 0; i < std::min(pairs.size(), FaultPlaces::limit); ++i)
     v.places.self_intersections.push_back(place_of_intersection_mm(mesh, pairs[i][0], pairs[i][1]));

@@ -177,14 +177,13 @@ Deviation measure_deviation(const TriMesh& mesh, const TriMesh& reference, const
   check_surface(mesh, "surface");
   check_surface(reference, "reference");
   Side forth, back;
-  {
-    const PointToMesh to_reference(reference, progress);
-    progress.report(0.2);
-    forth = measure_side(mesh, to_reference, params, everywhere, progress.part(0.2, 0.5));
-  }
-  const PointToMesh to_mesh(mesh, progress);
-  progress.report(0.7);
-  back = measure_side(reference, to_mesh, params, everywhere, progress.part(0.7, 1));
+  parallel_do(
+      {[&] {
+         const PointToMesh to_reference(reference, progress);
+         progress.report(0.3);
+         forth = measure_side(mesh, to_reference, params, everywhere, progress.part(0.3, 1));
+       },
+       [&] { back = measure_side(reference, PointToMesh(mesh, progress), params, everywhere, progress.part(0, 0)); }});
   return combine(std::move(forth), std::move(back));
 }
 

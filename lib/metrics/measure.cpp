@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "meshing/contour.h"
 #include "meshing/validity.h"
 #include "metrics/overlap.h"
@@ -98,15 +99,24 @@ Report measure_surface(const TriMesh& mesh, const MeasureReference& reference, c
   const MeshMeasures m = measure_mesh(mesh);
   progress.report(0.1);
   add_quality(report, m);
-  if (params.validity) add_validity(report, check_validity(mesh, progress.part(0.1, 0.4)));
-  add_geometry(report, m);
-
   DeviationParams samples;
   samples.sample_count = params.sample_count;
   const Progress rest = progress.part(0.4, 1);
-  if (const auto* r = std::get_if<MeshReference>(&reference)) {
+  const auto* against = std::get_if<MeshReference>(&reference);
+  Validity validity;
+  Deviation deviation;
+  parallel_do({[&] {
+                 if (against) deviation = measure_deviation(mesh, *against->mesh, samples, rest);
+               },
+               [&] {
+                 if (params.validity) validity = check_validity(mesh, progress.part(0.1, 0.4));
+               }});
+  if (params.validity) add_validity(report, validity);
+  add_geometry(report, m);
+
+  if (against) {
     report.add("reference", "mesh");
-    add_deviation(report, measure_deviation(mesh, *r->mesh, samples, rest), m.volume_mm3, volume_mm3(*r->mesh));
+    add_deviation(report, deviation, m.volume_mm3, volume_mm3(*against->mesh));
   } else if (const auto* l = std::get_if<LabelReference>(&reference)) {
     report.add("reference", "labels");
     const Mask label = select_label(*l->labels, l->label);

@@ -135,13 +135,22 @@ Topology topology_of(const TriMesh& mesh, const Incidence& incidence) {
   Topology r;
   r.points = mesh.points_mm.size();
   r.triangles = mesh.triangles.size();
-  std::size_t faces = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (!repeats(mesh.triangles[t])) ++faces;
-    // The negation also counts an area that is not a number.
-    if (repeats(mesh.triangles[t]) || !(norm(triangle_normal(mesh, t)) / 2 >= 1e-12)) ++r.degenerate_triangles;
-  }
   constexpr std::int64_t grain = 16384;
+  const auto triangles = static_cast<std::int64_t>(mesh.triangles.size());
+  std::vector<std::array<std::size_t, 2>> counts((triangles + grain - 1) / grain);  // faces, degenerate ones
+  parallel_for(0, triangles, grain, [&](std::int64_t from, std::int64_t to) {
+    auto& [faces, degenerate] = counts[from / grain];
+    for (std::int64_t t = from; t < to; ++t) {
+      faces += !repeats(mesh.triangles[t]);
+      // The negation also counts an area that is not a number.
+      degenerate += repeats(mesh.triangles[t]) || !(norm(triangle_normal(mesh, t)) / 2 >= 1e-12);
+    }
+  });
+  std::size_t faces = 0;
+  for (const auto& c : counts) {
+    faces += c[0];
+    r.degenerate_triangles += c[1];
+  }
   const auto points = static_cast<std::int64_t>(mesh.points_mm.size());
   std::vector<Topology> parts((points + grain - 1) / grain);
   parallel_for(0, points, grain, [&](std::int64_t from, std::int64_t to) {
