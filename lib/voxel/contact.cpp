@@ -82,9 +82,9 @@ ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
     for (int raw = s.window_low; raw <= s.window_high; ++raw) {
       const detail::RawVoxel v = detail::split(std::int16_t(raw));
       if (v.number != s.number) continue;
-      const int rest = v.share == haptic_full ? contact_pure : v.bare ? 0 : contact_shared;
-      table_[std::uint16_t(raw)] =
-          std::uint32_t(v.share << 16 | (v.bare ? v.share : haptic_full) << 8 | rest | v.number);
+      const int rest = v.bare ? 0 : haptic_full - v.share, pure = v.share == haptic_full ? contact_pure : 0;
+      table_[std::uint16_t(raw)] = std::uint32_t(rest) << 24 | std::uint32_t(v.share) << 16 |
+                                   std::uint32_t(v.share + rest) << 8 | std::uint32_t(pure | v.number);
     }
   settle(whole_box(l));
 }
@@ -387,45 +387,34 @@ bool ContactVolume::shares_around(const int* begin, int from, int into, double (
   if (volume_.encoding == HapticEncoding::hu) return false;
   const std::size_t row_step = std::size_t(voxels.size[0]), slice_step = row_step * std::size_t(voxels.size[1]);
   const std::int16_t* const first = voxels.voxels.data() + voxels.index(begin[0], begin[1], begin[2]);
-  if (from == 0 || into == 0) {  // by far the most: no question of whose
-    for (std::size_t n = 0; n < 16; ++n) {
-      const std::int16_t* row = first + (n >> 2) * slice_step + (n & 3) * row_step;
-      for (std::size_t x = 0; x < 4; ++x) v[x][n] = entry_filled(table_[std::uint16_t(detail::load_voxel(row[x]))]);
+  std::uint32_t e[4][16];
+  for (std::size_t z = 0; z < 4; ++z)
+    for (std::size_t y = 0; y < 4; ++y) {
+      const std::int16_t* row = first + z * slice_step + y * row_step;
+      for (std::size_t x = 0; x < 4; ++x) e[x][4 * z + y] = table_[std::uint16_t(detail::load_voxel(row[x]))];
     }
+  if (from == 0 || into == 0) {  // no question of whose
+    for (int x = 0; x < 4; ++x)
+      for (int n = 0; n < 16; ++n) v[x][n] = entry_filled(e[x][n]);
     return true;
   }
-  // Of a voxel that another shape shares, the rest: by block never or always this one's, or to be asked for.
-  enum { never, always, ask };
-  int rest_of[2][2][2];
-  for (int n = 0; n < 8; ++n) {
-    const int bi = ((begin[0] >> block_bits) + (n & 1)), bj = (begin[1] >> block_bits) + (n >> 1 & 1),
-              bk = (begin[2] >> block_bits) + (n >> 2);
-    int& rest = rest_of[n >> 2][n >> 1 & 1][n & 1];
-    rest = ask;
-    if (bi >= blocks_[0] || bj >= blocks_[1] || bk >= blocks_[2]) continue;
-    const std::uint32_t near = __atomic_load_n(&block_near_[block_at(bi, bj, bk)], __ATOMIC_RELAXED);
-    const std::uint32_t others = near & ~(std::uint32_t{1} << (into - 1));
-    rest = others == near ? never : (others & (others - 1)) == 0 ? always : ask;
-  }
-  for (int n = 0; n < 16; ++n) {
-    const int y = begin[1] + (n & 3), z = begin[2] + (n >> 2);
-    const std::int16_t* row = first + std::size_t(n >> 2) * slice_step + std::size_t(n & 3) * row_step;
-    const int* rests =
-        rest_of[(z >> block_bits) - (begin[2] >> block_bits)][(y >> block_bits) - (begin[1] >> block_bits)];
-    for (int x = 0; x < 4; ++x) {
-      const std::uint32_t e = table_[std::uint16_t(detail::load_voxel(row[x]))];
-      const int share = entry_share(e);
-      int of = 0;
-      if (entry_shape(e) == into) {
-        of = share;
-      } else if (e & contact_shared) {
-        const int rest = rests[((begin[0] + x) >> block_bits) - (begin[0] >> block_bits)];
-        if (rest == always || (rest == ask && second_of(entry_shape(e), begin[0] + x, y, z) == into))
-          of = haptic_full - share;
-      }
-      v[x][n] = of;
+  // What another shape's voxel leaves: this one's, where there are no others.
+  std::uint32_t near = 0;
+  for (int n = 0; n < 8; ++n)
+    near |= near_block(begin[0] + 3 * (n & 1), begin[1] + 3 * (n >> 1 & 1), begin[2] + 3 * (n >> 2));
+  const std::uint32_t others = near & ~(std::uint32_t{1} << (into - 1));
+  const bool two = (others & (others - 1)) == 0;
+  const int ours = two && others != near ? ~0 : 0;
+  for (int x = 0; x < 4; ++x)
+    for (int n = 0; n < 16; ++n)
+      v[x][n] = entry_shape(e[x][n]) == into ? entry_share(e[x][n]) : entry_rest(e[x][n]) & ours;
+  if (two || others == near) return true;
+  for (int x = 0; x < 4; ++x)
+    for (int n = 0; n < 16; ++n) {
+      const int own = entry_shape(e[x][n]), rest = entry_rest(e[x][n]);
+      if (rest != 0 && own != into && second_of(own, begin[0] + x, begin[1] + (n & 3), begin[2] + (n >> 2)) == into)
+        v[x][n] = rest;
     }
-  }
   return true;
 }
 
@@ -438,7 +427,7 @@ double ContactVolume::share_around(int i, int j, int k, int from, int into) cons
   if (!hu) {
     if (from == 0 || into == 0) return entry_filled(e);
     if (entry_shape(e) == number) return entry_share(e);
-    return (e & contact_shared) && second_of(entry_shape(e), i, j, k) == number ? haptic_full - entry_share(e) : 0;
+    return entry_rest(e) != 0 && second_of(entry_shape(e), i, j, k) == number ? entry_rest(e) : 0;
   }
   const double half = std::max(1, low_of_[number] + 1000);
   if (entry_shape(e) == number || (e == 0 && (from == 0 || into == 0)))

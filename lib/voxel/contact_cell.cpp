@@ -131,6 +131,28 @@ ContactCell::ContactCell(const ContactVolume& contact, int i, int j, int k) {
 }
 
 void ContactCell::find_shapes(const ContactVolume& contact, int i, int j, int k) {
+  for (std::size_t c = 0; c < 8; ++c) filled_[c] = entry_filled(entry_[c]) - half_full;
+  // Shapes by the order in which corners name them.
+  const std::uint32_t near = contact.near_block(i, j, k);
+  const std::uint32_t but_one = near & (near - 1);
+  if ((but_one & (but_one - 1)) == 0) {  // two at most: what is not the one's is the other's
+    const int both = but_one == 0 ? 0 : (__builtin_ctz(near) + 1) ^ (__builtin_ctz(but_one) + 1);
+    int first = 0, second = 0;
+    for (std::size_t c = 0; c < 8; ++c) {
+      const int own = entry_shape(entry_[c]);
+      if (first == 0) first = own;
+      if (own != 0 && (own != first || entry_rest(entry_[c]) != 0)) second = both ^ first;
+    }
+    number_ = {first, second};
+    count_ = but_one == 0 || second == 0 ? 1 : 2;
+    if (count_ < 2) return;
+    for (std::size_t c = 0; c < 8; ++c) {
+      const bool other = entry_shape(entry_[c]) != first;
+      own_[0][c] = other ? entry_rest(entry_[c]) : entry_share(entry_[c]);
+      own_[1][c] = other ? entry_share(entry_[c]) : entry_rest(entry_[c]);
+    }
+    return;
+  }
   std::uint64_t seen = 1;
   const auto add = [&](int number) {
     if (seen >> number & 1) return;
@@ -139,21 +161,18 @@ void ContactCell::find_shapes(const ContactVolume& contact, int i, int j, int k)
   };
   std::array<int, 8> second{};  // whose the rest of the voxel is
   for (std::size_t c = 0; c < 8; ++c) {
-    filled_[c] = entry_filled(entry_[c]) - half_full;
     add(entry_shape(entry_[c]));
-    if (!(entry_[c] & contact_shared)) continue;
+    if (entry_rest(entry_[c]) == 0) continue;
     second[c] = contact.second_of(entry_shape(entry_[c]), i + int(c & 1), j + int(c >> 1 & 1), k + int(c >> 2));
     add(second[c]);
   }
   if (count_ < 2) return;
   for (int n = 0; n < count_; ++n) {
     const int number = number_[std::size_t(n)];
-    for (std::size_t c = 0; c < 8; ++c) {
-      const int share = entry_share(entry_[c]);
-      own_[std::size_t(n)][c] = entry_shape(entry_[c]) == number ? share
-                                : second[c] == number            ? haptic_full - share
+    for (std::size_t c = 0; c < 8; ++c)
+      own_[std::size_t(n)][c] = entry_shape(entry_[c]) == number ? entry_share(entry_[c])
+                                : second[c] == number            ? entry_rest(entry_[c])
                                                                  : 0;
-    }
   }
 }
 

@@ -11,10 +11,11 @@ namespace trephine {
 /// What a table entry of ContactVolume says of a raw value.
 constexpr int contact_gap = 64;          ///< HU between windows: neither a shape nor air
 constexpr int contact_pure = 128;        ///< a voxel of one shape alone
-constexpr int contact_shared = 1 << 24;  ///< partly filled, and the rest is not bare
 inline int entry_shape(std::uint32_t entry) { return int(entry & 63); }
 inline int entry_filled(std::uint32_t entry) { return int(entry >> 8 & 255); }
-inline int entry_share(std::uint32_t entry) { return int(entry >> 16 & 255); }  ///< encoding `occupancy`
+// Encoding `occupancy`: what the shape has of it, and what it leaves to another one that is near.
+inline int entry_share(std::uint32_t entry) { return int(entry >> 16 & 255); }
+inline int entry_rest(std::uint32_t entry) { return int(entry >> 24); }
 
 /// In a cell the shape at a point is decided by trilinear functions: along a segment by cubics, whose roots are found
 /// in Bernstein form, so that none is missed.
