@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "segmentation/segment.h"
-
+#include "base/error.h"
+#include "stages/coarse_segment.h"
 #include "stages/stage.h"
 
 namespace trephine {
@@ -21,11 +21,15 @@ StageType segment_stage() {
              {"without", DataKind::field, false, "an anatomy to stay outside of"},
              {"skull", DataKind::field, false, "the skull, for the brain that it holds"}};
   s.output = DataKind::field;
-  s.make_params = [] { return AnyParams::make<SegmentParams>(); };
+  s.make_params = [] { return AnyParams::make<SegmentStageParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
     const SegmentMasks masks{in.get<Field>("within"), in.get<Field>("without"), in.get<Field>("skull")};
-    return std::make_shared<const Field>(
-        segment(*in.get<HuVolume>("volume"), masks, params.as<SegmentParams>(), report, progress));
+    const auto& p = params.as<SegmentStageParams>();
+    const HuVolume& volume = *in.get<HuVolume>("volume");
+    if (p.coarse_mm > 0 && (masks.within || masks.without || masks.skull || p.method != SegmentMethod::threshold))
+      throw Error(ExitCode::usage, "", "coarse_mm", "only for method threshold, and without another anatomy");
+    return std::make_shared<const Field>(p.coarse_mm > 0 ? segment_coarsely(volume, p, report, progress)
+                                                         : segment(volume, masks, p, report, progress));
   };
   return s;
 }
