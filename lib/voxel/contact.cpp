@@ -91,12 +91,9 @@ ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
 
 Vec3 ContactVolume::to_index(Vec3 world_mm) const { return to_index_ * (world_mm - volume_.voxels.origin_mm); }
 
-int ContactVolume::shape_of_uniform_cell(int i, int j, int k) const {
-  const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
-  if (bi < 0 || bj < 0 || bk < 0 || bi >= blocks_[0] || bj >= blocks_[1] || bk >= blocks_[2]) return -1;
+int ContactVolume::shape_of_uniform_cell(std::size_t block, int i, int j, int k) const {
   constexpr int last = (1 << block_bits) - 1;
   const int cell = (i & last) + ((j & last) << block_bits) + ((k & last) << 2 * block_bits);
-  const std::size_t block = block_at(bi, bj, bk);
   const std::uint64_t cells = __atomic_load_n(&block_cells_[2 * block + std::size_t(cell >> 5)], __ATOMIC_ACQUIRE);
   const int kind = int(cells >> 2 * (cell & 31) & 3);
   if (kind == 0 || kind == 3) return kind == 0 ? 0 : -1;
@@ -122,7 +119,8 @@ int ContactVolume::shape_of(Vec3 index) const {
   const int i = int(std::floor(index.x)), j = int(std::floor(index.y)), k = int(std::floor(index.z));
   const int block = shape_of_block(i, j, k);
   if (block != mixed_block) return block;
-  const int uniform = shape_of_uniform_cell(i, j, k);
+  const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
+  const int uniform = has_block(bi, bj, bk) ? shape_of_uniform_cell(block_at(bi, bj, bk), i, j, k) : -1;
   return uniform >= 0 ? uniform : ContactCell(*this, i, j, k).shape_at(within_cell(index, i, j, k));
 }
 
@@ -232,8 +230,8 @@ bool ContactVolume::within_cell_of(const Segment& s, int shape, const TouchableF
 ContactVolume::Crossing ContactVolume::walk_cells(const Segment& s, int shape, const TouchableFaces& faces) const {
   Crossing c;
   c.from = c.into = shape;
-  // Where nothing near can stop the way, and what it passed need not be known any more, voxels are not read: which
-  // shape the last such cell ends in is found out where it matters.
+  // Where nothing is that can stop the way, and what it passed need not be known any more, cells are left out: which
+  // shape the last of them ends in is found out where it matters.
   const std::uint32_t touch = std::uint32_t((faces.front | faces.back) >> 1);
   struct {
     int at[3];
@@ -241,30 +239,52 @@ ContactVolume::Crossing ContactVolume::walk_cells(const Segment& s, int shape, c
     bool open = false;
   } left;
   const auto touches = [&](int number) { return number != 0 && (touch >> (number - 1) & 1); };
+  const auto look_back = [&] {
+    if (left.open) c.into = end_of_cell(s, left.at, left.t0, left.t1);
+    left.open = false;
+  };
   const auto enter = [&](int number, double t) {
-    if (left.open && touches(number)) c.into = end_of_cell(s, left.at, left.t0, left.t1);
-    if (left.open && !touches(number)) c.into = number;
+    if (touches(number)) look_back();
+    if (left.open) c.into = number;
     left.open = false;
     return number != c.into && c.change(number, t, faces);
   };
+  int block_of[3] = {0, 0, 0}, block = unknown_block;
+  std::size_t block_index = 0;
+  std::uint32_t near = 0;
   walk_over_cells<block_bits>(s.begin, s.end, [&](int i, int j, int k, double t0, double t1) {
-    const int block = shape_of_block(i, j, k);
-    if (block != mixed_block) return enter(block, t0) ? WalkStep::end : WalkStep::block;
-    const int uniform = shape_of_uniform_cell(i, j, k);
-    if (uniform >= 0) return enter(uniform, t0) ? WalkStep::end : WalkStep::cell;
-    if (c.passed && (near_block(i, j, k) & touch) == 0 && (left.open || !touches(c.into))) {
+    const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
+    if (block == unknown_block || ((bi ^ block_of[0]) | (bj ^ block_of[1]) | (bk ^ block_of[2])) != 0) {
+      block_of[0] = bi, block_of[1] = bj, block_of[2] = bk;
+      block = outer_block;
+      near = all_shapes;
+      if (has_block(bi, bj, bk)) {
+        block_index = block_at(bi, bj, bk);
+        block = __atomic_load_n(&block_shape_[block_index], __ATOMIC_RELAXED);
+        if (block == mixed_block) near = __atomic_load_n(&block_near_[block_index], __ATOMIC_RELAXED);
+      }
+    }
+    if (block < mixed_block) return enter(block, t0) ? WalkStep::end : WalkStep::block;
+    if (block == mixed_block) {
+      const int uniform = shape_of_uniform_cell(block_index, i, j, k);
+      if (uniform >= 0) return enter(uniform, t0) ? WalkStep::end : WalkStep::cell;
+    }
+    const bool may_leave = c.passed && (left.open || !touches(c.into));
+    if (may_leave && (near & touch) == 0) {
       left = {{i, j, k}, t0, t1, true};
       return WalkStep::cell;
     }
-    if (left.open) c.into = end_of_cell(s, left.at, left.t0, left.t1);
-    left.open = false;
-    const ContactCell cell(*this, i, j, k);
+    const ContactCell cell(*this, i, j, k, may_leave ? touch : all_shapes);
+    if (cell.uniform()) return enter(cell.shape(), t0) ? WalkStep::end : WalkStep::cell;
+    if (!cell.touched()) {
+      left = {{i, j, k}, t0, t1, true};
+      return WalkStep::cell;
+    }
+    look_back();
     const int at[3] = {i, j, k};
-    const bool end = cell.uniform() ? cell.shape() != c.into && c.change(cell.shape(), t0, faces)
-                                    : walk_cell(cell, s, at, t0, t1, faces, c);
-    return end ? WalkStep::end : WalkStep::cell;
+    return walk_cell(cell, s, at, t0, t1, faces, c) ? WalkStep::end : WalkStep::cell;
   });
-  if (left.open) c.into = end_of_cell(s, left.at, left.t0, left.t1);
+  look_back();
   return c;
 }
 

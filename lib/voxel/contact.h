@@ -137,12 +137,15 @@ class ContactVolume {
   /// after it are of; mixed_block where they differ, and where it is not known.
   int shape_of_block(int i, int j, int k) const {
     const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
-    if (bi < 0 || bj < 0 || bk < 0 || bi >= blocks_[0] || bj >= blocks_[1] || bk >= blocks_[2]) return mixed_block;
+    if (!has_block(bi, bj, bk)) return mixed_block;
     return __atomic_load_n(&block_shape_[block_at(bi, bj, bk)], __ATOMIC_RELAXED);
+  }
+  bool has_block(int bi, int bj, int bk) const {
+    return bi >= 0 && bj >= 0 && bk >= 0 && bi < blocks_[0] && bj < blocks_[1] && bk < blocks_[2];
   }
   std::uint32_t near_block(int i, int j, int k) const {
     const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
-    if (bi < 0 || bj < 0 || bk < 0 || bi >= blocks_[0] || bj >= blocks_[1] || bk >= blocks_[2]) return all_shapes;
+    if (!has_block(bi, bj, bk)) return all_shapes;
     return __atomic_load_n(&block_near_[block_at(bi, bj, bk)], __ATOMIC_RELAXED);
   }
   std::size_t block_at(int bi, int bj, int bk) const {
@@ -150,7 +153,7 @@ class ContactVolume {
   }
   /// The shape (0: none) of all of the cell between eight voxel centres, of a sub-voxel surface; -1 where it is not of
   /// one, and where that is not known.
-  int shape_of_uniform_cell(int i, int j, int k) const;
+  int shape_of_uniform_cell(std::size_t block, int i, int j, int k) const;
   void note_cells(std::size_t block, int bi, int bj, int bk);
   bool shares_around(const int* begin, int from, int into, double (*v)[16]) const;
   double share_around(int i, int j, int k, int from, int into) const;
@@ -164,7 +167,7 @@ class ContactVolume {
   double smallest_side_mm_ = 1;
   Mat3 to_index_;                     ///< of world minus origin
   std::vector<std::uint32_t> table_;  ///< by raw value, as contact_cell.h takes it apart
-  static constexpr int block_bits = 2, mixed_block = 255;
+  static constexpr int block_bits = 2, mixed_block = 255, outer_block = 256, unknown_block = 257;
   static constexpr std::uint32_t all_shapes = ~std::uint32_t{0};
   std::array<int, 3> blocks_{0, 0, 0};  ///< whole ones, with the voxels after them
   std::vector<std::uint8_t> block_shape_;

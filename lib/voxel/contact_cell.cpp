@@ -94,7 +94,7 @@ int nearest_corner(Vec3 p) { return (p.x >= 0.5 ? 1 : 0) | (p.y >= 0.5 ? 2 : 0) 
 
 }  // namespace
 
-ContactCell::ContactCell(const ContactVolume& contact, int i, int j, int k) {
+ContactCell::ContactCell(const ContactVolume& contact, int i, int j, int k, std::uint32_t touch) {
   const Grid<std::int16_t>& v = contact.volume_.voxels;
   hu_ = contact.volume_.encoding == HapticEncoding::hu;
   if (i >= 0 && j >= 0 && k >= 0 && i + 1 < v.size[0] && j + 1 < v.size[1] && k + 1 < v.size[2]) {
@@ -110,46 +110,55 @@ ContactCell::ContactCell(const ContactVolume& contact, int i, int j, int k) {
     }
   }
   bool same = true;
-  int solid = 0, some = 0;
+  int solid = 0;
+  std::uint64_t here = 0;
   for (std::size_t c = 0; c < 8; ++c) {
     entry_[c] = contact.table_[std::uint16_t(raw_[c])];
     same = same && entry_[c] == entry_[0];
-    some |= entry_shape(entry_[c]);
-    if (entry_filled(entry_[c]) > half_full) solid |= 1 << c;
+    here |= std::uint64_t{1} << entry_shape(entry_[c]);
+    if (2 * entry_filled(entry_[c]) > haptic_full) solid |= 1 << c;
   }
-  if (solid == 0 || some == 0) return;
+  const std::uint32_t own = std::uint32_t(here >> 1);
+  if (solid == 0 || own == 0) return;
   if (same && (entry_[0] & contact_pure)) {
     shape_ = entry_shape(entry_[0]);
     return;
   }
   uniform_ = false;
   boxes_ = parted[std::size_t(solid)];
-  if (hu_)
-    find_windows(contact);
-  else
-    find_shapes(contact, i, j, k);
+  if (hu_) {
+    touched_ = (own & touch) != 0;
+    if (touched_) find_windows(contact);
+  } else {
+    find_shapes(contact, i, j, k, own, touch);
+  }
 }
 
-void ContactCell::find_shapes(const ContactVolume& contact, int i, int j, int k) {
-  for (std::size_t c = 0; c < 8; ++c) filled_[c] = entry_filled(entry_[c]) - half_full;
-  // Shapes by the order in which corners name them.
-  const std::uint32_t near = contact.near_block(i, j, k);
-  const std::uint32_t but_one = near & (near - 1);
+// Shapes come by the order in which corners name them.
+void ContactCell::find_shapes(const ContactVolume& contact, int i, int j, int k, std::uint32_t own,
+                              std::uint32_t touch) {
+  std::uint32_t rest = 0;
+  for (std::size_t c = 0; c < 8; ++c) {
+    filled_[c] = entry_filled(entry_[c]) - half_full;
+    rest |= entry_[c] >> 24;
+  }
+  const std::uint32_t near = contact.near_block(i, j, k), but_one = near & (near - 1);
   if ((but_one & (but_one - 1)) == 0) {  // two at most: what is not the one's is the other's
-    const int both = but_one == 0 ? 0 : (__builtin_ctz(near) + 1) ^ (__builtin_ctz(but_one) + 1);
-    int first = 0, second = 0;
+    const std::uint32_t all = rest != 0 ? near : own;
+    touched_ = (all & touch) != 0;
+    if (!touched_) return;
+    int first = 0;
+    for (std::size_t c = 0; c < 8 && first == 0; ++c) first = entry_shape(entry_[c]);
+    number_[0] = first;
+    const std::uint32_t other = all & ~(std::uint32_t{1} << (first - 1));
+    count_ = 1;
+    if (other == 0) return;
+    number_[1] = __builtin_ctz(other) + 1;
+    count_ = 2;
     for (std::size_t c = 0; c < 8; ++c) {
-      const int own = entry_shape(entry_[c]);
-      if (first == 0) first = own;
-      if (own != 0 && (own != first || entry_rest(entry_[c]) != 0)) second = both ^ first;
-    }
-    number_ = {first, second};
-    count_ = but_one == 0 || second == 0 ? 1 : 2;
-    if (count_ < 2) return;
-    for (std::size_t c = 0; c < 8; ++c) {
-      const bool other = entry_shape(entry_[c]) != first;
-      own_[0][c] = other ? entry_rest(entry_[c]) : entry_share(entry_[c]);
-      own_[1][c] = other ? entry_share(entry_[c]) : entry_rest(entry_[c]);
+      const bool of_first = entry_shape(entry_[c]) == first;
+      own_[0][c] = of_first ? entry_share(entry_[c]) : entry_rest(entry_[c]);
+      own_[1][c] = of_first ? entry_rest(entry_[c]) : entry_share(entry_[c]);
     }
     return;
   }
@@ -166,7 +175,8 @@ void ContactCell::find_shapes(const ContactVolume& contact, int i, int j, int k)
     second[c] = contact.second_of(entry_shape(entry_[c]), i + int(c & 1), j + int(c >> 1 & 1), k + int(c >> 2));
     add(second[c]);
   }
-  if (count_ < 2) return;
+  touched_ = (std::uint32_t(seen >> 1) & touch) != 0;
+  if (count_ < 2 || !touched_) return;
   for (int n = 0; n < count_; ++n) {
     const int number = number_[std::size_t(n)];
     for (std::size_t c = 0; c < 8; ++c)
@@ -248,7 +258,12 @@ Vec3 ContactCell::gradient(Vec3 p, int from, int into) const {
 
 int ContactCell::breaks(Vec3 p, Vec3 q, double* out) const {
   int count = 0;
-  const auto add = [&](const Corners& c) { find_roots(along(c, p, q), 0, 1, 40, out, count); };
+  // Where all corners are of one sign, everything between them is.
+  const auto add = [&](const Corners& c) {
+    int below = 0;
+    for (const double v : c) below += v < 0;
+    if (below != 0 && below != 8) find_roots(along(c, p, q), 0, 1, 40, out, count);
+  };
   if (uniform_) return 0;
   if (hu_) {
     for (std::size_t n = 0; n < std::size_t(count_); ++n) {

@@ -21,11 +21,14 @@ inline int entry_rest(std::uint32_t entry) { return int(entry >> 24); }
 /// in Bernstein form, so that none is missed.
 class ContactCell {
  public:
-  ContactCell(const ContactVolume& contact, int i, int j, int k);
+  /// `touch`: shapes, bit n - 1 for shape n. Where a cell that is not uniform has none of them, touched() is false, and
+  /// it may not be asked for more.
+  ContactCell(const ContactVolume& contact, int i, int j, int k, std::uint32_t touch = ~std::uint32_t{0});
 
   /// Whether the whole cell is of one shape, or of none: `shape()`.
   bool uniform() const { return uniform_; }
   int shape() const { return shape_; }
+  bool touched() const { return touched_; }
 
   /// The shape at p, coordinates 0 to 1.
   int shape_at(Vec3 p) const;
@@ -40,10 +43,10 @@ class ContactCell {
   using Corners = std::array<double, 8>;
 
  private:
-  void find_shapes(const ContactVolume& contact, int i, int j, int k);
+  void find_shapes(const ContactVolume& contact, int i, int j, int k, std::uint32_t own, std::uint32_t touch);
   void find_windows(const ContactVolume& contact);
 
-  bool uniform_ = true, hu_ = false;
+  bool uniform_ = true, hu_ = false, touched_ = false;
   bool boxes_ = false;  ///< a corner that is solid fills its eighth of the cell
   int shape_ = 0;
   std::array<std::uint32_t, 8> entry_;
