@@ -17,6 +17,8 @@ constexpr double cell_mm = 1.0;              ///< at most: what it works on
 constexpr double sheet_mm_per_noise = 0.04;  ///< sigma of the means along sulci by the noise, mm per HU mm^1.5,
 constexpr double least_sheet_mm = 0.4, most_sheet_mm = 1.8;
 constexpr double strength_ratio = 0.13;  ///< of denoising to the noise that is left, mm^-0.5
+constexpr double blur_mm = 0.7;          ///< sigma of all that has blurred by then: kernel, cells, means and denoising
+constexpr double sharpened_mm = 2;  ///< so far from what is dark unsharpened, a sulcus goes on where it is sharpened
 constexpr float thin_bone_hu = 226;
 constexpr double bone_blur_mm = 1.2;    ///< HU this near to bone are not believed
 constexpr double bone_margin_mm = 1.0;  ///< and the brain never comes nearer than this: dura and a film of CSF
@@ -29,6 +31,9 @@ constexpr double ventricle_wall_mm = 1.5;
 constexpr double wide_mm = 2.0;   ///< CSF wider than twice this is as dark as CSF,
 constexpr double lesion_hu = 15;  ///< and what is brighter is oedema or an old infarct: brain
 constexpr double lesion_ml = 0.3;
+// The fourth ventricle, from the brain's centre, LPS, in an adult: wider than twice this, its ways out are narrower.
+constexpr double neck_mm = 2.0, fourth_core_ml = 0.2;
+constexpr Vec3 fourth_from{-15, 10, -75}, fourth_to{15, 55, -25};
 constexpr double crumb_mm = 0.8;  ///< flaps thinner than twice this (dura, vessels) do not hold to the brain
 constexpr double cut_sigma_mm = 1.5;
 constexpr double cut_scale_hu = 10;
@@ -54,6 +59,18 @@ Grid<float> soft_of(const HuView& hu, const Box& box, const CoarseRaster& raster
   return soft_tissue(std::move(v), known, false, strength_ratio, -1000, report, progress);
 }
 
+/// Takes back what blur took from edges and clefts, to first order: adds what a Gaussian mean takes away.
+Field sharpened(Field soft, const Progress& progress) {
+  constexpr float nowhere = -1000;
+  const BitMask seen = make_mask(soft, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < soft.size[0]; ++i) row[i] = soft.at(i, j, k) > nowhere;
+  });
+  const Grid<float> mean = masked_gaussian(soft, seen, blur_mm, nowhere, 0.02, progress);
+  for (std::size_t v = 0; v < soft.voxels.size(); ++v)
+    if (soft.voxels[v] > nowhere) soft.voxels[v] += soft.voxels[v] - mean.voxels[v];
+  return soft;
+}
+
 /// Whether there is a way within `domain` from `start`: what belongs to its components that touch it.
 BitMask reached(const BitMask& start, const BitMask& domain) {
   const Components pieces = components(domain);
@@ -70,6 +87,35 @@ BitMask lesions(const Grid<float>& soft, const BitMask& dark, const Progress& pr
   std::vector<char> keep;
   for (const Component& c : pieces.list) keep.push_back(c.voxels * soft.voxel_volume_mm3() / 1000 >= lesion_ml);
   return dilated(select(pieces, keep), wide_mm + 1, progress);
+}
+
+Vec3 centre_of(const BitMask& shape) {
+  const Lattice& l = shape.lattice();
+  Vec3 sum;
+  double n = 0;
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i)
+        if (shape.get(i, j, k)) sum += {double(i), double(j), double(k)}, n += 1;
+  return l.to_world_mm(sum / std::max(n, 1.0));
+}
+
+/// CSF in the fourth ventricle's place that is parted from the outside where ways are narrow: it belongs to the brain.
+BitMask fourth_ventricle(const BitMask& dark, const BitMask& outside, Vec3 centre_mm, const Progress& progress) {
+  const Lattice& l = dark.lattice();
+  const Components pieces = components(eroded(dark, neck_mm, progress));
+  const std::vector<char> open = touching(pieces, outside);
+  std::vector<char> keep;
+  for (std::size_t c = 0; c < pieces.list.size(); ++c) {
+    const Box& b = pieces.list[c].box;
+    Vec3 middle;
+    for (int a = 0; a < 3; ++a) middle[a] = 0.5 * (b.begin[a] + b.end[a] - 1);
+    const Vec3 p = l.to_world_mm(middle) - centre_mm;
+    bool inside = !open[c] && double(pieces.list[c].voxels) * l.voxel_volume_mm3() / 1000 >= fourth_core_ml;
+    for (int a = 0; a < 3; ++a) inside = inside && p[a] > fourth_from[a] && p[a] < fourth_to[a];
+    keep.push_back(inside);
+  }
+  return dilated(select(pieces, keep), neck_mm + 0.5, progress);
 }
 
 /// Interpolated between cells the field may reach into a voxel of bone, and a voxel may come off.
@@ -118,13 +164,13 @@ Field segment_brain(const HuView& hu, const SegmentMasks& masks, const SegmentPa
   cavity.remove(dilated(bone, bone_margin_mm, progress));
   cavity = coarse_mask(cavity, raster, 0.5);
   const float lower = float(p.lower_hu), upper = float(p.upper_hu);
-  const auto within = [&](float from) {
-    BitMask tissue = make_mask(soft, [&](int j, int k, std::uint8_t* row) {
-      for (int i = 0; i < soft.size[0]; ++i) row[i] = soft.at(i, j, k) > from && soft.at(i, j, k) < upper;
+  const auto within = [&](const Field& f, float from) {
+    BitMask tissue = make_mask(f, [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < f.size[0]; ++i) row[i] = f.at(i, j, k) > from && f.at(i, j, k) < upper;
     });
     return tissue &= cavity;
   };
-  const BitMask tissue = within(lower - float(inner_hu));
+  const BitMask tissue = within(soft, lower - float(inner_hu));
 
   // Bridges (vessels, dura, nerves) are cut; then the envelope: narrow sulci closed, ventricles filled.
   const double open_mm = or_default(p.open_mm, default_open_mm);
@@ -144,19 +190,27 @@ Field segment_brain(const HuView& hu, const SegmentMasks& masks, const SegmentPa
   // Sulci, fissures and cisterns: the CSF that is reached from outside, past the ventricles.
   BitMask closed_off = dilated(find_ventricles(soft, shape, -15, ventricle_hu, progress), ventricle_wall_mm, progress);
   closed_off &= shape;
-  BitMask dark = within(lower);
-  dark.invert();
-  dark &= shape;
-  dark.remove(closed_off);
-  dark.remove(lesions(soft, dark, progress));
-  BitMask outside = shape;
-  outside.invert();
+  const auto dark_in = [&](const Field& f) {
+    BitMask dark = within(f, lower);
+    dark.invert();
+    dark &= shape;
+    return dark.remove(closed_off);
+  };
+  const Field sharp = sharpened(soft, progress);
+  BitMask dark = dark_in(soft), deeper = dark_in(sharp), outside = shape;
+  deeper.remove(lesions(soft, dark, progress));
+  deeper |= outside.invert();
+  BitMask fourth = fourth_ventricle(deeper, outside, centre_of(shape), progress);
+  deeper.remove(fourth &= shape);
+  // Sharpening deepens sulci that are reached without; on its own it reaches nothing, for it raises noise too.
   dark |= outside;
-  shape.remove(reached(outside, dark));
+  dark &= deeper;
+  shape.remove(grown_within(reached(outside, dark), deeper, sharpened_mm, progress));
   BitMask solid = dilated(largest(components(eroded(shape, crumb_mm, progress))), crumb_mm + 0.5, progress);
   shape &= solid;
   shape = largest(components(shape));
   progress.report(0.8);
+  soft = sharp;
   for (float& v : soft.voxels) v = std::min(v - lower, upper - v);
   report.add("cut_voxels_count", place_surface(soft, shape, cut_sigma_mm, cut_scale_hu, progress));
   Field field = refined(soft, raster);
