@@ -87,6 +87,7 @@ ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
                                    std::uint32_t(v.share + rest) << 8 | std::uint32_t(pure | v.number);
     }
   settle(whole_box(l));
+  keep_seconds();
 }
 
 Vec3 ContactVolume::to_index(Vec3 world_mm) const { return to_index_ * (world_mm - volume_.voxels.origin_mm); }
@@ -191,6 +192,8 @@ bool ContactVolume::walk_cell(const ContactCell& cell, const Segment& s, const i
                               const TouchableFaces& faces, Crossing& c) const {
   const Vec3 p = within_cell(between(s.begin, s.end, t0), at[0], at[1], at[2]);
   const Vec3 q = within_cell(between(s.begin, s.end, t1), at[0], at[1], at[2]);
+  const int all = cell.shape_along(p, q);
+  if (all >= 0) return all != c.into && c.change(all, t0, faces);
   double breaks[ContactCell::max_breaks + 1];
   int count = cell.breaks(p, q, breaks);
   breaks[count++] = 1;

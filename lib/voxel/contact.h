@@ -160,6 +160,8 @@ class ContactVolume {
   /// The shape that has the rest of a partly filled, not bare voxel of shape `own`.
   int second_of(int own, int i, int j, int k) const;
   void note_blocks(const Box& box);
+  void keep_seconds();
+  void note_seconds(std::size_t block, int bi, int bj, int bk);
   Box blocks_of(const Box& voxels) const;
 
   HapticVolume& volume_;
@@ -178,6 +180,9 @@ class ContactVolume {
   /// In the block, one voxel before and two after it, are no other shapes than these: bit n - 1 stands for shape n. So
   /// no cell of the block has another one, and where there are two a shared voxel's second shape is the other one.
   std::vector<std::uint32_t> block_near_;
+  /// Encoding `occupancy`: where the block's voxels' second shapes are kept, x fastest; 0: they are not.
+  std::vector<std::uint32_t> block_seconds_;
+  std::vector<std::uint8_t> seconds_;
   int lowest_ = 0;  ///< encoding `hu`: the lowest window's low end
   int low_of_[haptic_max_shapes + 1] = {};
 };

@@ -70,15 +70,17 @@ void ContactVolume::note_cells(std::size_t block, int bi, int bj, int bk) {
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x) {
         const std::uint32_t* first = e + (z * corners + y) * corners + x;
-        bool same = true, solid = false, some = false;
+        // Of one shape, too, where every corner is more than half that shape's.
+        bool all = true, solid = false, some = false;
         for (int c = 0; c < 8; ++c) {
           const std::uint32_t entry = first[((c >> 2) * corners + (c >> 1 & 1)) * corners + (c & 1)];
-          same = same && entry == *first;
+          all = all && entry_shape(entry) == entry_shape(*first) &&
+                ((entry & contact_pure) || 2 * entry_share(entry) > haptic_full);
           solid = solid || 2 * entry_filled(entry) > haptic_full;
           some = some || entry_shape(entry) != 0;
         }
         std::uint64_t kind = solid && some ? 3 : 0;
-        if (kind == 3 && same && (*first & contact_pure)) {
+        if (kind == 3 && all) {
           const int shape = entry_shape(*first);
           if (!named && (names & 255) == 0) names = std::uint16_t(shape);
           if (!named && (names & 255) != shape && names >> 8 == 0) names = std::uint16_t(names | shape << 8);
@@ -126,16 +128,54 @@ void ContactVolume::note_blocks(const Box& box) {
                 near |= std::uint64_t{1} << entry_shape(table_[std::uint16_t(detail::load_voxel(row[x]))]);
             }
           __atomic_store_n(&block_near_[at], std::uint32_t(near >> 1), __ATOMIC_RELAXED);
+          note_seconds(at, i, j, k);
         }
   });
+}
+
+// Where more than two shapes are near, whose the rest of a shared voxel is was counted before.
+void ContactVolume::keep_seconds() {
+  block_seconds_.assign(block_near_.size(), 0);
+  std::uint32_t kept = 0;
+  for (std::size_t at = 0; at < block_near_.size(); ++at) {
+    const std::uint32_t but_one = block_near_[at] & (block_near_[at] - 1);
+    if (block_shape_[at] == mixed_block && (but_one & (but_one - 1)) != 0) block_seconds_[at] = ++kept;
+  }
+  seconds_.assign((std::size_t(kept) + 1) << 3 * block_bits, 0);
+  parallel_for(0, blocks_[2], 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < int(to); ++k)
+      for (int j = 0; j < blocks_[1]; ++j)
+        for (int i = 0; i < blocks_[0]; ++i) note_seconds(block_at(i, j, k), i, j, k);
+  });
+}
+
+void ContactVolume::note_seconds(std::size_t block, int bi, int bj, int bk) {
+  if (block_seconds_.empty() || block_seconds_[block] == 0) return;
+  const Grid<std::int16_t>& v = volume_.voxels;
+  constexpr int side = 1 << block_bits;
+  std::uint8_t* second = seconds_.data() + (std::size_t(block_seconds_[block]) << 3 * block_bits);
+  for (int z = 0; z < side; ++z)
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x, ++second) {
+        const int i = bi * side + x, j = bj * side + y, k = bk * side + z;
+        const std::uint32_t e = table_[std::uint16_t(detail::load_voxel(v.at(i, j, k)))];
+        const int shape = entry_rest(e) != 0 ? detail::other_shape(v, entry_shape(e), i, j, k) : 0;
+        __atomic_store_n(second, std::uint8_t(shape), __ATOMIC_RELAXED);
+      }
 }
 
 int ContactVolume::second_of(int own, int i, int j, int k) const {
   const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
   if (bi < blocks_[0] && bj < blocks_[1] && bk < blocks_[2]) {
-    const std::uint32_t near = __atomic_load_n(&block_near_[block_at(bi, bj, bk)], __ATOMIC_RELAXED);
+    const std::size_t at = block_at(bi, bj, bk);
+    const std::uint32_t near = __atomic_load_n(&block_near_[at], __ATOMIC_RELAXED);
     const std::uint32_t others = near & ~(std::uint32_t{1} << (own - 1));
     if ((others & (others - 1)) == 0) return others != 0 ? __builtin_ctz(others) + 1 : 0;
+    if (const std::size_t kept = block_seconds_[at]) {
+      constexpr int last = (1 << block_bits) - 1;
+      const int voxel = (i & last) + ((j & last) << block_bits) + ((k & last) << 2 * block_bits);
+      return __atomic_load_n(&seconds_[(kept << 3 * block_bits) + std::size_t(voxel)], __ATOMIC_RELAXED);
+    }
   }
   return detail::other_shape(volume_.voxels, own, i, j, k);
 }

@@ -18,11 +18,26 @@ double interpolate(const std::array<double, 8>& c, Vec3 p) {
   return y0 + p.z * (y1 - y0);
 }
 
+using Pair = double __attribute__((vector_size(16)));
+
+Pair between(Pair a, Pair b, Pair t) { return a + t * (b - a); }
+Pair both(double v) { return Pair{v, v}; }
+
+// The function's values at the corners of the box of p and q, by the z of p and q, then y; x of p and q are the pair's.
+std::array<Pair, 4> at_box(const std::array<double, 8>& c, Vec3 p, Vec3 q) {
+  const Pair x = {p.x, q.x};
+  const Pair x0 = between(both(c[0]), both(c[1]), x), x1 = between(both(c[2]), both(c[3]), x);
+  const Pair x2 = between(both(c[4]), both(c[5]), x), x3 = between(both(c[6]), both(c[7]), x);
+  const Pair p0 = between(x0, x1, both(p.y)), p1 = between(x2, x3, both(p.y));
+  const Pair q0 = between(x0, x1, both(q.y)), q1 = between(x2, x3, both(q.y));
+  return {between(p0, p1, both(p.z)), between(q0, q1, both(p.z)), between(p0, p1, both(q.z)),
+          between(q0, q1, both(q.z))};
+}
+
 // The trilinear function along p to q as a cubic's Bernstein coefficients: its polar form at the box's corners.
 std::array<double, 4> along(const std::array<double, 8>& c, Vec3 p, Vec3 q) {
-  const auto at = [&](double x, double y, double z) { return interpolate(c, {x, y, z}); };
-  return {at(p.x, p.y, p.z), (at(q.x, p.y, p.z) + at(p.x, q.y, p.z) + at(p.x, p.y, q.z)) / 3,
-          (at(q.x, q.y, p.z) + at(q.x, p.y, q.z) + at(p.x, q.y, q.z)) / 3, at(q.x, q.y, q.z)};
+  const std::array<Pair, 4> v = at_box(c, p, q);
+  return {v[0][0], (v[0][1] + v[1][0] + v[2][0]) / 3, (v[1][1] + v[2][1] + v[3][0]) / 3, v[3][1]};
 }
 
 double value_at(const std::array<double, 4>& b, double t) {
@@ -126,6 +141,7 @@ ContactCell::ContactCell(const ContactVolume& contact, int i, int j, int k, std:
   }
   uniform_ = false;
   boxes_ = parted[std::size_t(solid)];
+  solid_ = solid == 255;
   if (hu_) {
     touched_ = (own & touch) != 0;
     if (touched_) find_windows(contact);
@@ -254,6 +270,17 @@ Vec3 ContactCell::gradient(Vec3 p, int from, int into) const {
   }
   const auto at = [&](double x, double y, double z) { return interpolate(f, {x, y, z}); };
   return {at(1, p.y, p.z) - at(0, p.y, p.z), at(p.x, 1, p.z) - at(p.x, 0, p.z), at(p.x, p.y, 1) - at(p.x, p.y, 0)};
+}
+
+int ContactCell::shape_along(Vec3 p, Vec3 q) const {
+  if (hu_ || boxes_ || count_ > 2 || (count_ == 2 && !solid_)) return -1;
+  Corners difference;
+  for (std::size_t c = 0; c < 8 && count_ == 2; ++c) difference[c] = own_[1][c] - own_[0][c];
+  const std::array<double, 4> b = along(count_ == 2 ? difference : filled_, p, q);
+  constexpr double clear = 1e-6;  // far beyond rounding
+  if (b[0] > clear && b[1] > clear && b[2] > clear && b[3] > clear) return number_[std::size_t(count_ - 1)];
+  if (b[0] < -clear && b[1] < -clear && b[2] < -clear && b[3] < -clear) return count_ == 2 ? number_[0] : 0;
+  return -1;
 }
 
 int ContactCell::breaks(Vec3 p, Vec3 q, double* out) const {

@@ -9,8 +9,8 @@
 namespace trephine {
 
 /// What a table entry of ContactVolume says of a raw value.
-constexpr int contact_gap = 64;          ///< HU between windows: neither a shape nor air
-constexpr int contact_pure = 128;        ///< a voxel of one shape alone
+constexpr int contact_gap = 64;    ///< HU between windows: neither a shape nor air
+constexpr int contact_pure = 128;  ///< a voxel of one shape alone
 inline int entry_shape(std::uint32_t entry) { return int(entry & 63); }
 inline int entry_filled(std::uint32_t entry) { return int(entry >> 8 & 255); }
 // Encoding `occupancy`: what the shape has of it, and what it leaves to another one that is near.
@@ -37,6 +37,9 @@ class ContactCell {
   static constexpr int max_breaks = 128;
   int breaks(Vec3 p, Vec3 q, double* out) const;
 
+  /// The shape of all the way from p to q; -1 where there are several, and where that is not plain to see.
+  int shape_along(Vec3 p, Vec3 q) const;
+
   /// What rises at p from one shape (0: none) into another, a voxel; zero where boxes decide.
   Vec3 gradient(Vec3 p, int from, int into) const;
 
@@ -47,6 +50,7 @@ class ContactCell {
   void find_windows(const ContactVolume& contact);
 
   bool uniform_ = true, hu_ = false, touched_ = false;
+  bool solid_ = false;  ///< every corner is more than half full
   bool boxes_ = false;  ///< a corner that is solid fills its eighth of the cell
   int shape_ = 0;
   std::array<std::uint32_t, 8> entry_;

@@ -93,7 +93,7 @@ void Proxy::begin(const HapticInput& in) {
   const int inside = state_.inside;
   for (int n = 0; n < exit_ways; ++n) {
     const Vec3 way = exit_way(n);
-    const Contact c = contact_.intersect(in.tip_mm, in.tip_mm + way * nearest, inside, ways_out);
+    const Contact c = contact_.cross(in.tip_mm, in.tip_mm + way * nearest, inside, ways_out);
     if (!c.hit) continue;
     const Vec3 outside = c.point_mm + way * margin_mm_;
     if (contact_.shape_at(outside) == inside) continue;
@@ -119,7 +119,7 @@ void Proxy::approach(const Contact& c) {
   state_.inside = c.from;
   if (length <= 4 * margin_mm_) return;
   const Vec3 before = state_.proxy_mm + way * (1 - margin_mm_ / length);
-  const Contact off = contact_.intersect(before, c.point_mm + c.normal * margin_mm_, c.from, faces_);
+  const Contact off = contact_.cross(before, c.point_mm + c.normal * margin_mm_, c.from, faces_);
   state_.proxy_mm = off.hit ? before : off.point_mm;
   if (!off.hit) state_.inside = off.into;
 }
@@ -196,9 +196,9 @@ bool Proxy::meet(const Contact& c, Vec3 device, Vec3& goal, int pass) {
 bool Proxy::step_over(const Contact& c, Vec3 device, Vec3 goal) {
   const Vec3 up = c.normal * step_mm_;
   const Vec3 top = state_.proxy_mm + up;
-  const Contact rise = contact_.intersect(state_.proxy_mm, top, state_.inside, faces_);
+  const Contact rise = contact_.cross(state_.proxy_mm, top, state_.inside, faces_);
   if (rise.hit) return false;
-  const Contact across = contact_.intersect(top, goal + up, rise.into, faces_);
+  const Contact across = contact_.cross(top, goal + up, rise.into, faces_);
   if (across.hit && across.along < 0.5) return false;
   const double share = across.hit ? std::max(0.0, across.along - 0.01) : 1;
   state_.proxy_mm = top + (goal + up - top) * share;
