@@ -10,6 +10,26 @@ namespace {
 
 constexpr std::int64_t grain = 32768;
 
+/// Calls each(number of the piece, from, to) for pieces of 0..count-1, in parallel.
+template <class Each>
+void for_each_piece(std::size_t count, const Each& each) {
+  parallel_for(0, static_cast<std::int64_t>(count), grain,
+               [&](std::int64_t from, std::int64_t to) { each(from / grain, from, to); });
+}
+
+/// How many of those before each piece are chosen, and in the end of all.
+template <class Chosen>
+std::vector<std::uint32_t> numbers_of(std::size_t count, const Chosen& chosen) {
+  std::vector<std::uint32_t> before(count / grain + 2, 0);
+  for_each_piece(count, [&](std::int64_t piece, std::int64_t from, std::int64_t to) {
+    std::uint32_t n = 0;
+    for (std::int64_t i = from; i < to; ++i) n += chosen(i);
+    before[piece + 1] = n;
+  });
+  for (std::size_t p = 1; p < before.size(); ++p) before[p] += before[p - 1];
+  return before;
+}
+
 }  // namespace
 
 CollapseMesh::CollapseMesh(const TriMesh& mesh)
@@ -169,20 +189,30 @@ std::vector<std::uint32_t> CollapseMesh::survivors() const {
 TriMesh CollapseMesh::to_mesh(Vec3 origin_mm, std::vector<std::uint32_t>* triangle_of) const {
   TriMesh mesh;
   mesh.origin_mm = origin_mm;
-  std::vector<std::uint32_t> where(points_mm_.size(), none);
-  for (std::uint32_t v = 0; v < points_mm_.size(); ++v) {
-    if (!live_point(v) || out_[v] == none) continue;
-    where[v] = static_cast<std::uint32_t>(mesh.points_mm.size());
-    mesh.points_mm.push_back(point_mm(v));
-  }
-  mesh.triangles.reserve(live_triangles_);
-  if (triangle_of) triangle_of->clear();
-  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-    if (dead_[t]) continue;
-    const auto& v = triangles_[t];
-    mesh.triangles.push_back({where[v[0]], where[v[1]], where[v[2]]});
-    if (triangle_of) triangle_of->push_back(t);
-  }
+  std::vector<std::uint32_t> where(points_mm_.size());
+  const auto used = [this](std::int64_t v) { return live_point(static_cast<std::uint32_t>(v)) && out_[v] != none; };
+  const auto live = [this](std::int64_t t) { return !dead_[t]; };
+  const auto points = numbers_of(points_mm_.size(), used), triangles = numbers_of(triangles_.size(), live);
+  mesh.points_mm.resize(points.back());
+  mesh.triangles.resize(triangles.back());
+  if (triangle_of) triangle_of->resize(triangles.back());
+  for_each_piece(points_mm_.size(), [&](std::int64_t piece, std::int64_t from, std::int64_t to) {
+    std::uint32_t n = points[piece];
+    for (std::int64_t v = from; v < to; ++v) {
+      if (!used(v)) continue;
+      mesh.points_mm[n] = point_mm(static_cast<std::uint32_t>(v));
+      where[v] = n++;
+    }
+  });
+  for_each_piece(triangles_.size(), [&](std::int64_t piece, std::int64_t from, std::int64_t to) {
+    std::uint32_t n = triangles[piece];
+    for (std::int64_t t = from; t < to; ++t) {
+      if (!live(t)) continue;
+      const auto& v = triangles_[t];
+      if (triangle_of) (*triangle_of)[n] = static_cast<std::uint32_t>(t);
+      mesh.triangles[n++] = {where[v[0]], where[v[1]], where[v[2]]};
+    }
+  });
   return mesh;
 }
 

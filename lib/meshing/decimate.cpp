@@ -13,6 +13,7 @@
 #include "meshing/known_valid.h"
 #include "meshing/measure_deviation.h"
 #include "meshing/validity.h"
+#include "surface/incidence.h"
 
 namespace trephine {
 namespace {
@@ -76,7 +77,7 @@ class Sides {
   /// The collapsing mesh's triangles of such pieces.
   std::vector<std::uint32_t> turned(const TriMesh& plain, const std::vector<std::uint32_t>& triangle_of) {
     std::vector<int> piece_of;
-    const int pieces = label_components(plain, piece_of);
+    const int pieces = label_fan_components(plain, piece_of);  // collapses keep one fan a point
     const std::vector<double> volume = piece_volumes(plain, piece_of, pieces);
     if (pieces == 1 && volume[0] > 0) return {};  // the input, which is valid, looks outwards
     if (input_piece_of_.empty()) {
@@ -126,7 +127,7 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double bound_mm, 
   for (int round = 0;; ++round) {
     if (round < rounds_that_collapse || clean)
       o.limited |= collapse.run(target, round == 0 ? progress.part(0.1, 0.7) : progress.part(0.9, 0.9));
-    if (clean && collapse.mesh().live_triangles() == o.mesh.triangles.size()) return o;
+    if (clean && collapse.mesh().live_triangles() == o.mesh.triangles.size()) break;
     clean = false;
     if (!meter) meter.emplace(collapse.input(), limit_mm, bound_mm);
     o.mesh = collapse.mesh().to_mesh(input.origin_mm, &triangle_of);
@@ -142,10 +143,9 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double bound_mm, 
     }
     faults = meter->measure(o.mesh, triangle_of, collapse.carried(), progress.part(0.75, 0.9));
     if (faults.empty()) {
-      o.deviation = meter->figures();
       const double most = (1 + missing_share) * static_cast<double>(target);
       const int times = static_cast<double>(o.mesh.triangles.size()) <= most ? times_share_made_up : times_made_up;
-      if (o.mesh.triangles.size() <= target || made_up++ >= times) return o;
+      if (o.mesh.triangles.size() <= target || made_up++ >= times) break;
       clean = true;
       continue;
     }
@@ -154,6 +154,8 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double bound_mm, 
     o.undone += n;
     o.limited = true;
   }
+  o.deviation = meter->figures();
+  return o;
 }
 
 }  // namespace

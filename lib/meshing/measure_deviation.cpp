@@ -195,8 +195,10 @@ void DeviationMeter::input_unproven(const TriMesh& plain, const TriangleTree& tr
   };
   if (block_boxes_.empty()) {
     block_boxes_.resize((triangles + block - 1) / block);
-    for (std::int64_t t = 0; t < triangles; ++t)
-      for (const std::uint32_t v : input_.triangles[t]) block_boxes_[t / block].add(input_.points_mm[v]);
+    parallel_for(0, triangles, grain, [&](std::int64_t from, std::int64_t to) {  // whole blocks
+      for (std::int64_t t = from; t < to; ++t)
+        for (const std::uint32_t v : input_.triangles[t]) block_boxes_[t / block].add(input_.points_mm[v]);
+    });
   }
   MarkedCells stale(input_, std::max(2 * bound_, 2 * edge_));
   for (const auto& t : gone_) stale.mark(t, bound_);
@@ -250,25 +252,23 @@ void DeviationMeter::from_input(const TriMesh& plain, const TriangleTree& tree,
   input_beyond_.resize(input_.triangles.size(), 0);
   // Between points of two carriers the nearest triangle can be a third: what lies beyond all points is looked up.
   double exact_beyond2 = 0;
-  for (std::uint32_t p = 0; p < input_.points_mm.size(); ++p)
-    exact_beyond2 = std::max(exact_beyond2, carried.squared_distance(p));
+  for (std::uint32_t p = 0; p < input_.points_mm.size() && exact_beyond2 < exact_beyond2_; ++p)
+    exact_beyond2 = std::max<double>(exact_beyond2, carried.squared_distance(p));
   exact_beyond2 = std::min(exact_beyond2, exact_beyond2_);
   forward_.resize(found.size());
-  std::vector<char> changed(found.size(), first);
-  if (!first) {
-    for (std::uint32_t p = 0; p < input_.points_mm.size(); ++p)
-      if (carried.moved(p))
-        for (std::uint32_t n = near_.incidence().begin[p]; n < near_.incidence().begin[p + 1]; ++n)
-          changed[near_.incidence().triangle[n] / grain] = 1;
-    for (std::int64_t t = 0; t < triangles; ++t)
-      if (input_beyond_[t]) changed[t / grain] = 1;
-  }
+  const auto changed = [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t t = from; t < to; ++t) {
+      const auto& v = input_.triangles[t];
+      if (input_beyond_[t] || carried.moved(v[0]) || carried.moved(v[1]) || carried.moved(v[2])) return true;
+    }
+    return false;
+  };
   // The distance to one triangle is a convex function: between points of one carrier it is at most their mean.
   // A triangle samples its middle, the middles of the sides that it runs upwards, and the points that it is the first
   // to use; again only where what carries its points changed.
   parallel_for(0, triangles, grain, [&](std::int64_t from, std::int64_t to) {
     progress.check();
-    if (!changed[from / grain]) return;
+    if (!first && !changed(from, to)) return;
     auto& distances = forward_[from / grain];
     std::size_t slot = 0;
     for (std::int64_t t = from; t < to; ++t) {
@@ -411,14 +411,18 @@ DeviationFigures DeviationMeter::figures() const {
   for (const std::uint32_t r : live_)
     for (const float d : rasters_[r].distances) f.max_mm = std::max(f.max_mm, double(d));
   Gathering forward(f.max_mm), backward(f.max_mm);
-  for (const auto& distances : forward_)
-    for (const float d : distances) forward.add(d, 1);
-  for (const std::uint32_t r : live_) {
-    const auto& c = rasters_[r].corners;
-    const double area = norm(cross(c[1] - c[0], c[2] - c[0])) / 2;
-    for (const float d : rasters_[r].distances)
-      backward.add(d, area / static_cast<double>(rasters_[r].distances.size()));
-  }
+  parallel_do({[&] {
+                 for (const auto& distances : forward_)
+                   for (const float d : distances) forward.add(d, 1);
+               },
+               [&] {
+                 for (const std::uint32_t r : live_) {
+                   const auto& c = rasters_[r].corners;
+                   const double area = norm(cross(c[1] - c[0], c[2] - c[0])) / 2;
+                   for (const float d : rasters_[r].distances)
+                     backward.add(d, area / static_cast<double>(rasters_[r].distances.size()));
+                 }
+               }});
   forward.into(f);
   backward.into(f);
   return f;

@@ -2,6 +2,7 @@
 #include "surface/point_to_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <mutex>
 #include <string>
@@ -51,6 +52,11 @@ struct PointToMesh::Impl {
 
   ClosestPoint nearest(Vec3 world, std::uint32_t& triangle) const {
     return bvh.nearest(local(world), triangle, 0, triangle);
+  }
+
+  double squared_to(Vec3 local_mm, std::uint32_t triangle) const {
+    const auto& t = mesh.triangles[triangle];
+    return nearest_on_triangle(local_mm, mesh.points_mm[t[0]], mesh.points_mm[t[1]], mesh.points_mm[t[2]]).squared_mm2;
   }
 
   double distance(Vec3 world, std::uint32_t& triangle) const { return std::sqrt(nearest(world, triangle).squared_mm2); }
@@ -137,10 +143,23 @@ double PointToMesh::largest_distance_mm(const std::vector<Vec3>& world_mm, doubl
   // A point is done with as soon as something within the largest distance so far is met; each piece keeps its own
   // largest.
   std::vector<double> largest((world_mm.size() + piece - 1) / piece, at_least_mm);
-  impl_->for_each(world_mm, progress, [&](std::size_t i, std::uint32_t& triangle) {
-    double& so_far = largest[i / piece];
-    const ClosestPoint c = impl_->bvh.nearest(impl_->local(world_mm[i]), triangle, so_far, triangle);
-    so_far = std::max(so_far, std::sqrt(c.squared_mm2));
+  parallel_for(0, std::int64_t(world_mm.size()), piece, [&](std::int64_t from, std::int64_t to) {
+    progress.check();
+    double& so_far = largest[std::size_t(from / piece)];
+    // A surface's points run along rows through it: to and fro between some walls.
+    std::array<std::uint32_t, 8> met{};
+    std::size_t next = 0;
+    const auto near_one_met = [&](Vec3 p) {
+      for (const std::uint32_t t : met)
+        if (impl_->squared_to(p, t) <= so_far * so_far) return true;
+      return false;
+    };
+    for (std::int64_t i = from; i < to; ++i) {
+      const Vec3 p = impl_->local(world_mm[std::size_t(i)]);
+      if (near_one_met(p)) continue;
+      std::uint32_t& triangle = met[next++ % met.size()];
+      so_far = std::max(so_far, std::sqrt(impl_->bvh.nearest(p, triangle, so_far, triangle).squared_mm2));
+    }
   });
   double result = at_least_mm;
   for (const double d : largest) result = std::max(result, d);
