@@ -12,7 +12,7 @@ namespace trephine {
 namespace {
 
 /// A round works off at most this share of the edges.
-constexpr double round_share = 0.35;
+constexpr double round_share = 0.5;
 /// Points carry once so many times the target is left.
 constexpr double carry_from = 2.5;
 /// The rounds end at so many times the target, with a limit (there each attempt takes long), or at this count.
@@ -115,20 +115,18 @@ EdgeCollapse::Cells EdgeCollapse::cut(std::size_t round) {
   return c;
 }
 
-/// The edges among these points.
-void EdgeCollapse::gather(const std::uint32_t* from, const std::uint32_t* to, float cost_limit, Worker& w) {
-  w.heap.clear();
-  w.sorted.clear();
+/// Adds the edges among these points.
+void EdgeCollapse::gather(const std::uint32_t* from, const std::uint32_t* to, float cost_limit,
+                          std::vector<Candidate>& edges) {
   for (; from != to; ++from) {
     const std::uint32_t u = *from;
     mesh_.for_each_leaving(u, [&](std::uint32_t e) {
       const std::uint32_t v = mesh_.to(e), h = std::min(e, mesh_.twin(e));
       if (u > v || !(flags_[v] & core) || (rejected_[h / 3] >> h % 3 & 1)) return;
       Candidate c;
-      if (bounded_candidate(h, c) && c.cost <= cost_limit) w.sorted.push_back(c);
+      if (bounded_candidate(h, c) && c.cost <= cost_limit) edges.push_back(c);
     });
   }
-  std::sort(w.sorted.begin(), w.sorted.end(), Later());
 }
 
 /// With the cost as last computed: a quadric only grows, so that is a lower bound of what it is.
@@ -214,7 +212,7 @@ void EdgeCollapse::rounds(std::size_t target, std::size_t floor, bool& limited, 
     progress.report(double(start - live) / double(std::max<std::size_t>(1, start - std::min(start, target))));
     if (live <= std::max(floor, rounds_to_count)) return;
     const double excess = double(live - target) / double(live);
-    const float cost_limit = cost_below(std::min(round_share, excess / 3));
+    const float cost_limit = cost_below(std::min(round_share, excess / 2));
     const Cells cells = cut(round_++);
     const std::size_t count = cells.begin.size() - 1;
     std::vector<Worker> workers(count);
@@ -224,7 +222,8 @@ void EdgeCollapse::rounds(std::size_t target, std::size_t floor, bool& limited, 
       for (std::int64_t n = from; n < to; ++n) {
         Worker w;
         std::swap(w.log, workers[n].log);
-        gather(cells.points.data() + cells.begin[n], cells.points.data() + cells.begin[n + 1], cost_limit, w);
+        gather(cells.points.data() + cells.begin[n], cells.points.data() + cells.begin[n + 1], cost_limit, w.sorted);
+        std::sort(w.sorted.begin(), w.sorted.end(), Later());
         // Together the cells cannot pass the target.
         const std::size_t most = (live - target) / 2 * (cells.begin[n + 1] - cells.begin[n]) / cells.points.size();
         work_off(most, cost_limit, w, [] {});
@@ -254,7 +253,15 @@ void EdgeCollapse::finish(std::size_t target, bool& limited, const Progress& pro
   }
   Worker w;
   w.log = mesh_.open_log(points.size());
-  gather(points.data(), points.data() + points.size(), infinite_cost, w);
+  constexpr std::int64_t piece = 2048;
+  const auto count = static_cast<std::int64_t>(points.size());
+  std::vector<std::vector<Candidate>> edges((count + piece - 1) / piece);
+  parallel_for(0, count, piece, [&](std::int64_t from, std::int64_t to) {
+    gather(points.data() + from, points.data() + to, infinite_cost, edges[from / piece]);
+  });
+  // Few of them will be worked off.
+  for (const auto& e : edges) w.heap.insert(w.heap.end(), e.begin(), e.end());
+  std::make_heap(w.heap.begin(), w.heap.end(), Later());
   const auto gone = [&] { return double(2 * w.log.records.size()) / double(live - target); };
   work_off((live - target + 1) / 2, infinite_cost, w, [&] { progress.report(gone()); });
   limited |= w.limited;
@@ -262,8 +269,7 @@ void EdgeCollapse::finish(std::size_t target, bool& limited, const Progress& pro
 }
 
 void EdgeCollapse::take_up() {
-  carried_.take_up(mesh_);
-  input_.emplace(plain_input_);
+  parallel_do({[&] { carried_.take_up(mesh_); }, [&] { input_.emplace(plain_input_); }});
 }
 
 bool EdgeCollapse::run(std::size_t target, const Progress& progress) {

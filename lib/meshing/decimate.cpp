@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "meshing/edge_collapse.h"
 #include "meshing/exact.h"
 #include "meshing/float32_raster.h"
@@ -129,10 +130,14 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double bound_mm, 
       o.limited |= collapse.run(target, round == 0 ? progress.part(0.1, 0.7) : progress.part(0.9, 0.9));
     if (clean && collapse.mesh().live_triangles() == o.mesh.triangles.size()) break;
     clean = false;
-    if (!meter) meter.emplace(collapse.input(), limit_mm, bound_mm);
-    o.mesh = collapse.mesh().to_mesh(input.origin_mm, &triangle_of);
-    std::vector<std::uint32_t> faults =
-        inspection.faults(collapse.mesh(), o.mesh, triangle_of, progress.part(0.7, 0.75));
+    std::vector<std::uint32_t> faults;
+    parallel_do({[&] {
+                   o.mesh = collapse.mesh().to_mesh(input.origin_mm, &triangle_of);
+                   faults = inspection.faults(collapse.mesh(), o.mesh, triangle_of, progress.part(0.7, 0.75));
+                 },
+                 [&] {
+                   if (!meter) meter.emplace(collapse.input(), limit_mm, bound_mm);
+                 }});
     if (faults.empty()) faults = sides.turned(o.mesh, triangle_of);
     if (!faults.empty()) {
       const std::size_t n = collapse.undo(faults);

@@ -76,7 +76,7 @@ class EdgeCollapse {
   void undo_beyond();
   float cost_below(double share) const;
   Cells cut(std::size_t round);
-  void gather(const std::uint32_t* from, const std::uint32_t* to, float cost_limit, Worker& w);
+  void gather(const std::uint32_t* from, const std::uint32_t* to, float cost_limit, std::vector<Candidate>& edges);
   void work_off(std::size_t count, float cost_limit, Worker& w, const std::function<void()>& tick);
   Vec3 place(std::uint32_t u, std::uint32_t v, double& cost, double& weight) const;
   bool candidate(std::uint32_t half_edge, Candidate& c) const;

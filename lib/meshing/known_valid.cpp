@@ -5,8 +5,10 @@
 #include <array>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "base/hash.h"
+#include "base/parallel.h"
 
 namespace trephine {
 namespace {
@@ -23,10 +25,22 @@ Memory& memory() {
 }
 
 std::string hash_of(const TriMesh& mesh) {
+  constexpr std::int64_t piece = 1 << 16;
+  const auto points = static_cast<std::int64_t>(mesh.points_mm.size());
+  const auto triangles = static_cast<std::int64_t>(mesh.triangles.size());
+  std::vector<std::string> parts((points + piece - 1) / piece + (triangles + piece - 1) / piece);
+  const auto add = [&](const auto& items, std::size_t first) {
+    parallel_for(0, static_cast<std::int64_t>(items.size()), piece, [&](std::int64_t from, std::int64_t to) {
+      Sha256 h;
+      h.bytes(items.data() + from, static_cast<std::size_t>(to - from) * sizeof items[0]);
+      parts[first + static_cast<std::size_t>(from / piece)] = h.hex();
+    });
+  };
+  add(mesh.points_mm, 0);
+  add(mesh.triangles, static_cast<std::size_t>((points + piece - 1) / piece));
   Sha256 h;
-  h.integer(static_cast<std::int64_t>(mesh.points_mm.size()));
-  h.bytes(mesh.points_mm.data(), mesh.points_mm.size() * sizeof mesh.points_mm[0]);
-  h.bytes(mesh.triangles.data(), mesh.triangles.size() * sizeof mesh.triangles[0]);
+  h.integer(points);
+  for (const std::string& p : parts) h.text(p);
   return h.hex();
 }
 

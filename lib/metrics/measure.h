@@ -27,7 +27,7 @@ struct TruthReference {
 using MeasureReference = std::variant<std::monostate, MeshReference, LabelReference, TruthReference>;
 
 struct MeasureParams {
-  int sample_count = DeviationParams().sample_count;
+  int sample_count = 100000;  ///< RMS and p99 of a skull come within 1 % of those of four times as many
   bool validity = true;
   template <class V>
   static void describe(V& v) {

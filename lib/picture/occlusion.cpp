@@ -9,7 +9,7 @@
 namespace trephine::detail {
 namespace {
 
-constexpr int sample_count = 24, turns = 7, tile = 4;
+constexpr int sample_count = 16, turns = 7, tile = 4;
 
 struct Offset {
   int x, y;  // pixels

@@ -159,6 +159,7 @@ class BandPainter {
  private:
   void collect(int x, int y, std::size_t at) {
     found_.clear();
+    if (layers_.size() == 1 && layers_[0].triangle[at] == Layer::none) return;
     for (std::size_t i = 0; i < layers_.size(); ++i) {
       const std::uint32_t value = layers_[i].triangle[at];
       if (value == Layer::none) continue;

@@ -63,11 +63,13 @@ bool sample(const Grid<T>& g, Vec3 index, double& hu) {
 template <class T>
 void draw_volume(const Grid<T>& g, const SliceGeometry& geometry, const SliceParams& p, Image& image) {
   const double low = p.window_center_hu - p.window_width_hu / 2;
+  const auto index = [&](double x, double y) { return g.to_index(geometry.to_world_mm(x, y)); };
+  const Vec3 first = index(0.5, 0.5), right = index(1.5, 0.5) - first, down = index(0.5, 1.5) - first;
   parallel_for(0, image.height, 16, [&](std::int64_t from, std::int64_t to) {
     for (int y = static_cast<int>(from); y < to; ++y)
       for (int x = 0; x < image.width; ++x) {
         double hu = 0;
-        if (!sample(g, g.to_index(geometry.to_world_mm(x + 0.5, y + 0.5)), hu)) continue;
+        if (!sample(g, first + right * x + down * y, hu)) continue;
         const double v = std::clamp((hu - low) / p.window_width_hu, 0.0, 1.0) * 255;
         std::fill_n(image.at(x, y), 3, static_cast<std::uint8_t>(std::lround(v)));
       }

@@ -8,7 +8,7 @@ namespace trephine {
 StageType measure_stage() {
   StageType s;
   s.name = "measure";
-  s.version = 2;
+  s.version = 3;
   s.summary = "measures a surface, also against a reference";
   s.description =
       "Validity (closed, 2-manifold, oriented, self-intersections; of each kind of fault how many and where the first "
