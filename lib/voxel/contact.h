@@ -120,6 +120,7 @@ class ContactVolume {
   friend class ContactCell;
   struct Segment;
   struct Crossing;
+  class CellWalk;
   Vec3 to_index(Vec3 world_mm) const;
   bool clip(Segment& segment) const;
   bool within_block(const Segment& segment, int shape, ContactBox* box) const;
@@ -128,7 +129,6 @@ class ContactVolume {
   bool walk_cell(const ContactCell& cell, const Segment& segment, const int* at, double t0, double t1,
                  const TouchableFaces& faces, Crossing& crossing) const;
   Crossing walk_cells(const Segment& segment, int shape, const TouchableFaces& faces) const;
-  int end_of_cell(const Segment& segment, const int* at, double t0, double t1) const;
   Crossing walk_voxels(const Segment& segment, int shape, const TouchableFaces& faces) const;
   Crossing walk_steps(const Segment& segment, int shape, const TouchableFaces& faces) const;
   int shape_of(Vec3 index) const;
@@ -169,7 +169,7 @@ class ContactVolume {
   double smallest_side_mm_ = 1;
   Mat3 to_index_;                     ///< of world minus origin
   std::vector<std::uint32_t> table_;  ///< by raw value, as contact_cell.h takes it apart
-  static constexpr int block_bits = 2, mixed_block = 255, outer_block = 256, unknown_block = 257;
+  static constexpr int block_bits = 2, mixed_block = 255, outer_block = 256;
   static constexpr std::uint32_t all_shapes = ~std::uint32_t{0};
   std::array<int, 3> blocks_{0, 0, 0};  ///< whole ones, with the voxels after them
   std::vector<std::uint8_t> block_shape_;
