@@ -12,7 +12,7 @@ namespace trephine {
 namespace {
 
 /// A round works off at most this share of the edges.
-constexpr double round_share = 0.5;
+constexpr double round_share = 0.35;
 /// Points carry once so many times the target is left.
 constexpr double carry_from = 2.5;
 /// The rounds end at so many times the target, with a limit (there each attempt takes long), or at this count.
@@ -212,7 +212,7 @@ void EdgeCollapse::rounds(std::size_t target, std::size_t floor, bool& limited, 
     progress.report(double(start - live) / double(std::max<std::size_t>(1, start - std::min(start, target))));
     if (live <= std::max(floor, rounds_to_count)) return;
     const double excess = double(live - target) / double(live);
-    const float cost_limit = cost_below(std::min(round_share, excess / 2));
+    const float cost_limit = cost_below(std::min(round_share, excess / 3));
     const Cells cells = cut(round_++);
     const std::size_t count = cells.begin.size() - 1;
     std::vector<Worker> workers(count);

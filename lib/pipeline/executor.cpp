@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/executor.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
@@ -196,6 +198,7 @@ class Executor {
     tasks_[i].done = true;
     for (const auto& [port, source] : graph_.nodes[i].sources) release(source);
     if (tasks_[i].readers == 0) results_[i].data = {};
+    malloc_trim(0);  // what the stage let go of is none of the next one's
   }
 
   void release(int i) {
