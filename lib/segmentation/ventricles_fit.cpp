@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
@@ -16,8 +17,9 @@ namespace {
 constexpr double blur_mm = 0.45;       ///< sigma of a scanner's usual kernel for soft tissue
 constexpr double finest_mm = 1.25;     ///< slices thicker than this are modelled in parts
 constexpr double beside_sigma_mm = 5;  ///< of the tissue beside
-constexpr double beside_reach_mm = 6;
-constexpr double band_mm = 5;  ///< where the surface may be
+constexpr double beside_reach_mm = 3;  ///< what borders on the fluid, not what lies behind it
+constexpr float beside_tissue = 0.8f;  ///< the least share of tissue in a voxel that it is measured by
+constexpr double band_mm = 5;          ///< where the surface may be
 constexpr double least_contrast_hu = 8;
 constexpr double least_steepness = 0.3;  ///< of the distance, where walls meet
 constexpr double merge_share = 0.8;      ///< voxels are merged up to this share of the window's sigma
@@ -278,20 +280,29 @@ struct Levels {
   Grid<float> high;
 };
 
-/// False where too little of the fluid is seen unmixed.
+/// False where too little of the fluid is seen unmixed. What looks unmixed is not where the surface lies too far out:
+/// the deeper half is believed.
 bool measure(Levels& levels, const Grid<float>& hu, const BitMask& known, const Grid<float>& distance,
              const Grid<float>& share, const Progress& progress) {
   constexpr float pure = 0.98f, little = 0.002f;
-  constexpr int least_voxels = 50;
+  constexpr std::size_t least_voxels = 50, few_voxels = 200;
   const Lattice& o = hu;
   const int parts = distance.size[2] / o.size[2];
-  double sum = 0, count = 0;
+  std::vector<std::pair<float, float>> fluid;  // how near to the surface, HU
   for (int k = 0; k < o.size[2]; ++k)
     for (int j = 0; j < o.size[1]; ++j)
-      for (int i = 0; i < o.size[0]; ++i)
-        if (share.at(i, j, k) > pure && known.get(i, j, k)) sum += hu.at(i, j, k), count += 1;
-  if (count < least_voxels) return false;
-  levels.low = sum / count;
+      for (int i = 0; i < o.size[0]; ++i) {
+        if (!(share.at(i, j, k) > pure) || !known.get(i, j, k)) continue;
+        float depth = float(far_mm);
+        for (int n = 0; n < parts; ++n) depth = std::min(depth, distance.at(i, j, k * parts + n));
+        fluid.push_back({-depth, hu.at(i, j, k)});
+      }
+  if (fluid.size() < least_voxels) return false;
+  std::sort(fluid.begin(), fluid.end());
+  const std::size_t deep = std::min(fluid.size(), std::max(few_voxels, fluid.size() / 2));
+  double sum = 0;
+  for (std::size_t n = 0; n < deep; ++n) sum += fluid[n].second;
+  levels.low = sum / double(deep);
   Grid<float> weight(o);
   levels.high = Grid<float>(o);
   parallel_for(0, o.size[2], 1, [&](std::int64_t begin, std::int64_t end) {
@@ -300,7 +311,7 @@ bool measure(Levels& levels, const Grid<float>& hu, const BitMask& known, const 
         for (int i = 0; i < o.size[0]; ++i) {
           const std::size_t v = o.index(i, j, k);
           const float d = distance.at(i, j, k * parts + parts / 2), tissue = 1 - share.voxels[v];
-          if (!known.get(i, j, k) || tissue < 0.5f || d < -beside_reach_mm) continue;
+          if (!known.get(i, j, k) || tissue < beside_tissue || d < -beside_reach_mm) continue;
           weight.voxels[v] = tissue * tissue;
           levels.high.voxels[v] = tissue * (hu.voxels[v] - float(levels.low) * share.voxels[v]);
         }

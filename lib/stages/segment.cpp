@@ -8,7 +8,7 @@ namespace trephine {
 StageType segment_stage() {
   StageType s;
   s.name = "segment";
-  s.version = 8;
+  s.version = 9;
   s.summary = "finds one anatomy in a CT volume";
   s.description =
       "Gives a field on the volume's voxels, positive inside the anatomy, whose zero crossing is its surface to a "
