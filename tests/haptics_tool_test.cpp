@@ -378,6 +378,39 @@ TEST(HapticsTool, StartsInsideBone) {
   }
 }
 
+// The way out of a heap of splinters, in which each pose has another point in bone, is looked for in a bounded part of
+// each frame, without a force until it is found.
+TEST(HapticsTool, FindsItsWayOutOfBoneInShortFrames) {
+  HapticVolume v = empty(110, {1, 1, 1});
+  fill(v, 1, [](Vec3 p) {
+    const auto at = [](double x) { return int(std::floor(x / 3)); };
+    const bool splinter = ((at(p.x) * 7 + at(p.y) * 13 + at(p.z) * 5) % 4 + 4) % 4 == 0;
+    return splinter && norm(p) < 50 ? 1.0 : -1.0;
+  });
+  const ContactVolume contact(v);
+  int most_frames = 0;
+  for (const Kind kind : kinds) {
+    const Tool tool = make_tool(params_of(kind));
+    Proxy proxy(contact, one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2)), ForceParams{}, {}, tool);
+    int frames = 1;
+    std::uint64_t looked_at = 0;
+    for (;; ++frames) {
+      const HapticState& s = proxy.update(pose({3, 2, 1}, {0.3, 0, 1}));
+      EXPECT_LE(proxy.tool_body()->looked_at() - looked_at, 4000 + 2 * tool.points_mm.size());
+      looked_at = proxy.tool_body()->looked_at();
+      if (points_in(proxy, contact, 2) == 0) break;
+      ASSERT_EQ(s.force_n, Vec3{});
+      ASSERT_LT(frames, 20);
+    }
+    most_frames = std::max(most_frames, frames);
+    // Begun anew outside it is there at once.
+    proxy.reset();
+    proxy.update(pose({3, 2, 60}, {0, 0, 1}));
+    EXPECT_EQ(proxy.state().proxy_mm, (Vec3{3, 2, 60}));
+  }
+  EXPECT_GT(most_frames, 1);
+}
+
 namespace {
 
 // Any tool, any turn, any speed, through walls of one voxel: no point of it is ever on another side than it was.

@@ -35,6 +35,8 @@ void Proxy::reset() {
   state_ = {};
   begun_ = sliding_ = false;
   count_ = 0;
+  exit_mm_ = nearest_exit_mm;
+  next_exit_ = -1;
 }
 
 const HapticState& Proxy::update(const HapticInput& in) {
@@ -46,6 +48,7 @@ const HapticState& Proxy::update(const HapticInput& in) {
     return state_;
   }
   if (!begun_) begin(in);
+  if (!begun_) return state_;  // a tool that is still looking for its way out
   const HapticState before = state_;
 
   const double slowness = force_.velocity_cutoff_hz > 0 ? 1 / (2 * M_PI * force_.velocity_cutoff_hz) : 0;

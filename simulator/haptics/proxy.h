@@ -50,7 +50,8 @@ struct HapticState {
 /// before up to three of them it takes the point nearest to the device, short of it by friction's cone.
 ///
 /// A face whose spring exceeds its pop_through_n lets the proxy in: then the shape's drag and shaft friction act until
-/// it has left. A tool that starts inside a shape that nothing can enter is put to its nearest surface.
+/// it has left. A tool that starts inside a shape that nothing can enter is put to its nearest surface; one of many
+/// points may take some frames to find that, and gives no force until then.
 ///
 /// With a tool of many points (the dissertation, chapter 5) the proxy is the whole of it: the way of each point is
 /// walked, so none crosses a touchable face, and what any point meets is a plane for the tip. The tool turns with the
@@ -110,7 +111,7 @@ class Proxy {
   TouchableFaces closed_faces() const;
 
   static constexpr double same_surface = 0.8;  // normals of one curved surface, not of two that meet in an edge
-  static constexpr double farthest_exit_mm = 60;
+  static constexpr double nearest_exit_mm = 0.1, farthest_exit_mm = 60;
   static constexpr int exit_ways = 27;  // of bone that the tool starts in: to a cube's faces, edges and corners
   static Vec3 exit_way(int n);          // unit; zero for the one in the middle
   Held held(const Contact& contact) const;
@@ -140,7 +141,9 @@ class Proxy {
   Tool tool_;
   std::optional<ToolBody> body_;
   TouchableFaces open_{0, 0}, crossed_{0, 0};  // popped through; and, of these, found along the axis in this round
-  int slice_ = 0;                              // of the axis, looked at next
+  double exit_mm_ = nearest_exit_mm;           // looked at next, and which way; -1: along the axis
+  int next_exit_ = -1;
+  int slice_ = 0;  // of the axis, looked at next
   Vec3 lock_normal_;
   double lock_dot_ = 0;
   int locked_for_ = 0;  // frames

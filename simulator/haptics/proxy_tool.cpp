@@ -14,12 +14,14 @@ constexpr double cancels = 0.2;        // of the normals' lengths together
 constexpr double most_turn_rad = 0.5;  // a frame
 constexpr int unlock_frames = 8;
 constexpr int slices = 16;
+constexpr std::uint64_t most_looks = 4000;  // points a frame, on the way out of bone
 
 std::uint64_t bit(int shape) { return shape != 0 ? std::uint64_t{1} << shape : 0; }
 
 }  // namespace
 
-// Puts the tool where the device is, or, where a point would lie inside what nothing enters, next to it.
+// Puts the tool where the device is, or, where a point would lie inside what nothing enters, next to it. That may take
+// some frames: what is not found in one is looked for in the next, from as far away.
 void Proxy::begin_tool(const HapticInput& in) {
   open_ = crossed_ = {0, 0};
   slice_ = 0;
@@ -27,13 +29,17 @@ void Proxy::begin_tool(const HapticInput& in) {
   for (std::size_t n = 1; n < feels_.size(); ++n)
     if (feels_[n].front.touchable && !(feels_[n].front.pop_through_n > 0)) solid |= bit(int(n));
   const Mat3 frame = frame_along(in.axis == Vec3{} ? Vec3{0, 0, 1} : in.axis);
+  const std::uint64_t until = body_->looked_at() + most_looks;
   bool free = body_->place(in.tip_mm, frame, solid);
-  for (double mm = 0.1; mm < farthest_exit_mm && !free; mm *= 1.25)
-    for (int n = -1; n < exit_ways && !free; ++n) {
-      const Vec3 way = n < 0 ? frame.column[2] : exit_way(n);
-      if (way != Vec3{}) free = body_->place(in.tip_mm + way * mm, frame, solid);
-    }
-  if (!free) body_->place(in.tip_mm, frame);  // no way out: what is inside stays inside
+  while (!free && exit_mm_ < farthest_exit_mm && body_->looked_at() < until) {
+    const Vec3 way = next_exit_ < 0 ? frame.column[2] : exit_way(next_exit_);
+    if (way != Vec3{}) free = body_->place(in.tip_mm + way * exit_mm_, frame, solid);
+    if (++next_exit_ < exit_ways) continue;
+    next_exit_ = -1;
+    exit_mm_ *= 1.25;
+  }
+  begun_ = free || !(exit_mm_ < farthest_exit_mm);
+  if (!free) body_->place(in.tip_mm, frame);  // with no way out what is inside stays inside
   state_.proxy_mm = moved_from_mm_ = body_->tip_mm();
   state_.axis = frame.column[2];
   state_.inside = body_->shape(0);

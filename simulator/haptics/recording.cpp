@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/hash.h"
+#include "base/text.h"
 #include "base/write_file.h"
 
 namespace trephine {
@@ -39,11 +41,17 @@ void from_json(const Json& in, P& params) {
 }
 
 std::string header_text(const RecordingHeader& h) {
-  const Json j = {
-      {"case", h.case_token},          {"haptic_sha256", h.haptic_sha256}, {"device", h.device},
-      {"rate_hz", h.rate_hz},          {"felt_shape", h.felt_shape},       {"frame_bytes", sizeof(ServoFrame)},
-      {"contact", to_json(h.contact)}, {"force", to_json(h.force)},        {"shaft", to_json(h.shaft)},
-      {"tool", to_json(h.tool)}};
+  const Json j = {{"case", h.case_token},
+                  {"haptic_sha256", h.haptic_sha256},
+                  {"feel_sha256", h.feel_sha256},
+                  {"device", h.device},
+                  {"rate_hz", h.rate_hz},
+                  {"felt_shape", h.felt_shape},
+                  {"frame_bytes", sizeof(ServoFrame)},
+                  {"contact", to_json(h.contact)},
+                  {"force", to_json(h.force)},
+                  {"shaft", to_json(h.shaft)},
+                  {"tool", to_json(h.tool)}};
   std::string text = j.dump(1);
   if (text.size() + 1 > header_bytes) throw Error(ExitCode::internal, "", "header", "is too long");
   text.resize(header_bytes - 1, ' ');
@@ -100,35 +108,65 @@ Recording read_recording(const std::filesystem::path& file) {
       RecordingHeader& h = r.header;
       h.case_token = j.at("case").get<std::string>();
       h.haptic_sha256 = j.at("haptic_sha256").get<std::string>();
+      h.feel_sha256 = j.value("feel_sha256", "");
       h.device = j.at("device").get<std::string>();
       h.rate_hz = j.at("rate_hz").get<double>();
+      if (!(h.rate_hz > 0)) refuse("rate_hz", to_text(h.rate_hz) + ", must be above 0");
       h.felt_shape = j.at("felt_shape").get<std::string>();
       if (j.at("frame_bytes").get<std::size_t>() != sizeof(ServoFrame)) refuse("frame_bytes", "are not this version's");
       from_json(j.at("contact"), h.contact);
       from_json(j.at("force"), h.force);
       from_json(j.at("shaft"), h.shaft);
       if (j.contains("tool")) from_json(j.at("tool"), h.tool);
-    } catch (const Json::exception& e) {
-      refuse("header", e.what());
+    } catch (const Json::parse_error&) {
+      refuse("header", "is no JSON");
+    } catch (const Json::exception&) {
+      refuse("header", "lacks a field, or one is of another kind");
     }
     const std::size_t rest = bytes.size() - fixed_bytes - length;
     if (rest % sizeof(ServoFrame) != 0) refuse("frames", "end within one");
     r.frames.resize(rest / sizeof(ServoFrame));
     if (rest > 0) std::memcpy(r.frames.data(), bytes.data() + fixed_bytes + length, rest);
+    for (std::size_t n = 1; n < r.frames.size(); ++n)
+      if (r.frames[n].tick <= r.frames[n - 1].tick || !(r.frames[n].time_s > r.frames[n - 1].time_s))
+        refuse("frames", "tick and time_s of frame " + std::to_string(n) + " must be above those before");
     return r;
   });
 }
 
-ForceFigures force_figures(const std::vector<ServoFrame>& frames, double settle_s) {
-  ForceFigures f;
-  std::size_t first = frames.size(), last = 0;
-  for (std::size_t n = 0; n < frames.size(); ++n)
-    if (frames[n].touched != 0) {
-      first = std::min(first, n);
-      last = n;
+std::uint64_t missing_frames(const std::vector<ServoFrame>& frames) {
+  return frames.empty() ? 0 : frames.back().tick + 1 - frames.size();
+}
+
+std::string feel_digest(const Feels& feels) {
+  std::string text;
+  const auto add = [&](double v) { text += to_text(v) + " "; };
+  for (const ShapeFeel& f : feels) {
+    for (const CaseFace* face : {&f.front, &f.back}) {
+      add(face->touchable);
+      add(face->stiffness_n_per_mm);
+      add(face->damping_n_s_per_mm);
+      add(face->static_friction_ratio);
+      add(face->dynamic_friction_ratio);
+      add(face->pop_through_n);
     }
-  while (first < last && settle_s > 0) settle_s -= frames[first++].dt_s;
-  if (first >= last) return f;
+    add(f.drag_n_s_per_mm);
+    add(f.shaft_friction_n_per_mm);
+  }
+  return sha256_of_bytes(text);
+}
+
+ForceWindow force_window(const std::vector<ServoFrame>& frames, double settle_s) {
+  std::size_t first = 0;
+  while (first < frames.size() && frames[first].touched == 0) ++first;
+  while (first < frames.size() && settle_s > 0) settle_s -= frames[first++].dt_s;
+  return {first, frames.size()};
+}
+
+ForceFigures force_figures(const std::vector<ServoFrame>& frames, const ForceWindow& window) {
+  ForceFigures f;
+  if (window.begin >= window.end || window.end > frames.size()) return f;
+  const std::size_t first = window.begin, last = window.end - 1;
   std::vector<double> size, slope;
   double lag = 0;
   for (std::size_t n = first; n <= last; ++n) {

@@ -120,6 +120,7 @@ void Servo::tick(double dt_s, double late_ns) {
   }
   ++frame_.tick;
   done_.store(frame_.tick, std::memory_order_relaxed);
+  faults_.store(c.faults, std::memory_order_relaxed);
 }
 
 void Servo::run(std::uint64_t ticks, const std::atomic<bool>& stop) {

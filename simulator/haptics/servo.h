@@ -68,8 +68,9 @@ class Servo {
       : proxy_(proxy), device_(device), params_(params), queue_(queue) {}
   void run(std::uint64_t ticks, const std::atomic<bool>& stop);
   const ServoStatistics& statistics() const { return statistics_; }
-  /// Ticks done so far, for another thread to show.
+  /// Ticks done and faults latched so far, for another thread to show.
   std::uint64_t ticks_done() const { return done_.load(std::memory_order_relaxed); }
+  std::uint32_t faults() const { return faults_.load(std::memory_order_relaxed); }
 
  private:
   void tick(double dt_s, double late_ns);
@@ -81,6 +82,7 @@ class Servo {
   ServoFrame frame_;
   Vec3 last_force_n_;
   std::atomic<std::uint64_t> done_{0};
+  std::atomic<std::uint32_t> faults_{0};
 };
 
 }  // namespace trephine

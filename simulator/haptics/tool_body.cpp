@@ -25,14 +25,25 @@ ToolBody::ToolBody(const ContactVolume& contact, std::vector<Vec3> points_mm)
 void ToolBody::begin_frame() { std::fill(known_.begin(), known_.end(), ContactBox{}); }
 
 bool ToolBody::place(Vec3 tip_mm, const Mat3& frame, std::uint64_t avoid) {
+  const auto barred = [&](Vec3 at, int* shape) {
+    ++looked_at_;
+    *shape = contact_.shape_at(at);
+    return *shape != 0 && (avoid >> *shape & 1);
+  };
+  // Who tries pose after pose finds the same point barred most of the time.
+  int shape = 0;
+  if (barred(tip_mm + frame * points_mm_[barred_], &shape)) return false;
   tip_mm_ = tip_mm;
   frame_ = frame;
   begin_frame();
   for (std::size_t i = 0; i < points_mm_.size(); ++i) {
     at_[i] = tip_mm + frame * points_mm_[i];
-    const int shape = contact_.shape_at(at_[i]);
+    const bool bar = barred(at_[i], &shape);
     shape_[i] = std::uint8_t(shape);
-    if (shape != 0 && (avoid >> shape & 1)) return false;
+    if (bar) {
+      barred_ = i;
+      return false;
+    }
   }
   return true;
 }

@@ -24,9 +24,12 @@ class ToolBody {
   Vec3 at_mm(int point) const { return at_[std::size_t(point)]; }
   int shape(int point) const { return shape_[std::size_t(point)]; }
 
-  /// Puts it there, each point in whatever shape is there; false, and then in parts only, where one lies in a shape
-  /// whose bit is set in `avoid`.
+  /// Puts it there, each point in whatever shape is there; false, and then in parts or not at all, where one lies in a
+  /// shape whose bit is set in `avoid`.
   bool place(Vec3 tip_mm, const Mat3& frame, std::uint64_t avoid = 0);
+
+  /// Points that place() looked at so far: what that took.
+  std::uint64_t looked_at() const { return looked_at_; }
 
   /// To be called once a frame: what was learnt of the volume is forgotten, for it may have been cut since.
   void begin_frame();
@@ -65,6 +68,8 @@ class ToolBody {
   std::vector<Contact> met_;
   std::vector<ContactBox> known_;
   double together_mm_;
+  std::size_t barred_ = 0;  // the point that place() found last
+  std::uint64_t looked_at_ = 0;
   int first_ = 0;  // that collided last: walked first, what lies beyond its contact need not be
 };
 
