@@ -433,7 +433,7 @@ void thrash(int strokes, std::uint64_t seed) {
           const walls::Way way = walls::random_way(w, 6, rng);
           Vec3 x = way.start_mm, to = way.end_mm, axis = unit_vector(rng), towards = unit_vector(rng);
           if (!within(x)) continue;
-          proxy.update(pose(x, axis));
+          for (int n = 0; n == 0 || (n < 20 && points_in(proxy, contact, 8) > 0); ++n) proxy.update(pose(x, axis));
           const ToolBody& b = *proxy.tool_body();
           std::vector<int> side(std::size_t(b.count()));
           for (int i = 0; i < b.count(); ++i) side[std::size_t(i)] = walls::side_of(w, b.at_mm(i));
