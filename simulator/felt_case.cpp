@@ -29,6 +29,7 @@ RecordingHeader FeltCase::header() const {
   h.case_token = loaded.manifest.case_token;
   const CaseFile* file = loaded.manifest.find_file(loaded.manifest.haptic.file);
   h.haptic_sha256 = file ? file->sha256 : "";
+  h.feel_sha256 = feel_digest(feels);
   h.felt_shape = felt_shape;
   return h;
 }

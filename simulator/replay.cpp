@@ -30,20 +30,40 @@ Json json_of(const ForceFigures& f) {
 }
 
 void print(const char* what, const ForceFigures& f) {
+  if (f.frames == 0) {
+    std::cout << what << ": no contact to judge forces by\n";
+    return;
+  }
   std::cout << fmt::format(
-      "{}: anomaly coefficient {:.6f}, zero force {:.6f}, largest step {:.4f} N, sigma {:.3f} N/s, force {:.3f} N "
-      "(at most {:.3f}), lag {:.3f} mm (at most {:.3f})\n",
-      what, f.anomaly_ratio, f.zero_force_ratio, f.most_step_n, f.sigma_n_per_s, f.mean_force_n, f.most_force_n,
-      f.mean_lag_mm, f.most_lag_mm);
+      "{}: in contact {:.1f} %, anomaly coefficient {:.6f}, zero force {:.6f}, largest step {:.4f} N, sigma {:.3f} "
+      "N/s, force {:.3f} N (at most {:.3f}), lag {:.3f} mm (at most {:.3f})\n",
+      what, 100.0 * double(f.touching) / double(f.frames), f.anomaly_ratio, f.zero_force_ratio, f.most_step_n,
+      f.sigma_n_per_s, f.mean_force_n, f.most_force_n, f.mean_lag_mm, f.most_lag_mm);
+}
+
+/// The case as it was felt. Throws 65 where it is another.
+FeltCase felt_again(const std::filesystem::path& folder, const std::string& file, const RecordingHeader& h) {
+  const auto refuse = [&](const char* field, const std::string& what) {
+    throw Error(ExitCode::bad_input, file, field, what);
+  };
+  try {
+    FeltCase felt(folder, h.felt_shape);
+    const RecordingHeader now = felt.header();
+    if (now.haptic_sha256 != h.haptic_sha256)
+      refuse("haptic_sha256", "the recording is of another haptic volume (case " + h.case_token + ")");
+    if (!h.feel_sha256.empty() && now.feel_sha256 != h.feel_sha256)
+      refuse("feel_sha256", "the case's materials are not those of the recording");
+    return felt;
+  } catch (const Error& e) {
+    if (e.code() == ExitCode::usage) refuse("felt_shape", h.felt_shape + ", which the case does not have");
+    throw;
+  }
 }
 
 ExitCode run_replay(const ParsedCommand& parsed) {
   const Recording recording = read_recording(parsed.path("recording"));
   const RecordingHeader& h = recording.header;
-  FeltCase felt(parsed.path("case"), h.felt_shape);
-  if (felt.header().haptic_sha256 != h.haptic_sha256)
-    throw Error(ExitCode::bad_input, parsed.text("recording"), "haptic_sha256",
-                "the recording is of another haptic volume (case " + h.case_token + ")");
+  FeltCase felt = felt_again(parsed.path("case"), parsed.text("recording"), h);
   ContactParams contact_params = h.contact;
   const ContactParams& asked = parsed.params<ContactParams>();
   if (parsed.given.count("walk")) contact_params.walk = asked.walk;
@@ -61,11 +81,14 @@ ExitCode run_replay(const ParsedCommand& parsed) {
 
   std::cout << fmt::format("{} frames at {:g} Hz of device {}, tool {}, case {}\n", replayed.size(), h.rate_hz,
                            h.device, tool_name(h.tool), h.case_token);
-  const ForceFigures was = force_figures(recording.frames), is = force_figures(replayed);
+  const std::uint64_t missing = missing_frames(recording.frames);
+  if (missing > 0) std::cout << fmt::format("{} frames are missing: they were not recorded\n", missing);
+  const ForceWindow window = force_window(recording.frames);
+  const ForceFigures was = force_figures(recording.frames, window), is = force_figures(replayed, window);
   print("recorded", was);
   if (other) print("replayed", is);
   if (parsed.has("json")) {
-    Json j = {{"frames", replayed.size()}, {"different", different}, {"recorded", json_of(was)}};
+    Json j = {{"frames", replayed.size()}, {"missing", missing}, {"different", different}, {"recorded", json_of(was)}};
     j["replayed"] = json_of(is);
     write_file(parsed.path("json"), j.dump(1) + "\n");
   }
@@ -85,8 +108,8 @@ Command replay_command() {
   c.summary = "runs a recorded session again, and compares it bit for bit or with another contact method";
   c.description =
       "The recorded poses go through the case's haptic volume once more, with the recording's own parameters; exit "
-      "code "
-      "80 where any bit of any frame is another. With another walk or surface the two are compared by the figures of "
+      "code 80 where any bit of what the proxy answers is another. With another walk or surface the two are compared "
+      "by the figures of "
       "their forces instead: the dissertation's force anomaly coefficient, and what it leaves out.";
   Argument folder = argument("case", Argument::Kind::in_folder, "Folder of the case.");
   folder.positional = folder.required = true;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
+#include <time.h>
 
 #include <chrono>
 #include <cmath>
@@ -71,25 +72,43 @@ Json times_of(const Histogram& h) {
           {"max_us", us(h.max_ns())}};
 }
 
-Json json_of(const ServoStatistics& s, const RealtimeGrant& grant, const ServoParams& params, const Device& device,
-             std::uint64_t dropped) {
+/// What a session was, beside its statistics.
+struct Session {
+  RecordingHeader is;
+  RealtimeGrant grant;
+  double cpu_s = 0;  ///< of the servo thread, its sleeps' system calls included
+  std::uint64_t frames_lost = 0;
+  double cpu_us(const ServoStatistics& s) const { return s.ticks > 0 ? 1e6 * cpu_s / double(s.ticks) : 0; }
+};
+
+Json json_of(const ServoStatistics& s, const Session& session, const Device& device) {
   Json counts = Json::object();
   for (const auto& [name, count] : device.counts()) counts[name] = count;
   Json events = Json::object();
   for (int n = 0; n < haptic_event::count; ++n) events[haptic_event::names[n]] = s.events[n];
-  return {{"rate_hz", params.rate_hz},
+  const auto choice = [](const auto& params, const char* name) {
+    return std::get<std::string>(parameters_of<std::decay_t<decltype(params)>>().find(name)->get(&params));
+  };
+  return {{"case", session.is.case_token},
+          {"shape", session.is.felt_shape},
+          {"tool", tool_name(session.is.tool)},
+          {"walk", choice(session.is.contact, "walk")},
+          {"surface", choice(session.is.contact, "surface")},
+          {"rate_hz", session.is.rate_hz},
           {"device", device.name()},
           {"device_counts", counts},
-          {"fifo", grant.fifo},
-          {"memory_locked", grant.locked},
+          {"fifo", session.grant.fifo},
+          {"memory_locked", session.grant.locked},
           {"ticks", s.ticks},
           {"overruns", s.overruns},
-          {"frames_lost", dropped},
+          {"frames_lost", session.frames_lost},
           {"faults", s.faults},
+          {"fault_names", fault_names(s.faults)},
           {"touching_ratio", s.ticks > 0 ? double(s.touching) / double(s.ticks) : 0},
           {"events", events},
           {"most_force_n", s.most_force_n},
           {"most_force_step_n", s.most_force_step_n},
+          {"cpu_mean_us", std::round(1000 * session.cpu_us(s)) / 1000},
           {"tick", times_of(s.busy)},
           {"late", times_of(s.late)}};
 }
@@ -100,7 +119,7 @@ void print_times(const char* what, const Histogram& h) {
                            h.quantile_ns(0.999) / 1e3, h.max_ns() / 1e3);
 }
 
-void print_statistics(const ServoStatistics& s, bool paced, std::uint64_t dropped) {
+void print_statistics(const ServoStatistics& s, const Session& session, bool paced) {
   const double touching = s.ticks > 0 ? 100.0 * double(s.touching) / double(s.ticks) : 0;
   std::cout << fmt::format("{} ticks, {} overruns, in contact {:.1f} %, faults {}\n", s.ticks, s.overruns, touching,
                            s.faults == 0 ? "none" : fault_names(s.faults));
@@ -109,9 +128,11 @@ void print_statistics(const ServoStatistics& s, bool paced, std::uint64_t droppe
     events += fmt::format("{} {} {}", events.empty() ? "" : ",", haptic_event::names[n], s.events[n]);
   std::cout << "events:" << events << "\n";
   std::cout << fmt::format("force at most {:.3f} N, {:.4f} N from tick to tick\n", s.most_force_n, s.most_force_step_n);
+  std::cout << fmt::format("CPU time   mean {:.2f} us a tick{}\n", session.cpu_us(s), paced ? ", with its sleep" : "");
   print_times("tick time", s.busy);
   if (paced) print_times("woken late", s.late);
-  if (dropped > 0) std::cout << fmt::format("{} frames were not recorded: the disk is too slow\n", dropped);
+  if (session.frames_lost > 0)
+    std::cout << fmt::format("{} frames were not recorded: the disk is too slow\n", session.frames_lost);
 }
 
 std::string grant_text(const ServoParams& params, const RealtimeGrant& g) {
@@ -121,7 +142,17 @@ std::string grant_text(const ServoParams& params, const RealtimeGrant& g) {
                      g.locked ? "memory locked" : "memory not locked (" + g.lock_fault + ")");
 }
 
+double thread_cpu_s() {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
 ExitCode run_servo(const ParsedCommand& parsed) {
+  if (parsed.has("record") && parsed.has("json") &&
+      std::filesystem::weakly_canonical(parsed.path("record")) ==
+          std::filesystem::weakly_canonical(parsed.path("json")))
+    throw Error(ExitCode::usage, parsed.text("json"), "--record, --json", "are the same file");
   ServoParams params = parsed.params<ServoParams>();
   FeltCase felt(parsed.path("case"), parsed.text("shape"));
   const ContactVolume contact(felt.loaded.haptic, parsed.params<ContactParams>());
@@ -129,17 +160,16 @@ ExitCode run_servo(const ParsedCommand& parsed) {
   const ToolParams tool = own_tool(parsed.params<ToolParams>());
   Proxy proxy(contact, felt.feels, parsed.params<ForceParams>(), parsed.params<ShaftParams>(), make_tool(tool));
 
+  Session session;
+  session.is = felt.header();
+  session.is.device = device->name();
+  session.is.rate_hz = params.rate_hz;
+  session.is.contact = parsed.params<ContactParams>();
+  session.is.force = parsed.params<ForceParams>();
+  session.is.shaft = parsed.params<ShaftParams>();
+  session.is.tool = tool;
   std::unique_ptr<RecordingWriter> recording;
-  if (parsed.has("record")) {
-    RecordingHeader header = felt.header();
-    header.device = device->name();
-    header.rate_hz = params.rate_hz;
-    header.contact = parsed.params<ContactParams>();
-    header.force = parsed.params<ForceParams>();
-    header.shaft = parsed.params<ShaftParams>();
-    header.tool = tool;
-    recording = std::make_unique<RecordingWriter>(parsed.path("record"), header);
-  }
+  if (parsed.has("record")) recording = std::make_unique<RecordingWriter>(parsed.path("record"), session.is);
   // What the servo does not sleep for it must not outrun: without a clock every frame fits.
   const double ticks = std::max(1.0, std::round(parsed.params<RunParams>().seconds * params.rate_hz));
   if (!params.paced && ticks > 2e7) throw Error(ExitCode::usage, "", "--seconds", "is too long without --paced");
@@ -150,20 +180,30 @@ ExitCode run_servo(const ParsedCommand& parsed) {
   std::atomic<bool> done{false};
   std::thread thread([&] {
     granted.set_value(params.paced && params.realtime ? claim_realtime() : RealtimeGrant{});
+    const double before_s = thread_cpu_s();
     servo.run(std::uint64_t(ticks), cancel_requested());
+    session.cpu_s = thread_cpu_s() - before_s;
     done = true;
   });
-  const RealtimeGrant grant = granted.get_future().get();
+  session.grant = granted.get_future().get();
   std::vector<ServoFrame> frames;
   std::exception_ptr fault;
+  std::uint32_t told = 0;
   try {
-    std::cout << fmt::format("servo at {:g} Hz on {}: {}\n", params.rate_hz, device->name(), grant_text(params, grant));
+    std::cout << fmt::format("servo at {:g} Hz on {}: {}\n", params.rate_hz, device->name(),
+                             grant_text(params, session.grant));
     if (proxy.tool_body())
       std::cout << fmt::format("tool {}: {} points, {:g} mm in diameter, {:g} mm long\n", tool_name(tool),
                                proxy.tool_body()->count(), tool.tool_diameter_mm, tool.tool_length_mm);
     std::cout << std::flush;
     while (!done) {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      if (const std::uint32_t faults = servo.faults(); faults != told) {
+        told = faults;
+        std::cout << fmt::format("fault after {:.2f} s: {}; the force stays zero\n",
+                                 double(servo.ticks_done()) / params.rate_hz, fault_names(faults))
+                  << std::flush;
+      }
       if (!recording || !params.paced) continue;
       frames.clear();
       queue.drain(frames);
@@ -174,21 +214,23 @@ ExitCode run_servo(const ParsedCommand& parsed) {
   }
   thread.join();
   if (fault) std::rethrow_exception(fault);
-  Progress({}, &cancel_requested()).check();
+  // A session that was stopped is a shorter one: what was recorded is kept.
   if (recording) {
     frames.clear();
     queue.drain(frames);
     recording->add(frames);
     recording->finish();
   }
-  print_statistics(servo.statistics(), params.paced, queue.dropped());
+  session.frames_lost = queue.dropped();
+  print_statistics(servo.statistics(), session, params.paced);
   std::string counts;
   for (const auto& [name, count] : device->counts())
     counts += fmt::format("{} {} {}", counts.empty() ? "" : ",", count, name);
   if (!counts.empty()) std::cout << device->name() << ":" << counts << "\n";
-  if (parsed.has("json"))
-    write_file(parsed.path("json"),
-               json_of(servo.statistics(), grant, params, *device, queue.dropped()).dump(1) + "\n");
+  if (parsed.has("json")) write_file(parsed.path("json"), json_of(servo.statistics(), session, *device).dump(1) + "\n");
+  Progress({}, &cancel_requested()).check();
+  if (const std::uint32_t faults = servo.statistics().faults; faults != 0)
+    throw Error(ExitCode::io, "", "device", fault_names(faults) + ": the force was zero from then on");
   return ExitCode::ok;
 }
 
@@ -202,9 +244,10 @@ Command servo_command() {
       "A thread of its own reads the device, moves the tool's proxy through the case's haptic volume and sends the "
       "force, 1000 times a second or more. The device is a simulated hand, which presses on the first surface that it "
       "meets and moves over it in a circle, a trajectory from a file, or one that sends its poses by UDP. "
-      "docs/haptics.md describes contact, forces, "
-      "and "
-      "the recording, which `trephine-sim replay` reads.\n\n"
+      "docs/haptics.md describes contact, forces, and the recording, which `trephine-sim replay` reads. Ctrl-C ends "
+      "the "
+      "session: what was recorded and counted until then is written, and the exit code is 130. A fault (a lost device, "
+      "a pose that is no number) is said when it happens, and the exit code is 74.\n\n"
       "It says at the start what the system grants: SCHED_FIFO and locked memory need CAP_SYS_NICE and CAP_IPC_LOCK, "
       "or "
       "limits (ulimit -r, -l) that allow them.";

@@ -77,7 +77,7 @@ TEST(HapticsServo, AHandPressesAndFollowsAPath) {
   queue.drain(frames);
   ASSERT_EQ(frames.size(), 20000u);
   EXPECT_EQ(queue.dropped(), 0u);
-  const ForceFigures f = force_figures(frames);
+  const ForceFigures f = force_figures(frames, force_window(frames));
   EXPECT_GT(f.touching, 15000u);
   EXPECT_EQ(f.anomaly_ratio, 0);
   EXPECT_LT(f.zero_force_ratio, 1e-9);
@@ -184,6 +184,19 @@ TEST(HapticsServo, ADeviceThatSaysNonsenseIsSentZero) {
     EXPECT_EQ(device.sent.back(), Vec3{});
     EXPECT_EQ(servo.statistics().faults, haptic_fault::pose);
   }
+}
+
+// A light hand with a strong damper, within its own ranges, follows its aim and does not diverge.
+TEST(HapticsServo, ALightHandUnderStrongDampingComesToRest) {
+  HandParams params;
+  params.mass_kg = 0.005;
+  params.arm_damping_n_s_per_mm = params.device_damping_n_s_per_mm = 1;
+  params.arm_stiffness_n_per_mm = 10;
+  params.tremor_mm = params.delay_s = 0;
+  SimulatedHand hand(params, {Vec3{}, Vec3{5, 0, 0}}, 1);
+  DeviceReading r;
+  for (int n = 0; n < 3000; ++n) ASSERT_TRUE(hand.read(0.001, r)) << n;
+  EXPECT_NEAR(r.tip_mm.x, 5, 0.01);
 }
 
 // H5: what nobody renews is held, then decays.

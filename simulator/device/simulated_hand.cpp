@@ -44,15 +44,18 @@ bool SimulatedHand::read(double dt_s, DeviceReading& out) {
   for (double left = std::clamp(dt_s, 0.0, 10.0); left > 0;) {
     const double part = std::min(left, 0.001);
     left -= part;
-    const int steps = std::max(32, int(std::ceil(part / 2e-5)));
+    const double damping_n_s_per_mm = params_.arm_damping_n_s_per_mm + params_.device_damping_n_s_per_mm;
+    // An explicit step diverges where damping would turn the velocity of a light hand round.
+    const double most_step_s = std::min(2e-5, 0.2 * params_.mass_kg / (1000 * std::max(damping_n_s_per_mm, 1e-9)));
+    const int steps = std::max(32, int(std::ceil(part / most_step_s)));
     const double h = part / steps;
     time_s_ += part;
     const Vec3 to = aim(time_s_ - params_.delay_s);
     for (int n = 0; n < steps; ++n) {
       force_age_s_ += h;
       const double share = force_age_s_ <= hold.hold_s ? 1 : hold.share(force_age_s_);
-      const Vec3 force = force_n_ * share + (to - position_mm_) * params_.arm_stiffness_n_per_mm -
-                         velocity_ * (params_.arm_damping_n_s_per_mm + params_.device_damping_n_s_per_mm);
+      const Vec3 force =
+          force_n_ * share + (to - position_mm_) * params_.arm_stiffness_n_per_mm - velocity_ * damping_n_s_per_mm;
       velocity_ += force * (1000 * h / params_.mass_kg);  // N / kg are m / s^2
       position_mm_ += velocity_ * h;
     }

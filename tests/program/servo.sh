@@ -33,7 +33,7 @@ PY
 "$TREPHINE" replay "$work/sample" "$work/a.servo" --json "$work/r.json" >"$work/text"
 grep -q '^replayed bit for bit$' "$work/text" || fail "not the same"
 "$TREPHINE" replay "$work/sample" "$work/a.servo" --surface nearest --walk stepped >"$work/text"
-grep -q '^replayed: anomaly coefficient ' "$work/text" || fail "no comparison"
+grep -Eq '^replayed: in contact [0-9.]+ %, anomaly coefficient ' "$work/text" || fail "no comparison"
 # The same bytes when nothing but the clock differs.
 "${servo[@]}" --seconds 6 --no-paced --approach-mm 1 --radius-mm 10 --record "$work/b.servo" >/dev/null
 cmp "$work/a.servo" "$work/b.servo" || fail "two equal runs differ"
@@ -41,6 +41,41 @@ cmp "$work/a.servo" "$work/b.servo" || fail "two equal runs differ"
 printf '0 0 0 200\n1 0 0 100\n' >"$work/path.txt"
 "${servo[@]}" --device trajectory --trajectory "$work/path.txt" --seconds 1 --no-paced >"$work/text"
 grep -q '^1000 ticks, ' "$work/text" || fail "no trajectory"
+
+# Contact that is lost for good counts: as frames without force, and as the step that it was.
+printf '0 1 -20 390\n1 1 -20 382\n2 1 -20 382\n2.001 1 -20 450\n4 1 -20 450\n' >"$work/lost.txt"
+"${servo[@]}" --device trajectory --trajectory "$work/lost.txt" --seconds 4 --no-paced --record "$work/lost.servo" >"$work/text"
+"$TREPHINE" replay "$work/sample" "$work/lost.servo" --json "$work/lost.json" >/dev/null
+python3 - "$work/lost.json" <<'PY'
+import json, sys
+f = json.load(open(sys.argv[1]))["recorded"]
+assert f["zero_force_ratio"] > 0.5 and f["touching"] < 0.5 * f["frames"] and f["most_step_n"] > 0, f
+PY
+printf '0 0 0 2000\n1 0 0 2000\n' >"$work/air.txt"
+"${servo[@]}" --device trajectory --trajectory "$work/air.txt" --seconds 1 --no-paced --record "$work/air.servo" >"$work/text"
+"$TREPHINE" replay "$work/sample" "$work/air.servo" | grep -q '^recorded: no contact to judge' || fail "judges air"
+
+# Ctrl-C ends a session; what it recorded stays.
+"${servo[@]}" --seconds 60 --no-realtime --record "$work/stopped.servo" --json "$work/stopped.json" >"$work/text" 2>"$work/stderr" &
+stopped=$!
+for _ in $(seq 500); do grep -q '^servo at ' "$work/text" && break; sleep 0.01; done
+sleep 0.5
+kill -INT $stopped
+code=0
+wait $stopped || code=$?
+[[ $code == 130 ]] || fail "stopped with $code"
+python3 - "$work/stopped.json" <<'PY'
+import json, sys
+said = json.load(open(sys.argv[1]))
+assert 100 < said["ticks"] < 60000 and said["case"] == "sample" and said["walk"] == "exact", said
+PY
+"$TREPHINE" replay "$work/sample" "$work/stopped.servo" >/dev/null || fail "a stopped session does not replay"
+
+# A fault is said when it happens, and at the end.
+printf '0 0 0 200\n1 0 0 1e7\n' >"$work/far.txt"
+expect 74 'device: pose: the force was zero' "${servo[@]}" --device trajectory --trajectory "$work/far.txt" --seconds 1 --no-paced
+grep -q 'faults pose$' "$work/stdout" || fail "no fault"
+expect 64 'are the same file' "${servo[@]}" --seconds 1 --no-paced --record "$work/one" --json "$work/../$(basename "$work")/one"
 
 # A tool of many points: said at the start, named in the recording, and replayed.
 "${servo[@]}" --tool burr --tool-spacing-mm 0.8 --seconds 3 --no-paced --approach-mm 1 --radius-mm 10 \
@@ -56,12 +91,34 @@ assert said["touching_ratio"] > 0.5 and said["most_force_n"] > 0.01 and said["ev
 tool = json.loads(open(sys.argv[2], "rb").read()[16:16 + 4096])["tool"]
 assert tool["tool"] == "burr" and tool["tool_tip"] == "ball" and tool["tool_spacing_mm"] == 0.8, tool
 PY
+# Materials that changed, a shape that is not there, ticks that do not ascend.
+python3 - "$work/a.servo" "$work" <<'PY'
+import json, sys
+data = open(sys.argv[1], "rb").read()
+def write(name, change):
+    header = json.loads(data[16:16 + 4096])
+    change(header)
+    open(f"{sys.argv[2]}/{name}", "wb").write(data[:16] + json.dumps(header).encode().ljust(4096) + data[16 + 4096:])
+write("material.servo", lambda h: h.update(feel_sha256="0" * 64))
+write("shape.servo", lambda h: h.update(felt_shape="liver"))
+write("lacks.servo", lambda h: h.pop("haptic_sha256"))
+frame = 16 + 4096 + 100 * 176
+open(f"{sys.argv[2]}/ticks.servo", "wb").write(data[:frame] + bytes(8) + data[frame + 8:])
+cut = 16 + 4096 + 1000 * 176
+open(f"{sys.argv[2]}/gap.servo", "wb").write(data[:cut] + data[cut + 500 * 176:])
+PY
+expect 65 'feel_sha256: the case.s materials are not' "$TREPHINE" replay "$work/sample" "$work/material.servo"
+expect 65 'felt_shape: liver' "$TREPHINE" replay "$work/sample" "$work/shape.servo"
+expect 65 'header: lacks a field' "$TREPHINE" replay "$work/sample" "$work/lacks.servo"
+expect 65 'frames: tick and time_s of frame 100 must be above' "$TREPHINE" replay "$work/sample" "$work/ticks.servo"
+expect 80 'differ when replayed' "$TREPHINE" replay "$work/sample" "$work/gap.servo"
+grep -q '^500 frames are missing' "$work/stdout" || fail "does not say that frames are missing"
 # A recording of before there were tools is of a point.
 python3 - "$work/a.servo" "$work/old.servo" <<'PY'
 import json, sys
 data = open(sys.argv[1], "rb").read()
 header = json.loads(data[16:16 + 4096])
-assert header.pop("tool")["tool"] == "point"
+assert header.pop("tool")["tool"] == "point" and len(header.pop("feel_sha256")) == 64
 open(sys.argv[2], "wb").write(data[:16] + json.dumps(header).encode().ljust(4096) + data[16 + 4096:])
 PY
 "$TREPHINE" replay "$work/sample" "$work/old.servo" >"$work/text"
