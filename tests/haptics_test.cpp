@@ -306,3 +306,27 @@ TEST(Haptics, RoundABallAtConstantDepth) {
       EXPECT_LT(lag, boxes ? 1.3 : 0.3);
     }
 }
+
+// Between the samples of a stepped way lie corners of voxels: none of them keeps the proxy.
+TEST(Haptics, TheSteppedWalkLeavesNoProxyInBone) {
+  HapticVolume v = empty(60, {0.5, 0.5, 0.5});
+  fill(v, 1, [](Vec3 p) { return 11 + std::sin(p.x) + std::cos(1.3 * p.y) - norm(p); });
+  const Feels feels = one_shape(1, face(1, 0.3, 0.2), face(1, 0.3, 0.2));
+  double share[2];
+  for (const auto walk : {ContactParams::Walk::exact, ContactParams::Walk::stepped}) {
+    const ContactVolume contact(v, {walk, ContactParams::Surface::nearest, 0.5});
+    Proxy proxy(contact, feels, plain());
+    std::mt19937_64 rng(12);
+    proxy.update(at({14, 14, 14}));
+    int touching = 0;
+    for (int n = 0; n < 20000; ++n) {
+      const HapticState& s =
+          proxy.update(at({walls::uniform(rng, -14, 14), walls::uniform(rng, -14, 14), walls::uniform(rng, -14, 14)}));
+      ASSERT_EQ(contact.shape_at(s.proxy_mm), 0) << n;
+      ASSERT_EQ(s.inside, 0);
+      touching += s.touched != 0;
+    }
+    share[walk == ContactParams::Walk::stepped] = touching / 20000.0;
+  }
+  EXPECT_NEAR(share[0], share[1], 0.05);
+}

@@ -23,6 +23,7 @@ Proxy::Proxy(const ContactVolume& contact, const Feels& feels, const ForceParams
   const Vec3 s = contact.volume().voxels.spacing_mm;
   margin_mm_ = 1e-3 * contact.smallest_side_mm();
   const bool boxes = contact.params().surface == ContactParams::Surface::nearest;
+  stepped_ = contact.params().walk == ContactParams::Walk::stepped;
   step_mm_ = boxes ? 1.05 * std::max({s.x, s.y, s.z}) : 0.1 * contact.smallest_side_mm();
 }
 
@@ -60,6 +61,11 @@ const HapticState& Proxy::update(const HapticInput& in) {
   } else {
     state_.axis = in.axis;
     follow(in.tip_mm);
+    // Between the samples of a stepped way lie corners of bone, and a proxy that stopped in one would never leave it.
+    if (stepped_ && contact_.shape_at(state_.proxy_mm) != state_.inside) {
+      state_.proxy_mm = before.proxy_mm;
+      state_.inside = before.inside;
+    }
   }
 
   Vec3 force = surface_force(in.tip_mm) + inside_force(in);

@@ -122,6 +122,7 @@ class Proxy {
   ShaftParams shaft_;
   TouchableFaces faces_;
   double margin_mm_, step_mm_;
+  bool stepped_;  // the walk
 
   HapticState state_;
   bool begun_ = false, sliding_ = false, solved_ = false;
