@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// CPU time of a haptic tick (proxy and force), this thread's own, the clock's reading taken off:
-//   bench_haptics [--tools] [CASE...]
-// --tools: only by the points of the tool. Over synthetic volumes by number of shapes, size, speed and contact method,
-// then over the surfaces of cases. Run it with other programs idle: their cache misses count, their time does not.
+// CPU time of a haptic tick (proxy and force), this thread's own, the clock's reading taken off from all but `in a
+// row`, which is the mean of ticks without a clock between them:
+//   bench_haptics [--tools | --shape NAME] [CASE...]
+// --tools: only by the points of the tool; --shape: only that shape of the cases, without tools. Over synthetic volumes
+// by number of shapes, size, speed and contact method, then over the surfaces of cases. Run it with other programs
+// idle: their cache misses count, their time does not.
 #include <time.h>
 
 #include <algorithm>
@@ -38,7 +40,7 @@ double clock_cost_ns() {
 }
 
 struct Times {
-  double mean, p50, p99, p999, max, touching;
+  double in_a_row, mean, p50, p99, p999, max, touching;
 };
 
 // How a tool lies on its way: about that axis, and how far and fast it sways.
@@ -48,14 +50,11 @@ struct Sway {
 };
 
 // The device goes along the path at that speed, `ticks` times.
-Times measure(Proxy& proxy, const std::vector<Vec3>& path, double mm_a_frame, int ticks, const Sway& sway = {}) {
-  const double cost = clock_cost_ns();
-  std::vector<double> ns;
-  ns.reserve(std::size_t(ticks));
+std::vector<HapticInput> inputs_of(const std::vector<Vec3>& path, double mm_a_frame, int ticks, const Sway& sway) {
+  std::vector<HapticInput> inputs;
   std::size_t next = 0;
   Vec3 x = path[0];
-  int touching = 0;
-  for (int n = 0; n < ticks + 2000; ++n) {
+  for (int n = 0; n < ticks; ++n) {
     double left = mm_a_frame;
     while (left > 0) {
       const Vec3 d = path[next] - x;
@@ -73,10 +72,32 @@ Times measure(Proxy& proxy, const std::vector<Vec3>& path, double mm_a_frame, in
     // At 1 Hz about both axes across: up to 6 times its angle in rad/s.
     const double a = 2 * M_PI * n / 1000;
     in.axis = normalized(sway.axis + Vec3{std::sin(a), std::cos(a), std::sin(1.3 * a)} * sway.rad);
+    inputs.push_back(in);
+  }
+  return inputs;
+}
+
+Times measure(Proxy& proxy, const std::vector<Vec3>& path, double mm_a_frame, int ticks, const Sway& sway = {}) {
+  constexpr std::size_t unmeasured = 2000;
+  const std::vector<HapticInput> inputs = inputs_of(path, mm_a_frame, ticks + int(unmeasured), sway);
+  proxy.reset();
+  double row = 0;
+  for (std::size_t n = 0; n < inputs.size(); ++n) {
+    if (n == unmeasured) row = cpu_ns();
+    proxy.update(inputs[n]);
+  }
+  row = (cpu_ns() - row) / ticks;
+
+  const double cost = clock_cost_ns();
+  std::vector<double> ns;
+  ns.reserve(inputs.size());
+  int touching = 0;
+  proxy.reset();
+  for (std::size_t n = 0; n < inputs.size(); ++n) {
     const double begin = cpu_ns();
-    proxy.update(in);
+    proxy.update(inputs[n]);
     const double t = cpu_ns() - begin - cost;
-    if (n < 2000) continue;
+    if (n < unmeasured) continue;
     ns.push_back(std::max(0.0, t));
     touching += proxy.state().touched != 0;
   }
@@ -86,17 +107,18 @@ Times measure(Proxy& proxy, const std::vector<Vec3>& path, double mm_a_frame, in
   const auto at = [&](double share) {
     return ns[std::min(ns.size() - 1, std::size_t(share * double(ns.size())))] / 1e3;
   };
-  return {sum / double(ns.size()) / 1e3,       at(0.5), at(0.99), at(0.999), ns.back() / 1e3,
-          100.0 * touching / double(ns.size())};
+  return {row / 1e3,       sum / double(ns.size()) / 1e3,       at(0.5), at(0.99), at(0.999),
+          ns.back() / 1e3, 100.0 * touching / double(ns.size())};
 }
 
 void print(const std::string& what, const Times& t) {
-  std::printf("| %-58s | %6.2f | %6.2f | %6.2f | %6.2f | %7.2f | %5.1f |\n", what.c_str(), t.mean, t.p50, t.p99, t.p999,
-              t.max, t.touching);
+  std::printf("| %-58s | %6.2f | %6.2f | %6.2f | %6.2f | %6.2f | %7.2f | %5.1f |\n", what.c_str(), t.in_a_row, t.mean,
+              t.p50, t.p99, t.p999, t.max, t.touching);
 }
 void head(const char* what) {
   std::printf(
-      "\n| %-58s | mean   | p50    | p99    | p99.9  | max us  | in contact %% |\n|---|---|---|---|---|---|---|\n",
+      "\n| %-58s | in a row | mean | p50    | p99    | p99.9  | max us  | in contact %% "
+      "|\n|---|---|---|---|---|---|---|---|\n",
       what);
 }
 
@@ -230,14 +252,17 @@ void synthetic(bool tools_only) {
     }
 }
 
-void of_case(const std::string& folder, bool tools_only) {
+void of_case(const std::string& folder, bool tools_only, const std::string& only) {
   LoadedCase c = load_case(folder);
   const Feels all = feels_of(c.manifest.haptic);
-  head((folder + ": points of the tool, all shapes felt (0.02 mm a frame, exact, subvoxel)").c_str());
-  tools_over(ContactVolume(c.haptic), all);
+  if (only.empty()) {
+    head((folder + ": points of the tool, all shapes felt (0.02 mm a frame, exact, subvoxel)").c_str());
+    tools_over(ContactVolume(c.haptic), all);
+  }
   if (tools_only) return;
   head((folder + ": shape felt, method, speed").c_str());
   for (const HapticShape& s : c.haptic.shapes) {
+    if (!only.empty() && s.name != only) continue;
     Feels feels = all;
     for (const HapticShape& o : c.haptic.shapes)
       if (o.number != s.number)
@@ -258,8 +283,10 @@ void of_case(const std::string& folder, bool tools_only) {
 int main(int argc, char** argv) try {
   std::printf("CPU time of a tick, us; reading the clock costs %.0f ns, taken off\n", clock_cost_ns());
   const bool tools_only = argc > 1 && std::string(argv[1]) == "--tools";
-  if (argc == 1 + tools_only) synthetic(tools_only);
-  for (int n = 1 + tools_only; n < argc; ++n) of_case(argv[n], tools_only);
+  const bool shape = argc > 2 && std::string(argv[1]) == "--shape";
+  const int first = 1 + tools_only + 2 * shape;
+  if (argc == first) synthetic(tools_only);
+  for (int n = first; n < argc; ++n) of_case(argv[n], tools_only, shape ? argv[2] : "");
   return 0;
 } catch (const Error& e) {
   std::fprintf(stderr, "%s\n", e.line("bench_haptics").c_str());
