@@ -102,7 +102,8 @@ struct SegmentMasks {
 ///   everywhere) and denoised as strongly as their noise needs (means along edges and sulci, then total variation);
 ///   tissue brighter than CSF, opened, closed and filled, is the
 ///   envelope, from which sulci, fissures and cisterns are cut as far as CSF reaches in from outside. Ventricles
-///   belong to the brain; wide dark places that are not as dark as CSF (oedema, old infarcts) too.
+///   belong to the brain, the fourth too where its ways out are narrower than 4 mm; wide dark places that are not as
+///   dark as CSF (oedema, old infarcts) too.
 /// - ventricles: CSF deep inside the brain (the lateral ones and the third), parted from cisterns, fourth ventricle and
 ///   sulci at the narrowest places by the same watershed; half_maximum: temporal and occipital horns that noise parts
 ///   from the rest are traced as tubes, and the surface is fitted: a model of what the scanner shows of it (CSF and the
