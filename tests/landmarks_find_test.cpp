@@ -205,6 +205,26 @@ TEST(LandmarksFind, TragiThatDoNotMirrorEachOtherAreDoubtful) {
   EXPECT_LT(before, 0.3);
 }
 
+// A foramen that noise closed is where the wall is thinnest, or the other one's mirror image, and little is made of it.
+TEST(LandmarksFind, AClosedForamenIsFoundAndDoubtful) {
+  for (const double closed_mm : {2.5, 4.0}) {
+    LandmarkScene s = scene();
+    const Vec3 right = s.head.landmark("monro_right");
+    Field& field = s.ventricles;
+    for (int k = 0; k < field.size[2]; ++k)
+      for (int j = 0; j < field.size[1]; ++j)
+        for (int i = 0; i < field.size[0]; ++i) {
+          const double off_mm = norm(field.to_world_mm({double(i), double(j), double(k)}) - right);
+          if (off_mm < closed_mm + 2) field.at(i, j, k) = std::min(field.at(i, j, k), float(off_mm - closed_mm));
+        }
+    const HeadLandmarks found = find(s);
+    ASSERT_TRUE(found.find("monro_right") && found.find("monro_left")) << closed_mm;
+    EXPECT_LT(norm(found.find("monro_right")->position_mm - right), 3) << closed_mm;
+    EXPECT_GT(confidence(found, "monro_left"), 0.6) << closed_mm;
+    EXPECT_LT(confidence(found, "monro_right"), 0.6) << closed_mm;
+  }
+}
+
 TEST(LandmarksFind, KochersPointIsThatOfTheBurrHole) {
   LandmarkParams params;
   Report report;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double step_mm = 0.7, half_width_mm = 22;
 /// Walls up to this thick (twice the distance) are crossed where the foramen was not resolved.
-constexpr double most_outside_mm = 2.0;
+constexpr double most_outside_mm = 3.0;
 /// A foramen of this radius is seen in any noise; its narrowest part is so short, and hardly as long as the longest.
 constexpr double wide_mm = 1.3, short_mm = 4, longest_mm = 16;
 
@@ -189,12 +189,15 @@ void check_pair(std::array<std::optional<FoundPoint>, 2>& found, const HeadFrame
   const auto mirrored = [&](Vec3 p) { return p - head.left * (2 * (dot(p - head.origin_mm, head.left) - septum_mm)); };
   constexpr double least_apart_mm = 1, doubtful_apart_mm = 2, most_apart_mm = 4, of_a_mirrored = 0.5;
   const double apart_mm = found[0] && found[1] ? norm(mirrored(found[0]->position_mm) - found[1]->position_mm) : 1e9;
-  for (int s = 0; s < 2 && apart_mm > doubtful_apart_mm; ++s) {
-    const auto &here = found[s], &there = found[1 - s];
-    if (there && there->confidence > 0.6 && (!here || here->confidence < 0.6)) {
-      found[s] = FoundPoint{mirrored(there->position_mm), of_a_mirrored * there->confidence};
-      return;
-    }
+  for (int s = 0; s < 2; ++s) {
+    auto &here = found[s], &there = found[1 - s];
+    if (!there || there->confidence <= 0.6 || (here && here->confidence >= 0.6)) continue;
+    const double least = of_a_mirrored * there->confidence;
+    if (apart_mm > doubtful_apart_mm)
+      here = FoundPoint{mirrored(there->position_mm), least};
+    else  // two that agree: the sure one speaks for the other
+      here->confidence = std::max(here->confidence, least);
+    return;
   }
   if (apart_mm < most_apart_mm) {
     // Two that are 4 mm apart are off by 2 mm each at least.

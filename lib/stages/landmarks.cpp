@@ -8,7 +8,7 @@ namespace trephine {
 StageType landmarks_stage(std::vector<CaseLandmark> given) {
   StageType s;
   s.name = "landmarks";
-  s.version = 2;
+  s.version = 3;
   s.summary = "finds the landmarks of a head";
   s.description =
       "Midsagittal plane by symmetry; nasion, inion, tragi and vertex from the skin and the bone below it; Kocher's "
