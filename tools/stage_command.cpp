@@ -63,7 +63,9 @@ Command make_stage_command(const StageType& stage, std::vector<std::string> exam
     run_with_report(parsed, [&](const Progress& progress) {
       StageInputs inputs;
       for (const Port& port : stage.ports)
-        if (parsed.has(port.name)) inputs.by_port[port.name] = load_data(parsed.path(port.name), port.kind);
+        if (parsed.has(port.name))
+          inputs.by_port[port.name] = port.or_volume ? load_field_or_volume(parsed.path(port.name))
+                                                     : load_data(parsed.path(port.name), port.kind);
       Report report;
       save_data(to, stage.run(parsed.groups[0], inputs, report, progress));
       return report;

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <string>
 
 #include "base/error.h"
@@ -39,12 +40,23 @@ void ignore_file_size_signal() {
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
+// A process that has ended counts as ended before its parent asks for it.
+bool is_running(pid_t pid) {
+  if (::kill(pid, 0) != 0 && errno == ESRCH) return false;
+  std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
+  std::string line;
+  if (!std::getline(stat, line)) return true;
+  const std::size_t name_end = line.rfind(')');  // of the program's name, which may hold anything
+  return name_end == std::string::npos || name_end + 2 >= line.size() ||
+         (line[name_end + 2] != 'Z' && line[name_end + 2] != 'X');
+}
+
 bool is_stale(const fs::path& file) {
   const std::string name = file.filename();
   const std::string rest = name.substr(std::strlen(temporary_prefix));
   const auto pid = parse_integer(rest.substr(0, rest.find('-')));
   if (!pid || *pid <= 0) return false;
-  if (::kill(static_cast<pid_t>(*pid), 0) == 0 || errno != ESRCH) return false;
+  if (is_running(static_cast<pid_t>(*pid))) return false;
   const FileDescriptor fd(::open(file.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (!fd.valid()) return false;
   return ::flock(fd.get(), LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;

@@ -187,7 +187,8 @@ bool Cutting::attempt(const Cutter& cutter, const Placing& placing, Removed& rem
   Difference d = corefine_difference(mesh, solid, left, progress.part(0, 0.6));
   fault_ = d.fault;
   if (!fault_.empty()) return false;
-  if (d.mesh.triangles.empty()) {
+  // Where the two surfaces are the same, slivers may be left.
+  if (d.mesh.triangles.empty() || volume_mm3(d.mesh) < 1e-6 * volume_mm3(mesh)) {
     fault_ = "nothing is left of the surface";
     if (near_expected(volume_mm3(mesh), removed)) refuse(fault_);
     return false;

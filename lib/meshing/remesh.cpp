@@ -2,6 +2,7 @@
 #include "meshing/remesh.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <string>
 
@@ -41,6 +42,21 @@ double reach_mm(const TriMesh& from, const PointToMesh& to, const Progress& prog
   return to.largest_distance_mm(points, 0, progress);
 }
 
+/// CGAL's remeshing dies of some surfaces with edges much longer than asked for, and not of the same ones where their
+/// sharpest edges are kept.
+TriMesh evenly(const TriMesh& mesh, double edge_mm, const RemeshParams& p, const Progress& progress) {
+  using Clock = std::chrono::steady_clock;
+  constexpr double sharpest_deg = 90;
+  const auto start = Clock::now();
+  try {
+    return remesh_evenly(mesh, edge_mm, p.iterations_count, p.feature_angle_deg, p.time_limit_s, progress);
+  } catch (const Error& e) {
+    const double left_s = p.time_limit_s - std::chrono::duration<double>(Clock::now() - start).count();
+    if (e.code() != ExitCode::internal || left_s <= 0 || p.feature_angle_deg <= sharpest_deg) throw;
+    return remesh_evenly(mesh, edge_mm, p.iterations_count, sharpest_deg, left_s, progress);
+  }
+}
+
 double mean_least_angle_deg(const TriMesh& mesh) {
   double sum = 0;
   for (const auto& t : mesh.triangles) {
@@ -68,10 +84,7 @@ TriMesh remesh(const TriMesh& input, const RemeshParams& params, Report& report,
   double edge = params.edge_mm > 0 ? params.edge_mm : Edges(original).mean;
   std::string fault;
   for (int n = 1; n <= tries; ++n, edge *= 0.7) {
-    TriMesh mesh = with_field("remesh", [&] {
-      return remesh_evenly(original, edge, params.iterations_count, params.feature_angle_deg, params.time_limit_s,
-                           progress.part(0.1, 0.7));
-    });
+    TriMesh mesh = with_field("remesh", [&] { return evenly(original, edge, params, progress.part(0.1, 0.7)); });
     snap_to_float32(mesh);
     const Validity v = check_validity(mesh, progress.part(0.7, 0.8));
     if (!v.valid()) {

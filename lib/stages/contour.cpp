@@ -16,7 +16,7 @@ StageType contour_stage() {
       "edge of the volume the surface is capped. On a volume of whole numbers an isovalue that is one of them is moved "
       "to a "
       "half, and the report says so.";
-  s.ports = {{"field", DataKind::field, true, "field of the segment stage, or a volume"}};
+  s.ports = {{"field", DataKind::field, true, "field of the segment stage, or a CT volume", true}};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<ContourParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

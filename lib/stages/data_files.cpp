@@ -91,6 +91,14 @@ StageData load_data(const std::filesystem::path& file, DataKind kind) {
   return {};
 }
 
+StageData load_field_or_volume(const std::filesystem::path& file) {
+  const Nrrd nrrd = read_nrrd(file);
+  const auto content = nrrd.keys.find("content");
+  if ((content != nrrd.keys.end() && content->second == "HU") || std::holds_alternative<Grid<std::int16_t>>(nrrd.grid))
+    return load_data(file, DataKind::volume);
+  return load_data(file, DataKind::field);
+}
+
 std::string report_json(const Report& report) {
   Json j = Json::object();
   for (const auto& [name, value] : report.figures) j[name] = json_of(value);

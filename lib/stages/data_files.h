@@ -16,6 +16,8 @@ void save_data(const std::filesystem::path& file, const StageData& data);
 /// Throws 66 and 65. A mask file given for a field becomes one. Landmarks may also be a file of 3D Slicer's (.mrk.json,
 /// .fcsv).
 StageData load_data(const std::filesystem::path& file, DataKind kind);
+/// A CT volume where the file says that it is one (content HU), or holds whole numbers of 16 bits; else a field.
+StageData load_field_or_volume(const std::filesystem::path& file);
 
 /// A report as JSON (an object of its figures in their order, and "warnings"), and as aligned lines for a person.
 std::string report_json(const Report& report);

@@ -36,6 +36,7 @@ struct Port {
   DataKind kind = DataKind::volume;
   bool required = true;
   std::string help;
+  bool or_volume = false;  ///< a field, or a CT volume
 };
 
 struct StageInputs {
