@@ -269,16 +269,14 @@ LayeredNrrd decode_layered_nrrd(std::string_view bytes) {
   return out;
 }
 
-HuVolume read_hu_nrrd(const std::filesystem::path& file) {
-  AnyGrid grid = read_nrrd(file).grid;
+HuVolume to_hu(AnyGrid grid) {
   if (auto* g = std::get_if<Grid<std::int16_t>>(&grid)) return std::move(*g);
   if (auto* g = std::get_if<Grid<float>>(&grid)) return std::move(*g);
   const auto& m = std::get<Mask>(grid);
   return converted<std::int16_t>(m, m.voxels);
 }
 
-Field read_field_nrrd(const std::filesystem::path& file) {
-  AnyGrid grid = read_nrrd(file).grid;
+Field to_field(AnyGrid grid) {
   if (auto* g = std::get_if<Grid<float>>(&grid)) return std::move(*g);
   if (const auto* g = std::get_if<Grid<std::int16_t>>(&grid)) return converted<float>(*g, g->voxels);
   const auto& m = std::get<Mask>(grid);
@@ -286,6 +284,10 @@ Field read_field_nrrd(const std::filesystem::path& file) {
   std::transform(m.voxels.begin(), m.voxels.end(), f.voxels.begin(), [](std::uint8_t v) { return v ? 0.5f : -0.5f; });
   return f;
 }
+
+HuVolume read_hu_nrrd(const std::filesystem::path& file) { return to_hu(read_nrrd(file).grid); }
+
+Field read_field_nrrd(const std::filesystem::path& file) { return to_field(read_nrrd(file).grid); }
 
 Mask read_mask_nrrd(const std::filesystem::path& file) {
   AnyGrid grid = read_nrrd(file).grid;

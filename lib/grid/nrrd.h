@@ -52,9 +52,11 @@ struct LayeredNrrd {
 };
 LayeredNrrd decode_layered_nrrd(std::string_view bytes);
 
-/// read_nrrd for a caller that needs HU, or a field; a mask is converted.
+/// Voxels for a caller that needs HU, or a field; a mask (uint8) becomes a field of -0.5 and 0.5.
+HuVolume to_hu(AnyGrid grid);
+Field to_field(AnyGrid grid);
+/// read_nrrd with that.
 HuVolume read_hu_nrrd(const std::filesystem::path& file);
-/// A mask (uint8) becomes a field of -0.5 and 0.5.
 Field read_field_nrrd(const std::filesystem::path& file);
 Mask read_mask_nrrd(const std::filesystem::path& file);
 

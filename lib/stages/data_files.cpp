@@ -92,11 +92,11 @@ StageData load_data(const std::filesystem::path& file, DataKind kind) {
 }
 
 StageData load_field_or_volume(const std::filesystem::path& file) {
-  const Nrrd nrrd = read_nrrd(file);
+  Nrrd nrrd = read_nrrd(file);
   const auto content = nrrd.keys.find("content");
   if ((content != nrrd.keys.end() && content->second == "HU") || std::holds_alternative<Grid<std::int16_t>>(nrrd.grid))
-    return load_data(file, DataKind::volume);
-  return load_data(file, DataKind::field);
+    return std::make_shared<const HuVolume>(to_hu(std::move(nrrd.grid)));
+  return std::make_shared<const Field>(to_field(std::move(nrrd.grid)));
 }
 
 std::string report_json(const Report& report) {
