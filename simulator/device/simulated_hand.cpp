@@ -40,13 +40,13 @@ Vec3 SimulatedHand::aim(double time_s) const {
 }
 
 bool SimulatedHand::read(double dt_s, DeviceReading& out) {
+  const double damping_n_s_per_mm = params_.arm_damping_n_s_per_mm + params_.device_damping_n_s_per_mm;
+  // An explicit step diverges where damping would turn the velocity of a light hand round.
+  const double most_step_s = std::min(2e-5, 0.2 * params_.mass_kg / (1000 * std::max(damping_n_s_per_mm, 1e-9)));
   // The aim a millisecond at a time, the mass in steps that are fine beside the servo's own.
   for (double left = std::clamp(dt_s, 0.0, 10.0); left > 0;) {
     const double part = std::min(left, 0.001);
     left -= part;
-    const double damping_n_s_per_mm = params_.arm_damping_n_s_per_mm + params_.device_damping_n_s_per_mm;
-    // An explicit step diverges where damping would turn the velocity of a light hand round.
-    const double most_step_s = std::min(2e-5, 0.2 * params_.mass_kg / (1000 * std::max(damping_n_s_per_mm, 1e-9)));
     const int steps = std::max(32, int(std::ceil(part / most_step_s)));
     const double h = part / steps;
     time_s_ += part;
