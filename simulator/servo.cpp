@@ -86,14 +86,11 @@ Json json_of(const ServoStatistics& s, const Session& session, const Device& dev
   for (const auto& [name, count] : device.counts()) counts[name] = count;
   Json events = Json::object();
   for (int n = 0; n < haptic_event::count; ++n) events[haptic_event::names[n]] = s.events[n];
-  const auto choice = [](const auto& params, const char* name) {
-    return std::get<std::string>(parameters_of<std::decay_t<decltype(params)>>().find(name)->get(&params));
-  };
   return {{"case", session.is.case_token},
           {"shape", session.is.felt_shape},
           {"tool", tool_name(session.is.tool)},
-          {"walk", choice(session.is.contact, "walk")},
-          {"surface", choice(session.is.contact, "surface")},
+          {"walk", choice_name(session.is.contact, "walk")},
+          {"surface", choice_name(session.is.contact, "surface")},
           {"rate_hz", session.is.rate_hz},
           {"device", device.name()},
           {"device_counts", counts},

@@ -49,9 +49,7 @@ struct Outline {
 
 }  // namespace
 
-std::string tool_name(const ToolParams& params) {
-  return std::get<std::string>(parameters_of<ToolParams>().find("tool")->get(&params));
-}
+std::string tool_name(const ToolParams& params) { return choice_name(params, "tool"); }
 
 ToolParams own_tool(const ToolParams& params) {
   ToolParams p = params;

@@ -48,6 +48,11 @@ struct ToolParams {
   }
 };
 
+/// The name of the choice that a member of P has: choice_name(params, "tool") is "needle".
+template <class P>
+std::string choice_name(const P& params, const char* name) {
+  return std::get<std::string>(parameters_of<P>().find(name)->get(&params));
+}
 /// "needle".
 std::string tool_name(const ToolParams& params);
 
