@@ -86,11 +86,13 @@ int ContactVolume::shape_of(Vec3 index) const {
     return block != mixed_block ? block : shape_of_voxel(i, j, k);
   }
   const int i = int(std::floor(index.x)), j = int(std::floor(index.y)), k = int(std::floor(index.z));
-  const int block = shape_of_block(i, j, k);
-  if (block != mixed_block) return block;
-  const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
-  const int uniform = has_block(bi, bj, bk) ? shape_of_uniform_cell(block_at(bi, bj, bk), i, j, k) : -1;
-  return uniform >= 0 ? uniform : ContactCell(*this, i, j, k).shape_at(within_cell(index, i, j, k));
+  if (const std::size_t block = block_of(i, j, k); block != no_block) {
+    const int all = __atomic_load_n(&block_shape_[block], __ATOMIC_RELAXED);
+    if (all != mixed_block) return all;
+    const int uniform = shape_of_uniform_cell(block, i, j, k);
+    if (uniform >= 0) return uniform;
+  }
+  return ContactCell(*this, i, j, k).shape_at(within_cell(index, i, j, k));
 }
 
 int ContactVolume::shape_at(Vec3 world_mm) const { return usable(world_mm) ? shape_of(to_index(world_mm)) : 0; }

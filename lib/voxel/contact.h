@@ -136,17 +136,20 @@ class ContactVolume {
   /// The lattice in blocks of 4 x 4 x 4 voxels: the shape (0: none) that all voxels of this one's block and those right
   /// after it are of; mixed_block where they differ, and where it is not known.
   int shape_of_block(int i, int j, int k) const {
-    const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
-    if (!has_block(bi, bj, bk)) return mixed_block;
-    return __atomic_load_n(&block_shape_[block_at(bi, bj, bk)], __ATOMIC_RELAXED);
+    const std::size_t block = block_of(i, j, k);
+    return block != no_block ? __atomic_load_n(&block_shape_[block], __ATOMIC_RELAXED) : mixed_block;
   }
   bool has_block(int bi, int bj, int bk) const {
     return bi >= 0 && bj >= 0 && bk >= 0 && bi < blocks_[0] && bj < blocks_[1] && bk < blocks_[2];
   }
   std::uint32_t near_block(int i, int j, int k) const {
+    const std::size_t block = block_of(i, j, k);
+    return block != no_block ? __atomic_load_n(&block_near_[block], __ATOMIC_RELAXED) : all_shapes;
+  }
+  /// The block that holds the voxel, or no_block.
+  std::size_t block_of(int i, int j, int k) const {
     const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
-    if (!has_block(bi, bj, bk)) return all_shapes;
-    return __atomic_load_n(&block_near_[block_at(bi, bj, bk)], __ATOMIC_RELAXED);
+    return has_block(bi, bj, bk) ? block_at(bi, bj, bk) : no_block;
   }
   std::size_t block_at(int bi, int bj, int bk) const {
     return (std::size_t(bk) * std::size_t(blocks_[1]) + std::size_t(bj)) * std::size_t(blocks_[0]) + std::size_t(bi);
@@ -171,6 +174,7 @@ class ContactVolume {
   std::vector<std::uint32_t> table_;  ///< by raw value, as contact_cell.h takes it apart
   static constexpr int block_bits = 2, mixed_block = 255, outer_block = 256;
   static constexpr std::uint32_t all_shapes = ~std::uint32_t{0};
+  static constexpr std::size_t no_block = ~std::size_t{0};
   std::array<int, 3> blocks_{0, 0, 0};  ///< whole ones, with the voxels after them
   std::vector<std::uint8_t> block_shape_;
   /// Of a sub-voxel surface: 2 bits a cell, x fastest, 0: none, 1 and 2: the shapes of the low and the high byte of the

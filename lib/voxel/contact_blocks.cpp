@@ -165,9 +165,7 @@ void ContactVolume::note_seconds(std::size_t block, int bi, int bj, int bk) {
 }
 
 int ContactVolume::second_of(int own, int i, int j, int k) const {
-  const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
-  if (bi < blocks_[0] && bj < blocks_[1] && bk < blocks_[2]) {
-    const std::size_t at = block_at(bi, bj, bk);
+  if (const std::size_t at = block_of(i, j, k); at != no_block) {
     const std::uint32_t near = __atomic_load_n(&block_near_[at], __ATOMIC_RELAXED);
     const std::uint32_t others = near & ~(std::uint32_t{1} << (own - 1));
     if ((others & (others - 1)) == 0) return others != 0 ? __builtin_ctz(others) + 1 : 0;
