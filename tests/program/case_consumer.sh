@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Somebody else's program: TrephineCase installed into an empty folder, and examples/case_reader built and run with it.
+# Somebody else's programs: TrephineCase installed into an empty folder, and examples/case_reader and examples/contact built
+# and run with it.
 . "$(dirname "$0")/common.sh"
 prefix=$work/prefix
 cmake --install "$BUILD" --prefix "$prefix" --component development >"$work/log" || { cat "$work/log"; fail "install"; }
@@ -29,6 +30,14 @@ awk '
   END { exit !(a && b && c >= 4) }' "$work/said" || { cat "$work/said"; fail "the ray"; }
 printf x >>"$work/sample/case.json"
 expect 65 'case_reader: .*case\.json: checksum' "$work/build/case_reader" "$work/sample"
+
+# The C interface, from a program in C.
+cp -r "$SOURCE/examples/contact" "$work/contact"
+cmake -S "$work/contact" -B "$work/contact/build" -G Ninja -DCMAKE_PREFIX_PATH="$work/moved" \
+  -DCMAKE_C_FLAGS='-pedantic -Wall -Wextra -Werror' >"$work/log" 2>&1 || { cat "$work/log"; fail "configure contact"; }
+cmake --build "$work/contact/build" >"$work/log" 2>&1 || { cat "$work/log"; fail "build contact"; }
+"$work/contact/build/contact" >"$work/said" || { cat "$work/said"; fail "contact"; }
+[[ $(grep -c '^front of shape 2 at ' "$work/said") == 6 ]] || { cat "$work/said"; fail "the ball was not met from six sides"; }
 
 # Every header compiles alone, with the package's own folder only.
 include=$work/moved/include/trephine
