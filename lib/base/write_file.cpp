@@ -137,6 +137,21 @@ void FileWriter::write(std::string_view bytes) {
   }
 }
 
+bool FileWriter::overwrite(std::uint64_t offset, std::string_view bytes) {
+  if (fd_ < 0 || offset > bytes_ || bytes.size() > bytes_ - offset)
+    throw Error(ExitCode::internal, target_.string(), "", "overwritten where nothing was written");
+  if (temporary_.empty()) return false;
+  while (!bytes.empty()) {
+    const ssize_t n = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (n < 0 && errno == EINTR) continue;
+    if (n == 0) errno = ENOSPC;
+    if (n <= 0) fail("writing");
+    bytes.remove_prefix(static_cast<std::size_t>(n));
+    offset += static_cast<std::uint64_t>(n);
+  }
+  return true;
+}
+
 void FileWriter::commit() {
   if (fd_ < 0) throw Error(ExitCode::internal, target_.string(), "", "committed after its end");
   const bool device = temporary_.empty();

@@ -26,6 +26,9 @@ class FileWriter {
 
   void write(std::string_view bytes);
   void write(const void* data, std::size_t size) { write({static_cast<const char*>(data), size}); }
+  /// In place of bytes that were written before, such as a header that holds a count. False, and nothing is written,
+  /// where the target is a device or pipe.
+  bool overwrite(std::uint64_t offset, std::string_view bytes);
   void commit();
   std::uint64_t bytes_written() const { return bytes_; }
 

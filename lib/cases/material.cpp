@@ -31,14 +31,7 @@ std::string outside_range(const P& params) {
 }
 
 std::string fault_of_face(const CaseFace& f) {
-  MaterialFaceParams p;
-  p.touchable = f.touchable;
-  p.stiffness_n_per_mm = f.stiffness_n_per_mm;
-  p.damping_n_s_per_mm = f.damping_n_s_per_mm;
-  p.static_friction_ratio = f.static_friction_ratio;
-  p.dynamic_friction_ratio = f.dynamic_friction_ratio;
-  p.pop_through_n = f.pop_through_n;
-  if (const std::string fault = outside_range(p); !fault.empty()) return fault;
+  if (const std::string fault = outside_range(face_params(f)); !fault.empty()) return fault;
   if (!f.touchable) return "";
   if (f.stiffness_n_per_mm == 0) return "stiffness_n_per_mm: 0, must be more where the face is touchable";
   if (f.dynamic_friction_ratio > f.static_friction_ratio)

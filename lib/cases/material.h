@@ -49,6 +49,11 @@ inline CaseFace make_face(const MaterialFaceParams& p) {
           p.pop_through_n};
 }
 
+inline MaterialFaceParams face_params(const CaseFace& f) {
+  return {f.touchable,    f.stiffness_n_per_mm, f.damping_n_s_per_mm, f.static_friction_ratio, f.dynamic_friction_ratio,
+          f.pop_through_n};
+}
+
 inline CaseMaterial make_material(const std::string& name, const MaterialParams& p, const MaterialFaceParams& front,
                                   const MaterialFaceParams& back) {
   CaseMaterial m;

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/text.h"
 #include "base/write_file.h"
+#include "cases/material.h"
 
 namespace trephine {
 namespace {
@@ -40,18 +42,19 @@ void from_json(const Json& in, P& params) {
   }
 }
 
-std::string header_text(const RecordingHeader& h) {
-  const Json j = {{"case", h.case_token},
-                  {"haptic_sha256", h.haptic_sha256},
-                  {"feel_sha256", h.feel_sha256},
-                  {"device", h.device},
-                  {"rate_hz", h.rate_hz},
-                  {"felt_shape", h.felt_shape},
-                  {"frame_bytes", sizeof(ServoFrame)},
-                  {"contact", to_json(h.contact)},
-                  {"force", to_json(h.force)},
-                  {"shaft", to_json(h.shaft)},
-                  {"tool", to_json(h.tool)}};
+std::string header_text(const RecordingHeader& h, std::optional<std::uint64_t> frames = {}) {
+  Json j = {{"case", h.case_token},
+            {"haptic_sha256", h.haptic_sha256},
+            {"feel_sha256", h.feel_sha256},
+            {"device", h.device},
+            {"rate_hz", h.rate_hz},
+            {"felt_shape", h.felt_shape},
+            {"frame_bytes", sizeof(ServoFrame)},
+            {"contact", to_json(h.contact)},
+            {"force", to_json(h.force)},
+            {"shaft", to_json(h.shaft)},
+            {"tool", to_json(h.tool)}};
+  if (frames) j["frames"] = *frames;
   std::string text = j.dump(1);
   if (text.size() + 1 > header_bytes) throw Error(ExitCode::internal, "", "header", "is too long");
   text.resize(header_bytes - 1, ' ');
@@ -73,10 +76,12 @@ Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
 struct RecordingWriter::Impl {
   FileWriter out;
+  RecordingHeader header;
+  std::uint64_t frames = 0;
 };
 
 RecordingWriter::RecordingWriter(const std::filesystem::path& file, const RecordingHeader& header)
-    : impl_(new Impl{FileWriter(file)}) {
+    : impl_(new Impl{FileWriter(file), header}) {
   char fixed[fixed_bytes];
   std::memcpy(fixed, magic, 8);
   put_u32(recording_version, fixed + 8);
@@ -88,8 +93,12 @@ RecordingWriter::~RecordingWriter() = default;
 
 void RecordingWriter::add(const std::vector<ServoFrame>& frames) {
   impl_->out.write(frames.data(), frames.size() * sizeof(ServoFrame));
+  impl_->frames += frames.size();
 }
-void RecordingWriter::finish() { impl_->out.commit(); }
+void RecordingWriter::finish() {
+  impl_->out.overwrite(fixed_bytes, header_text(impl_->header, impl_->frames));
+  impl_->out.commit();
+}
 
 Recording read_recording(const std::filesystem::path& file) {
   return with_file(file.string(), [&] {
@@ -103,6 +112,7 @@ Recording read_recording(const std::filesystem::path& file) {
       refuse("version", std::to_string(version) + ", this program reads " + std::to_string(recording_version));
     if (length > bytes.size() - fixed_bytes || length > (1u << 20)) refuse("header", "is cut short");
     Recording r;
+    std::optional<std::uint64_t> frames;
     try {
       const Json j = Json::parse(bytes.begin() + fixed_bytes, bytes.begin() + fixed_bytes + length);
       RecordingHeader& h = r.header;
@@ -118,6 +128,7 @@ Recording read_recording(const std::filesystem::path& file) {
       from_json(j.at("force"), h.force);
       from_json(j.at("shaft"), h.shaft);
       if (j.contains("tool")) from_json(j.at("tool"), h.tool);
+      if (j.contains("frames")) frames = j.at("frames").get<std::uint64_t>();
     } catch (const Json::parse_error&) {
       refuse("header", "is no JSON");
     } catch (const Json::exception&) {
@@ -125,6 +136,8 @@ Recording read_recording(const std::filesystem::path& file) {
     }
     const std::size_t rest = bytes.size() - fixed_bytes - length;
     if (rest % sizeof(ServoFrame) != 0) refuse("frames", "end within one");
+    if (frames && *frames != rest / sizeof(ServoFrame))
+      refuse("frames", std::to_string(rest / sizeof(ServoFrame)) + ", were " + std::to_string(*frames));
     r.frames.resize(rest / sizeof(ServoFrame));
     if (rest > 0) std::memcpy(r.frames.data(), bytes.data() + fixed_bytes + length, rest);
     for (std::size_t n = 1; n < r.frames.size(); ++n)
@@ -143,12 +156,11 @@ std::string feel_digest(const Feels& feels) {
   const auto add = [&](double v) { text += to_text(v) + " "; };
   for (const ShapeFeel& f : feels) {
     for (const CaseFace* face : {&f.front, &f.back}) {
-      add(face->touchable);
-      add(face->stiffness_n_per_mm);
-      add(face->damping_n_s_per_mm);
-      add(face->static_friction_ratio);
-      add(face->dynamic_friction_ratio);
-      add(face->pop_through_n);
+      const MaterialFaceParams params = face_params(*face);
+      for (const Parameter& p : parameters_of<MaterialFaceParams>().parameters) {
+        const ParameterValue v = p.get(&params);
+        add(p.kind == ParameterKind::flag ? std::get<bool>(v) : std::get<double>(v));
+      }
     }
     add(f.drag_n_s_per_mm);
     add(f.shaft_friction_n_per_mm);

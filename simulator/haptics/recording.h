@@ -44,6 +44,7 @@ struct Recording {
 };
 
 /// Throws Error 66; 65 naming the field: no recording, another version, a damaged header, a part of a frame at the end,
+/// more or fewer frames than its header says (recordings made before that was there, or into a pipe, do not say),
 /// ticks or times that do not ascend. Frames may be missing where the disk was too slow: missing_frames().
 Recording read_recording(const std::filesystem::path& file);
 std::uint64_t missing_frames(const std::vector<ServoFrame>& frames);
