@@ -60,6 +60,14 @@ FeltCase felt_again(const std::filesystem::path& folder, const std::string& file
   }
 }
 
+Tool tool_again(const std::string& file, const ToolParams& params) {
+  try {
+    return make_tool(params);
+  } catch (const Error& e) {
+    throw Error(ExitCode::bad_input, file, e.field(), e.what());
+  }
+}
+
 ExitCode run_replay(const ParsedCommand& parsed) {
   const Recording recording = read_recording(parsed.path("recording"));
   const RecordingHeader& h = recording.header;
@@ -73,7 +81,7 @@ ExitCode run_replay(const ParsedCommand& parsed) {
                      contact_params.step_ratio != h.contact.step_ratio;
 
   const ContactVolume contact(felt.loaded.haptic, contact_params);
-  Proxy proxy(contact, felt.feels, h.force, h.shaft, make_tool(h.tool));
+  Proxy proxy(contact, felt.feels, h.force, h.shaft, tool_again(parsed.text("recording"), h.tool));
   const std::vector<ServoFrame> replayed = replay_frames(recording.frames, proxy);
   std::size_t different = 0, first = 0;
   for (std::size_t n = 0; n < replayed.size(); ++n)

@@ -111,7 +111,8 @@ struct Program {
 };
 
 /// A program's main: runs a bounded child if asked, parses, runs the command, prints errors (a line each on stderr) and
-/// returns the exit code: an Error's own; 64 for the command line, every fault of which is named at once; 130 where the
+/// returns the exit code: an Error's own, 78 becoming 64 for commands without an argument `config`, whose parameters
+/// can only be wrong on the command line; 64 for the command line, every fault of which is named at once; 130 where the
 /// user cancelled; 74 where stdout could not be written; 70 for what nobody expected. Adds `help [COMMAND]`, the
 /// command `completion bash`, and, not shown, `reference --out DIR` (writes reference_pages) and `man --out DIR`
 /// (man_pages).

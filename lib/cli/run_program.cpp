@@ -98,6 +98,17 @@ std::string help_of(const Program& program, const std::vector<std::string>& word
   return program_help(group);
 }
 
+// Where there is no configuration, a wrong value was given on the command line.
+void refuse_as_usage(const Command& command, const Error& e) {
+  if (e.code() != ExitCode::bad_config) return;
+  for (const Argument& a : command.arguments)
+    if (a.name == "config") return;
+  std::string field = e.field();
+  for (const ParameterGroup& g : command.groups)
+    if (g.make().set->find(field)) field = flag_of(field);
+  throw Error(ExitCode::usage, e.file(), field, e.what()).in_case(e.case_token());
+}
+
 ExitCode run(const Program& program, const std::vector<std::string>& words, std::string& who) {
   if (words.empty())
     throw Error(ExitCode::usage, "", "", "a command is needed; " + program.name + " --help lists them");
@@ -133,7 +144,12 @@ ExitCode run(const Program& program, const std::vector<std::string>& words, std:
   }
   const ParsedCommand parsed = parse_command(command, own);
   set_thread_count(parsed.params<CommonParams>().threads);
-  return command.run(parsed);
+  try {
+    return command.run(parsed);
+  } catch (const Error& e) {
+    refuse_as_usage(command, e);
+    throw;
+  }
 }
 
 void flush_output() {

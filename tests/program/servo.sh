@@ -105,8 +105,15 @@ write("lacks.servo", lambda h: h.pop("haptic_sha256"))
 frame = 16 + 4096 + 100 * 176
 open(f"{sys.argv[2]}/ticks.servo", "wb").write(data[:frame] + bytes(8) + data[frame + 8:])
 cut = 16 + 4096 + 1000 * 176
-open(f"{sys.argv[2]}/gap.servo", "wb").write(data[:cut] + data[cut + 500 * 176:])
+open(f"{sys.argv[2]}/cut.servo", "wb").write(data[:-500 * 176])
+header = json.loads(data[16:16 + 4096])
+assert header["frames"] == 6000, header
+header["frames"] = 5500
+open(f"{sys.argv[2]}/gap.servo", "wb").write(data[:16] + json.dumps(header).encode().ljust(4096) + data[16 + 4096:cut] + data[cut + 500 * 176:])
+write("wide.servo", lambda h: h["tool"].update(tool="catheter", tool_length_mm=400, tool_spacing_mm=0.01))
 PY
+expect 65 'wide\.servo: tool_spacing_mm: gives more than' "$TREPHINE" replay "$work/sample" "$work/wide.servo"
+expect 65 'cut\.servo: frames: 5500, were 6000' "$TREPHINE" replay "$work/sample" "$work/cut.servo"
 expect 65 'feel_sha256: the case.s materials are not' "$TREPHINE" replay "$work/sample" "$work/material.servo"
 expect 65 'felt_shape: liver' "$TREPHINE" replay "$work/sample" "$work/shape.servo"
 expect 65 'header: lacks a field' "$TREPHINE" replay "$work/sample" "$work/lacks.servo"
@@ -118,12 +125,12 @@ python3 - "$work/a.servo" "$work/old.servo" <<'PY'
 import json, sys
 data = open(sys.argv[1], "rb").read()
 header = json.loads(data[16:16 + 4096])
-assert header.pop("tool")["tool"] == "point" and len(header.pop("feel_sha256")) == 64
+assert header.pop("tool")["tool"] == "point" and len(header.pop("feel_sha256")) == 64 and header.pop("frames") == 6000
 open(sys.argv[2], "wb").write(data[:16] + json.dumps(header).encode().ljust(4096) + data[16 + 4096:])
 PY
 "$TREPHINE" replay "$work/sample" "$work/old.servo" >"$work/text"
 grep -q '^replayed bit for bit$' "$work/text" || fail "an older recording is not the same"
-expect 78 'tool_spacing_mm: gives more than 2048 points' "${servo[@]}" --tool catheter --tool-spacing-mm 0.01
+expect 64 '[-]-tool-spacing-mm: gives more than 2048 points' "${servo[@]}" --tool catheter --tool-spacing-mm 0.01
 
 # One bit of one frame.
 cp "$work/a.servo" "$work/c.servo"
@@ -135,7 +142,8 @@ expect 65 'path\.txt: is no recording' "$TREPHINE" replay "$work/sample" "$work/
 expect 64 '--shape: the case has none of that name, but outer, inner' "${servo[@]}" --shape skull
 expect 64 '--trajectory: is needed' "${servo[@]}" --device trajectory
 expect 66 'nowhere' "${servo[@]}" --device trajectory --trajectory "$work/nowhere"
-expect 78 'from: no surface' "${servo[@]}" --radius-mm 200
+expect 64 '[-]-from: no surface' "${servo[@]}" --radius-mm 200
+expect 64 '[-]-from: must have a length' "${servo[@]}" --from 0,0,0
 printf '0 0 0\n' >"$work/bad.txt"
 expect 65 'bad\.txt: line 1: ' "${servo[@]}" --device trajectory --trajectory "$work/bad.txt"
 expect 73 'nowhere' "${servo[@]}" --record "$work/nowhere/a.servo"
