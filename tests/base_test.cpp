@@ -110,6 +110,31 @@ TEST(Params, DefaultsAsText) {
                                      "text, default \"a \\\"b\\\"\"", "3 numbers, -100 to 100, default [1, 2.5, -3]"}));
 }
 
+// A default of its own for each choice of another parameter, whatever is set first, until it is given.
+struct ByChoice {
+  Way way = Way::quick;
+  DefaultBy<double, Way, 2> step_mm{{0.5, 2}};
+  template <class V>
+  static void describe(V& v) {
+    using P = ByChoice;
+    v.choice(&P::way, "way", {{"quick", Way::quick}, {"exact", Way::exact}}, "How.");
+    v.number(&P::step_mm, "step_mm", Range{0, 5}, "Step.", &P::way, "way");
+  }
+};
+
+TEST(Params, ADefaultMayHangOnAChoice) {
+  AnyParams p = AnyParams::make<ByChoice>();
+  const Parameter &way = *p.set->find("way"), &step = *p.set->find("step_mm");
+  EXPECT_EQ(describe_parameter(step, p.get(step)), "number, 0 to 5, default 0.5 (2 with way exact)");
+  EXPECT_EQ(other_defaults(step, p.get(step)), "2 with way exact");
+  way.set(p.object.get(), std::string("exact"));
+  EXPECT_EQ(p.get(step), ParameterValue(2.0));
+  way.set(p.object.get(), std::string("quick"));
+  step.set(p.object.get(), 0.5);
+  way.set(p.object.get(), std::string("exact"));
+  EXPECT_EQ(p.get(step), ParameterValue(0.5)) << "what is given stays, though it is another's default";
+}
+
 std::string fault(const std::string& name, const std::vector<std::string>& items) {
   ParameterValue v;
   return parse_parameter(*parameters_of<Sample>().find(name), items, v);

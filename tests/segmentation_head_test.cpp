@@ -135,6 +135,37 @@ TEST(SegmentHead, WithoutASkullItFindsBoneItself) {
   ASSERT_NE(report.find("cranial_cavity_ml"), nullptr);
 }
 
+TEST(SegmentHead, BrainAndVentriclesHaveThresholdsOfTheirOwn) {
+  const HuVolume volume = head(6);
+  Report report;
+  SegmentParams brain, ventricles;
+  brain.method = SegmentMethod::brain;
+  ventricles.method = SegmentMethod::ventricles;
+  SegmentParams said = brain;
+  said.lower_hu = 22.5;
+  said.edge = SegmentEdge::half_maximum;
+  const Field envelope = segment(volume, {}, brain, report);
+  EXPECT_EQ(envelope, segment(volume, {}, said, report));
+  EXPECT_GT(dice(envelope, volume, [](Vec3 x) { return in_brain(x); }), 0.97);
+  said = ventricles;
+  said.lower_hu = -15;
+  said.upper_hu = 18.5;
+  said.edge = SegmentEdge::half_maximum;
+  const SegmentMasks masks{&envelope, nullptr, nullptr};
+  EXPECT_EQ(segment(volume, masks, ventricles, report), segment(volume, masks, said, report));
+  ventricles.lower_hu = 20;
+  EXPECT_THROW(segment(volume, masks, ventricles, report), Error) << "above upper_hu's own default";
+  // What is not of one value only is looked at.
+  const Field skull = segment(volume, {}, {}, report);
+  try {
+    segment(Grid<std::int16_t>(lattice_of(volume), 40), {nullptr, nullptr, &skull}, brain, report);
+    ADD_FAILURE() << "a brain in a constant image";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::quality);
+    EXPECT_EQ(e.field(), "volume");
+  }
+}
+
 TEST(SegmentHead, TheSameBitsWithOneAndTwoThreadsAndAtTheSameTime) {
   const HuVolume volume = head(6);
   const int before = thread_count();

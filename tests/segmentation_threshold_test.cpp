@@ -396,6 +396,12 @@ TEST(SegmentThreshold, RefusesWhatIsNoShape) {
   SegmentMasks masks;
   masks.within = &other;
   EXPECT_EQ(code_of(slice, p, nullptr, masks), ExitCode::bad_input);
+  // A region of interest whose corners are exchanged.
+  SegmentParams exchanged = p;
+  exchanged.roi_min_mm = {0, 5, 0};
+  exchanged.roi_max_mm = {9, 4, 9};
+  EXPECT_EQ(code_of(slice, exchanged, &what), ExitCode::usage);
+  EXPECT_NE(what.find("5 to 4 mm along y"), std::string::npos) << what;
   // Neither a skull nor a brain in it.
   p.method = SegmentMethod::brain;
   EXPECT_EQ(code_of(slice, p), ExitCode::quality);

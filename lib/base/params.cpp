@@ -122,9 +122,21 @@ std::string parse_parameter(const Parameter& parameter, const std::vector<std::s
   return fault;
 }
 
+std::string other_defaults(const Parameter& p, const ParameterValue& default_value) {
+  std::vector<std::string> others;
+  const auto text = [](const ParameterValue& v) {
+    const auto* choice = std::get_if<std::string>(&v);
+    return choice ? *choice : to_text(v);
+  };
+  for (const auto& [choice, value] : p.defaults_by)
+    if (value != default_value) others.push_back(text(value) + " with " + choice);
+  return joined(others);
+}
+
 std::string describe_parameter(const Parameter& p, const ParameterValue& default_value) {
   const std::string range = limits(p, ", ", ", at least ", ", at most ");
-  const std::string fallback = ", default " + to_text(default_value);
+  const std::string others = other_defaults(p, default_value), also = others.empty() ? "" : " (" + others + ")";
+  const std::string fallback = ", default " + to_text(default_value) + also;
   switch (p.kind) {
     case ParameterKind::number:
       return "number" + range + fallback;
@@ -133,7 +145,7 @@ std::string describe_parameter(const Parameter& p, const ParameterValue& default
     case ParameterKind::flag:
       return "true or false" + fallback;
     case ParameterKind::choice:
-      return "one of " + joined(p.choices) + ", default " + std::get<std::string>(default_value);
+      return "one of " + joined(p.choices) + ", default " + std::get<std::string>(default_value) + also;
     case ParameterKind::text:
       return "text" + fallback;
     case ParameterKind::numbers:

@@ -45,6 +45,8 @@ struct Parameter {
   Range range;                       ///< number, integer, numbers
   std::vector<std::string> choices;  ///< choice
   std::size_t count = 0;             ///< numbers: how many
+  /// Defaults that hang on another parameter's choice, {"method brain", 22.5}, in the order of its choices.
+  std::vector<std::pair<std::string, ParameterValue>> defaults_by;
   std::function<ParameterValue(const void* params)> get;
   std::function<void(void* params, const ParameterValue&)> set;  ///< the value must have passed parse_parameter
 };
@@ -55,8 +57,32 @@ std::string to_text(const ParameterValue& value);
 /// Reads one value; lists are given as their items. Returns the fault ("must be a number from 0 to 5") or "".
 std::string parse_parameter(const Parameter& parameter, const std::vector<std::string>& items, ParameterValue& value);
 
+/// "22.5 with method brain": the defaults that differ from this one; "" where none does.
+std::string other_defaults(const Parameter& parameter, const ParameterValue& default_value);
+
 /// "number, 0 to 5, default 0.2": what help and reference pages say of it.
 std::string describe_parameter(const Parameter& parameter, const ParameterValue& default_value);
+
+/// A member whose default hangs on another member, an enumeration of 0 to N - 1: `DefaultBy<double, Method, 2> width_mm
+/// {{0.5, 2}}`. Until it is assigned to, of() is the choice's default.
+template <class T, class E, std::size_t N>
+class DefaultBy {
+ public:
+  DefaultBy(std::array<T, N> defaults) : defaults_(defaults), value_(defaults[0]) {}
+  DefaultBy& operator=(T value) {
+    value_ = value;
+    given_ = true;
+    return *this;
+  }
+  T of(E choice) const { return given_ ? value_ : defaults_[static_cast<std::size_t>(choice)]; }
+  /// What was assigned, or the first choice's default.
+  operator T() const { return value_; }
+
+ private:
+  std::array<T, N> defaults_;
+  T value_;
+  bool given_ = false;
+};
 
 /// A struct's descriptors with its name erased.
 struct ParameterSet {
@@ -76,6 +102,15 @@ class Collector {
     add(
         name, help, ParameterKind::number, range, [m](const P& p) { return ParameterValue(p.*m); },
         [m](P& p, const ParameterValue& v) { p.*m = std::get<double>(v); });
+  }
+  /// With a default for each choice of the parameter `by`, which is declared before it and named `by_name`.
+  template <class E, std::size_t N>
+  void number(DefaultBy<double, E, N> P::*m, const char* name, Range range, const char* help, E P::*by,
+              const char* by_name) {
+    add(
+        name, help, ParameterKind::number, range, [m, by](const P& p) { return ParameterValue((p.*m).of(p.*by)); },
+        [m](P& p, const ParameterValue& v) { p.*m = std::get<double>(v); });
+    add_defaults(by_name);
   }
   template <class I>
   void integer(I P::*m, const char* name, Range range, const char* help) {
@@ -111,6 +146,23 @@ class Collector {
         });
     for (const auto& c : choices) p.choices.push_back(c.first);
   }
+  template <class C, class E, std::size_t N>
+  void choice(DefaultBy<C, E, N> P::*m, const char* name, std::vector<std::pair<std::string, C>> choices,
+              const char* help, E P::*by, const char* by_name) {
+    auto& p = add(
+        name, help, ParameterKind::choice, {},
+        [m, by, choices](const P& p) {
+          for (const auto& c : choices)
+            if (c.second == (p.*m).of(p.*by)) return ParameterValue(c.first);
+          return ParameterValue(std::string());
+        },
+        [m, choices](P& p, const ParameterValue& v) {
+          for (const auto& c : choices)
+            if (c.first == std::get<std::string>(v)) p.*m = c.second;
+        });
+    for (const auto& c : choices) p.choices.push_back(c.first);
+    add_defaults(by_name);
+  }
   template <std::size_t N>
   void numbers(std::array<double, N> P::*m, const char* name, Range range, const char* help) {
     auto& p = add(
@@ -124,6 +176,16 @@ class Collector {
   }
 
  private:
+  /// The last parameter's defaults, one for each choice of the parameter of that name.
+  void add_defaults(const std::string& by_name) {
+    Parameter& p = out_.parameters.back();
+    const Parameter& by = *out_.find(by_name);
+    for (const std::string& choice : by.choices) {
+      P example;
+      by.set(&example, choice);
+      p.defaults_by.emplace_back(by_name + " " + choice, p.get(&example));
+    }
+  }
   template <class Get, class Set>
   Parameter& add(const char* name, const char* help, ParameterKind kind, Range range, Get get, Set set) {
     Parameter p;

@@ -73,7 +73,8 @@ void add_range(Json& schema, const Range& range, bool integer) {
 }
 
 Json parameter_schema(const Parameter& p, const ParameterValue& fallback) {
-  Json s = {{"description", p.help}};
+  const std::string others = other_defaults(p, fallback);
+  Json s = {{"description", p.help + (others.empty() ? "" : " Default " + to_text(fallback) + ", " + others + ".")}};
   switch (p.kind) {
     case ParameterKind::number:
       s["type"] = "number";

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "segmentation/deface_distance.h"
 #include "segmentation/filters.h"
+#include "segmentation/methods.h"
 
 namespace trephine {
 namespace {
@@ -243,6 +244,7 @@ HuVolume deface(const HuVolume& volume, const Field& skin, const FaceRegion& reg
     for (const float v : g->voxels)
       if (!std::isfinite(v)) throw Error(ExitCode::bad_input, "", "volume", "a voxel is NaN or infinite");
   const Box placed = place_in(skin, l);
+  segmentation::check_varies(volume);
   const Cut cut(region, params, l);
   report.add("face_policy", params.policy == FaceRemoval::crop ? "crop" : "deface");
   HuVolume out = volume;

@@ -24,7 +24,8 @@ class HuView {
 /// The box as float HU.
 Grid<float> crop(const HuView& hu, const Box& box);
 
-/// The box of voxels whose centres lie within the region of interest; throws Error 80 where there are none.
+/// The box of voxels whose centres lie within the region of interest; throws Error 80 where there are none, 64 where
+/// its lower corner lies beyond its upper one.
 Box region_of_interest(const Lattice& lattice, const SegmentParams& params);
 
 struct FillRule {
@@ -38,6 +39,9 @@ BitMask holes(const BitMask& shape, const FillRule& rule, const Progress& progre
 
 /// Throws Error 80 where the mask is empty, all of the volume, or flat; adds "voxels_count" and "volume_ml".
 void check_mask(const BitMask& mask, std::size_t volume_voxels, Report& report);
+
+/// Throws Error 80 where all voxels are alike: a volume that shows nothing of what other fields say is in it.
+void check_varies(const HuVolume& volume);
 
 /// Bone of the volume where no skull is given: hysteresis 226 / 400 HU, pieces of at least 1 ml.
 BitMask bone_of(const HuView& hu);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <functional>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -33,6 +34,11 @@ Grid<float> crop(const HuView& hu, const Box& box) {
 Box region_of_interest(const Lattice& lattice, const SegmentParams& params) {
   const Vec3 lo{params.roi_min_mm[0], params.roi_min_mm[1], params.roi_min_mm[2]};
   const Vec3 hi{params.roi_max_mm[0], params.roi_max_mm[1], params.roi_max_mm[2]};
+  for (int axis = 0; axis < 3; ++axis)
+    if (lo[axis] > hi[axis])
+      throw Error(ExitCode::usage, "", "roi_min_mm, roi_max_mm",
+                  fmt::format("{} to {} mm along {}: the lower corner must not be beyond the upper", lo[axis], hi[axis],
+                              "xyz"[axis]));
   // The box of indices around the eight corners: exact for volumes along the axes, the enclosing box for oblique ones.
   Box box = whole_box(lattice);
   for (int axis = 0; axis < 3; ++axis) {
@@ -69,14 +75,29 @@ BitMask holes(const BitMask& shape, const FillRule& rule, const Progress& progre
 
 void check_mask(const BitMask& mask, std::size_t volume_voxels, Report& report) {
   const std::size_t n = mask.count();
-  if (n == 0) throw Error(ExitCode::quality, "", "", fmt::format("the mask is empty: 0 of {} voxels", volume_voxels));
-  if (n == volume_voxels) throw Error(ExitCode::quality, "", "", fmt::format("the mask is full: all {} voxels", n));
+  if (n == 0)
+    throw Error(ExitCode::quality, "", "lower_hu, upper_hu",
+                fmt::format("the mask is empty: 0 of {} voxels are left of what they and the other parameters ask for",
+                            volume_voxels));
+  if (n == volume_voxels)
+    throw Error(ExitCode::quality, "", "lower_hu, upper_hu", fmt::format("the mask is full: all {} voxels", n));
   const Box b = mask.bounds();
   for (int axis = 0; axis < 3; ++axis)
     if (b.end[axis] - b.begin[axis] < 2)
       throw Error(ExitCode::quality, "", "", fmt::format("the mask lies in a single slice: {} voxels", n));
   report.add("voxels_count", n);
   report.add("volume_ml", double(n) * mask.lattice().voxel_volume_mm3() / 1000);
+}
+
+void check_varies(const HuVolume& volume) {
+  std::visit(
+      [](const auto& grid) {
+        const auto& v = grid.voxels;
+        if (std::adjacent_find(v.begin(), v.end(), std::not_equal_to<>()) == v.end())
+          throw Error(ExitCode::quality, "", "volume",
+                      fmt::format("every voxel is {} HU: there is nothing to be seen in it", v.empty() ? 0 : v[0]));
+      },
+      volume);
 }
 
 namespace {
@@ -133,14 +154,19 @@ Field trimmed(Field field) {
 }  // namespace
 }  // namespace segmentation
 
-Field segment(const HuVolume& volume, const SegmentMasks& masks, const SegmentParams& params, Report& report,
+Field segment(const HuVolume& volume, const SegmentMasks& masks, const SegmentParams& given, Report& report,
               const Progress& progress) {
   using namespace segmentation;
+  SegmentParams params = given;  // with the method's own defaults
+  const double lower_hu = given.lower_hu.of(given.method), upper_hu = given.upper_hu.of(given.method);
+  params.lower_hu = lower_hu;
+  params.upper_hu = upper_hu;
+  params.edge = given.edge.of(given.method);
   const Lattice& lattice = lattice_of(volume);
   check_finite(volume);
-  if (params.lower_hu > params.upper_hu)
-    throw Error(ExitCode::usage, "", "lower_hu",
-                fmt::format("{} is above upper_hu, {}", params.lower_hu, params.upper_hu));
+  if (lower_hu > upper_hu)
+    throw Error(ExitCode::usage, "", "lower_hu", fmt::format("{} is above upper_hu, {}", lower_hu, upper_hu));
+  if (params.method != SegmentMethod::threshold) check_varies(volume);
   const HuView hu(volume);
   Field field;
   switch (params.method) {

@@ -15,11 +15,13 @@ enum class SegmentComponents { all, largest };
 enum class SegmentFill { none, cavities, cavities_and_cut };
 
 struct SegmentParams {
+  template <class T>
+  using ByMethod = DefaultBy<T, SegmentMethod, 3>;
   SegmentMethod method = SegmentMethod::threshold;
-  double lower_hu = 226.5;
-  double upper_hu = 100000;
+  ByMethod<double> lower_hu{{226.5, 22.5, -15}};
+  ByMethod<double> upper_hu{{100000, 100000, 18.5}};
   double seed_lower_hu = -100000;
-  SegmentEdge edge = SegmentEdge::fixed;
+  ByMethod<SegmentEdge> edge{{SegmentEdge::fixed, SegmentEdge::half_maximum, SegmentEdge::half_maximum}};
   double smoothing_sigma_mm = 0;
   std::array<double, 3> roi_min_mm{-1e6, -1e6, -1e6};
   std::array<double, 3> roi_max_mm{1e6, 1e6, 1e6};
@@ -42,15 +44,16 @@ struct SegmentParams {
               {"ventricles", SegmentMethod::ventricles}},
              "How: a window of HU; the brain's outer envelope inside the skull; the ventricles inside the brain.");
     v.number(&P::lower_hu, "lower_hu", Range{-100000, 100000},
-             "Lowest HU of the material (brain: the edge between CSF and grey matter, e.g. 22).");
+             "Lowest HU of the material (brain: the edge between CSF and grey matter).", &P::method, "method");
     v.number(&P::upper_hu, "upper_hu", Range{-100000, 100000},
-             "Highest HU of the material (ventricles: the edge between CSF and white matter, e.g. 18.5).");
+             "Highest HU of the material (ventricles: the edge between CSF and white matter).", &P::method, "method");
     v.number(&P::seed_lower_hu, "seed_lower_hu", Range{-100000, 100000},
              "Hysteresis: only pieces that hold a voxel of at least this HU.");
     v.choice(&P::edge, "edge", {{"fixed", SegmentEdge::fixed}, {"half_maximum", SegmentEdge::half_maximum}},
              "Where the surface lies: at the HU given, or halfway between both sides as measured (threshold: at every "
              "place, never below lower_hu; brain, ventricles: HU given for a scan whose brain is at 30, and moved with "
-             "it).");
+             "it).",
+             &P::method, "method");
     v.number(&P::smoothing_sigma_mm, "smoothing_sigma_mm", Range{0, 5},
              "Sigma of the Gaussian against noise before the thresholds; where it is 0, brain uses 1, ventricles 1.1.");
     v.numbers(&P::roi_min_mm, "roi_min_mm", Range{-1e6, 1e6}, "Lower corner of the region of interest, LPS.");
@@ -116,7 +119,8 @@ struct SegmentMasks {
 ///
 /// The result is the same bits whatever the thread count. Safe to call from several threads at a time.
 /// Throws Error 65 where a voxel is not finite, or a mask is of another raster; 64 where ventricles have no brain
-/// given; 80 where the mask is empty, fills the volume, or lies in a single slice, with the count of voxels, or more
+/// given, or the region's corners are exchanged; 80 where brain or ventricles are sought in a volume of one value, the
+/// mask is empty, fills the volume, or lies in a single slice, with the count of voxels, or more
 /// of its rim than max_scan_edge_ratio is the edge of the scan; Cancelled.
 Field segment(const HuVolume& volume, const SegmentMasks& masks, const SegmentParams& params, Report& report,
               const Progress& progress = {});

@@ -33,6 +33,19 @@ struct SegmentStageParams : SegmentParams {
       v.choice(static_cast<E P::*>(m), name, std::move(choices), help);
     }
     template <std::size_t N>
+    void number(DefaultBy<double, SegmentMethod, N> SegmentParams::*m, const char* name, Range range, const char* help,
+                SegmentMethod SegmentParams::*by, const char* by_name) {
+      v.number(static_cast<DefaultBy<double, SegmentMethod, N> P::*>(m), name, range, help,
+               static_cast<SegmentMethod P::*>(by), by_name);
+    }
+    template <class E, std::size_t N>
+    void choice(DefaultBy<E, SegmentMethod, N> SegmentParams::*m, const char* name,
+                std::vector<std::pair<std::string, E>> choices, const char* help, SegmentMethod SegmentParams::*by,
+                const char* by_name) {
+      v.choice(static_cast<DefaultBy<E, SegmentMethod, N> P::*>(m), name, std::move(choices), help,
+               static_cast<SegmentMethod P::*>(by), by_name);
+    }
+    template <std::size_t N>
     void numbers(std::array<double, N> SegmentParams::*m, const char* name, Range range, const char* help) {
       v.numbers(static_cast<std::array<double, N> P::*>(m), name, range, help);
     }
