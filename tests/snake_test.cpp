@@ -218,6 +218,7 @@ TEST(Snake, NothingToBeginWithIsRefused) {
   p.bubbles = "100,0,0,3";  // outside the volume
   EXPECT_EQ(refused(p).code(), ExitCode::quality);
   EXPECT_NE(std::string(refused(p).what()).find("ball 1"), std::string::npos);
+  EXPECT_NE(std::string(refused(p).what()).find("x -10 to 10"), std::string::npos) << "where the speed image lies";
   p.bubbles = "0,0,0,3;8.5,8.5,8.5,1";  // the second outside the structure
   EXPECT_EQ(refused(p).code(), ExitCode::quality);
   EXPECT_NE(std::string(refused(p).what()).find("ball 2"), std::string::npos);
@@ -247,6 +248,85 @@ TEST(Snake, ALeakIsRefusedByItsVolumeAndWarnedOfAtTheEdge) {
   const Error e = error_of([&] { snake(speed, {}, p, report); });
   EXPECT_EQ(e.code(), ExitCode::quality);
   EXPECT_EQ(e.field(), "max_volume_ml");
+}
+
+TEST(Snake, AGeodesicSnakeStaysWithinThePresegmentationsMask) {
+  // No edge anywhere: what holds the surface is the speed's -1 outside of presegment's `within` alone.
+  const Lattice l = lattice({40, 40, 40}, {0.9, 0.9, 2});
+  Noise noise(11);
+  const Grid<float> volume = sampled(l, [&](Vec3) { return 30 + noise.gaussian(); });
+  const Field within = sampled(l, [](Vec3 p) { return 13 - norm(p - centre); });
+  PresegmentParams edges;
+  edges.method = PresegmentMethod::edges;
+  edges.edge_kappa_hu_per_mm = 5;
+  Report report;
+  const Field speed = presegment(volume, {&within, nullptr}, edges, report);
+  SnakeParams p;
+  p.method = SnakeMethod::geodesic;
+  p.bubbles = "0,0,0,6";
+  const Evolved r = run(speed, p);
+  const Field mask = fit(within, static_cast<const Lattice&>(r.field), -1.f);
+  std::size_t outside = 0;
+  for (std::size_t v = 0; v < mask.count(); ++v) outside += r.field.voxels[v] > 0 && !(mask.voxels[v] > 0);
+  EXPECT_EQ(outside, 0u);
+  EXPECT_GT(dice(r.field, within), 0.98) << "and fills it";
+  // Nothing in the image holds it, and that is said.
+  EXPECT_GT(figure(r, "held_by_limits_ratio"), 0.9);
+  ASSERT_EQ(r.report.warnings.size(), 1u);
+  EXPECT_NE(r.report.warnings[0].find("100 % of its surface rest on the limits"), std::string::npos);
+}
+
+TEST(Snake, ALeakThroughNoiseOrUpToAMaskIsSaid) {
+  // Fluid of 0 HU in tissue of 20, noise of 12: a window that takes half of the tissue in leaks into all of it.
+  const Lattice l = lattice({60, 50, 50}, {0.8, 0.8, 0.8});
+  Noise noise(9);
+  const Grid<float> volume = sampled(l, [&](Vec3 p) { return (norm(p) < 9 ? 0.0 : 20.0) + 12 * noise.gaussian(); });
+  const Field within = sampled(l, [](Vec3 p) { return 20 - norm(p); });
+  const auto evolved = [&](double upper_hu, double sigma_mm) {
+    PresegmentParams window;
+    window.lower_hu = -40;
+    window.upper_hu = upper_hu;
+    window.smoothing_sigma_mm = sigma_mm;
+    Report report;
+    SnakeParams p;
+    p.bubbles = "0,0,0,5";
+    return run(presegment(volume, {&within, nullptr}, window, report), p, {nullptr, &within, nullptr});
+  };
+  const auto warned = [](const Evolved& r, const char* of) {
+    for (const std::string& w : r.report.warnings)
+      if (w.find(of) != std::string::npos) return true;
+    return false;
+  };
+  const Evolved good = evolved(10, 0.8), noisy = evolved(25, 0.4);
+  EXPECT_TRUE(good.report.warnings.empty());
+  EXPECT_NEAR(figure(good, "volume_ml"), 3.05, 0.2);
+  EXPECT_GT(figure(noisy, "volume_ml"), 6);
+  EXPECT_TRUE(warned(noisy, "the speed is negative"));
+  // Without presegment's: the speed goes on beyond the mask.
+  const Field all(l, 0.8f);
+  SnakeParams p;
+  p.bubbles = "0,0,0,5";
+  const Evolved held = run(all, p, {nullptr, &within, nullptr});
+  EXPECT_GT(figure(held, "held_by_limits_ratio"), 0.9);
+  EXPECT_TRUE(warned(held, "rest on the limits"));
+}
+
+TEST(Snake, IterationsAreThoseOfAllResolutionsTogether) {
+  const Field speed = ball_speed(lattice({44, 44, 44}, {0.5, 0.5, 0.8}), 17);
+  SnakeParams p;
+  p.bubbles = "0,0,0,5";
+  p.min_change_mm = 0;
+  for (const int levels : {0, 1, 3})
+    for (const int most : {0, 1, 50}) {
+      p.coarse_levels_count = levels;
+      p.max_iterations_count = most;
+      const Evolved r = run(speed, p);
+      EXPECT_EQ(std::get<std::int64_t>(*r.report.find("iterations_count")), most) << levels;
+      if (most == 0) {
+        ASSERT_EQ(r.report.warnings.size(), 1u);
+        EXPECT_NE(r.report.warnings[0].find("max_iterations_count is 0"), std::string::npos);
+      }
+    }
 }
 
 TEST(Snake, WhatVanishesFillsAllOrLosesItsStructureIsRefused) {

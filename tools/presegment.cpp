@@ -5,6 +5,8 @@
 trephine::Command trephine::presegment_command() {
   return make_stage_command(
       presegment_stage(),
-      {"trephine presegment head.nrrd --lower-hu 0 --upper-hu 18 --within brain.nrrd --output speed.nrrd",
-       "trephine presegment head.nrrd --method edges --edge-sigma-mm 1 --output speed.nrrd"});
+      {"trephine presegment head.nrrd --lower-hu -40 --upper-hu 8 --smoothing-sigma-mm 0.7 --within brain.nrrd "
+       "--output speed.nrrd",
+       "trephine presegment head.nrrd --method edges --edge-kappa-hu-per-mm 4 --within brain.nrrd --output "
+       "edges.nrrd"});
 }

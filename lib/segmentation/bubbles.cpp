@@ -34,6 +34,21 @@ std::string described(const Bubble& b) {
                      to_text(b.radius_mm));
 }
 
+/// "x -80 to 75, y -100 to 90, z 0 to 120 mm": where the lattice's voxels lie.
+std::string reach_of(const Lattice& l) {
+  Vec3 low{1e300, 1e300, 1e300}, high = -low;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 p = l.to_world_mm(
+        {corner & 1 ? l.size[0] - 1.0 : 0, corner & 2 ? l.size[1] - 1.0 : 0, corner & 4 ? l.size[2] - 1.0 : 0});
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], p[a]);
+      high[a] = std::max(high[a], p[a]);
+    }
+  }
+  return fmt::format("x {:.0f} to {:.0f}, y {:.0f} to {:.0f}, z {:.0f} to {:.0f} mm", low.x, high.x, low.y, high.y,
+                     low.z, high.z);
+}
+
 /// Calls f(voxel, distance from the centre in mm) for the voxels of the ball's box, where it meets the lattice.
 template <class F>
 void for_ball(const Bubble& b, const Lattice& l, double margin_mm, F&& f) {
@@ -155,9 +170,11 @@ Field bubble_field(const std::vector<Bubble>& bubbles, const Lattice& lattice) {
       field.voxels[v] = std::max(field.voxels[v], float(depth));
     });
     if (!any)
-      throw Error(ExitCode::quality, "", "bubbles",
-                  fmt::format("ball {} ({}) holds 0 voxels of the speed image: it lies outside, or between voxels",
-                              n + 1, described(bubbles[n])));
+      throw Error(
+          ExitCode::quality, "", "bubbles",
+          fmt::format("ball {} ({}) holds 0 voxels of the speed image ({}), which presegment makes of its region "
+                      "and `within` alone: it lies outside, or between voxels",
+                      n + 1, described(bubbles[n]), reach_of(lattice)));
   }
   return field;
 }

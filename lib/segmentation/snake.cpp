@@ -20,6 +20,7 @@ using segmentation::BandParams;
 using segmentation::BandRun;
 
 constexpr float largest_speed = 1.0001f;  // rounding of whoever made the image
+constexpr double most_held_back = 0.05;   // of a shape in noise about 0.01
 
 /// Throws Error 65 at the first voxel (in memory's order) for which bad() holds.
 template <class Bad>
@@ -52,6 +53,7 @@ void check_speed(const Field& speed) {
 struct Inside {
   Box box;  ///< of the voxels above 0
   std::size_t voxels = 0, edge = 0;
+  std::size_t held_back = 0;  ///< those at which the speed is negative
   double mean_speed = 0;
 };
 
@@ -59,7 +61,7 @@ struct Inside {
 Inside inside_of(const Field& field, const Field* speed) {
   struct Slice {
     int low[2] = {1 << 30, 1 << 30}, high[2] = {-1, -1};
-    std::size_t voxels = 0, edge = 0;
+    std::size_t voxels = 0, edge = 0, held_back = 0;
     double speed = 0;
   };
   const auto& n = field.size;
@@ -77,7 +79,9 @@ Inside inside_of(const Field& field, const Field* speed) {
           s.high[1] = std::max(s.high[1], j);
           ++s.voxels;
           s.edge += i == 0 || j == 0 || k == 0 || i == n[0] - 1 || j == n[1] - 1 || k == n[2] - 1;
-          if (speed) s.speed += speed->voxels[row + i];
+          if (!speed) continue;
+          s.speed += speed->voxels[row + i];
+          s.held_back += speed->voxels[row + i] < 0;
         }
       }
     }
@@ -95,6 +99,7 @@ Inside inside_of(const Field& field, const Field* speed) {
     all.box.end[2] = k + 1;
     all.voxels += s.voxels;
     all.edge += s.edge;
+    all.held_back += s.held_back;
     sum += s.speed;
   }
   if (all.voxels > 0) all.mean_speed = sum / double(all.voxels);
@@ -184,12 +189,12 @@ Grid<float> refined(const Grid<float>& coarse, const Lattice& fine) {
   return out;
 }
 
-BandParams band_params(const SnakeParams& p, const Lattice& lattice) {
+BandParams band_params(const SnakeParams& p, int most_iterations, const Lattice& lattice) {
   BandParams b;
   b.propagation = p.propagation;
   b.curvature = p.curvature;
   b.advection = p.method == SnakeMethod::geodesic ? p.advection : 0;
-  b.max_iterations_count = p.max_iterations_count;
+  b.max_iterations_count = most_iterations;
   b.min_change_mm = p.min_change_mm;
   if (p.max_volume_ml < 100000) b.max_voxels = std::size_t(p.max_volume_ml * 1000 / lattice.voxel_volume_mm3());
   return b;
@@ -213,24 +218,36 @@ BandParams band_params(const SnakeParams& p, const Lattice& lattice) {
 
 bool ended_well(BandEnd end) { return end == BandEnd::converged || end == BandEnd::iterations; }
 
-/// The finest level's run; `phi` is the start, and then the result. `levels` coarser ones before it.
-BandRun evolve_levels(const Grid<float>& speed, Grid<float>& phi, const SnakeParams& p, int levels, int& iterations,
-                      const Progress& progress) {
+/// A geodesic surface begins outside of the walls, thin ones too: within them no image would draw it out.
+void leave_walls(const Grid<float>& speed, Grid<float>& phi, const SnakeParams& p) {
+  if (p.method != SnakeMethod::geodesic) return;
+  const float outside = -0.5f * float(std::min({phi.spacing_mm.x, phi.spacing_mm.y, phi.spacing_mm.z}));
+  for (std::size_t v = 0; v < phi.count(); ++v)
+    if (speed.voxels[v] <= -1) phi.voxels[v] = std::min(phi.voxels[v], outside);
+}
+
+/// The finest level's run; `phi` is the start, and then the result. `levels` coarser ones before it, which take half of
+/// `most_iterations` at most; `iterations` counts all of them.
+BandRun evolve_levels(const Grid<float>& speed, Grid<float>& phi, const SnakeParams& p, int levels, int most_iterations,
+                      int& iterations, const Progress& progress) {
   const Lattice coarse = halved(phi);
-  if (levels > 0 && coarse.size != phi.size && p.max_iterations_count > 0) {
+  const int before = iterations;
+  if (levels > 0 && coarse.size != phi.size && most_iterations > 1) {
     // In mm about the surface, so that the mean of voxels is one's own.
     BandParams none;
     none.max_iterations_count = 0;
     segmentation::evolve_band(speed, phi, none, progress.part(0, 0));
     Grid<float> rough = pooled(phi, coarse);
     if (inside_of(rough, nullptr).voxels > 0) {
-      const BandRun run = evolve_levels(pooled(speed, coarse), rough, p, levels - 1, iterations, progress.part(0, 0.3));
+      const BandRun run = evolve_levels(pooled(speed, coarse), rough, p, levels - 1, most_iterations / 2, iterations,
+                                        progress.part(0, 0.3));
       if (run.end == BandEnd::too_large) refuse_end(run, p);
       if (ended_well(run.end)) phi = refined(rough, phi);
+      leave_walls(speed, phi, p);
     }
   }
-  const BandRun run =
-      segmentation::evolve_band(speed, phi, band_params(p, phi), progress.part(levels > 0 ? 0.3 : 0, 1));
+  const BandRun run = segmentation::evolve_band(
+      speed, phi, band_params(p, most_iterations - (iterations - before), phi), progress.part(levels > 0 ? 0.3 : 0, 1));
   iterations += run.iterations;
   return run;
 }
@@ -245,6 +262,7 @@ Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& pa
   check_speed(speed);
   check_finite(start, "start");
   Grid<float> phi = with_field("start", [&] { return fit(start, static_cast<const Lattice&>(speed), -1.f); });
+  leave_walls(speed, phi, params);
   const Inside begun = inside_of(phi, nullptr);
   if (begun.voxels == 0)
     throw Error(ExitCode::quality, "", "start", "0 voxels of the speed image lie inside, nothing to begin with");
@@ -260,7 +278,8 @@ Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& pa
   }
   const Grid<float>& g = part ? part_speed : speed;
   int iterations = 0;
-  const BandRun run = evolve_levels(g, phi, params, params.coarse_levels_count, iterations, progress);
+  const BandRun run =
+      evolve_levels(g, phi, params, params.coarse_levels_count, params.max_iterations_count, iterations, progress);
   if (!ended_well(run.end)) refuse_end(run, params);
 
   const Inside done = inside_of(phi, &g);
@@ -269,14 +288,24 @@ Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& pa
   report.add("change_mm", run.change_mm);
   report.add("time_step", run.time_step);
   report.add("mean_speed", done.mean_speed);
+  const double held_back = double(done.held_back) / double(std::max<std::size_t>(done.voxels, 1));
+  report.add("negative_speed_ratio", held_back);
   report.add("volume_ml", double(done.voxels) * speed.voxel_volume_mm3() / 1000);
   if (!(done.mean_speed >= params.min_mean_speed))
     throw Error(ExitCode::quality, "", "min_mean_speed",
                 fmt::format("the mean speed inside is {:.3f}, must be at least {}: it lost its structure",
                             done.mean_speed, to_text(params.min_mean_speed)));
-  if (run.end == BandEnd::iterations && params.min_change_mm > 0)
-    report.warn(fmt::format("snake: still moves by {:.3g} mm an iteration after {} of them", run.change_mm,
-                            params.max_iterations_count));
+  if (params.max_iterations_count == 0)
+    report.warn("snake: max_iterations_count is 0: what comes out is what it begins with");
+  else if (run.end == BandEnd::iterations && params.min_change_mm > 0)
+    report.warn(
+        fmt::format("snake: still moves by {:.3g} mm an iteration after {} of them", run.change_mm, iterations));
+  if (params.propagation > 0 && held_back > most_held_back)
+    report.warn(
+        fmt::format("snake: at {:.0f} % of what it holds the speed is negative: it leaked through noise, or began "
+                    "elsewhere; smooth the presegmentation (smoothing_sigma_mm) or narrow it, give within or "
+                    "max_volume_ml",
+                    100 * held_back));
   if (begun.edge == 0 && done.edge > 0)
     report.warn(fmt::format("snake: {} voxels at the edge of the speed image, it may have leaked", done.edge));
   return crop(phi, grown(done.box, 2, phi));

@@ -14,7 +14,7 @@ enum class SnakeMethod { region_competition, geodesic };
 struct SnakeParams {
   SnakeMethod method = SnakeMethod::region_competition;
   double propagation = 1.0, curvature = 0.2, advection = 2.0;
-  int max_iterations_count = 300;
+  int max_iterations_count = 600;
   double min_change_mm = 0.002;
   int coarse_levels_count = 1;
   double min_mean_speed = -1;
@@ -38,7 +38,8 @@ struct SnakeParams {
         "full speed holds a ball of radius 0.4 mm, and one of 4 mm loses a tenth of it.");
     v.number(&P::advection, "advection", Range{0, 10},
              "geodesic: weight of the pull towards edges, in mm (2 as in ITK-SNAP); else not used.");
-    v.integer(&P::max_iterations_count, "max_iterations_count", Range{0, 10000}, "Iterations at each resolution.");
+    v.integer(&P::max_iterations_count, "max_iterations_count", Range{0, 10000},
+              "Iterations, those of all resolutions together; the coarser ones take half of them at most.");
     v.number(&P::min_change_mm, "min_change_mm", Range{0, 1},
              "Converged where the surface gets no farther than this an iteration, on the mean over it and over ten "
              "iterations; 0 does not ask.");
@@ -61,7 +62,8 @@ struct SnakeParams {
 ///   propagation g - curvature kappa - advection (grad g . N)
 /// a unit of time, kappa the sum of both principal curvatures (2 / r of a ball), the last term for geodesic alone
 /// (Zhu and Yuille 1996; Caselles, Kimmel and Sapiro 1997; as in ITK-SNAP, Yushkevich et al. 2006, but in mm). A sparse
-/// field on the grid (segmentation/snake_band.h); the time step from the CFL bound; first at the coarser resolutions,
+/// field on the grid (segmentation/snake_band.h); the time step from the CFL bound; a speed of -1 is a wall that pulls
+/// nothing, as presegment makes it outside of its masks; first at the coarser resolutions,
 /// where a structure that vanishes there is begun anew at the finer one. `start` is positive inside, any field on the
 /// speed's raster; its crossing is the first surface. Only speed's lattice is looked at; its edge holds the surface.
 ///
@@ -70,9 +72,11 @@ struct SnakeParams {
 /// that it leaked: bound it (max_volume_ml), or keep it inside another anatomy (snake()).
 ///
 /// Report: iterations_count (all levels), stopped_by (converged, iterations; of the finest), change_mm, time_step,
-/// mean_speed, volume_ml. Throws 65 where a voxel is not finite, the speed is not within [-1, 1] or rasters differ; 64
-/// where every weight is 0; 80 where start is empty on the speed's lattice, or the surface vanishes, fills its domain
-/// or exceeds the bounds given; Cancelled. The same bits whatever the thread count; not from several threads at a time.
+/// mean_speed, negative_speed_ratio (of the voxels inside, those of negative speed), volume_ml. Warns where more than a
+/// twentieth is negative, where it still moves, and where it reached the speed image's edge: it may have leaked. Throws
+/// 65 where a voxel is not finite, the speed is not within [-1, 1] or rasters differ; 64 where every weight is 0; 80
+/// where start is empty on the speed's lattice, or the surface vanishes, fills its domain or exceeds the bounds given;
+/// Cancelled. The same bits whatever the thread count; not from several threads at a time.
 Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& params, Report& report,
                    const Progress& progress = {});
 
@@ -84,7 +88,9 @@ struct SnakeMasks {
 };
 
 /// evolve_snake() from given or placed bubbles, kept within and without other anatomies. Also throws 64 where there is
-/// nothing to begin with, more than one thing, or `bubbles` cannot be read; 80 as place_bubbles() does.
+/// nothing to begin with, more than one thing, or `bubbles` cannot be read; 80 as place_bubbles() does. Report,
+/// besides: held_by_limits_ratio, of the surface, where a mask holds it at a positive speed (geodesic: a wall of the
+/// speed image too); warns above a tenth.
 Field snake(const Field& speed, const SnakeMasks& masks, const SnakeParams& params, Report& report,
             const Progress& progress = {});
 

@@ -15,6 +15,7 @@ namespace {
 /// Iterations over which the motion is taken: what flickers to and fro is none.
 constexpr int look_every = 10;
 constexpr float unknown = std::numeric_limits<float>::infinity();
+constexpr float wall = -1;  ///< the speed where the surface must not go
 
 /// For each voxel of a word: is the neighbour in that direction in the mask?
 struct Around {
@@ -261,13 +262,14 @@ class Band {
     return f > 0 ? d : -d;
   }
 
-  /// Central differences of the speed, per mm.
+  /// Central differences of the speed, per mm. A wall is no edge that pulls: the speed goes on as it is before it.
   Vec3f speed_slope(const int at[3], std::size_t v) const {
-    Vec3f s;
-    for (int a = 0; a < 3; ++a) {
-      const float* g = g_.voxels.data() + v;
-      s.v[a] = 0.5f * inv_h_[a] * (g[at[a] + 1 < l_.size[a] ? step_[a] : 0] - g[at[a] > 0 ? -step_[a] : 0]);
-    }
+    Vec3f s{{0, 0, 0}};
+    const float* g = g_.voxels.data() + v;
+    if (*g <= wall) return s;
+    const auto beside = [&](std::ptrdiff_t to) { return g[to] > wall ? g[to] : *g; };
+    for (int a = 0; a < 3; ++a)
+      s.v[a] = 0.5f * inv_h_[a] * (beside(at[a] + 1 < l_.size[a] ? step_[a] : 0) - beside(at[a] > 0 ? -step_[a] : 0));
     return s;
   }
 
@@ -427,6 +429,7 @@ class Band {
 
   void move(float dt) {
     const float most = 0.9f * h_min_;
+    const bool walls = p_.advection != 0;
     for_slices(everything_, [&](int k) {
       Slice& s = slices_[k];
       if (!s.any) return;
@@ -440,6 +443,7 @@ class Band {
           float& f = phi_.at(i, j, k);
           f += std::max(-most, std::min(most, dt * s.rates[n++]));
           f = std::max(-h_max_, std::min(h_max_, f));
+          if (walls && g_.at(i, j, k) <= wall) f = std::min(f, -1e-3f * h_min_);
           if (std::abs(f) < 1e-5f * h_min_) f = f > 0 ? 1e-5f * h_min_ : -1e-5f * h_min_;
           const std::uint64_t bit = std::uint64_t{1} << b;
           in = f > 0 ? in | bit : in & ~bit;

@@ -31,6 +31,7 @@ struct BandRun {
 /// next to it, so that the surface comes to rest where the interpolated speed is 0 and phi stays a distance; the two
 /// layers beyond are rebuilt by the eikonal equation, in mm. Upwind by Godunov. The step obeys the CFL bound of the
 /// propagation and the stability of the curvature.
+/// Where there is advection, voxels of speed -1 are walls: they pull nothing, and none moves inside.
 ///
 /// Speed finite, |speed| <= 1, on phi's lattice. The same bits whatever the thread count.
 BandRun evolve_band(const Grid<float>& speed, Grid<float>& phi, const BandParams& params, const Progress& progress);

@@ -13,6 +13,8 @@
 namespace trephine {
 namespace {
 
+constexpr double most_held = 0.1;  ///< of a surface, by limits: more may be a leak
+
 /// The mask as a distance in mm near its surface, on the lattice.
 Grid<float> near_distance(const Field& mask, const char* name, const Lattice& lattice) {
   for (const float f : mask.voxels)
@@ -36,6 +38,48 @@ void for_allowed(const Field& field, const SnakeMasks& masks, F&& f) {
   };
   each(masks.within, "within", 1);
   each(masks.without, "without", -1);
+}
+
+/// Says how much of the surface rests on nothing in the image: where the masks end and the speed would have it go on,
+/// or, for a geodesic snake, at the wall around a speed image. `forbidden` is on the field's voxels.
+void tell_held(const Field& field, const Field& speed, const SnakeMasks& masks, SnakeMethod method, Report& report) {
+  std::vector<char> forbidden(field.count(), 0);
+  for_allowed(field, masks, [&](std::size_t v, float depth) {
+    if (!(depth > 0)) forbidden[v] = 1;
+  });
+  const Field g = fit(speed, static_cast<const Lattice&>(field), 0.f);
+  const Vec3 h = field.spacing_mm;
+  const double face[3] = {h.y * h.z, h.x * h.z, h.x * h.y};
+  std::vector<double> all(std::size_t(field.size[2])), held(all.size());
+  parallel_for(0, field.size[2], 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < int(to); ++k)
+      for (int j = 0; j < field.size[1]; ++j)
+        for (int i = 0; i < field.size[0]; ++i) {
+          if (!(field.at(i, j, k) > 0)) continue;
+          for (int side = 0; side < 6; ++side) {
+            const int a = side / 2;
+            int n[3] = {i, j, k};
+            n[a] += side % 2 ? 1 : -1;
+            if (!field.contains(n[0], n[1], n[2]) || field.at(n[0], n[1], n[2]) > 0) continue;
+            const std::size_t v = field.index(n[0], n[1], n[2]);
+            all[k] += face[a];
+            if ((forbidden[v] && g.voxels[v] > 0) || (method == SnakeMethod::geodesic && g.voxels[v] <= -1))
+              held[k] += face[a];
+          }
+        }
+  });
+  double whole = 0, rim = 0;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    whole += all[k];
+    rim += held[k];
+  }
+  const double ratio = whole > 0 ? rim / whole : 0;
+  report.add("held_by_limits_ratio", ratio);
+  if (ratio > most_held)
+    report.warn(
+        fmt::format("snake: {:.0f} % of its surface rest on the limits given and not on the speed image: it may "
+                    "have leaked; narrow the presegmentation, or set max_volume_ml",
+                    100 * ratio));
 }
 
 Field begin(const Field& speed, const SnakeMasks& masks, const SnakeParams& p, Report& report,
@@ -63,9 +107,12 @@ Field begin(const Field& speed, const SnakeMasks& masks, const SnakeParams& p, R
 
 Field snake(const Field& speed, const SnakeMasks& masks, const SnakeParams& params, Report& report,
             const Progress& progress) {
-  if (!masks.within && !masks.without)
-    return evolve_snake(speed, begin(speed, masks, params, report, progress.part(0, 0.1)), params, report,
-                        progress.part(0.1, 1));
+  if (!masks.within && !masks.without) {
+    Field field = evolve_snake(speed, begin(speed, masks, params, report, progress.part(0, 0.1)), params, report,
+                               progress.part(0.1, 1));
+    tell_held(field, speed, masks, params.method, report);
+    return field;
+  }
 
   // Held back a layer of voxels beyond the masks, so that it is they that cut the surface, between voxels, in the end.
   const float layer = 1.01f * float(std::max({speed.spacing_mm.x, speed.spacing_mm.y, speed.spacing_mm.z}));
@@ -98,7 +145,9 @@ Field snake(const Field& speed, const SnakeMasks& masks, const SnakeParams& para
   for (const std::string& w : evolved.warnings) report.warn(w);
   if (inside == 0)
     throw Error(ExitCode::quality, "", "within, without", "nothing of the surface lies where they allow");
-  return crop(field, grown(box, 2, field));
+  field = crop(field, grown(box, 2, field));
+  tell_held(field, speed, masks, params.method, report);
+  return field;
 }
 
 }  // namespace trephine
