@@ -87,6 +87,25 @@ Surface surface_of(const Field& f, Vec3 at = centre) {
   return s;
 }
 
+/// What the field's surface holds, counted on a raster of a sixth of a voxel.
+double held_ml(const Field& f) {
+  std::size_t in = 0;
+  for (int k = 0; k < 6 * (f.size[2] - 1); ++k)
+    for (int j = 0; j < 6 * (f.size[1] - 1); ++j)
+      for (int i = 0; i < 6 * (f.size[0] - 1); ++i) {
+        double v = 0;
+        for (int c = 0; c < 8; ++c) {
+          const int at[3] = {i / 6 + (c & 1), j / 6 + (c >> 1 & 1), k / 6 + (c >> 2)};
+          const double t[3] = {(i % 6 + 0.5) / 6, (j % 6 + 0.5) / 6, (k % 6 + 0.5) / 6};
+          double w = 1;
+          for (int a = 0; a < 3; ++a) w *= c >> a & 1 ? t[a] : 1 - t[a];
+          v += w * f.at(at[0], at[1], at[2]);
+        }
+        in += v > 0;
+      }
+  return double(in) * f.voxel_volume_mm3() / 216 / 1000;
+}
+
 Field taken(const HuVolume& volume, const std::string& bytes, Report& report, LabelParams params = {}) {
   if (params.label.empty()) params.label = "3";
   return label_field(volume, decode_labels(bytes), params, report);
@@ -164,6 +183,54 @@ TEST(LabelField, OtherGridsAreResampled) {
       EXPECT_LT(norm(s.centroid - centre), 0.05);
     }
   }
+}
+
+TEST(LabelField, ResamplingKeepsTheVolume) {
+  // Two plates and a rod, thin as horns and slits are, on grids that are coarser, shifted, mirrored or turned.
+  const auto shape = [](Vec3 p) {
+    const Vec3 q = p - centre;
+    const bool plate = std::abs(q.x) < 1.2 && std::abs(q.y) < 14 && std::abs(q.z) < 12;
+    const bool slant = std::abs(q.x + 0.6 * q.y - 9) < 1.6 && std::abs(q.y) < 10 && std::abs(q.z) < 10;
+    const bool rod = std::hypot(q.x + 10, q.z - 4) < 1.9 && std::abs(q.y) < 15;
+    return plate || slant || rod;
+  };
+  const Lattice l = around(centre, {0.94, 0.94, 2.0}, 60);
+  const HuVolume volume = body(l);
+  Lattice mirrored = around(centre + Vec3{0.4, -0.3, 0.8}, {0.94, 0.94, 2.0}, 30);
+  mirrored.origin_mm.x += (mirrored.size[0] - 1) * mirrored.spacing_mm.x;
+  mirrored.direction.column[0] = {-1, 0, 0};
+  mirrored.origin_mm.y += (mirrored.size[1] - 1) * mirrored.spacing_mm.y;
+  mirrored.direction.column[1] = {0, -1, 0};
+  for (const Lattice& g : {mirrored, around(centre, {1.88, 1.88, 2.0}, 30), around(centre, {0.5, 0.5, 0.6}, 30),
+                           around(centre, {1.5, 1.5, 1.5}, 30, turned(0.4, 0.25))}) {
+    SCOPED_TRACE(to_text(g.spacing_mm.x) + " " + to_text(g.spacing_mm.z));
+    TestLabels t{g, 1, {}};
+    for (int k = 0; k < g.size[2]; ++k)
+      for (int j = 0; j < g.size[1]; ++j)
+        for (int i = 0; i < g.size[0]; ++i)
+          t.values.push_back(shape(g.to_world_mm({double(i), double(j), double(k)})) ? 3 : 0);
+    Report report;
+    const Field f = taken(volume, nifti_bytes(t, {}), report);
+    EXPECT_TRUE(flag(report, "resampled"));
+    const auto figure = [&](const char* name) { return std::get<double>(*report.find(name)); };
+    EXPECT_NEAR(figure("volume_ml") / figure("label_ml"), 1, 0.005);
+    EXPECT_NEAR(held_ml(f) / figure("label_ml"), 1, 0.02);
+    EXPECT_NEAR(figure("volume_change_ratio"), figure("volume_ml") / figure("label_ml") - 1, 1e-9);
+    EXPECT_TRUE(report.warnings.empty());
+  }
+  // A leaf of a tenth of a voxel, between the volume's: what is gone is said, with the figures.
+  const Lattice fine = around(centre, {0.1, 0.1, 0.5}, 8);
+  TestLabels leaf{fine, 1, std::vector<int>(fine.count(), 0)};
+  for (int k = 0; k < fine.size[2]; ++k)
+    for (int j = 0; j < fine.size[1]; ++j) leaf.values[fine.index(fine.size[0] / 2, j, k)] = 3;
+  for (int k = 0; k < 6; ++k)  // and a bead, so that something is left
+    for (int j = 0; j < 20; ++j)
+      for (int i = 0; i < 20; ++i) leaf.values[fine.index(i, j, k)] = 3;
+  Report report;
+  taken(volume, nrrd_bytes(leaf, {}), report);
+  EXPECT_GT(std::abs(std::get<double>(*report.find("volume_change_ratio"))), 0.02);
+  ASSERT_FALSE(report.warnings.empty());
+  EXPECT_NE(report.warnings.back().find(" ml, in its file "), std::string::npos);
 }
 
 TEST(LabelField, WhereTheVolumeCutsTheLabel) {

@@ -21,7 +21,7 @@ using segmentation::HuView;
 
 constexpr double same_raster_voxels = 0.05;  ///< further off is resampled
 constexpr double air_hu = -900;
-constexpr double noted_ratio = 0.01, noted_air_ratio = 0.2;
+constexpr double noted_ratio = 0.01, noted_air_ratio = 0.2, noted_change_ratio = 0.02;
 constexpr int margin = 3;
 
 std::string percent(double ratio) { return to_text(std::round(ratio * 1000) / 10) + " %"; }
@@ -113,7 +113,8 @@ std::string hint(const HuView& hu, const Mask& mask, std::size_t voxels, const F
              : "";
 }
 
-void check_fit(const HuView& hu, const PickedLabel& label, const LabelParams& params, Report& report) {
+/// Returns the share of the label outside of the volume.
+double check_fit(const HuView& hu, const PickedLabel& label, const LabelParams& params, Report& report) {
   const Fit fit = fit_of(hu, label.mask, label.voxels, false);
   report.add("outside_ratio", fit.outside);
   report.add("air_ratio", fit.air);
@@ -137,6 +138,7 @@ void check_fit(const HuView& hu, const PickedLabel& label, const LabelParams& pa
     report.warn(percent(fit.outside) + " of the label lie outside of the volume and are left out");
   if (fit.air > noted_air_ratio)
     report.warn(percent(fit.air) + " of the label lie in air" + hint(hu, label.mask, label.voxels, fit));
+  return fit.outside;
 }
 
 /// A mask as a field of about -1 to 1 with the mask's signs, smooth across its surface.
@@ -220,6 +222,63 @@ Field resampled(const Mask& label, const Lattice& volume, double sigma_mm, const
   return out;
 }
 
+/// ml inside of the level's surface of a distance in mm, interpolated linearly between voxels, to their outer faces.
+double volume_ml(const Field& distance, double level) {
+  constexpr int parts = 3;  // of a voxel along each axis
+  const auto& n = distance.size;
+  if (std::min({n[0], n[1], n[2]}) < 2)
+    return double(std::count_if(distance.voxels.begin(), distance.voxels.end(), [&](float v) { return v > level; })) *
+           distance.voxel_volume_mm3() / 1000;
+  const double reach = 0.55 * norm(distance.spacing_mm), soft = std::cbrt(distance.voxel_volume_mm3()) / parts;
+  std::vector<double> slices(std::size_t(n[2]), 0);
+  parallel_for(0, n[2], 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < int(to); ++k)
+      for (int j = 0; j < n[1]; ++j)
+        for (int i = 0; i < n[0]; ++i) {
+          const double here = distance.at(i, j, k) - level;
+          if (std::abs(here) > reach) {
+            slices[k] += here > 0;
+            continue;
+          }
+          double share = 0;
+          for (int part = 0; part < parts * parts * parts; ++part) {
+            const int of[3] = {part % parts, part / parts % parts, part / (parts * parts)}, at[3] = {i, j, k};
+            Vec3 q;
+            for (int a = 0; a < 3; ++a) q[a] = std::clamp(at[a] + (of[a] + 0.5) / parts - 0.5, 0.0, double(n[a] - 1));
+            share += std::clamp(0.5 + (linear(distance, q, 0) - level) / soft, 0.0, 1.0);
+          }
+          slices[k] += share / (parts * parts * parts);
+        }
+  });
+  double voxels = 0;
+  for (const double s : slices) voxels += s;
+  return voxels * distance.voxel_volume_mm3() / 1000;
+}
+
+/// Moves the surface of a distance in mm by up to half a voxel of the label's, so that it holds as much as the label:
+/// between voxels what is thin or bent loses more than it gains. Returns by how much, outwards; `ml` is what it holds.
+double keep_volume(Field& distance, double wanted_ml, const Lattice& label, double& ml) {
+  const double most = 0.5 * std::max({label.spacing_mm.x, label.spacing_mm.y, label.spacing_mm.z});
+  double low = -most, high = most, level = 0, step = 0.02 * most;
+  ml = volume_ml(distance, level);
+  for (int i = 0; i < 8 && std::abs(ml / wanted_ml - 1) > 0.001; ++i) {
+    (ml > wanted_ml ? low : high) = level;
+    // By the slope of the last step, kept between what is known to be too much and too little.
+    double next = level + (ml > wanted_ml ? step : -step);
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    const double before = ml;
+    ml = volume_ml(distance, next);
+    const double slope = (ml - before) / (next - level);
+    level = next;
+    step = slope < 0 ? std::abs((wanted_ml - ml) / slope) : most;
+  }
+  for (float& v : distance.voxels) {
+    v -= float(level);
+    if (std::abs(v) < 1e-4f) v = v > 0 ? 1e-4f : -1e-4f;
+  }
+  return -level;
+}
+
 /// Warns where the label reaches its own grid's edge inside of the volume.
 void check_cut(const PickedLabel& label, const Lattice& volume, Report& report) {
   const Box box = bits_of(label.mask).bounds();
@@ -251,19 +310,21 @@ Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParam
   report.add("label", label.name);
   report.add("format", map.format);
   report.add("label_voxels_count", label.voxels);
-  report.add("label_ml", double(label.voxels) * map.lattice.voxel_volume_mm3() / 1000);
+  const double label_ml = double(label.voxels) * map.lattice.voxel_volume_mm3() / 1000;
+  report.add("label_ml", label_ml);
   for (const std::string& w : map.warnings) report.warn(w);
   for (const LabelSegment& s : map.segments)
     if (s.cropped && (params.label.empty() || s.name == label.name))
       report.warn("the file says that segment " + s.name + " reaches beyond its voxels: it was cropped when written");
   if (!label.voxels) throw Error(ExitCode::quality, "", "label", "'" + label.name + "' has not one voxel");
-  check_fit(hu, label, params, report);
+  const double inside_ml = label_ml * (1 - check_fit(hu, label, params, report));
   check_cut(label, l, report);
   progress.report(0.1);
 
   const auto aligned = alignment(map.lattice, l);
   report.add("resampled", !aligned);
   Field field;
+  double ml = 0;
   if (aligned) {
     report.add("offset_max_ratio", aligned->off_voxels);
     const BitMask mask = onto_volume(label.mask, l, *aligned);
@@ -271,15 +332,22 @@ Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParam
     field = smooth_field(segmentation::crop(mask, grown(mask.bounds(), margin, l)), params.smooth_mm, progress);
   } else {
     field = resampled(label.mask, l, params.smooth_mm, progress);
+    report.add("moved_mm", keep_volume(field, inside_ml, map.lattice, ml));
     const std::size_t count =
         std::size_t(std::count_if(field.voxels.begin(), field.voxels.end(), [](float v) { return v > 0; }));
     if (!count)
       throw Error(ExitCode::quality, "", "label",
                   "nothing of it is left on the volume's voxels: it is too thin for them");
   }
-  const std::size_t inside =
-      std::size_t(std::count_if(field.voxels.begin(), field.voxels.end(), [](float v) { return v > 0; }));
-  report.add("volume_ml", double(inside) * l.voxel_volume_mm3() / 1000);
+  if (aligned)
+    ml = double(std::count_if(field.voxels.begin(), field.voxels.end(), [](float v) { return v > 0; })) *
+         l.voxel_volume_mm3() / 1000;
+  report.add("volume_ml", ml);
+  report.add("volume_change_ratio", ml / inside_ml - 1);
+  if (std::abs(ml / inside_ml - 1) > noted_change_ratio)
+    report.warn("on the volume's voxels the label holds " + to_text(std::round(ml * 100) / 100) + " ml, in its file " +
+                to_text(std::round(inside_ml * 100) / 100) + " ml (" + percent(ml / inside_ml - 1) +
+                "): parts of it are thinner than a voxel");
   progress.report(1);
   return field;
 }
