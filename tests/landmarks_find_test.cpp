@@ -275,7 +275,9 @@ TEST(LandmarksFind, WhatIsNoHeadIsRefused) {
   l.size = {90, 90, 90};
   l.spacing_mm = {2.5, 2.5, 2.5};
   l.origin_mm = {-111, -111, -111};
-  const HuVolume volume = Grid<std::int16_t>(l);
+  Grid<std::int16_t> spot(l);
+  spot.at(45, 45, 45) = 30;
+  const HuVolume volume = spot;
   const Field skin = ball(l, {0, 0, 0}, 90, -1), skull = ball(l, {0, 0, 0}, 80, 72);
   LandmarkInputs in;
   Report report;
@@ -313,6 +315,47 @@ TEST(LandmarksFind, WhatIsNoHeadIsRefused) {
   EXPECT_EQ(code_of(run), ExitCode::bad_input);
   in.given = {{"nasion", {0, 0, 0}, 1, "given"}, {"nasion", {0, 0, 0}, 1, "given"}};
   EXPECT_EQ(code_of(run), ExitCode::bad_input);
+}
+
+TEST(LandmarksFind, GivenOnesThatLieFarOutsideAreRefused) {
+  LandmarkInputs in = scene().inputs();
+  const auto refused = [&](const char* name, Vec3 at) {
+    in.given = {{name, at, 1, "given"}};
+    Report report;
+    try {
+      find_landmarks(scene().volume, in, {}, report);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_input);
+      EXPECT_EQ(e.field(), name);
+      return std::string(e.what());
+    }
+    return std::string("taken");
+  };
+  EXPECT_NE(refused("inion", {0, 900, 0}).find("mm outside of the skin, at most 30"), std::string::npos);
+  EXPECT_NE(refused("target", {0, 0, -500}).find("mm outside of the skin"), std::string::npos);
+  const Vec3 nasion = scene().head.landmark("nasion");
+  EXPECT_EQ(refused("nasion", nasion + Vec3{0, -5, 0}), "taken");
+}
+
+TEST(LandmarksFind, ANameThatIsNotLookedForIsSaidWithTheNearestOne) {
+  LandmarkInputs in = scene().inputs();
+  const Vec3 inside = scene().head.landmark("nasion");
+  in.given = {{"naison", inside, 1, "given"}, {"left_tragus", inside, 1, "given"}, {"lesion_edge", inside, 1, "given"}};
+  Report report;
+  const HeadLandmarks found = find_landmarks(scene().volume, in, {}, report);
+  EXPECT_EQ(found.find("nasion")->source, "found");
+  const auto warned = [&](const std::string& text) {
+    return std::find(report.warnings.begin(), report.warnings.end(), text) != report.warnings.end();
+  };
+  EXPECT_TRUE(warned("naison is none of the landmarks that are looked for, did you mean nasion?"));
+  EXPECT_TRUE(warned("left_tragus is none of the landmarks that are looked for, did you mean tragus_left?"));
+  EXPECT_TRUE(warned("lesion_edge is none of the landmarks that are looked for: it is kept as it is"));
+}
+
+TEST(LandmarksFind, AVolumeOfOneValueShowsNoHead) {
+  const HuVolume constant = Grid<std::int16_t>(lattice_of(scene().volume), 40);
+  Report report;
+  EXPECT_EQ(code_of([&] { find_landmarks(constant, scene().inputs(), {}, report); }), ExitCode::quality);
 }
 
 TEST(LandmarksFind, Cancels) {

@@ -10,6 +10,20 @@
 namespace trephine {
 namespace {
 
+/// A fault of a landmark that the file gave names the file.
+template <class F>
+auto with_given_file(const ParsedCommand& parsed, F&& f) {
+  try {
+    return f();
+  } catch (Error& e) {
+    const bool by_flag = named_positions("--landmark", parsed.all("landmark")).count(e.field()) > 0;
+    if (parsed.has("given") && !by_flag)
+      for (const CaseLandmark& l : read_landmark_file(parsed.path("given")))
+        if (l.name == e.field()) e.in_file(parsed.path("given").string());
+    throw;
+  }
+}
+
 /// Those of the flags, then those of the file that no flag names.
 std::vector<CaseLandmark> given_landmarks(const ParsedCommand& parsed) {
   std::vector<CaseLandmark> given;
@@ -54,7 +68,7 @@ Command landmarks_command() {
       for (const Port& port : stage.ports)
         if (parsed.has(port.name)) inputs.by_port[port.name] = load_data(parsed.path(port.name), port.kind);
       Report report;
-      save_data(to, stage.run(parsed.groups[0], inputs, report, progress));
+      save_data(to, with_given_file(parsed, [&] { return stage.run(parsed.groups[0], inputs, report, progress); }));
       return report;
     });
     return ExitCode::ok;

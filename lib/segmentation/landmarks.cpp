@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "base/error.h"
 #include "segmentation/landmarks_parts.h"
+#include "segmentation/methods.h"
 #include "segmentation/symmetry.h"
 
 namespace trephine {
@@ -37,10 +37,11 @@ class Finder {
     check(in.skull, "skull");
     check(in.brain, "brain");
     check(in.ventricles, "ventricles");
-    std::set<std::string> names;
-    for (const CaseLandmark& l : in.given) {
-      if (!is_finite(l.position_mm)) throw Error(ExitCode::bad_input, "", l.name, "is not finite");
-      if (!names.insert(l.name).second) throw Error(ExitCode::bad_input, "", l.name, "is given twice");
+    check_given(in.given, *in.skin, report);
+    try {
+      check_varies(volume);
+    } catch (const Error& e) {
+      throw Error(e.code(), "", e.field(), std::string(e.what()) + ": " + how_to_give);
     }
     out_.landmarks = in.given;
   }

@@ -50,10 +50,12 @@ struct LandmarkInputs {
 /// monro_left, _right narrowest place between the lateral ventricle and the third
 ///
 /// What lies outside the scan, or is not there to be seen (no face), is left out and said in the report's warnings;
-/// nothing is invented. Given landmarks are in the result as they are. The report: symmetry_residual_mm and, for each
+/// nothing is invented. Given landmarks are in the result as they are, with a warning for a name that is not looked for
+/// (and the one that it is nearly). The report: symmetry_residual_mm and, for each
 /// landmark, its position and confidence. The same bits whatever the thread count. Safe to call from several threads.
-/// Throws Error 64 without skin or skull; 65 where a field is of another raster or a given landmark is not finite or
-/// there twice; 80 where there is no skull, or none that is symmetric, and the plane is not given; Cancelled.
+/// Throws Error 64 without skin or skull; 65 where a field is of another raster or a given landmark is not finite,
+/// there twice or more than 30 mm outside of the skin; 80 where the volume is of one value, there is no skull, or none
+/// that is symmetric, and the plane is not given; Cancelled.
 HeadLandmarks find_landmarks(const HuVolume& volume, const LandmarkInputs& inputs, const LandmarkParams& params,
                              Report& report, const Progress& progress = {});
 

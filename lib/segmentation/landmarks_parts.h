@@ -3,7 +3,10 @@
 // How find_landmarks finds each kind; for the sources of this module only.
 #include <array>
 #include <optional>
+#include <vector>
 
+#include "base/report.h"
+#include "cases/landmarks.h"
 #include "segmentation/skin_arc.h"
 
 namespace trephine::segmentation {
@@ -18,6 +21,10 @@ struct FoundPoint {
   Vec3 position_mm;
   double confidence = 0;
 };
+
+/// Throws Error 65, its field the landmark's name, where one is not finite, there twice or further outside of the skin
+/// than anything marked on a scan that was cut off; warns where a name is not looked for, with the nearest one that is.
+void check_given(const std::vector<CaseLandmark>& given, const Field& skin, Report& report);
 
 /// 0 at `zero`, 1 at `one`, linear between them; `one` may be the smaller.
 double ramp(double value, double zero, double one);
