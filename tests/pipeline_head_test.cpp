@@ -72,6 +72,7 @@ TEST(HeadConfig, FaultsHaveTheirPlace) {
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: keep}\n").faults, "face.reason: is missing"));
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: keep, reason: ' '}\n").faults, "is blank"));
   EXPECT_EQ(Read("", "anatomies: {skull: }\nface: {policy: deface}\n").faults, "");
+  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: crop\n").faults, "{policy: crop}"));
   const std::string no_head = recipe.substr(0, recipe.find("landmarks:"));
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: crop}\n", {}, no_head).faults, "needs `landmarks`"));
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\n", {}, no_head + "landmarks: {skin: skin.segment}\n").faults,
@@ -80,6 +81,19 @@ TEST(HeadConfig, FaultsHaveTheirPlace) {
                   "must be the field"));
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\n", {}, no_head + "deface: {skin: skin.segment, dept_mm: 3}\n").faults,
                   "did you mean depth_mm?"));
+}
+
+TEST(HeadConfig, WhereAnotherStageMakesAnAnatomyItsNameIsSaid) {
+  std::string other = recipe;
+  const std::string by = "segment: {method: ventricles, within: brain.segment}";
+  other.replace(other.find(by), by.size(), "labels: {file: v.nrrd}");
+  const std::string faults = Read("", "anatomies: {skull: }\n" + keep, {}, other).faults;
+  EXPECT_TRUE(has(faults,
+                  "landmarks.ventricles: ventricles.segment, must be the field of an anatomy, as "
+                  "anatomy.stage: here ventricles.labels"));
+  other = recipe;
+  other.replace(other.find("skull: skull.segment}"), 21, "skull: skull.contour}");
+  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\n" + keep, {}, other).faults, ": here skull.segment"));
 }
 
 TEST(HeadConfig, ParametersOfTheWholeHeadHavePaths) {

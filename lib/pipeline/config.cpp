@@ -313,9 +313,11 @@ class Reader {
               if (out_.anatomies[j].name + "." + other.type->name == source->second && other.type->output == port.kind)
                 found = true;
           if (!found)
-            faults_.add(file, *at, where,
-                        source->second + ", must be the " + to_text(port.kind) +
-                            " of an anatomy before this one, as anatomy.stage");
+            faults_.add(
+                file, *at, where,
+                source->second + ", must be the " + to_text(port.kind) +
+                    " of an anatomy before this one, as anatomy.stage" +
+                    hint_of_source(source->second, port.kind, {out_.anatomies.begin(), out_.anatomies.begin() + i}));
         }
   }
 
@@ -326,7 +328,13 @@ class Reader {
     const YamlNode& tree = *read;
     MapReader map(file, tree, "", faults_);
     check_version(map, tree);
-    if (const YamlNode* face = map.map("face")) read_face_policy(file, *face, out_, faults_);
+    if (const YamlNode* face = map.any("face"); face && face->kind == YamlNode::Kind::scalar)
+      map.fault(*face, "face",
+                face->text +
+                    ", must hold keys and values: {policy: crop}, {policy: deface} or {policy: "
+                    "keep, reason: ...}");
+    else if (map.map("face"))
+      read_face_policy(file, *face, out_, faults_);
     if (const YamlNode* landmarks = map.map("landmarks")) read_scene_landmarks(file, *landmarks, out_, faults_);
     std::vector<std::string> known;
     for (const RecipeAnatomy& a : out_.anatomies) known.push_back(a.name);

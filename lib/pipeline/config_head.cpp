@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/log.h"
 #include "base/text.h"
 #include "cases/landmarks.h"
 #include "stages/data_files.h"
@@ -19,6 +20,17 @@ const StageType* head_stage(const std::string& name) {
 }
 
 }  // namespace
+
+std::string hint_of_source(const std::string& source, DataKind kind, const std::vector<RecipeAnatomy>& anatomies) {
+  const std::string name = source.substr(0, source.find('.'));
+  std::string made;
+  for (const RecipeAnatomy& anatomy : anatomies)
+    if (anatomy.name == name)
+      for (const RecipeStep& step : anatomy.steps)
+        if (step.type->output == kind) made += (made.empty() ? "" : " or ") + name + "." + step.type->name;
+  return made.empty() ? "" : ": here " + made;
+}
+
 void read_given_landmarks(const fs::path& file, const YamlNode& node, CaseConfig& out, ConfigFaults& faults) {
   MapReader landmarks(file, node, "landmarks", faults);
   for (const auto& entry : node.entries)
@@ -52,6 +64,9 @@ void drop_unused_landmarks(const std::vector<std::string>& names, CaseConfig& ou
   for (const CaseDrill& hole : out.burr_holes) used.push_back(hole.params.as<BurrHoleParams>().toward);
   for (const SceneLandmark& l : out.scene_landmarks) used.push_back(l.name);
   const auto unused = [&](const CaseLandmark& l) { return is_in(names, l.name) && !is_in(used, l.name); };
+  for (const CaseLandmark& l : out.landmarks)
+    if (const std::string near = nearest_name(l.name, used); unused(l) && !near.empty())
+      log_warning(printable(l.name) + ", no landmark of that name is used, did you mean " + near + "?");
   out.landmarks.erase(std::remove_if(out.landmarks.begin(), out.landmarks.end(), unused), out.landmarks.end());
 }
 
@@ -74,7 +89,8 @@ void read_head_step(const fs::path& file, const std::string& stage, const YamlNo
     const RecipeStep* made = anatomy ? anatomy->find_step(source->substr(dot + 1)) : nullptr;
     if (!made || made->type->output != port.kind)
       map.fault(*node.find(port.name), port.name,
-                *source + ", must be the " + to_text(port.kind) + " of an anatomy, as anatomy.stage");
+                *source + ", must be the " + to_text(port.kind) + " of an anatomy, as anatomy.stage" +
+                    hint_of_source(*source, port.kind, out.anatomies));
     else
       step.ports[port.name] = *source;
   }

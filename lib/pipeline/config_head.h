@@ -13,6 +13,10 @@ namespace trephine {
 /// Parts of read_case_config: what a recipe, a scene and a case say of a head as a whole. Each adds its faults and goes
 /// on.
 
+/// ": here ventricles.labels": what a recipe's fault adds that wants data of that kind and names another stage of an
+/// anatomy which has one; else "".
+std::string hint_of_source(const std::string& source, DataKind kind, const std::vector<RecipeAnatomy>& anatomies);
+
 /// The case's `landmarks`: {nasion: [x, y, z]}.
 void read_given_landmarks(const std::filesystem::path& file, const YamlNode& node, CaseConfig& out,
                           ConfigFaults& faults);
