@@ -96,6 +96,20 @@ TEST(SegmentationBits, ComponentsByFacesAndByCorners) {
   EXPECT_EQ(largest(faces).count(), 70u);
   EXPECT_EQ(select(corners, {1, 0}).count(), 3u);
   EXPECT_EQ(m.bounds().end[0], 130);
+  const double ml = 3 * m.lattice().voxel_volume_mm3() / 1000;
+  EXPECT_EQ(at_least_ml(corners, ml).count(), 73u);
+  EXPECT_EQ(at_least_ml(corners, 1.01 * ml).count(), 70u);
+}
+
+TEST(SegmentationBits, CentreIsTheMeanOfTheSetVoxels) {
+  const Lattice l = anisotropic(130, 9, 7);
+  const BitMask m = scatter(l, 3, 11);
+  Vec3 sum;
+  for_voxels(l, [&](int i, int j, int k) {
+    if (m.get(i, j, k)) sum += l.to_world_mm({double(i), double(j), double(k)});
+  });
+  EXPECT_LT(norm(m.centre_mm() - sum / double(m.count())), 1e-9);
+  EXPECT_LT(norm(BitMask(l).centre_mm() - l.origin_mm), 1e-9);
 }
 
 TEST(SegmentationBits, ComponentsOfNoiseAgreeWithAFloodFill) {

@@ -49,6 +49,22 @@ Box BitMask::bounds() const {
   return box;
 }
 
+Vec3 BitMask::centre_mm() const {
+  std::int64_t sum[3] = {0, 0, 0}, all = 0;
+  for (int k = 0; k < lattice_.size[2]; ++k)
+    for (int j = 0; j < lattice_.size[1]; ++j) {
+      const Word* r = row(j, k);
+      std::int64_t n = 0;
+      for (int w = 0; w < words_; ++w)
+        for (Word left = r[w]; left; left &= left - 1, ++n) sum[0] += w * 64 + __builtin_ctzll(left);
+      sum[1] += n * j;
+      sum[2] += n * k;
+      all += n;
+    }
+  const double n = double(std::max<std::int64_t>(all, 1));
+  return lattice_.to_world_mm({double(sum[0]) / n, double(sum[1]) / n, double(sum[2]) / n});
+}
+
 BitMask& BitMask::operator&=(const BitMask& o) {
   for (std::size_t i = 0; i < bits_.size(); ++i) bits_[i] &= o.bits_[i];
   return *this;

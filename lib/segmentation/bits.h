@@ -30,6 +30,8 @@ class BitMask {
   bool any() const;
   /// The smallest box around the set voxels; empty where there are none.
   Box bounds() const;
+  /// The mean of the set voxels' centres, LPS; of the lattice's first voxel where there are none.
+  Vec3 centre_mm() const;
 
   BitMask& operator&=(const BitMask& o);
   BitMask& operator|=(const BitMask& o);
@@ -83,6 +85,8 @@ struct Components {
 Components components(const BitMask& mask, bool diagonal = false);
 /// The union of those for which keep[component] is not 0.
 BitMask select(const Components& components, const std::vector<char>& keep);
+/// The union of those of at least `ml`.
+BitMask at_least_ml(const Components& components, double ml);
 /// The one with most voxels (the first of equals); empty where there is none.
 BitMask largest(const Components& components);
 /// keep[c] = 1 where component c has a voxel in `other` (the same lattice).

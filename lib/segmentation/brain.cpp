@@ -83,21 +83,7 @@ BitMask lesions(const Grid<float>& soft, const BitMask& dark, const Progress& pr
   core &= make_mask(soft, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < soft.size[0]; ++i) row[i] = soft.at(i, j, k) > lesion_hu;
   });
-  const Components pieces = components(core);
-  std::vector<char> keep;
-  for (const Component& c : pieces.list) keep.push_back(c.voxels * soft.voxel_volume_mm3() / 1000 >= lesion_ml);
-  return dilated(select(pieces, keep), wide_mm + 1, progress);
-}
-
-Vec3 centre_of(const BitMask& shape) {
-  const Lattice& l = shape.lattice();
-  Vec3 sum;
-  double n = 0;
-  for (int k = 0; k < l.size[2]; ++k)
-    for (int j = 0; j < l.size[1]; ++j)
-      for (int i = 0; i < l.size[0]; ++i)
-        if (shape.get(i, j, k)) sum += {double(i), double(j), double(k)}, n += 1;
-  return l.to_world_mm(sum / std::max(n, 1.0));
+  return dilated(at_least_ml(components(core), lesion_ml), wide_mm + 1, progress);
 }
 
 /// CSF in the fourth ventricle's place that is parted from the outside where ways are narrow: it belongs to the brain.
@@ -200,7 +186,7 @@ Field segment_brain(const HuView& hu, const SegmentMasks& masks, const SegmentPa
   BitMask dark = dark_in(soft), deeper = dark_in(sharp), outside = shape;
   deeper.remove(lesions(soft, dark, progress));
   deeper |= outside.invert();
-  BitMask fourth = fourth_ventricle(deeper, outside, centre_of(shape), progress);
+  BitMask fourth = fourth_ventricle(deeper, outside, shape.centre_mm(), progress);
   deeper.remove(fourth &= shape);
   // Sharpening deepens sulci that are reached without; on its own it reaches nothing, for it raises noise too.
   dark |= outside;

@@ -138,6 +138,13 @@ BitMask select(const Components& c, const std::vector<char>& keep) {
   return mask;
 }
 
+BitMask at_least_ml(const Components& components, double ml) {
+  std::vector<char> keep;
+  for (const Component& c : components.list)
+    keep.push_back(c.voxels * components.lattice.voxel_volume_mm3() / 1000 >= ml);
+  return select(components, keep);
+}
+
 BitMask largest(const Components& c) {
   std::vector<char> keep(c.list.size());
   const auto best = std::max_element(c.list.begin(), c.list.end(),

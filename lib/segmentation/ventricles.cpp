@@ -62,10 +62,7 @@ Mask seeds_of(const BitMask& csf, const Grid<float>& depth, Vec3 centre_mm, cons
       for (int i = 0; i < l.size[0]; ++i)
         row[i] = depth.at(i, j, k) >= place.depth_mm && place.holds(from_centre(i, j, k));
     });
-    const Components pieces = components(wide);
-    std::vector<char> keep;
-    for (const Component& c : pieces.list) keep.push_back(c.voxels * l.voxel_volume_mm3() / 1000 >= core_ml);
-    cores |= select(pieces, keep);
+    cores |= at_least_ml(components(wide), core_ml);
   }
   Mask seeds(l);
   for (int k = 0; k < l.size[2]; ++k)
@@ -78,20 +75,6 @@ Mask seeds_of(const BitMask& csf, const Grid<float>& depth, Vec3 centre_mm, cons
         seeds.at(i, j, k) = cores.get(i, j, k) ? 1 : other ? 2 : 0;
       }
   return seeds;
-}
-
-Vec3 centre_of(const BitMask& brain) {
-  const Lattice& l = brain.lattice();
-  Vec3 sum;
-  std::size_t n = 0;
-  for (int k = 0; k < l.size[2]; ++k)
-    for (int j = 0; j < l.size[1]; j += 2)
-      for (int i = 0; i < l.size[0]; i += 2)
-        if (brain.get(i, j, k)) {
-          sum += {double(i), double(j), double(k)};
-          ++n;
-        }
-  return l.to_world_mm(sum / double(std::max<std::size_t>(n, 1)));
 }
 
 /// The mean of the middle half: as robust as a median, finer than a unit on integers.
@@ -221,14 +204,11 @@ BitMask find_ventricles(const Grid<float>& soft, const BitMask& envelope, double
   BitMask other = csf;
   other.invert();
   const Mask labels =
-      flood(distance_mm(other, progress), csf, seeds_of(csf, depth, centre_of(envelope), progress), progress);
+      flood(distance_mm(other, progress), csf, seeds_of(csf, depth, envelope.centre_mm(), progress), progress);
   BitMask mine = make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 1;
   });
-  const Components pieces = components(mine);
-  std::vector<char> keep;
-  for (const Component& c : pieces.list) keep.push_back(c.voxels * l.voxel_volume_mm3() / 1000 >= speck_ml);
-  mine = select(pieces, keep);
+  mine = at_least_ml(components(mine), speck_ml);
   // Back to the edge, but not into the fluid of others.
   BitMask free = fluid(upper_hu);
   BitMask apart = make_mask(l, [&](int j, int k, std::uint8_t* row) {
@@ -297,13 +277,14 @@ Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const Segm
   const auto margin = [&](double mm) {
     return int(std::ceil(mm / std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z})));
   };
+  const Vec3 centre = envelope.centre_mm();
   Field horns;
   int horns_count = 0;
   BitMask course(l);
   if (p.edge == SegmentEdge::half_maximum) {
     const Box around = grown(shape.bounds(), margin(horns_reach_mm), l);
     horns = find_horns(trephine::crop(raw, around), crop(known, around), crop(envelope, around), crop(others, around),
-                       crop(shape, around), centre_of(envelope), noise, horns_count, progress);
+                       crop(shape, around), centre, noise, horns_count, progress);
     report.add("horns_count", horns_count);
     course = positive(horns, l);
     course &= brain;
@@ -325,7 +306,6 @@ Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const Segm
     start = signed_distance_mm(start, progress);
     for (std::size_t v = 0; v < tubes.voxels.size() && horns_count > 0; ++v)
       start.voxels[v] = std::max(start.voxels[v], tubes.voxels[v]);
-    const Vec3 centre = centre_of(envelope);
     const BitMask necks = make_mask(start, [&](int j, int k, std::uint8_t* row) {
       for (int i = 0; i < start.size[0]; ++i)
         row[i] = about_monro.holds(start.to_world_mm({double(i), double(j), double(k)}) - centre);
@@ -337,10 +317,7 @@ Field segment_ventricles(const HuView& hu, const SegmentMasks& masks, const Segm
     field = resampled(start, cropped(whole, out), progress);
     found = positive(field, field);
     found &= crop(fine_brain, out);
-    const Components pieces = components(found);
-    std::vector<char> keep;
-    for (const Component& c : pieces.list) keep.push_back(c.voxels * whole.voxel_volume_mm3() / 1000 >= speck_ml / 2);
-    found = select(pieces, keep);
+    found = at_least_ml(components(found), speck_ml / 2);
     found |= holes(found, {p.fill_close_mm, 5, false}, progress);
     if (!found.any()) check_mask(found, hu.lattice().count(), report);
   } else {
