@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "segmentation/coarse.h"
 #include "stages/stage.h"
 
 namespace trephine {
@@ -80,6 +81,40 @@ TEST(CoarseSegment, HoldsTheFineShapeAndNothingFurtherThanACell) {
         }
     EXPECT_EQ(missing, 0) << cell_mm;
     EXPECT_EQ(far, 0) << cell_mm;
+  }
+}
+
+TEST(CoarseSegment, CellsAtTheExtremes) {
+  Lattice l;
+  l.size = {91, 2, 1};
+  l.spacing_mm = {double(0.3f), 0.5, 1e-9};
+  const auto factor = [&](double cell_mm) { return segmentation::coarse_raster(l, cell_mm, true).factor; };
+  EXPECT_EQ(factor(1.5), (std::array<int, 3>{5, 2, 1}));   // as in voxels of 0.3 mm
+  EXPECT_EQ(factor(1e-6), (std::array<int, 3>{1, 1, 1}));  // never less than a voxel
+  EXPECT_EQ(factor(1e12), (std::array<int, 3>{91, 2, 1}));
+  const auto whole = segmentation::coarse_raster(l, 1e300);
+  for (int a = 0; a < 3; ++a) EXPECT_EQ(whole.cells.size[a], 1);
+  EXPECT_NEAR(norm(whole.cells.origin_mm - l.to_world_mm({45, 0.5, 0})), 0, 1e-9);
+}
+
+// One layer of cells is a single slice, which is refused as one of voxels is.
+TEST(CoarseSegment, OfAVolumeThinnerThanACell) {
+  const auto whole = std::get<Grid<std::int16_t>>(scan());
+  Lattice l = whole;
+  l.size[2] = 3;
+  Grid<std::int16_t> slices(l);
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) slices.at(i, j, k) = whole.at(i, j, 14);
+  Report ignored;
+  EXPECT_EQ(segment_coarsely(slices, params(1.5), ignored).size[2], 3);
+  for (const double cell_mm : {3.6, 10.0, 1e9}) {
+    try {
+      segment_coarsely(slices, params(cell_mm), ignored);
+      FAIL() << cell_mm;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::quality) << cell_mm;
+    }
   }
 }
 

@@ -36,7 +36,9 @@ CoarseRaster coarse_raster(const Lattice& fine, double cell_mm, bool at_most) {
   Vec3 middle;
   for (int a = 0; a < 3; ++a) {
     const double voxels = cell_mm / fine.spacing_mm[a];
-    r.factor[a] = std::max(1, at_most ? int(voxels + 1e-9) : int(std::lround(voxels)));
+    // Spacings that were rounded to float lie within 1e-7.
+    const double whole = at_most ? std::floor(voxels + 1e-6) : std::round(voxels);
+    r.factor[a] = int(std::clamp(whole, 1.0, double(fine.size[a])));
     r.cells.size[a] = (fine.size[a] + r.factor[a] - 1) / r.factor[a];
     r.cells.spacing_mm[a] = fine.spacing_mm[a] * r.factor[a];
     middle[a] = (r.factor[a] - 1) / 2.0;

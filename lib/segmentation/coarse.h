@@ -13,7 +13,8 @@ struct CoarseRaster {
   std::array<int, 3> factor{1, 1, 1};
 };
 
-/// Cells as near to `cell_mm` as whole voxels allow; at most that large where `at_most`.
+/// Cells as near to `cell_mm` as whole voxels allow; at most that large where `at_most`, never larger than the lattice,
+/// never smaller than a voxel.
 CoarseRaster coarse_raster(const Lattice& fine, double cell_mm, bool at_most = false);
 
 /// The cells that hold at least `share` of their voxels (0: any voxel) in the mask.

@@ -2,34 +2,21 @@
 #include "stages/coarse_segment.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "base/parallel.h"
+#include "segmentation/coarse.h"
 
 namespace trephine {
 namespace {
 
-using Factor = std::array<int, 3>;
-
-Lattice cells_of(const Lattice& fine, double cell_mm, Factor& factor) {
-  Lattice cells = fine;
-  Vec3 middle;  // of the first cell, in voxels
-  for (int a = 0; a < 3; ++a) {
-    const double wanted = std::floor(cell_mm / fine.spacing_mm[a] + 1e-6);
-    factor[a] = static_cast<int>(std::clamp(wanted, 1.0, double(fine.size[a])));
-    cells.size[a] = (fine.size[a] + factor[a] - 1) / factor[a];
-    cells.spacing_mm[a] = factor[a] * fine.spacing_mm[a];
-    middle[a] = (factor[a] - 1) / 2.0;
-  }
-  cells.origin_mm = fine.to_world_mm(middle);
-  return cells;
-}
+using segmentation::CoarseRaster;
 
 /// The brightest voxel of each cell; no number where one is none.
 template <class T>
-Grid<T> brightest(const Grid<T>& fine, const Lattice& lattice, const Factor& factor, const Progress& progress) {
-  Grid<T> cells(lattice, std::numeric_limits<T>::lowest());
+Grid<T> brightest(const Grid<T>& fine, const CoarseRaster& raster, const Progress& progress) {
+  const auto& factor = raster.factor;
+  Grid<T> cells(raster.cells, std::numeric_limits<T>::lowest());
   parallel_for(0, cells.size[2], 1, [&](std::int64_t first, std::int64_t last) {
     progress.check();
     for (int k = static_cast<int>(first) * factor[2]; k < std::min<std::int64_t>(last * factor[2], fine.size[2]); ++k)
@@ -45,14 +32,15 @@ Grid<T> brightest(const Grid<T>& fine, const Lattice& lattice, const Factor& fac
 }
 
 /// Each voxel with its cell's value, in the box that the field's cells cover.
-Field spread(const Field& field, const Lattice& cells, const Lattice& fine, const Factor& factor) {
-  const Box at = place_in(field, cells);
+Field spread(const Field& field, const CoarseRaster& raster) {
+  const auto& factor = raster.factor;
+  const Box at = place_in(field, raster.cells);
   Box box;
   for (int a = 0; a < 3; ++a) {
     box.begin[a] = at.begin[a] * factor[a];
-    box.end[a] = std::min(at.end[a] * factor[a], fine.size[a]);
+    box.end[a] = std::min(at.end[a] * factor[a], raster.fine.size[a]);
   }
-  Field out(cropped(fine, box));
+  Field out(cropped(raster.fine, box));
   parallel_for(0, out.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = static_cast<int>(from); k < to; ++k)
       for (int j = 0; j < out.size[1]; ++j) {
@@ -69,18 +57,16 @@ Field spread(const Field& field, const Lattice& cells, const Lattice& fine, cons
 
 Field segment_coarsely(const HuVolume& volume, const SegmentStageParams& params, Report& report,
                        const Progress& progress) {
-  Factor factor{};
-  const Lattice& fine = lattice_of(volume);
-  const Lattice cells = cells_of(fine, params.coarse_mm, factor);
+  const CoarseRaster raster = segmentation::coarse_raster(lattice_of(volume), params.coarse_mm, true);
   const HuVolume coarse =
-      std::visit([&](const auto& grid) { return HuVolume(brightest(grid, cells, factor, progress)); }, volume);
+      std::visit([&](const auto& grid) { return HuVolume(brightest(grid, raster, progress)); }, volume);
   // What the cells widened is no wider a bridge.
   SegmentParams p = params;
   double widened_mm = 0;
-  for (int a = 0; a < 3; ++a) widened_mm = std::max(widened_mm, (factor[a] - 1) * fine.spacing_mm[a]);
+  for (int a = 0; a < 3; ++a) widened_mm = std::max(widened_mm, (raster.factor[a] - 1) * raster.fine.spacing_mm[a]);
   if (p.open_mm > 0) p.open_mm += widened_mm;
   const Field field = segment(coarse, {}, p, report, progress.part(0.1, 0.9));
-  return spread(field, cells, fine, factor);
+  return spread(field, raster);
 }
 
 }  // namespace trephine
