@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "surface/bounds.h"
 #include "surface/incidence.h"
 
 namespace trephine {
@@ -54,10 +55,7 @@ int drop_cavities(TriMesh& mesh, int& pieces_left, const Progress& progress) {
     Vec3 p[3];
     for (int k = 0; k < 3; ++k) {
       p[k] = mesh.points_mm[mesh.triangles[t][k]];
-      for (int a = 0; a < 3; ++a) {
-        c.box.min_mm[a] = std::min(c.box.min_mm[a], p[k][a]);
-        c.box.max_mm[a] = std::max(c.box.max_mm[a], p[k][a]);
-      }
+      include(c.box, p[k]);
       p[k] = p[k] - o;
     }
     c.volume += dot(p[0], cross(p[1], p[2])) / 6;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "surface/bounds.h"
 
 namespace trephine {
 namespace {
@@ -100,14 +101,9 @@ double FloatBox::squared_distance(Vec3 p) const {
 TriangleTree::TriangleTree(const TriMesh& mesh) : mesh_(mesh) {
   const auto count = static_cast<std::int64_t>(mesh.triangles.size());
   FloatBox all;
-  Vec3 low{3e38, 3e38, 3e38}, high{-3e38, -3e38, -3e38};
-  for (const Vec3 p : mesh.points_mm)
-    for (int a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], p[a]);
-      high[a] = std::max(high[a], p[a]);
-    }
-  all.add(low);
-  all.add(high);
+  Bounds exact;  // so that only two points are rounded
+  for (const Vec3 p : mesh.points_mm) include(exact, p);
+  if (!mesh.points_mm.empty()) all.add(exact.min_mm), all.add(exact.max_mm);
   double extent = 0;
   for (int a = 0; a < 3; ++a) extent = std::max(extent, double(all.max[a]) - all.min[a]);
   const double scale = extent > 0 ? 2097151 / extent : 0;

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "meshio/export_encode.h"
 #include "meshio/foreign.h"
+#include "surface/bounds.h"
 
 namespace trephine {
 namespace {
@@ -67,13 +68,6 @@ void compare_colour(ExportFormat format, const Check& check, const ExportSurface
     differs("opacity " + to_text(got.opacity) + " instead of " + to_text(wanted.opacity));
   if (wanted.texture_coordinates && holds_texture_coordinates(format) && got.texture_points == 0)
     differs("the reader found no texture coordinates");
-}
-
-void include(Bounds& b, Vec3 p) {
-  for (int c = 0; c < 3; ++c) {
-    b.min_mm[c] = std::min(b.min_mm[c], p[c]);
-    b.max_mm[c] = std::max(b.max_mm[c], p[c]);
-  }
 }
 
 void compare_surface(const std::vector<Vec3>& world, const ExportSurface& wanted, const ForeignSurface& got,

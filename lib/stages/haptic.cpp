@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "stages/cut.h"
+#include "surface/bounds.h"
 #include "voxel/cut.h"
 #include "voxel/mismatch.h"
 
@@ -14,13 +15,6 @@ namespace {
 
 // Air around what there is to feel: the surface's own ramp of occupancy must fit in.
 constexpr double rim_voxels = 3;
-
-void include(Bounds& all, const Bounds& more) {
-  for (int i = 0; i < 3; ++i) {
-    all.min_mm[i] = std::min(all.min_mm[i], more.min_mm[i]);
-    all.max_mm[i] = std::max(all.max_mm[i], more.max_mm[i]);
-  }
-}
 
 Bounds grown(Bounds b, double by_mm) {
   for (int i = 0; i < 3; ++i) {
@@ -39,12 +33,10 @@ void intersect(Bounds& b, const Bounds& with) {
 
 Bounds bounds_of_scan(const Lattice& lattice) {
   Bounds b;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p =
-        lattice.to_world_mm({corner & 1 ? lattice.size[0] - 0.5 : -0.5, corner & 2 ? lattice.size[1] - 0.5 : -0.5,
-                             corner & 4 ? lattice.size[2] - 0.5 : -0.5});
-    include(b, {p, p});
-  }
+  for (int corner = 0; corner < 8; ++corner)
+    include(b,
+            lattice.to_world_mm({corner & 1 ? lattice.size[0] - 0.5 : -0.5, corner & 2 ? lattice.size[1] - 0.5 : -0.5,
+                                 corner & 4 ? lattice.size[2] - 0.5 : -0.5}));
   return b;
 }
 

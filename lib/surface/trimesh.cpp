@@ -6,19 +6,14 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "surface/bounds.h"
 #include "surface/incidence.h"
 
 namespace trephine {
 
 Bounds bounds_of(const TriMesh& mesh) {
   Bounds b;
-  for (std::size_t i = 0; i < mesh.points_mm.size(); ++i) {
-    const Vec3 p = mesh.world_mm(i);
-    for (int a = 0; a < 3; ++a) {
-      b.min_mm[a] = std::min(b.min_mm[a], p[a]);
-      b.max_mm[a] = std::max(b.max_mm[a], p[a]);
-    }
-  }
+  for (std::size_t i = 0; i < mesh.points_mm.size(); ++i) include(b, mesh.world_mm(i));
   return b;
 }
 
