@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <optional>
 
 #include "base/parallel.h"
@@ -11,6 +12,7 @@
 #include "picture/image.h"
 #include "picture/render.h"
 #include "picture/slice.h"
+#include "surface/bounds.h"
 
 namespace trephine {
 namespace {
@@ -19,13 +21,7 @@ constexpr int cell_px = 640;
 
 Bounds bounds_of_all(const std::vector<PictureAnatomy>& anatomies) {
   Bounds all;
-  for (const PictureAnatomy& a : anatomies) {
-    const Bounds b = bounds_of(*a.surface);
-    for (int i = 0; i < 3; ++i) {
-      all.min_mm[i] = std::min(all.min_mm[i], b.min_mm[i]);
-      all.max_mm[i] = std::max(all.max_mm[i], b.max_mm[i]);
-    }
-  }
+  for (const PictureAnatomy& a : anatomies) include(all, bounds_of(*a.surface));
   return all;
 }
 
@@ -83,41 +79,6 @@ TriMesh ball_at(Vec3 position_mm) {
 // From red, a guess, to green.
 std::array<double, 3> colour_of(const CaseLandmark& l) { return {1 - l.confidence, 0.15 + 0.75 * l.confidence, 0.1}; }
 
-CasePicture landmarks_picture(const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
-                              const std::vector<CaseLandmark>& landmarks, const Bounds& frame,
-                              const Progress& progress) {
-  std::vector<TriMesh> balls;
-  for (const CaseLandmark& l : landmarks) balls.push_back(ball_at(l.position_mm));
-  std::vector<SurfaceView> views = see_through(anatomies);
-  for (std::size_t i = 0; i < balls.size(); ++i) views.push_back({&balls[i], colour_of(landmarks[i]), 1});
-  std::vector<Image> images;
-  for (const View v : {View::front, View::left, View::oblique_right})
-    images.push_back(shaded(views, v, "landmarks", frame, progress));
-
-  std::vector<OverlayShape> outlines;
-  for (const PictureAnatomy& a : anatomies) outlines.push_back({a.surface, vivid(a.colour_rgb), ""});
-  for (std::size_t i = 0; i < balls.size(); ++i) {
-    progress.check();
-    const CaseLandmark& l = landmarks[i];
-    // On the midline a profile says most, elsewhere the cut from ear to ear or through the ventricles.
-    const bool midline = l.name == "nasion" || l.name == "inion" || l.name == "vertex" || l.name == "bregma";
-    SliceParams params;
-    params.plane = midline                         ? SlicePlane::sagittal
-                   : l.name.rfind("monro", 0) == 0 ? SlicePlane::axial
-                                                   : SlicePlane::coronal;
-    const int axis = midline ? 0 : params.plane == SlicePlane::axial ? 2 : 1;
-    const auto range = slice_range_mm(lattice_of(volume), params.plane);
-    if (l.position_mm[axis] < range[0] || l.position_mm[axis] > range[1]) continue;
-    params.longer_side_px = cell_px;
-    params.window_width_hu = 400;
-    params.position_mm = l.position_mm[axis];
-    std::vector<OverlayShape> shapes = outlines;
-    shapes.push_back({&balls[i], colour_of(l), l.name});
-    images.push_back(slice_overlay(volume, params, shapes));
-  }
-  return {"landmarks.png", encode_png(contact_sheet(images, 3))};
-}
-
 // Images, some of them on several sheets: one part of an image's work follows another, so that as many are made at once
 // as there are threads.
 struct Sheet {
@@ -155,6 +116,50 @@ class Sheets {
   std::vector<Sheet> sheets_;
 };
 
+/// Where landmarks are shown: kept by the images' makers.
+struct LandmarksScene {
+  std::vector<TriMesh> balls;
+  std::vector<SurfaceView> views;
+  std::vector<OverlayShape> outlines;
+};
+
+Sheet landmarks_sheet(Sheets& sheets, const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
+                      const std::vector<CaseLandmark>& landmarks, const Bounds& frame, const Progress& progress) {
+  const auto scene = std::make_shared<LandmarksScene>();
+  for (const CaseLandmark& l : landmarks) scene->balls.push_back(ball_at(l.position_mm));
+  scene->views = see_through(anatomies);
+  for (std::size_t i = 0; i < landmarks.size(); ++i)
+    scene->views.push_back({&scene->balls[i], colour_of(landmarks[i]), 1});
+  for (const PictureAnatomy& a : anatomies) scene->outlines.push_back({a.surface, vivid(a.colour_rgb), ""});
+
+  Sheet sheet{"landmarks.png", {}};
+  for (const View v : {View::front, View::left, View::oblique_right})
+    sheet.cells.push_back(
+        sheets.image([scene, v, &frame, &progress] { return shaded(scene->views, v, "landmarks", frame, progress); }));
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const CaseLandmark& l = landmarks[i];
+    // On the midline a profile says most, elsewhere the cut from ear to ear or through the ventricles.
+    const bool midline = l.name == "nasion" || l.name == "inion" || l.name == "vertex" || l.name == "bregma";
+    SliceParams params;
+    params.plane = midline                         ? SlicePlane::sagittal
+                   : l.name.rfind("monro", 0) == 0 ? SlicePlane::axial
+                                                   : SlicePlane::coronal;
+    const int axis = midline ? 0 : params.plane == SlicePlane::axial ? 2 : 1;
+    const auto range = slice_range_mm(lattice_of(volume), params.plane);
+    if (l.position_mm[axis] < range[0] || l.position_mm[axis] > range[1]) continue;
+    params.longer_side_px = cell_px;
+    params.window_width_hu = 400;
+    params.position_mm = l.position_mm[axis];
+    sheet.cells.push_back(sheets.image([scene, i, params, &l, &volume, &progress] {
+      progress.check();
+      std::vector<OverlayShape> shapes = scene->outlines;
+      shapes.push_back({&scene->balls[i], colour_of(l), l.name});
+      return slice_overlay(volume, params, shapes);
+    }));
+  }
+  return sheet;
+}
+
 }  // namespace
 
 std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
@@ -163,6 +168,7 @@ std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::v
   const Bounds frame = bounds_of_all(anatomies);
   const Vec3 focus = point_of_interest(anatomies);
   Sheets sheets;
+  if (!landmarks.empty()) sheets.add(landmarks_sheet(sheets, volume, anatomies, landmarks, frame, progress));
   Sheet overview{"overview.png", {}};
 
   std::vector<SurfaceView> solid;
@@ -217,11 +223,8 @@ std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::v
     overview.cells.push_back(slice());
     sheets.add(std::move(sheet));
   }
-  std::vector<CasePicture> pictures;
-  if (!landmarks.empty()) pictures.push_back(landmarks_picture(volume, anatomies, landmarks, frame, progress));
   sheets.add(std::move(overview));
-  for (CasePicture& p : sheets.make(progress)) pictures.push_back(std::move(p));
-  return pictures;
+  return sheets.make(progress);
 }
 
 }  // namespace trephine
