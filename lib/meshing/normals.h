@@ -19,10 +19,10 @@ struct NormalsParams {
   }
 };
 
-/// One unit normal a point, the weighted mean of its triangles' normals, looking outwards; points and triangles stay as
-/// they are, so the mesh stays closed (no vertex is split at an edge). Where the mean vanishes, the normal of the
-/// largest triangle there stands in and is counted; a point without triangles gets (0, 0, 1). Throws as check_mesh
-/// does.
+/// One unit normal a point, the weighted mean of its triangles' normals, looking to where these do: outwards of a
+/// closed surface. Points and triangles stay as they are (no vertex is split at an edge), so a closed mesh stays
+/// closed, and an open one open: nothing here needs more. Where the mean vanishes, the normal of the largest triangle
+/// there stands in and is counted; a point without triangles gets (0, 0, 1). Throws as check_mesh does.
 void compute_normals(TriMesh& mesh, const NormalsParams& params, Report& report, const Progress& progress = {});
 
 }  // namespace trephine

@@ -10,8 +10,11 @@ StageType normals_stage() {
   s.name = "normals";
   s.version = 1;
   s.summary = "gives every point of a surface a normal";
-  s.description = "Smooth normals, one a point: the surface stays closed, no point is split at a sharp edge.";
-  s.ports = {{"surface", DataKind::mesh, true, "closed surface"}};
+  s.description =
+      "Smooth normals, one a point. No point is split at a sharp edge, so a closed surface stays closed; an open one "
+      "is "
+      "taken too.";
+  s.ports = {{"surface", DataKind::mesh, true, "surface"}};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<NormalsParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
