@@ -181,11 +181,12 @@ TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& repo
 
   Outcome o;
   const char* stopped_by = "count";
-  if (target == 0 || input.triangles.size() <= target) {
-    o.mesh = input;
-  } else {
+  const bool collapsed = target != 0 && input.triangles.size() > target;
+  if (collapsed) {
     o = collapse_all(input, target, params.max_deviation_mm, progress);
     if (o.mesh.triangles.size() > target) stopped_by = o.limited ? "deviation" : "validity";
+  } else {
+    o.mesh = input;
   }
   const Validity v = check_validity(o.mesh, progress.part(0.9, 1));
   if (!v.valid()) throw Error(ExitCode::quality, "", "decimate", v.text());
@@ -198,6 +199,7 @@ TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& repo
   report.add("deviation_max_mm", o.deviation.max_mm);
   report.add("deviation_p99_mm", o.deviation.p99_mm);
   report.add("deviation_rms_mm", o.deviation.rms_mm);
+  if (collapsed && params.max_deviation_mm > 0) report.add("deviation_proven_mm", params.max_deviation_mm);
   report.add("volume_change_percent", 100 * (v.volume_mm3 / volume - 1));
   report.add("collapses_undone_count", o.undone);
   report.add("collapses_undone_for_validity_count", o.undone_for_validity);

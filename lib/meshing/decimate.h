@@ -40,7 +40,8 @@ struct DecimateParams {
 /// the distances around (prove_within.h), in finer steps where they lie near the bound, and what cannot be proven is
 /// undone. Exact but for the input's rounding to float32 (half a unit in the last place of its coordinates about its
 /// origin, 4e-6 mm for a head). deviation_max_mm is the largest of the samples, kept within 0.9 of the bound, so that
-/// few proofs fail; a point between samples can lie further, up to the bound.
+/// few proofs fail; a point between samples can lie further, up to the bound, which the report repeats as
+/// deviation_proven_mm.
 ///
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed, 2-manifold
 /// and free of self-intersections, or no limit can be kept.

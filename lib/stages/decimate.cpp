@@ -8,7 +8,7 @@ namespace trephine {
 StageType decimate_stage() {
   StageType s;
   s.name = "decimate";
-  s.version = 7;
+  s.version = 8;
   s.summary = "reduces the triangles of a surface within a bound in mm";
   s.description =
       "Edge collapse that keeps the surface closed, 2-manifold and free of self-intersections. It stops at the count "
