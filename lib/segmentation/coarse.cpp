@@ -38,7 +38,7 @@ CoarseRaster coarse_raster(const Lattice& fine, double cell_mm, bool at_most) {
     const double voxels = cell_mm / fine.spacing_mm[a];
     // Spacings that were rounded to float lie within 1e-7.
     const double whole = at_most ? std::floor(voxels + 1e-6) : std::round(voxels);
-    r.factor[a] = int(std::clamp(whole, 1.0, double(fine.size[a])));
+    r.factor[a] = int(std::clamp(whole, 1.0, std::max(1.0, double(fine.size[a]))));
     r.cells.size[a] = (fine.size[a] + r.factor[a] - 1) / r.factor[a];
     r.cells.spacing_mm[a] = fine.spacing_mm[a] * r.factor[a];
     middle[a] = (r.factor[a] - 1) / 2.0;
