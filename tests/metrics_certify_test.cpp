@@ -35,9 +35,15 @@ TriMesh cube() {
   return m;
 }
 
+CertifiedDeviation certified(const TriMesh& mesh, const TriMesh& reference, double tolerance_mm) {
+  CertifyParams p;
+  p.certify_tolerance_mm = tolerance_mm;
+  return certify_deviation(mesh, reference, p);
+}
+
 TEST(Certify, TheLargestDistanceBetweenThePoints) {
   // From the cube's flat top down to a dent 3 mm deep: largest in the middle of the face, where no point of it lies.
-  const CertifiedDeviation d = certify_deviation(cube(), roofed(-3), 1e-3);
+  const CertifiedDeviation d = certified(cube(), roofed(-3), 1e-3);
   const double exact = 3 * std::cos(std::atan(3.0 / 5));
   EXPECT_LE(d.mesh_to_reference.lower_mm, exact + 1e-9);
   EXPECT_GE(d.mesh_to_reference.upper_mm, exact);
@@ -49,7 +55,7 @@ TEST(Certify, TheLargestDistanceBetweenThePoints) {
 
 TEST(Certify, OfASurfaceWithItself) {
   const TriMesh m = surface(sphere(20, 10));
-  EXPECT_LT(certify_deviation(m, m, 1e-4).upper_mm(), 1e-4 + 1e-6);
+  EXPECT_LT(certified(m, m, 1e-4).upper_mm(), 1e-4 + 1e-6);
 }
 
 TEST(Certify, NeverBelowDenseSamples) {
@@ -57,7 +63,7 @@ TEST(Certify, NeverBelowDenseSamples) {
     const TriMesh a = surface(noise(8, seed, 0.3, false));
     TriMesh b = surface(noise(8, seed + 100, 0.3, false));
     b.origin_mm.x += 0.25;
-    const CertifiedDeviation d = certify_deviation(a, b, 0.01);
+    const CertifiedDeviation d = certified(a, b, 0.01);
     DeviationParams p;
     p.sample_count = 100000;
     const Deviation s = measure_deviation(a, b, p);
@@ -71,7 +77,7 @@ TEST(Certify, NeverBelowDenseSamples) {
 
 TEST(Certify, RefusesNothing) {
   try {
-    certify_deviation(cube(), TriMesh(), 0.01);
+    certified(cube(), TriMesh(), 0.01);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
@@ -79,12 +85,32 @@ TEST(Certify, RefusesNothing) {
   }
 }
 
+TEST(Certify, GivesUpWhereTooManyPiecesAreNeeded) {
+  CertifyParams p;
+  p.certify_tolerance_mm = 1e-6;
+  const TriMesh a = surface(sphere(20, 10)), b = surface(sphere(14, 10));
+  for (const int threads : {1, 2}) {
+    set_thread_count(threads);
+    p.certify_max_pieces_count = 20000;
+    try {
+      certify_deviation(a, b, p);
+      FAIL() << threads;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::internal);
+      EXPECT_NE(std::string(e.what()).find("20,000 pieces: give a larger --certify-tolerance-mm"), std::string::npos);
+    }
+    p.certify_max_pieces_count = 1000000000;
+    EXPECT_LE(certify_deviation(a, b, p).upper_mm() - certify_deviation(a, b, p).lower_mm(), 1e-6 + 1e-6) << threads;
+  }
+  set_thread_count(0);
+}
+
 TEST(Certify, SameBitsWithAnyThreads) {
   const TriMesh a = surface(noise(10, 1, 0.3, false)), b = surface(noise(10, 2, 0.3, false));
   set_thread_count(1);
-  const CertifiedDeviation one = certify_deviation(a, b, 0.01);
+  const CertifiedDeviation one = certified(a, b, 0.01);
   set_thread_count(2);
-  const CertifiedDeviation two = certify_deviation(a, b, 0.01);
+  const CertifiedDeviation two = certified(a, b, 0.01);
   set_thread_count(0);
   EXPECT_EQ(one.upper_mm(), two.upper_mm());
   EXPECT_EQ(one.lower_mm(), two.lower_mm());

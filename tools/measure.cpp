@@ -94,7 +94,7 @@ Report measure_against_mesh(const ParsedCommand& parsed, const TriMesh& mesh, co
   Report report =
       measure_surface(mesh, MeshReference{&reference}, parsed.params<MeasureParams>(), progress.part(0, 0.4));
   if (const auto& certify = parsed.params<CertifyParams>(); certify.certify)
-    add_certified(report, certify_deviation(mesh, reference, certify.certify_tolerance_mm, progress.part(0.4, 0.8)));
+    add_certified(report, certify_deviation(mesh, reference, certify, progress.part(0.4, 0.8)));
   if (parsed.has("picture"))
     write_file(parsed.path("picture"), encode_png(deviation_picture(mesh, reference, 0, progress.part(0.8, 1))));
   return report;

@@ -2,11 +2,13 @@
 #include "metrics/certify.h"
 
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <vector>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/text.h"
 #include "surface/bvh.h"
 
 namespace trephine {
@@ -24,8 +26,13 @@ struct Corner {
 
 class OneWay {
  public:
-  OneWay(const TriMesh& from, const TriMesh& to, double tolerance, const Progress& progress)
-      : from_(from), to_(to), tolerance_(tolerance), bvh_(to, progress), shift_(from.origin_mm - to.origin_mm) {}
+  OneWay(const TriMesh& from, const TriMesh& to, const CertifyParams& params, const Progress& progress)
+      : from_(from),
+        to_(to),
+        tolerance_(params.certify_tolerance_mm),
+        most_pieces_(params.certify_max_pieces_count),
+        bvh_(to, progress),
+        shift_(from.origin_mm - to.origin_mm) {}
 
   CertifiedDistance run(const Progress& progress) {
     find_corners(progress.part(0, 0.4));
@@ -37,7 +44,12 @@ class OneWay {
       CertifiedDistance& best = of_piece[std::size_t(begin / grain)];
       for (std::int64_t t = begin; t < end; ++t) {
         const auto& v = from_.triangles[t];
-        examine(corners_[v[0]], corners_[v[1]], corners_[v[2]], best);
+        pieces_ += std::int64_t(examine(corners_[v[0]], corners_[v[1]], corners_[v[2]], best));
+        if (pieces_ > most_pieces_)  // what all triangles need does not depend on the threads
+          throw Error(ExitCode::internal, "", "--certify",
+                      "the surface would be cut into more than " + grouped_text(most_pieces_) +
+                          " pieces: give a larger --certify-tolerance-mm than " + to_text(tolerance_) +
+                          ", or --certify-max-pieces-count");
       }
     });
     CertifiedDistance all;
@@ -98,10 +110,12 @@ class OneWay {
     return best;
   }
 
-  void examine(const Corner& a, const Corner& b, const Corner& c, CertifiedDistance& best) const {
+  /// Returns how many pieces it took.
+  std::size_t examine(const Corner& a, const Corner& b, const Corner& c, CertifiedDistance& best) const {
     std::vector<std::array<Corner, 3>> stack{{a, b, c}};
     for (const Corner& k : stack[0]) take(k, best);
-    for (std::size_t pieces = 1; !stack.empty(); ++pieces) {
+    std::size_t pieces = 1;
+    for (; !stack.empty(); ++pieces) {
       const std::array<Corner, 3> t = stack.back();
       stack.pop_back();
       const double upper = bound(t);
@@ -120,6 +134,7 @@ class OneWay {
       stack.push_back({middle[2], middle[1], t[2]});
       stack.push_back({middle[0], middle[1], middle[2]});
     }
+    return pieces - 1;
   }
 
   static void take(const Corner& c, CertifiedDistance& best) {
@@ -130,14 +145,16 @@ class OneWay {
 
   const TriMesh &from_, &to_;
   double tolerance_, floor_ = 0;
+  std::int64_t most_pieces_;
   Bvh bvh_;
   Vec3 shift_;
   std::vector<Corner> corners_;
+  std::atomic<std::int64_t> pieces_{0};
 };
 
 }  // namespace
 
-CertifiedDeviation certify_deviation(const TriMesh& mesh, const TriMesh& reference, double tolerance_mm,
+CertifiedDeviation certify_deviation(const TriMesh& mesh, const TriMesh& reference, const CertifyParams& params,
                                      const Progress& progress) {
   const auto check = [](const char* which, const TriMesh& m) {
     with_field(which, [&] {
@@ -148,8 +165,8 @@ CertifiedDeviation certify_deviation(const TriMesh& mesh, const TriMesh& referen
   check("surface", mesh);
   check("reference", reference);
   CertifiedDeviation d;
-  d.mesh_to_reference = OneWay(mesh, reference, tolerance_mm, progress).run(progress.part(0, 0.5));
-  d.reference_to_mesh = OneWay(reference, mesh, tolerance_mm, progress).run(progress.part(0.5, 1));
+  d.mesh_to_reference = OneWay(mesh, reference, params, progress).run(progress.part(0, 0.5));
+  d.reference_to_mesh = OneWay(reference, mesh, params, progress).run(progress.part(0.5, 1));
   return d;
 }
 

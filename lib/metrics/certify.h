@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <algorithm>
+#include <cstdint>
 
 #include "base/params.h"
 #include "base/progress.h"
@@ -12,12 +13,16 @@ namespace trephine {
 struct CertifyParams {
   bool certify = false;
   double certify_tolerance_mm = 0.005;
+  std::int64_t certify_max_pieces_count = 100000000;
   template <class V>
   static void describe(V& v) {
     using P = CertifyParams;
     v.flag(&P::certify, "certify", "With --reference: prove the largest two-sided distance, also between samples.");
     v.number(&P::certify_tolerance_mm, "certify_tolerance_mm", Range{1e-6, 10},
              "With --certify: how far the proven bound may lie above a distance that was found.");
+    v.integer(&P::certify_max_pieces_count, "certify_max_pieces_count", Range{1000, 1e12},
+              "With --certify: gives up where either surface would have to be cut into more pieces; a million take a "
+              "second or two.");
   }
 };
 
@@ -36,11 +41,12 @@ struct CertifiedDeviation {
 
 /// An upper bound of the distance of every point of either surface to the other, not of samples. A triangle's distance
 /// to the surface is at most that to one triangle of it, which is convex, so largest at a corner; where that is not
-/// good enough the triangle is cut in four (as Guthe, Borodin, Klein 2005). Ends at upper - lower <= tolerance_mm but
-/// where a triangle would need more than 200,000 pieces: there the bound is the larger one. Rounding is on the safe
-/// side (1e-9 of the surfaces' size is added). In-process and bounded; the same bits whatever the thread count.
-/// Throws 65 as check_mesh does, and for a surface without triangles.
-CertifiedDeviation certify_deviation(const TriMesh& mesh, const TriMesh& reference, double tolerance_mm,
+/// good enough the triangle is cut in four (as Guthe, Borodin, Klein 2005). Ends at upper - lower <= the tolerance but
+/// where a triangle would need more than 200,000 pieces: there the bound is the larger one. Throws 70 where all of a
+/// surface's triangles would need more than the most pieces, which does not hang on threads or clock either. Rounding
+/// is on the safe side (1e-9 of the surfaces' size is added). In-process and bounded; the same bits whatever the thread
+/// count. Throws 65 as check_mesh does, and for a surface without triangles.
+CertifiedDeviation certify_deviation(const TriMesh& mesh, const TriMesh& reference, const CertifyParams& params,
                                      const Progress& progress = {});
 
 /// Adds certified_max_mm (the upper bound), certified_lower_mm, certified_to_reference_mm, certified_from_reference_mm
