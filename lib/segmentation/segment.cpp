@@ -75,12 +75,8 @@ BitMask holes(const BitMask& shape, const FillRule& rule, const Progress& progre
 
 void check_mask(const BitMask& mask, std::size_t volume_voxels, Report& report) {
   const std::size_t n = mask.count();
-  if (n == 0)
-    throw Error(ExitCode::quality, "", "lower_hu, upper_hu",
-                fmt::format("the mask is empty: 0 of {} voxels are left of what they and the other parameters ask for",
-                            volume_voxels));
-  if (n == volume_voxels)
-    throw Error(ExitCode::quality, "", "lower_hu, upper_hu", fmt::format("the mask is full: all {} voxels", n));
+  if (n == 0) throw Error(ExitCode::quality, "", "", fmt::format("the mask is empty: 0 of {} voxels", volume_voxels));
+  if (n == volume_voxels) throw Error(ExitCode::quality, "", "", fmt::format("the mask is full: all {} voxels", n));
   const Box b = mask.bounds();
   for (int axis = 0; axis < 3; ++axis)
     if (b.end[axis] - b.begin[axis] < 2)
@@ -112,6 +108,17 @@ void check_finite(const HuVolume& volume) {
     bad += n;
   });
   if (bad > 0) throw Error(ExitCode::bad_input, "", "volume", fmt::format("{} voxels are NaN or infinite", bad.load()));
+}
+
+/// A fault of the shape found that names no parameter is the thresholds'.
+template <class F>
+auto of_thresholds(F&& f) {
+  try {
+    return f();
+  } catch (Error& e) {
+    if (e.field().empty()) e.in_field("lower_hu, upper_hu");
+    throw;
+  }
 }
 
 /// The field's surface moved by grow_mm, on a lattice with room for it.
@@ -168,23 +175,21 @@ Field segment(const HuVolume& volume, const SegmentMasks& masks, const SegmentPa
     throw Error(ExitCode::usage, "", "lower_hu", fmt::format("{} is above upper_hu, {}", lower_hu, upper_hu));
   if (params.method != SegmentMethod::threshold) check_varies(volume);
   const HuView hu(volume);
-  Field field;
-  switch (params.method) {
-    case SegmentMethod::threshold:
-      field = segment_threshold(hu, masks, params, report, progress);
-      break;
-    case SegmentMethod::brain:
-      field = segment_brain(hu, masks, params, report, progress);
-      break;
-    case SegmentMethod::ventricles:
-      field = segment_ventricles(hu, masks, params, report, progress);
-      break;
-  }
+  Field field = of_thresholds([&] {
+    switch (params.method) {
+      case SegmentMethod::brain:
+        return segment_brain(hu, masks, params, report, progress);
+      case SegmentMethod::ventricles:
+        return segment_ventricles(hu, masks, params, report, progress);
+      default:
+        return segment_threshold(hu, masks, params, report, progress);
+    }
+  });
   if (params.grow_mm != 0) {
     field = moved(field, lattice, params.grow_mm, progress);
     report.add("grown_mm", params.grow_mm);
   }
-  check_mask(positive(field, field), lattice.count(), report);
+  of_thresholds([&] { check_mask(positive(field, field), lattice.count(), report); });
   field = trimmed(std::move(field));
   if (params.max_scan_edge_ratio < 1) check_scan_edge(hu, field, params, report);
   progress.report(1);

@@ -300,7 +300,8 @@ Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& pa
   else if (run.end == BandEnd::iterations && params.min_change_mm > 0)
     report.warn(
         fmt::format("snake: still moves by {:.3g} mm an iteration after {} of them", run.change_mm, iterations));
-  if (params.propagation > 0 && held_back > most_held_back)
+  // A geodesic one is drawn beyond where a speed of both signs ends.
+  if (!geodesic && params.propagation > 0 && held_back > most_held_back)
     report.warn(
         fmt::format("snake: at {:.0f} % of what it holds the speed is negative: it leaked through noise, or began "
                     "elsewhere; smooth the presegmentation (smoothing_sigma_mm) or narrow it, give within or "

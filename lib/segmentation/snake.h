@@ -73,10 +73,10 @@ struct SnakeParams {
 ///
 /// Report: iterations_count (all levels), stopped_by (converged, iterations; of the finest), change_mm, time_step,
 /// mean_speed, negative_speed_ratio (of the voxels inside, those of negative speed), volume_ml. Warns where more than a
-/// twentieth is negative, where it still moves, and where it reached the speed image's edge: it may have leaked. Throws
-/// 65 where a voxel is not finite, the speed is not within [-1, 1] or rasters differ; 64 where every weight is 0; 80
-/// where start is empty on the speed's lattice, or the surface vanishes, fills its domain or exceeds the bounds given;
-/// Cancelled. The same bits whatever the thread count; not from several threads at a time.
+/// twentieth is negative (region competition), where it still moves, and where it reached the speed image's edge: it
+/// may have leaked. Throws 65 where a voxel is not finite, the speed is not within [-1, 1] or rasters differ; 64 where
+/// every weight is 0; 80 where start is empty on the speed's lattice, or the surface vanishes, fills its domain or
+/// exceeds the bounds given; Cancelled. The same bits whatever the thread count; not from several threads at a time.
 Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& params, Report& report,
                    const Progress& progress = {});
 

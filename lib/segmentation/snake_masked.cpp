@@ -63,7 +63,8 @@ void tell_held(const Field& field, const Field& speed, const SnakeMasks& masks, 
             if (!field.contains(n[0], n[1], n[2]) || field.at(n[0], n[1], n[2]) > 0) continue;
             const std::size_t v = field.index(n[0], n[1], n[2]);
             all[k] += face[a];
-            if ((forbidden[v] && g.voxels[v] > 0) || (method == SnakeMethod::geodesic && g.voxels[v] <= -1))
+            if ((forbidden[v] && g.voxels[v] > 0) ||
+                (method == SnakeMethod::geodesic && g.voxels[v] <= -1 && g.at(i, j, k) >= 0))
               held[k] += face[a];
           }
         }

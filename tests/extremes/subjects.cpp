@@ -42,8 +42,9 @@ struct Suited {
 // What a stage needs in order to have something to work on, by its name, or name and method.
 Suited suited(const std::string& stage, const std::string& method) {
   const std::string key = method.empty() ? stage : stage + " " + method;
-  if (key == "segment brain") return {Body::head, {"skull"}, {{"lower_hu", "22"}}};
-  if (key == "segment ventricles") return {Body::head, {"within"}, {{"lower_hu", "-15"}, {"upper_hu", "21.5"}}};
+  if (key == "segment brain") return {Body::head, {"skull"}, {{"lower_hu", "22"}, {"edge", "fixed"}}};
+  if (key == "segment ventricles")
+    return {Body::head, {"within"}, {{"lower_hu", "-15"}, {"upper_hu", "21.5"}, {"edge", "fixed"}}};
   if (stage == "landmarks") return {Body::head, {"brain", "ventricles"}, {}};
   if (stage == "face_gate") return {Body::head, {"surface.*"}, {}};
   if (stage == "deface") return {Body::head, {}, {}};
