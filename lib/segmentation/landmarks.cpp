@@ -38,11 +38,7 @@ class Finder {
     check(in.brain, "brain");
     check(in.ventricles, "ventricles");
     check_given(in.given, *in.skin, report);
-    try {
-      check_varies(volume);
-    } catch (const Error& e) {
-      throw Error(e.code(), "", e.field(), std::string(e.what()) + ": " + how_to_give);
-    }
+    check_varies(volume);
     out_.landmarks = in.given;
   }
 
