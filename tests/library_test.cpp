@@ -148,7 +148,9 @@ TEST(LibraryPools, NoChoiceOfJobsExceedsTheBudget) {
           }
         EXPECT_TRUE(sum <= budget || running == 1) << sum << " of " << budget << " with " << jobs;
         EXPECT_GE(running, 1);
-        if (budget >= 16000 && jobs <= static_cast<int>(load.size())) EXPECT_EQ(running, jobs) << "places are wasted";
+        if (budget >= 16000 && jobs <= static_cast<int>(load.size())) {
+          EXPECT_EQ(running, jobs) << "places are wasted";
+        }
       }
 }
 
