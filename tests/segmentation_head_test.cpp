@@ -146,7 +146,7 @@ TEST(SegmentHead, BrainAndVentriclesHaveThresholdsOfTheirOwn) {
   said.edge = SegmentEdge::half_maximum;
   const Field envelope = segment(volume, {}, brain, report);
   EXPECT_EQ(envelope, segment(volume, {}, said, report));
-  EXPECT_GT(dice(envelope, volume, [](Vec3 x) { return in_brain(x); }), 0.97);
+  EXPECT_GT(dice(envelope, lattice_of(volume), [](Vec3 x) { return in_brain(x); }), 0.97);
   said = ventricles;
   said.lower_hu = -15;
   said.upper_hu = 18.5;
