@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "segmentation/anatomy_gate_gap.h"
+#include "segmentation/coarse.h"
 #include "segmentation/methods.h"
 
 namespace trephine {
@@ -24,20 +25,7 @@ std::string at_text(Vec3 p) { return "(" + fixed(p.x, 1) + ", " + fixed(p.y, 1) 
 
 /// On voxels of about 2 mm: bone where any of its voxels is.
 BitMask coarse_bone(const Field& skull) {
-  Lattice l = skull;
-  int factor[3];
-  for (int a = 0; a < 3; ++a) {
-    factor[a] = std::max(1, int(std::lround(2.0 / skull.spacing_mm[a])));
-    l.size[a] = (skull.size[a] + factor[a] - 1) / factor[a];
-    l.spacing_mm[a] = skull.spacing_mm[a] * factor[a];
-  }
-  l.origin_mm = skull.to_world_mm({(factor[0] - 1) / 2.0, (factor[1] - 1) / 2.0, (factor[2] - 1) / 2.0});
-  return segmentation::make_mask(l, [&](int j, int k, std::uint8_t* row) {
-    for (int z = k * factor[2]; z < std::min(skull.size[2], (k + 1) * factor[2]); ++z)
-      for (int y = j * factor[1]; y < std::min(skull.size[1], (j + 1) * factor[1]); ++y)
-        for (int x = 0; x < skull.size[0]; ++x)
-          if (skull.at(x, y, z) > 0) row[x / factor[0]] = 1;
-  });
+  return segmentation::coarse_mask(segmentation::positive(skull, skull), segmentation::coarse_raster(skull, 2), 0);
 }
 
 struct Gate {

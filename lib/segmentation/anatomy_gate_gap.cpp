@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "segmentation/coarse.h"
 #include "segmentation/filters.h"
 #include "surface/point_triangle.h"
 
@@ -214,30 +215,25 @@ double to_fan(Vec3 p, const Fan& fan) {
 
 /// How far the cells of a block are from the other's surface at least.
 struct Blocks {
-  Lattice lattice;
-  int factor[3];
+  CoarseRaster raster;
   Grid<float> to_other;  ///< from a block's middle to that of the nearest one with the other's surface, mm
   double slack_mm;       ///< how much nearer than that two cells of the blocks can be
 
   double least_mm(int i, int j, int k) const {
-    return to_other.at(i / factor[0], j / factor[1], k / factor[2]) - slack_mm;
+    const auto& f = raster.factor;
+    return to_other.at(i / f[0], j / f[1], k / f[2]) - slack_mm;
   }
 };
 
 Blocks blocks_of(const Cells& other, const Progress& progress) {
   const Lattice& l = other.mask.lattice();
   Blocks b;
-  b.lattice = l;
-  for (int a = 0; a < 3; ++a) {
-    b.factor[a] = std::max(1, int(std::lround(block_mm / l.spacing_mm[a])));
-    b.lattice.size[a] = (l.size[a] + b.factor[a] - 1) / b.factor[a];
-    b.lattice.spacing_mm[a] = l.spacing_mm[a] * b.factor[a];
-  }
-  b.slack_mm = norm(b.lattice.spacing_mm + l.spacing_mm) + 1e-3;  // a cell reaches a voxel beyond its block
-  BitMask with(b.lattice);
+  b.raster = coarse_raster(l, block_mm);
+  b.slack_mm = norm(b.raster.cells.spacing_mm + l.spacing_mm) + 1e-3;  // a cell reaches a voxel beyond its block
+  BitMask with(b.raster.cells);
+  const auto& f = b.raster.factor;
   for (int k = 0; k < l.size[2]; ++k)
-    each_cell(other, k,
-              [&](int i, int j, int, std::size_t) { with.set(i / b.factor[0], j / b.factor[1], k / b.factor[2]); });
+    each_cell(other, k, [&](int i, int j, int, std::size_t) { with.set(i / f[0], j / f[1], k / f[2]); });
   b.to_other = distance_mm(with, progress);
   return b;
 }

@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "segmentation/canal_parts.h"
+#include "segmentation/coarse.h"
 #include "segmentation/filters.h"
 
 namespace trephine::segmentation {
@@ -15,32 +16,6 @@ constexpr double least_clearance_mm = 2.5;  ///< from bone, at the canal's middl
 constexpr double steepest = 1.5;            ///< mm sidewards a mm along the canal
 constexpr double sideward_cost = 0.05;      ///< enclosure times mm, a mm sidewards
 constexpr int rays = 24;
-
-struct Coarse {
-  Lattice lattice;
-  std::array<int, 3> factor;
-};
-
-Coarse coarse_of(const Lattice& l) {
-  Coarse c{l, {}};
-  for (int a = 0; a < 3; ++a) {
-    c.factor[a] = std::max(1, int(std::lround(coarse_mm / l.spacing_mm[a])));
-    c.lattice.size[a] = (l.size[a] + c.factor[a] - 1) / c.factor[a];
-    c.lattice.spacing_mm[a] = l.spacing_mm[a] * c.factor[a];
-  }
-  return c;
-}
-
-/// A cell is set where any of its voxels is.
-BitMask shrunk(const BitMask& mask, const Coarse& c) {
-  return make_mask(c.lattice, [&](int j, int k, std::uint8_t* row) {
-    const Lattice& l = mask.lattice();
-    for (int z = k * c.factor[2]; z < std::min(l.size[2], (k + 1) * c.factor[2]); ++z)
-      for (int y = j * c.factor[1]; y < std::min(l.size[1], (j + 1) * c.factor[1]); ++y)
-        for (int x = 0; x < l.size[0]; ++x)
-          if (mask.get(x, y, z)) row[x / c.factor[0]] = 1;
-  });
-}
 
 struct Ray {
   double x, y;
@@ -152,8 +127,8 @@ std::vector<std::array<int, 3>> best_chain(const Grid<float>& enclosed, double l
 }  // namespace
 
 CanalCourse canal_course(const BitMask& bone, const CanalParams& params, const Progress& progress) {
-  const Coarse c = coarse_of(bone.lattice());
-  const Grid<float> enclosed = enclosures(shrunk(bone, c), params, progress);
+  const CoarseRaster c = coarse_raster(bone.lattice(), coarse_mm);
+  const Grid<float> enclosed = enclosures(coarse_mask(bone, c, 0), params, progress);
   const auto chain = best_chain(enclosed, params.min_enclosure_ratio, progress);
   CanalCourse course;
   if (chain.empty()) return course;

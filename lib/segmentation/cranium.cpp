@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "segmentation/coarse.h"
 #include "segmentation/filters.h"
 #include "segmentation/methods.h"
 
@@ -17,34 +18,6 @@ constexpr double least_enclosure = 0.6;  ///< and in this share of directions a 
 constexpr double opening_mm = 2;
 constexpr double canal_mm = 13;   ///< the spinal canal is narrower than twice this, the foramen magnum about as wide
 constexpr double corner_mm = 10;  ///< how far corners (and the canal's beginning) reach beyond the balls of that radius
-
-struct Coarse {
-  Lattice lattice;
-  int factor[3];
-};
-
-Coarse coarse_of(const Lattice& l) {
-  Coarse c;
-  c.lattice = l;
-  for (int a = 0; a < 3; ++a) {
-    c.factor[a] = std::max(1, int(std::lround(coarse_mm / l.spacing_mm[a])));
-    c.lattice.size[a] = (l.size[a] + c.factor[a] - 1) / c.factor[a];
-    c.lattice.spacing_mm[a] = l.spacing_mm[a] * c.factor[a];
-  }
-  c.lattice.origin_mm = l.to_world_mm({(c.factor[0] - 1) / 2.0, (c.factor[1] - 1) / 2.0, (c.factor[2] - 1) / 2.0});
-  return c;
-}
-
-/// A cell is set where any of its voxels is.
-BitMask shrunk(const BitMask& mask, const Coarse& c) {
-  return make_mask(c.lattice, [&](int j, int k, std::uint8_t* row) {
-    const Lattice& l = mask.lattice();
-    for (int z = k * c.factor[2]; z < std::min(l.size[2], (k + 1) * c.factor[2]); ++z)
-      for (int y = j * c.factor[1]; y < std::min(l.size[1], (j + 1) * c.factor[1]); ++y)
-        for (int x = 0; x < l.size[0]; ++x)
-          if (mask.get(x, y, z)) row[x / c.factor[0]] = 1;
-  });
-}
 
 /// The share of 26 directions in which a ray from that cell meets bone before it leaves the volume.
 double enclosure(const BitMask& bone, int i, int j, int k) {
@@ -112,7 +85,7 @@ Grid<float> share_of(const Mask& labels, std::uint8_t label, double sigma_mm) {
 }
 
 /// The voxels of `lattice` where the coarse share, interpolated linearly, is above a half.
-BitMask above_half(const Grid<float>& share, const Coarse& c, const Lattice& lattice) {
+BitMask above_half(const Grid<float>& share, const CoarseRaster& c, const Lattice& lattice) {
   struct Axis {
     std::vector<int> low;
     std::vector<float> part;
@@ -156,25 +129,25 @@ BitMask bone_of(const HuView& hu) {
 }
 
 BitMask cranial_cavity(const BitMask& bone, Report& report, const Progress& progress) {
-  const Coarse c = coarse_of(bone.lattice());
-  const BitMask walls = shrunk(bone, c);
+  const CoarseRaster c = coarse_raster(bone.lattice(), coarse_mm);
+  const BitMask walls = coarse_mask(bone, c, 0);
   const Grid<float> to_bone = distance_mm(walls, progress);
   BitMask space = walls;
   space.invert();
   Mask labels = flood(to_bone, space, seeds_of(walls, to_bone), progress);
   // The spinal canal: what lies farther than a corner from where a ball of canal_mm fits.
-  BitMask wide = make_mask(c.lattice, [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < c.lattice.size[0]; ++i) row[i] = labels.at(i, j, k) == 1 && to_bone.at(i, j, k) >= canal_mm;
+  BitMask wide = make_mask(c.cells, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < c.cells.size[0]; ++i) row[i] = labels.at(i, j, k) == 1 && to_bone.at(i, j, k) >= canal_mm;
   });
   wide = dilated(largest(components(wide)), canal_mm + corner_mm, progress);
-  for (int k = 0; k < c.lattice.size[2]; ++k)
-    for (int j = 0; j < c.lattice.size[1]; ++j)
-      for (int i = 0; i < c.lattice.size[0]; ++i)
+  for (int k = 0; k < c.cells.size[2]; ++k)
+    for (int j = 0; j < c.cells.size[1]; ++j)
+      for (int i = 0; i < c.cells.size[0]; ++i)
         if (labels.at(i, j, k) == 1 && !wide.get(i, j, k)) labels.at(i, j, k) = 2;
   // Bone cells go to the nearer side, so that the border of the regions runs inside the bone.
   Grid<float> into_bone = distance_mm(space, progress);
   for (float& d : into_bone.voxels) d = std::max(0.f, 1000.f - d);
-  BitMask all(c.lattice);
+  BitMask all(c.cells);
   all.invert();
   labels = flood(into_bone, all, labels, progress);
 
