@@ -129,8 +129,8 @@ Report cut_haptic_file(const ParsedCommand& parsed, const std::vector<Cutter>& c
   return report;
 }
 
-Report cut_field_file(const ParsedCommand& parsed, const std::vector<Cutter>& cutters, const Progress& progress) {
-  Field field = read_field_nrrd(parsed.path("input"));
+Report cut_field_file(const ParsedCommand& parsed, Field field, const std::vector<Cutter>& cutters,
+                      const Progress& progress) {
   Report report;
   for (const Cutter& c : cutters) {
     Report one;
@@ -187,11 +187,14 @@ Command boolean_command() {
     const std::vector<Cutter> all = cutters_given(parsed);
     run_with_report(parsed, [&](const Progress& progress) {
       if (extension == ".vtp") return cut_surface_file(parsed, all, progress);
-      const NrrdKeys keys = read_nrrd(parsed.path("input")).keys;
-      if (keys.count(haptic_file_key)) return cut_haptic_file(parsed, all, progress);
-      if (holds_hu(keys))
+      Nrrd nrrd = read_nrrd(parsed.path("input"));
+      if (nrrd.keys.count(haptic_file_key)) {
+        nrrd = {};
+        return cut_haptic_file(parsed, all, progress);
+      }
+      if (holds_hu(nrrd.keys))
         throw Error(ExitCode::bad_input, parsed.text("input"), "content", "HU, must be a field or a haptic volume");
-      return cut_field_file(parsed, all, progress);
+      return cut_field_file(parsed, to_field(std::move(nrrd.grid)), all, progress);
     });
     return ExitCode::ok;
   };

@@ -75,11 +75,13 @@ HapticSpec spec_of(const ParsedCommand& parsed) {
 // A shape's surface: read, or contoured from its field.
 std::shared_ptr<const TriMesh> surface_of(const std::filesystem::path& file, const Progress& progress) {
   if (file.extension() != ".nrrd") return std::get<std::shared_ptr<const TriMesh>>(load_data(file, DataKind::mesh));
-  if (holds_hu(read_nrrd(file).keys))
+  Nrrd nrrd = read_nrrd(file);
+  if (holds_hu(nrrd.keys))
     throw Error(ExitCode::bad_input, file.string(), "content", "HU, must be a field: segment it first");
   Report ignored;
+  const Field field = to_field(std::move(nrrd.grid));
   return std::make_shared<const TriMesh>(
-      with_file(file.string(), [&] { return contour(read_field_nrrd(file), ContourParams{}, ignored, progress); }));
+      with_file(file.string(), [&] { return contour(field, ContourParams{}, ignored, progress); }));
 }
 
 Argument text_argument(const char* name, const char* help) {
