@@ -122,16 +122,14 @@ TEST(Deviation, PointsOutsideOfWhereTheTruthIsKnownAreLeftOut) {
   const TriMesh truth_mesh = shapes::sphere(6, radius);
   TriMesh mesh = truth_mesh;
   for (Vec3& p : mesh.points_mm) p.z = std::min(p.z, 0.0);
-  Bounds below = everywhere;
-  below.max_mm.z = -1;
+  const auto below = [](double z_mm) { return [z_mm](Vec3 p) { return p.z <= z_mm; }; };
   const Deviation all = measure_deviation_to_truth(mesh, truth, truth_mesh);
   EXPECT_NEAR(all.mesh_to_reference.max_mm, 40, 0.01);
-  const Deviation seen = measure_deviation_to_truth(mesh, truth, truth_mesh, {}, below);
+  const Deviation seen = measure_deviation_to_truth(mesh, truth, truth_mesh, {}, below(-1));
   EXPECT_LT(seen.both.max_mm, 0.01);
   EXPECT_LT(seen.both.samples, all.both.samples);
   EXPECT_GT(seen.both.samples, all.both.samples / 3);
-  below.max_mm.z = -100;
-  EXPECT_THROW(measure_deviation_to_truth(mesh, truth, truth_mesh, {}, below), Error);
+  EXPECT_THROW(measure_deviation_to_truth(mesh, truth, truth_mesh, {}, below(-100)), Error);
 }
 
 TEST(Deviation, FarFromTheFramesOrigin) {

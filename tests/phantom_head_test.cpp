@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "phantom/head.h"
+#include "phantom/measure_truth.h"
 #include "phantom/random.h"
 #include "phantom/truth.h"
 
@@ -296,4 +297,49 @@ TEST(PhantomHead, LandmarksLieOnTheSkinWhereTheyShould) {
 TEST(PhantomHead, SeedsDiffer) {
   const Head a(head_params(Variant::normal, Level::simple, 1)), b(head_params(Variant::normal, Level::simple, 2));
   EXPECT_GT(norm(a.landmark("inion") - b.landmark("inion")), 0.1);
+}
+
+// A field that is the truth as far as a tilted scan of half a head reaches: what the box around the scan holds beyond
+// it is not missing.
+TEST(PhantomHead, TruthEndsWhereATiltedScanDoes) {
+  ScanParams scan;
+  scan.columns_count = scan.rows_count = 128;
+  scan.pixel_mm = 1.9;
+  scan.slices_count = 30;
+  scan.slice_step_mm = 3;
+  EXPECT_TRUE(scanned_region(scan).faces.empty());
+  scan.tilt_deg = 20;
+  Truth truth{Head(head_params(Variant::normal)), {}, scanned_region(scan)};
+  const ScannedRegion& region = truth.scanned;
+  ASSERT_FALSE(region.faces.empty());
+  const std::vector<SlicePose> slices = slice_poses(scan);
+  const auto pixel = [&](const SlicePose& s, double i, double j) {
+    return s.origin_mm + s.row * (i * scan.pixel_mm) + s.column * (j * scan.pixel_mm);
+  };
+  EXPECT_NEAR(region.beyond_mm(pixel(slices[0], 60, 60)), 0, 1e-9);
+  EXPECT_NEAR(region.beyond_mm(pixel(slices[29], 3, 127)), 0, 1e-9);
+  EXPECT_NEAR(region.beyond_mm(pixel(slices[15], 0, 70)), 0, 1e-9);
+  EXPECT_LT(region.beyond_mm(pixel(slices[15], 64, 64)), -30);
+  const Vec3 low = region.box_mm.min_mm, high = region.box_mm.max_mm;
+  EXPECT_GT(std::max(region.beyond_mm(high), region.beyond_mm({high.x, low.y, high.z})), 20);
+
+  Lattice lattice;
+  lattice.spacing_mm = {1.5, 1.5, 1.5};
+  lattice.origin_mm = region.box_mm.min_mm;
+  for (int a = 0; a < 3; ++a)
+    lattice.size[a] = int((region.box_mm.max_mm[a] - region.box_mm.min_mm[a]) / lattice.spacing_mm[a]) + 1;
+  Field field(lattice);
+  for (int k = 0; k < lattice.size[2]; ++k)
+    for (int j = 0; j < lattice.size[1]; ++j)
+      for (int i = 0; i < lattice.size[0]; ++i) {
+        const Vec3 p = lattice.to_world_mm({double(i), double(j), double(k)});
+        field.at(i, j, k) = float(std::min(-truth.head.implicit_mm(Anatomy::brain, p), -region.beyond_mm(p)));
+      }
+  const TruthSurface known = truth_surface(truth, Anatomy::brain);
+  const Report report = measure_against_truth(field, known, 2000);
+  const auto number = [&](const char* name) { return std::get<double>(*report.find(name)); };
+  EXPECT_GT(number("dice_ratio"), 0.999);
+  EXPECT_NEAR(number("volume_difference_ratio"), 0, 0.002);
+  EXPECT_LT(number("deviation_max_mm"), 1.5);
+  EXPECT_NEAR(volume_mm3(known.mesh) / 1000, number("reference_volume_ml"), 0.005 * number("reference_volume_ml"));
 }

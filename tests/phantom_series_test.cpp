@@ -25,7 +25,7 @@ PhantomParams tiny() {
   p.scan.rows_count = 48;
   p.scan.pixel_mm = 4;
   p.scan.slices_count = 5;
-  p.scan.slice_step_mm = 30;
+  p.scan.slice_step_mm = 20;
   p.truth.mesh_step_mm = 4;
   return p;
 }

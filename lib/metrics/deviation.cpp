@@ -69,19 +69,14 @@ struct Side {
   double vertex_max_mm = 0;
 };
 
-std::vector<Vec3> kept(std::vector<Vec3> points, const Bounds& within) {
-  points.erase(std::remove_if(points.begin(), points.end(),
-                              [&](Vec3 p) {
-                                for (int i = 0; i < 3; ++i)
-                                  if (p[i] < within.min_mm[i] || p[i] > within.max_mm[i]) return true;
-                                return false;
-                              }),
-               points.end());
+std::vector<Vec3> kept(std::vector<Vec3> points, const KnownRegion& within) {
+  if (within)
+    points.erase(std::remove_if(points.begin(), points.end(), [&](Vec3 p) { return !within(p); }), points.end());
   return points;
 }
 
 // From points and vertices of `from` to `to`.
-Side measure_side(const TriMesh& from, const PointToMesh& to, const DeviationParams& params, const Bounds& within,
+Side measure_side(const TriMesh& from, const PointToMesh& to, const DeviationParams& params, const KnownRegion& within,
                   const Progress& progress) {
   Side side;
   side.signed_mm =
@@ -177,18 +172,18 @@ Deviation measure_deviation(const TriMesh& mesh, const TriMesh& reference, const
   check_surface(mesh, "surface");
   check_surface(reference, "reference");
   Side forth, back;
-  parallel_do(
-      {[&] {
-         const PointToMesh to_reference(reference, progress);
-         progress.report(0.3);
-         forth = measure_side(mesh, to_reference, params, everywhere, progress.part(0.3, 1));
-       },
-       [&] { back = measure_side(reference, PointToMesh(mesh, progress), params, everywhere, progress.part(0, 0)); }});
+  parallel_do({[&] {
+                 const PointToMesh to_reference(reference, progress);
+                 progress.report(0.3);
+                 forth = measure_side(mesh, to_reference, params, {}, progress.part(0.3, 1));
+               },
+               [&] { back = measure_side(reference, PointToMesh(mesh, progress), params, {}, progress.part(0, 0)); }});
   return combine(std::move(forth), std::move(back));
 }
 
 Deviation measure_deviation_to_truth(const TriMesh& mesh, const DistanceFunction& truth, const TriMesh& truth_mesh,
-                                     const DeviationParams& params, const Bounds& within, const Progress& progress) {
+                                     const DeviationParams& params, const KnownRegion& within,
+                                     const Progress& progress) {
   check_surface(mesh, "surface");
   check_surface(truth_mesh, "truth");
   Side forth;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "base/params.h"
@@ -37,9 +38,8 @@ struct Deviation {
   DeviationStats both;  ///< of the points of both sides together
 };
 
-/// Bounds that hold every point.
-constexpr double far_mm = 1e300;
-const Bounds everywhere{{-far_mm, -far_mm, -far_mm}, {far_mm, far_mm, far_mm}};
+/// Where the truth is known; null: everywhere. Called from several threads.
+using KnownRegion = std::function<bool(Vec3 world_mm)>;
 
 /// Two-sided deviation. The points are the same whatever the thread count, platform or order of calls: the area is cut,
 /// in the order of the triangles, into sample_count equal pieces, with one point in each, placed by a hash of its
@@ -53,7 +53,7 @@ Deviation measure_deviation(const TriMesh& mesh, const TriMesh& reference, const
 /// of either surface outside `within` are left out (a scan that ends in the middle of a head has caps without a truth);
 /// throws 65 where that leaves none.
 Deviation measure_deviation_to_truth(const TriMesh& mesh, const DistanceFunction& truth, const TriMesh& truth_mesh,
-                                     const DeviationParams& params = {}, const Bounds& within = everywhere,
+                                     const DeviationParams& params = {}, const KnownRegion& within = {},
                                      const Progress& progress = {});
 
 /// Adds deviation_{max,p99,rms,mean,bias}_mm of both directions together, to_reference_... and from_reference_... of

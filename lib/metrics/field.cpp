@@ -21,11 +21,6 @@ Mask inside_of(const Field& field, const Lattice& lattice) {
   return mask;
 }
 
-bool holds(const Bounds& b, Vec3 p) {
-  return p.x >= b.min_mm.x && p.y >= b.min_mm.y && p.z >= b.min_mm.z && p.x <= b.max_mm.x && p.y <= b.max_mm.y &&
-         p.z <= b.max_mm.z;
-}
-
 void add_shell(Report& report, const TriMesh& surface, const FieldTruth& truth, int sample_count,
                const Progress& progress) {
   const std::vector<Vec3> points = points_on_surface(surface, std::size_t(sample_count));
@@ -34,7 +29,7 @@ void add_shell(Report& report, const TriMesh& surface, const FieldTruth& truth, 
   parallel_for(0, std::int64_t(points.size()), 1024, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     for (std::int64_t i = from; i < to; ++i) {
-      if (!holds(truth.within, points[i])) continue;
+      if (truth.within && !truth.within(points[i])) continue;
       distance[i] = truth.distance(points[i]);
       side[i] = truth.is_inner(points[i]) ? 0 : 1;
     }

@@ -19,7 +19,7 @@ struct FieldTruth {
   const TriMesh* mesh = nullptr;                ///< the truth's own surface
   std::function<bool(Vec3 world_mm)> is_inner;  ///< null, or whether a point near the truth's surface is of its inner
                                                 ///< side: a shell's thickness is then measured
-  Bounds within = everywhere;                   ///< where distances are taken
+  KnownRegion within;                           ///< where distances are taken
 };
 
 /// A field (positive inside) against a known shape: dice_ratio, volume_ml, reference_volume_ml, volume_difference_ratio

@@ -22,7 +22,7 @@ struct LabelReference {
 struct TruthReference {
   DistanceFunction distance;
   const TriMesh* mesh = nullptr;  ///< the truth's own surface, fine enough for what is to be measured
-  Bounds within = everywhere;     ///< where the truth is known; volumes are compared all the same
+  KnownRegion within;             ///< where distances are taken; volumes are compared all the same
 };
 using MeasureReference = std::variant<std::monostate, MeshReference, LabelReference, TruthReference>;
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "metrics/field.h"
 
 namespace trephine::phantom {
@@ -25,13 +26,26 @@ bool is_of(Anatomy anatomy, std::uint8_t label) {
 }
 
 constexpr double cap_margin_mm = 3;
+constexpr double rounding_mm = 1e-3;
 
-Bounds without_caps(Bounds box) {
-  for (int i = 0; i < 3; ++i) {
-    box.min_mm[i] += cap_margin_mm;
-    box.max_mm[i] -= cap_margin_mm;
-  }
-  return box;
+KnownRegion without_caps(const ScannedRegion& scanned) {
+  return [&scanned](Vec3 p) { return scanned.beyond_mm(p) <= -cap_margin_mm; };
+}
+
+// 1 where the truth's label is of the anatomy, as far as the scan reached.
+Mask solid_of(const Truth& truth, Anatomy anatomy, const Lattice& lattice, const Progress& progress) {
+  Mask solid = truth_labels(truth.head, lattice, progress);
+  const bool skewed = !truth.scanned.faces.empty();
+  parallel_for(0, solid.size[2], 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < int(to); ++k)
+      for (int j = 0; j < solid.size[1]; ++j)
+        for (int i = 0; i < solid.size[0]; ++i) {
+          std::uint8_t& v = solid.at(i, j, k);
+          v = is_of(anatomy, v) &&
+              !(skewed && truth.scanned.beyond_mm(solid.to_world_mm({double(i), double(j), double(k)})) > rounding_mm);
+        }
+  });
+  return solid;
 }
 
 // The field's raster, over all of it and of the box.
@@ -55,7 +69,7 @@ Lattice raster_over(const Field& field, const Bounds& box_mm) {
 }  // namespace
 
 TruthSurface truth_surface(const Truth& truth, Anatomy anatomy, const Progress& progress) {
-  return {&truth, anatomy, truth_mesh(truth.head, anatomy, truth.box_mm, 1.0, progress)};
+  return {&truth, anatomy, truth_mesh(truth.head, anatomy, truth.scanned, 1.0, progress)};
 }
 
 Report measure_against_truth(const TriMesh& surface, const TruthSurface& known, const MeasureParams& params,
@@ -64,20 +78,19 @@ Report measure_against_truth(const TriMesh& surface, const TruthSurface& known, 
   TruthReference reference;
   reference.distance = [&](Vec3 p) { return truth.head.signed_distance_mm(known.anatomy, p); };
   reference.mesh = &known.mesh;
-  reference.within = without_caps(truth.box_mm);
+  reference.within = without_caps(truth.scanned);
   return measure_surface(surface, reference, params, progress);
 }
 
 Report measure_against_truth(const Field& field, const TruthSurface& known, int sample_count,
                              const Progress& progress) {
   const Truth& truth = *known.truth;
-  Mask solid = truth_labels(truth.head, raster_over(field, truth.box_mm), progress.part(0, 0.4));
-  for (std::uint8_t& v : solid.voxels) v = is_of(known.anatomy, v);
+  const Mask solid = solid_of(truth, known.anatomy, raster_over(field, truth.scanned.box_mm), progress.part(0, 0.4));
   FieldTruth reference;
   reference.solid = &solid;
   reference.distance = [&](Vec3 p) { return truth.head.signed_distance_mm(known.anatomy, p); };
   reference.mesh = &known.mesh;
-  reference.within = without_caps(truth.box_mm);
+  reference.within = without_caps(truth.scanned);
   if (known.anatomy == Anatomy::skull)
     reference.is_inner = [&](Vec3 p) {  // a millimetre outside of it lies what is within the dura
       const Vec3 foot = truth.head.project_mm(known.anatomy, p);

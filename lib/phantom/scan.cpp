@@ -22,10 +22,6 @@ Vec3 turned(Vec3 v, Vec3 axis, double angle) {
   return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1 - c));
 }
 
-double pixel_of(const ScanParams& p) {
-  return p.field_of_view_mm > 0 ? p.field_of_view_mm / p.columns_count : p.pixel_mm;
-}
-
 /// Directions of rows, columns and table feed.
 struct Axes {
   Vec3 row, column, feed;
@@ -91,7 +87,7 @@ class Exposure {
       : head_(head),
         pose_(pose),
         out_(out),
-        pixel_(pixel_of(params)),
+        pixel_(pixel_spacing_mm(params)),
         thickness_(params.slice_thickness_mm),
         table_(params.table),
         prone_(params.position == Position::head_first_prone || params.position == Position::feet_first_prone) {
@@ -154,7 +150,7 @@ class Exposure {
 
 /// Marks, averaged over the slice's thickness in closed form and widened by the kernel.
 void add_fiducials(SliceImage& image, const std::vector<Fiducial>& marks, const ScanParams& p, const SlicePose& pose) {
-  const double pixel = pixel_of(p), kernel = p.kernel_mm / fwhm_per_sigma;
+  const double pixel = pixel_spacing_mm(p), kernel = p.kernel_mm / fwhm_per_sigma;
   const Vec3 normal = normalized(cross(pose.row, pose.column));
   for (const Fiducial& f : marks) {
     const Vec3 d = f.centre_mm - pose.origin_mm;
@@ -188,9 +184,13 @@ std::vector<Fiducial> fiducials_of(const ScanParams& params) {
   return out;
 }
 
+double pixel_spacing_mm(const ScanParams& p) {
+  return p.field_of_view_mm > 0 ? p.field_of_view_mm / p.columns_count : p.pixel_mm;
+}
+
 std::vector<SlicePose> slice_poses(const ScanParams& p) {
   const Axes a = axes_of(p);
-  const double pixel = pixel_of(p);
+  const double pixel = pixel_spacing_mm(p);
   const int half = p.slices_count / 2;
   std::vector<double> along(p.slices_count, 0.0);
   for (int k = 1; k < p.slices_count; ++k)
@@ -229,7 +229,7 @@ Lattice lattice_of(const Scan& s) {
 Scan scan(const Head& head, const ScanParams& params, const Progress& progress) {
   Scan out;
   out.columns = params.columns_count, out.rows = params.rows_count;
-  out.pixel_mm = pixel_of(params);
+  out.pixel_mm = pixel_spacing_mm(params);
   out.slices = slice_poses(params);
   out.padded = params.round_field;
   const std::size_t per_slice = static_cast<std::size_t>(out.columns) * out.rows;

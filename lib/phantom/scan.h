@@ -108,6 +108,9 @@ struct Fiducial {
 /// higher than the others and without a counterpart on the right.
 std::vector<Fiducial> fiducials_of(const ScanParams& params);
 
+/// Of a slice's rows and columns.
+double pixel_spacing_mm(const ScanParams& params);
+
 /// The planes alone.
 std::vector<SlicePose> slice_poses(const ScanParams& params);
 

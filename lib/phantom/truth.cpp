@@ -72,9 +72,14 @@ P params_from_json(const Json& j) {
   for (const Parameter& p : parameters_of<P>().parameters) {
     const Json& v = member(j, p.name);
     ParameterValue value;
-    const std::string text = v.is_string() ? v.get<std::string>() : v.dump();
-    const std::string fault = parse_parameter(p, {text}, value);
-    if (!fault.empty()) throw Error(ExitCode::bad_input, "", p.name, text + ": " + fault);
+    const auto text_of = [](const Json& j) { return j.is_string() ? j.get<std::string>() : j.dump(); };
+    std::vector<std::string> items;
+    if (v.is_array())
+      for (const Json& item : v) items.push_back(text_of(item));
+    else
+      items.push_back(text_of(v));
+    const std::string fault = parse_parameter(p, items, value);
+    if (!fault.empty()) throw Error(ExitCode::bad_input, "", p.name, v.dump() + ": " + fault);
     p.set(&params, value);
   }
   return params;
@@ -104,7 +109,8 @@ Mask truth_labels(const Head& head, const Lattice& lattice, const Progress& prog
 void write_truth(const std::filesystem::path& folder, const Head& head, const Scan& scan, const ScanParams& scan_params,
                  const TruthParams& params, Report& report, const Progress& progress) {
   make_output_folder(folder);
-  const Bounds box = scanned_box(scan);
+  const ScannedRegion region = scanned_region(scan_params);
+  const Bounds& box = region.box_mm;
   Json json;
   json["trephine_phantom_truth"] = truth_version;
   json["frame"] = "DICOM patient LPS, mm; signed distances are negative inside";
@@ -130,7 +136,7 @@ void write_truth(const std::filesystem::path& folder, const Head& head, const Sc
   if (scan_params.contents != Contents::fiducials) {
     double done = 0;
     for (const Anatomy a : all_anatomies) {
-      const TriMesh mesh = truth_mesh(head, a, box, params.mesh_step_mm > 0 ? params.mesh_step_mm : 2.0,
+      const TriMesh mesh = truth_mesh(head, a, region, params.mesh_step_mm > 0 ? params.mesh_step_mm : 2.0,
                                       progress.part(done, done + 0.2));
       const double volume = volume_mm3(mesh) / 1000;
       json["volumes_in_box_ml"][name_of(a)] = volume;
@@ -157,7 +163,8 @@ Truth read_truth(const std::filesystem::path& file) {
     Truth truth{Head(params_from_json<HeadParams>(member(json, "head"))), {}, {}};
     const Json& box = member(json, "box_mm");
     if (!box.is_array() || box.size() != 2) throw Error(ExitCode::bad_input, "", "box_mm", "must be two corners");
-    truth.box_mm = {vector_at(box[0], "box_mm"), vector_at(box[1], "box_mm")};
+    truth.scanned = scanned_region(params_from_json<ScanParams>(member(json, "scan")));
+    truth.scanned.box_mm = {vector_at(box[0], "box_mm"), vector_at(box[1], "box_mm")};
     const Json& fiducials = member(json, "fiducials");
     for (const Json& f : fiducials)
       truth.fiducials.push_back({vector_at(member(f, "centre_mm"), "centre_mm"),

@@ -25,19 +25,31 @@ struct TruthParams {
   }
 };
 
-/// The truth's mesh of one anatomy within a box: marching tetrahedra on a lattice of at most `step_mm`, each point then
-/// put onto the analytic surface. Closed, 2-manifold, oriented outwards; where the box cuts the anatomy it is capped in
-/// the box's face. Empty where nothing of it lies in the box.
-TriMesh truth_mesh(const Head& head, Anatomy anatomy, const Bounds& box, double step_mm, const Progress& progress = {});
+/// Where a scan's voxel centres lie: a box along the axes, of a tilted or oblique scan the part of it between `faces`.
+struct ScannedRegion {
+  struct Face {
+    Vec3 normal;  ///< of length 1, outwards
+    double offset_mm;
+  };
+  Bounds box_mm;
+  std::vector<Face> faces;
+  ScannedRegion(const Bounds& box = {}) : box_mm(box) {}
+  /// How far beyond the farthest of its planes, mm; negative inside: less the distance to the nearest.
+  double beyond_mm(Vec3 p) const;
+};
+ScannedRegion scanned_region(const ScanParams& params);
 
-/// Box of the scan's voxel centres.
-Bounds scanned_box(const Scan& scan);
+/// The truth's mesh of one anatomy within a region: marching tetrahedra on a lattice of at most `step_mm`, each point
+/// then put onto the analytic surface. Closed, 2-manifold, oriented outwards; where the region cuts the anatomy it is
+/// capped in the region's face. Empty where nothing of it lies within.
+TriMesh truth_mesh(const Head& head, Anatomy anatomy, const ScannedRegion& region, double step_mm,
+                   const Progress& progress = {});
 
 /// Head::label at every voxel centre of the lattice.
 Mask truth_labels(const Head& head, const Lattice& lattice, const Progress& progress = {});
 
 /// Writes into `folder` (made where missing): truth.json (the head's parameters, from which read_truth rebuilds it; the
-/// scan's; landmarks; fiducials' centres; volumes within the scanned box; the lattice), labels.nrrd, and skin.vtp,
+/// scan's; landmarks; fiducials' centres; volumes within the scanned region; the lattice), labels.nrrd, and skin.vtp,
 /// skull.vtp, brain.vtp and ventricles.vtp. Adds volumes to the report. Throws 73 and 74 as FileWriter, Cancelled.
 void write_truth(const std::filesystem::path& folder, const Head& head, const Scan& scan, const ScanParams& scan_params,
                  const TruthParams& params, Report& report, const Progress& progress = {});
@@ -46,7 +58,7 @@ void write_truth(const std::filesystem::path& folder, const Head& head, const Sc
 struct Truth {
   Head head;
   std::vector<Fiducial> fiducials;
-  Bounds box_mm;  ///< of the scanned voxel centres: beyond it nothing was seen
+  ScannedRegion scanned;  ///< beyond it nothing was seen
 };
 /// Reads truth.json and rebuilds the head. Throws 66 where it cannot be read, 65 naming the field where it is no truth
 /// of ours or of a version that this program does not know.

@@ -7,11 +7,13 @@
 
 #include "base/parallel.h"
 #include "phantom/truth.h"
+#include "surface/bounds.h"
 
 namespace trephine::phantom {
 namespace {
 
-/// Values of the clipped solid at the lattice's points: max(anatomy, box). Blocks without a surface hold its sign only.
+/// Values of the clipped solid at the lattice's points: max(anatomy, region). Blocks without a surface hold its sign
+/// only.
 struct Samples {
   std::array<int, 3> n;
   Vec3 origin, step;
@@ -20,12 +22,9 @@ struct Samples {
   std::size_t index(int i, int j, int k) const { return (static_cast<std::size_t>(k) * n[1] + j) * n[0] + i; }
 };
 
-double box_distance(const Bounds& b, Vec3 p) {
-  return std::max(
-      {b.min_mm.x - p.x, p.x - b.max_mm.x, b.min_mm.y - p.y, p.y - b.max_mm.y, b.min_mm.z - p.z, p.z - b.max_mm.z});
-}
-
-Samples sample_solid(const Head& head, Anatomy anatomy, const Bounds& box, double step_mm, const Progress& progress) {
+Samples sample_solid(const Head& head, Anatomy anatomy, const ScannedRegion& region, double step_mm,
+                     const Progress& progress) {
+  const Bounds& box = region.box_mm;
   Samples s;
   for (int a = 0; a < 3; ++a) {
     const double length = box.max_mm[a] - box.min_mm[a];
@@ -52,7 +51,7 @@ Samples sample_solid(const Head& head, Anatomy anatomy, const Bounds& box, doubl
               for (int i = i0; i < i1; ++i) {
                 const Vec3 p = s.at(i, j, k);
                 const double f = plain ? middle : head.implicit_mm(anatomy, p);
-                s.value[s.index(i, j, k)] = static_cast<float>(std::max(f, box_distance(box, p)));
+                s.value[s.index(i, j, k)] = static_cast<float>(std::max(f, region.beyond_mm(p)));
               }
         }
     }
@@ -152,38 +151,60 @@ class Marcher {
 
 }  // namespace
 
-TriMesh truth_mesh(const Head& head, Anatomy anatomy, const Bounds& box, double step_mm, const Progress& progress) {
-  const Samples samples = sample_solid(head, anatomy, box, step_mm, progress);
+double ScannedRegion::beyond_mm(Vec3 p) const {
+  const Bounds& b = box_mm;
+  double beyond = std::max(
+      {b.min_mm.x - p.x, p.x - b.max_mm.x, b.min_mm.y - p.y, p.y - b.max_mm.y, b.min_mm.z - p.z, p.z - b.max_mm.z});
+  for (const Face& f : faces) beyond = std::max(beyond, dot(f.normal, p) - f.offset_mm);
+  return beyond;
+}
+
+TriMesh truth_mesh(const Head& head, Anatomy anatomy, const ScannedRegion& region, double step_mm,
+                   const Progress& progress) {
+  const Samples samples = sample_solid(head, anatomy, region, step_mm, progress);
   TriMesh mesh = Marcher(samples).run(progress);
   // Onto the analytic surface, by at most half a step: farther means a crease that the lattice cannot show.
   parallel_for(0, static_cast<std::int64_t>(mesh.points_mm.size()), 4096, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     for (std::int64_t i = from; i < to; ++i) {
       Vec3& p = mesh.points_mm[i];
-      if (std::fabs(head.implicit_mm(anatomy, p)) > step_mm || box_distance(box, p) > -1e-9) continue;  // on a cap
+      if (std::fabs(head.implicit_mm(anatomy, p)) > step_mm || region.beyond_mm(p) > -1e-9) continue;  // on a cap
       Vec3 x = p, g;
       for (int n = 0; n < 6; ++n) {
         const double f = head.implicit_mm(anatomy, x, g);
         x += g * (-f / std::max(1e-6, dot(g, g)));
         if (std::fabs(f) < 1e-7) break;
       }
-      if (norm(x - p) < 0.75 * step_mm && box_distance(box, x) <= 0) p = x;
+      if (norm(x - p) < 0.75 * step_mm && region.beyond_mm(x) <= 0) p = x;
     }
   });
   return mesh;
 }
 
-Bounds scanned_box(const Scan& scan) {
-  Bounds b;
-  for (int k = 0; k < static_cast<int>(scan.slices.size()); ++k)
-    for (int c = 0; c < 4; ++c) {
-      const Vec3 p = scan.position_mm(c & 1 ? scan.columns - 1 : 0, c & 2 ? scan.rows - 1 : 0, k);
-      for (int a = 0; a < 3; ++a) {
-        b.min_mm[a] = std::min(b.min_mm[a], p[a]);
-        b.max_mm[a] = std::max(b.max_mm[a], p[a]);
-      }
+ScannedRegion scanned_region(const ScanParams& params) {
+  const std::vector<SlicePose> slices = slice_poses(params);
+  const double pixel_mm = pixel_spacing_mm(params);
+  std::vector<Vec3> corners;
+  for (const SlicePose& s : slices)
+    for (int c = 0; c < 4; ++c)
+      corners.push_back(s.origin_mm + s.row * (c & 1 ? (params.columns_count - 1) * pixel_mm : 0) +
+                        s.column * (c & 2 ? (params.rows_count - 1) * pixel_mm : 0));
+  ScannedRegion region;
+  for (const Vec3 p : corners) include(region.box_mm, p);
+  const Vec3 row = slices[0].row, column = slices[0].column, feed = slices.back().origin_mm - slices[0].origin_mm;
+  for (const Vec3 across : {cross(row, column), cross(row, feed), cross(column, feed)}) {
+    if (!(norm(across) > 0)) continue;  // one slice
+    const Vec3 normal = normalized(across);
+    if (std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)}) > 1 - 1e-12) continue;  // the box's
+    double low = dot(normal, corners[0]), high = low;
+    for (const Vec3 p : corners) {
+      low = std::min(low, dot(normal, p));
+      high = std::max(high, dot(normal, p));
     }
-  return b;
+    region.faces.push_back({normal, high});
+    region.faces.push_back({normal * -1.0, -low});
+  }
+  return region;
 }
 
 }  // namespace trephine::phantom
