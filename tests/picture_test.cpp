@@ -318,6 +318,34 @@ TEST(Slice, FillCoversTheCrossSection) {
   EXPECT_NEAR(area * g.mm_per_px * g.mm_per_px / (pi * 900), 1, 0.005);
 }
 
+TEST(Slice, MarksOfALowPictureStandBelowIt) {
+  Lattice l;
+  l.size = {200, 30, 20};
+  const HuVolume v = Grid<std::int16_t>(l, 40);
+  const TriMesh s = sphere(3, {100, 15, 10}, 50);
+  SliceParams p;
+  p.plane = SlicePlane::coronal;
+  p.position_mm = 15;
+  const SliceGeometry g = slice_geometry(lattice_of(v), p);
+  const std::vector<OverlayShape> named{{&s, {1, 0, 0}, "skin"}, {&s, {0, 1, 0}, "bone"}, {&s, {0, 0, 1}, "vein"}};
+  const Image low = slice_overlay(v, p, named);
+  EXPECT_EQ(low.width, g.width);
+  EXPECT_GT(low.height, g.height + 60);
+  // Between the letters at its edges the picture shows nothing but the volume and the shapes.
+  SliceParams plain = p;
+  plain.marks = false;
+  const Image bare = slice_overlay(v, plain, named);
+  ASSERT_EQ(bare.height, g.height);
+  for (int y = 0; y < g.height; ++y)
+    for (int x = 40; x < g.width / 2 - 30; ++x)
+      ASSERT_TRUE(std::equal(low.at(x, y), low.at(x, y) + 3, bare.at(x, y))) << x << " " << y;
+  p.plane = SlicePlane::axial;
+  p.position_mm = 10;
+  l.size = {200, 150, 20};
+  const HuVolume high = Grid<std::int16_t>(l, 40);
+  EXPECT_EQ(slice_overlay(high, p, named).height, slice_geometry(l, p).height);
+}
+
 TEST(Slice, WindowAndOutside) {
   Lattice l;
   l.size = {11, 11, 11};

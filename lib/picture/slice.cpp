@@ -167,14 +167,15 @@ void fill(Image& image, const std::vector<Segment>& segments, Rgb colour, double
   }
 }
 
-void draw_legend(Image& image, const std::vector<OverlayShape>& shapes, double text_px) {
-  double y = text_px;
+constexpr double legend_step = 1.75;  ///< of its lines, in the text's heights
+
+void draw_legend(Image& image, const std::vector<OverlayShape>& shapes, double y, double text_px) {
   for (const auto& s : shapes) {
     if (s.name.empty()) continue;
     detail::fill_rectangle(image, text_px - 1, y - 1, text_px * 2 + 1, y + text_px + 1, halo, 0.6);
     detail::fill_rectangle(image, text_px, y, text_px * 2, y + text_px, s.colour_rgb, 1);
     draw_text(image, text_px * 2.6, y, s.name, text_px, s.colour_rgb, halo);
-    y += text_px * 1.75;
+    y += text_px * legend_step;
   }
 }
 
@@ -184,8 +185,16 @@ void draw_marks(Image& image, const SliceGeometry& g, const SliceParams& p, cons
   const double text_px = std::clamp(std::max(image.width, image.height) * 0.019, 7.0, 24.0);
   const PlaneAxes& a = axes_of(p.plane);
   detail::draw_edge_letters(image, a.at_left, a.at_right, a.at_top, a.at_bottom, text_px * 1.25, ink, halo);
+  const auto lines = std::count_if(shapes.begin(), shapes.end(), [](const auto& s) { return !s.name.empty(); });
+  const double needed = text_px * (1 + legend_step * double(lines) + 4);
+  const int above = needed > image.height ? image.height : 0;
+  if (above > 0) {  // too low: below it then
+    Image taller(image.width, above + static_cast<int>(std::ceil(needed)), outside);
+    std::copy(image.rgb.begin(), image.rgb.end(), taller.rgb.begin());
+    image = std::move(taller);
+  }
   detail::draw_scale_bar(image, g.mm_per_px, image.width * 0.25, text_px * 0.9, ink, halo);
-  draw_legend(image, shapes, text_px);
+  draw_legend(image, shapes, above + text_px, text_px);
   const std::string place = std::string(a.name) + "  " + a.letter + " = " + rounded_text(p.position_mm) + " mm";
   const std::string window = "C " + rounded_text(p.window_center_hu) + "  W " + rounded_text(p.window_width_hu) + " HU";
   const double small = text_px * 0.9, last = image.height - text_px - small;

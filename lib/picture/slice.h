@@ -40,7 +40,8 @@ SliceGeometry slice_geometry(const Lattice& volume, const SliceParams& params);
 
 /// The CT resampled in the plane (trilinear), in radiological convention: axial as seen from the feet and coronal from
 /// the front, the patient's right on the left; sagittal with the nose on the left. Over it the exact cuts of the meshes
-/// with the plane. Outside the volume is dark blue. The same bytes whatever the thread count. Throws Error 65 where the
+/// with the plane. Outside the volume is dark blue. Where the picture is too low for its marks they stand in a strip
+/// below it, which slice_geometry() does not count. The same bytes whatever the thread count. Throws Error 65 where the
 /// plane does not meet the volume, or a mesh is damaged.
 Image slice_overlay(const HuVolume& volume, const SliceParams& params, const std::vector<OverlayShape>& shapes);
 
