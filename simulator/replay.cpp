@@ -117,8 +117,7 @@ Command replay_command() {
   c.description =
       "The recorded poses go through the case's haptic volume once more, with the recording's own parameters; exit "
       "code 80 where any bit of what the proxy answers is another. With another walk or surface the two are compared "
-      "by the figures of "
-      "their forces instead: the dissertation's force anomaly coefficient, and what it leaves out.";
+      "by the figures of their forces instead: the dissertation's force anomaly coefficient, and what it leaves out.";
   Argument folder = argument("case", Argument::Kind::in_folder, "Folder of the case.");
   folder.positional = folder.required = true;
   Argument recording = argument("recording", Argument::Kind::in_file, "What `trephine-sim servo --record` wrote.");

@@ -246,8 +246,7 @@ Command servo_command() {
       "session: what was recorded and counted until then is written, and the exit code is 130. A fault (a lost device, "
       "a pose that is no number) is said when it happens, and the exit code is 74.\n\n"
       "It says at the start what the system grants: SCHED_FIFO and locked memory need CAP_SYS_NICE and CAP_IPC_LOCK, "
-      "or "
-      "limits (ulimit -r, -l) that allow them.";
+      "or limits (ulimit -r, -l) that allow them.";
   Argument folder = argument("case", Argument::Kind::in_folder, "Folder of the case.");
   folder.positional = folder.required = true;
   Argument device = argument("device", Argument::Kind::choice, "Who holds the tool; hand where it is not given.");

@@ -54,11 +54,8 @@ Command import_command() {
   c.description =
       "With --list it only says which series there are and whether each is usable, usable after rectification, or "
       "refused and why. Else it reads one: slices are ordered and placed by their positions, HU are computed slice by "
-      "slice, a tilted gantry and uneven "
-      "spacing "
-      "are rectified by resampling, padding becomes air. What cannot be read rightly is refused, naming file and tag. "
-      "Names, "
-      "IDs and UIDs of the patient go nowhere.";
+      "slice, a tilted gantry and uneven spacing are rectified by resampling, padding becomes air. What cannot be read "
+      "rightly is refused, naming file and tag. Names, IDs and UIDs of the patient go nowhere.";
   c.examples = {"trephine import DICOM-FOLDER --list", "trephine import DICOM-FOLDER-OR-ZIP --output head.nrrd",
                 "trephine import DICOM-FOLDER --series s2 --gaps interpolate --output head.nrrd"};
   Argument from;

@@ -59,8 +59,7 @@ Command library_list_command() {
   c.summary = "lists the cases of a library with their figures";
   c.description =
       "Class, volume of the ventricles, Evans' index, shift of the midline, triangles, largest deviation, warnings, "
-      "age "
-      "and version of every case, as case.json and run.json say; what is wrong with a case stands behind it.";
+      "age and version of every case, as case.json and run.json say; what is wrong with a case stands behind it.";
   c.examples = {"trephine library list library", "trephine library list library --class hydrocephalic",
                 "trephine library list library --json list.json --sheet"};
   c.arguments = {library_argument(), json_argument()};
@@ -126,8 +125,7 @@ Command library_gc_command() {
   c.summary = "removes from a library what nothing names any more";
   c.description =
       "Files of older states of a case, what killed runs left, outputs of stages that were not used for long, records "
-      "of "
-      "cases that are gone. Safe beside running builds: a case that one works on is left alone. No case is ever "
+      "of cases that are gone. Safe beside running builds: a case that one works on is left alone. No case is ever "
       "removed.";
   c.examples = {"trephine library gc library", "trephine library gc library --dry-run"};
   c.arguments = {library_argument()};

@@ -22,8 +22,7 @@ Program declare() {
                       library_job_command()};
   program.files = {{"PREFIX/share/trephine/configs/*.yaml",
                     "Configurations of cases, of any head (ct_head.yaml) and of the sample (sample.yaml), and their "
-                    "scenes; PREFIX is "
-                    "/usr for the Debian package."},
+                    "scenes; PREFIX is /usr for the Debian package."},
                    {"PREFIX/share/trephine/pipelines/*.yaml", "How each anatomy is made."},
                    {"PREFIX/share/trephine/sample_dicom/", "The CT series of a synthetic head."},
                    {"PREFIX/share/doc/trephine/", "README.md, the reference of all parameters, the format of a case."},

@@ -43,10 +43,8 @@ Command run_command() {
   c.summary = "builds a patient case from a CT series, as a configuration says";
   c.description =
       "Reads the series, computes what the configuration's scene demands and nothing else, holds the results against "
-      "the "
-      "scene's limits, and publishes the case as LIBRARY/CASE/case.json with its surfaces and pictures: the old case "
-      "or the "
-      "new one, never a mixture. The same input, configuration and version give the same bytes.";
+      "the scene's limits, and publishes the case as LIBRARY/CASE/case.json with its surfaces and pictures: the old "
+      "case or the new one, never a mixture. The same input, configuration and version give the same bytes.";
   c.examples = {"trephine run configs/sample.yaml --out out",
                 "trephine run configs/ct_head.yaml --series DICOM-FOLDER --out library --case head-01",
                 "trephine run configs/sample.yaml --out out --set skull.decimate.max_deviation_mm=0.2"};

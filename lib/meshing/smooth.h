@@ -30,8 +30,7 @@ struct SmoothParams {
               "Degree of the filter, or how often it is applied; 0 leaves the mesh as it is.");
     v.number(&P::pass_band_ratio, "pass_band_ratio", Range{1e-4, 2},
              "windowed_sinc: highest frequency of the mesh that passes: 2 passes all; 1 takes the unevenness of a "
-             "decimated surface "
-             "away, 0.1 smooths a dense one visibly.");
+             "decimated surface away, 0.1 smooths a dense one visibly.");
     v.number(&P::feature_angle_deg, "feature_angle_deg", Range{1, 180}, "feature: edges sharper than about this stay.");
     v.number(&P::max_displacement_mm, "max_displacement_mm", Range{0, 1e6}, "No point moves further than this.");
     v.number(&P::max_volume_change_percent, "max_volume_change_percent", Range{0, 100},

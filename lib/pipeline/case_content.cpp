@@ -14,6 +14,7 @@
 #include "pipeline/haptic_content.h"
 #include "pipeline/head_content.h"
 #include "stages/cut.h"
+#include "surface/bounds.h"
 
 namespace trephine {
 namespace {
@@ -73,13 +74,7 @@ class Builder {
   // The middle of the surfaces' bounds, to whole mm: exact in float32 like the surfaces' own.
   Vec3 center() const {
     Bounds all;
-    for (const Graph::Anatomy& a : graph_.anatomies) {
-      const Bounds b = bounds_of(mesh(a.surface));
-      for (int i = 0; i < 3; ++i) {
-        all.min_mm[i] = std::min(all.min_mm[i], b.min_mm[i]);
-        all.max_mm[i] = std::max(all.max_mm[i], b.max_mm[i]);
-      }
-    }
+    for (const Graph::Anatomy& a : graph_.anatomies) include(all, bounds_of(mesh(a.surface)));
     const Vec3 c = (all.min_mm + all.max_mm) / 2;
     return {std::round(c.x), std::round(c.y), std::round(c.z)};
   }

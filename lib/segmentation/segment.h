@@ -60,8 +60,7 @@ struct SegmentParams {
     v.numbers(&P::roi_max_mm, "roi_max_mm", Range{-1e6, 1e6}, "Upper corner of the region of interest, LPS.");
     v.number(&P::open_mm, "open_mm", Range{0, 10},
              "Parts that hang together only by bridges thinner than twice this are told apart (head and head holder); "
-             "brain: "
-             "2 where it is 0.");
+             "brain: 2 where it is 0.");
     v.choice(&P::components, "components", {{"all", SegmentComponents::all}, {"largest", SegmentComponents::largest}},
              "Which connected pieces to keep.");
     v.number(&P::min_component_ml, "min_component_ml", Range{0, 10000}, "Pieces smaller than this are dropped.");
@@ -74,8 +73,7 @@ struct SegmentParams {
              "Fill what the material encloses; cavities_and_cut: also what only one face of the volume cuts open.");
     v.number(&P::fill_close_mm, "fill_close_mm", Range{0, 30},
              "Fill also cavities whose ways out are narrower than twice this; the outer surface stays where it is; "
-             "brain: 10 "
-             "where it is 0.");
+             "brain: 10 where it is 0.");
     v.number(&P::fill_max_ml, "fill_max_ml", Range{0, 10000}, "Cavities larger than this stay open.");
     v.number(&P::grow_mm, "grow_mm", Range{-20, 20},
              "Moves the surface outwards (or inwards, below 0) by this distance in the end; the field is then in mm.");

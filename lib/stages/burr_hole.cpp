@@ -82,8 +82,7 @@ StageType burr_hole_stage(const std::string& name, std::map<std::string, Vec3> l
   s.description =
       "At Kocher's point, measured over the skin from landmarks, or at a position; its axis is given, points at a "
       "landmark, or is perpendicular to the skull. The result is the cutter that `boolean` takes, for surfaces and "
-      "haptic "
-      "volumes alike.";
+      "haptic volumes alike.";
   s.ports = {{"skull", DataKind::mesh, true, "surface of the skull, not decimated"},
              {"skin", DataKind::mesh, false, "surface of the skin, over which Kocher's point is measured"},
              {"landmarks", DataKind::landmarks, false, "found landmarks, given ones among them"}};

@@ -12,12 +12,9 @@ StageType canal_stage() {
   s.summary = "finds the spinal canal inside the bone of a spine";
   s.description =
       "Gives a field in mm, positive inside the space that the vertebrae's arches enclose slice by slice. Where bone "
-      "is "
-      "missing (foramina, discs, between the arches) its wall is the smoothest one through the bone around the gap; "
-      "the "
-      "report says how much of it is bone. It is the canal in the bone, not the dural sac, and a disc that bulges into "
-      "it "
-      "is not seen.";
+      "is missing (foramina, discs, between the arches) its wall is the smoothest one through the bone around the gap; "
+      "the report says how much of it is bone. It is the canal in the bone, not the dural sac, and a disc that bulges "
+      "into it is not seen.";
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
              {"bone", DataKind::field, true, "the spine's bone, filled"}};
   s.output = DataKind::field;

@@ -12,11 +12,9 @@ StageType clavicle_stage() {
   s.summary = "parts the clavicles from the other bones of a chest";
   s.description =
       "Gives a field, positive inside the clavicles, or inside all other bone (part rest). A clavicle is what is round "
-      "in "
-      "one sagittal plane after the other and lies in front of all other bone; at its joints it is cut from sternum "
-      "and "
-      "scapula where the bone is narrowest. The report says over which area it had to be cut, and warns where that is "
-      "more than a joint's bridge, and where a side is missing.";
+      "in one sagittal plane after the other and lies in front of all other bone; at its joints it is cut from sternum "
+      "and scapula where the bone is narrowest. The report says over which area it had to be cut, and warns where that "
+      "is more than a joint's bridge, and where a side is missing.";
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
              {"bone", DataKind::field, true, "all bone of the chest, filled"},
              {"without", DataKind::field, false, "part rest: a vein so bright that it was taken for bone"}};

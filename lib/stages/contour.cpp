@@ -12,10 +12,8 @@ StageType contour_stage() {
   s.summary = "makes the closed surface of a field, or of a volume at an isovalue";
   s.description =
       "Flying Edges on real values: the surface lies between the voxels where the field says. Where the anatomy is cut "
-      "by the "
-      "edge of the volume the surface is capped. On a volume of whole numbers an isovalue that is one of them is moved "
-      "to a "
-      "half, and the report says so.";
+      "by the edge of the volume the surface is capped. On a volume of whole numbers an isovalue that is one of them "
+      "is moved to a half, and the report says so.";
   s.ports = {{"field", DataKind::field, true, "field of the segment stage, or a CT volume", true}};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<ContourParams>(); };

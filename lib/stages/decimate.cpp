@@ -12,8 +12,7 @@ StageType decimate_stage() {
   s.summary = "reduces the triangles of a surface within a bound in mm";
   s.description =
       "Edge collapse that keeps the surface closed, 2-manifold and free of self-intersections. It stops at the count "
-      "asked "
-      "for or where the bound would be passed, whichever comes first, and says which it was.";
+      "asked for or where the bound would be passed, whichever comes first, and says which it was.";
   s.ports = {{"surface", DataKind::mesh, true, "closed surface"}};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<DecimateParams>(); };

@@ -12,10 +12,8 @@ StageType deface_stage() {
   s.summary = "takes the face off a CT volume";
   s.description =
       "In front of the plane through the tragi and below the nasion, what lies near the skin of the original scan "
-      "becomes "
-      "air, and what is left is rounded and closed, so that neither the volume nor any surface made of it shows the "
-      "face. "
-      "Cranium, brain and all above the nasion keep their values.";
+      "becomes air, and what is left is rounded and closed, so that neither the volume nor any surface made of it "
+      "shows the face. Cranium, brain and all above the nasion keep their values.";
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
              {"skin", DataKind::field, true, "the skin of this volume, as segment finds it"},
              {"landmarks", DataKind::landmarks, true, "nasion, tragus_left and tragus_right"}};

@@ -15,8 +15,7 @@ StageType labels_stage() {
       "Reads a label map or segmentation (NRRD, .seg.nrrd of 3D Slicer, NIfTI of ITK-SNAP or TotalSegmentator), takes "
       "one label of it and gives what segment gives: a field on the volume's voxels, positive inside. Labels on the "
       "volume's own voxels stay as they are, with their steps smoothed; others are resampled, their volume kept. A "
-      "label that lies "
-      "outside of the volume or in air is refused.";
+      "label that lies outside of the volume or in air is refused.";
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<LabelParams>(); };

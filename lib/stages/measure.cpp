@@ -12,9 +12,8 @@ StageType measure_stage() {
   s.summary = "measures a surface, also against a reference";
   s.description =
       "Validity (closed, 2-manifold, oriented, self-intersections; of each kind of fault how many and where the first "
-      "20 "
-      "are), triangles, volume, area, components, genus; against another surface the "
-      "two-sided deviation: largest, 99th percentile, RMS and mean, in mm.";
+      "20 are), triangles, volume, area, components, genus; against another surface the two-sided deviation: largest, "
+      "99th percentile, RMS and mean, in mm.";
   s.ports = {{"surface", DataKind::mesh, true, "surface to measure"},
              {"reference", DataKind::mesh, false, "surface to compare with"}};
   s.output = DataKind::nothing;

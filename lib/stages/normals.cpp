@@ -12,8 +12,7 @@ StageType normals_stage() {
   s.summary = "gives every point of a surface a normal";
   s.description =
       "Smooth normals, one a point. No point is split at a sharp edge, so a closed surface stays closed; an open one "
-      "is "
-      "taken too.";
+      "is taken too.";
   s.ports = {{"surface", DataKind::mesh, true, "surface"}};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<NormalsParams>(); };

@@ -13,8 +13,8 @@ StageType presegment_stage() {
       "Gives a field on the volume's voxels, from -1 (the surface moves inwards) over 0 (it rests) to 1 (outwards): by "
       "a smooth window of HU, by the image's edges, or by tissue classes found by clustering, as ITK-SNAP does before "
       "its snake, with its defaults, but in mm. A window ends halfway between the structure's HU and its neighbour's "
-      "as "
-      "this scan has them (CSF of -5 and brain of 21: 8), well beyond them on the other side; noise is smoothed first.";
+      "as this scan has them (CSF of -5 and brain of 21: 8), well beyond them on the other side; noise is smoothed "
+      "first.";
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
              {"within", DataKind::field, false, "an anatomy to look inside of; the speed is -1 outside"},
              {"without", DataKind::field, false, "an anatomy to look outside of; the speed is -1 inside"}};

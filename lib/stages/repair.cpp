@@ -14,8 +14,7 @@ StageType repair_stage() {
       "Merges points, turns triangles, takes apart what more than one sheet shares, fills holes, removes slivers, "
       "duplicates and self-intersections, unites pieces that overlap; each is counted. Where that gives no closed "
       "2-manifold free of self-intersections, a new surface is made through voxels, and the report says how far it "
-      "lies "
-      "from the input.";
+      "lies from the input.";
   s.ports = {{"surface", DataKind::mesh, true, "triangles of any kind"}};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<RepairParams>(); };

@@ -12,8 +12,7 @@ StageType resample_stage() {
   s.summary = "puts a CT volume on voxels of another size";
   s.description =
       "Each value is the mean of what the new voxel covers, as a scanner with such voxels would have it; smaller "
-      "voxels "
-      "than the scan's are interpolated. Larger voxels make everything that follows faster and coarser.";
+      "voxels than the scan's are interpolated. Larger voxels make everything that follows faster and coarser.";
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};
   s.output = DataKind::volume;
   s.make_params = [] { return AnyParams::make<ResampleParams>(); };

@@ -12,10 +12,8 @@ StageType segment_stage() {
   s.summary = "finds one anatomy in a CT volume";
   s.description =
       "Gives a field on the volume's voxels, positive inside the anatomy, whose zero crossing is its surface to a "
-      "fraction of "
-      "a voxel. Methods: threshold (with hysteresis, morphology in mm, components and filled cavities), and an "
-      "unattended "
-      "brain and ventricles.";
+      "fraction of a voxel. Methods: threshold (with hysteresis, morphology in mm, components and filled cavities), "
+      "and an unattended brain and ventricles.";
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
              {"within", DataKind::field, false, "an anatomy to stay inside of"},
              {"without", DataKind::field, false, "an anatomy to stay outside of"},

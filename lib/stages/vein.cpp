@@ -12,12 +12,10 @@ StageType vein_stage() {
   s.summary = "finds or estimates the subclavian veins below the clavicles";
   s.description =
       "Gives a field of about mm, positive inside the vein from the middle of the clavicle to behind the sternum. "
-      "Where "
-      "contrast medium shows it, its surface lies at half the contrast. Where none does, it is a tube of a given "
-      "radius "
-      "along the course that a vein usually takes behind and below the clavicle, away from bone and lung: the report "
-      "then says estimated, and warns. Such a vein is good to teach with; it is not where this patient's vein was "
-      "found.";
+      "Where contrast medium shows it, its surface lies at half the contrast. Where none does, it is a tube of a given "
+      "radius along the course that a vein usually takes behind and below the clavicle, away from bone and lung: the "
+      "report then says estimated, and warns. Such a vein is good to teach with; it is not where this patient's vein "
+      "was found.";
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
              {"bone", DataKind::field, true, "all bone of the chest, filled"}};
   s.output = DataKind::field;

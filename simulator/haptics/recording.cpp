@@ -56,7 +56,8 @@ std::string header_text(const RecordingHeader& h, std::optional<std::uint64_t> f
             {"tool", to_json(h.tool)}};
   if (frames) j["frames"] = *frames;
   std::string text = j.dump(1);
-  if (text.size() + 1 > header_bytes) throw Error(ExitCode::internal, "", "header", "is too long");
+  const std::size_t left_for_frames = frames ? 0 : 40;  // which are known only when all is recorded
+  if (text.size() + left_for_frames + 1 > header_bytes) throw Error(ExitCode::internal, "", "header", "is too long");
   text.resize(header_bytes - 1, ' ');
   return text + "\n";
 }
