@@ -88,8 +88,8 @@ double skull_rms(double tilt_deg, int matrix, double step_mm) {
   Report ignored;
   const TriMesh mesh = contour(segment(r.volume, {}, bone, ignored), {}, ignored);
   const Head head{HeadParams{}};
-  const Bounds seen{{-200, -200, 26}, {200, 200, 58}};  // what every tilt sees; above the thin plates of the base
-  const TriMesh truth = truth_mesh(head, Anatomy::skull, {{-120, -130, 20}, {120, 110, 64}}, 2);
+  const auto seen = [](Vec3 at) { return at.z >= 26 && at.z <= 58; };  // by every tilt; above the base's thin plates
+  const TriMesh truth = truth_mesh(head, Anatomy::skull, Bounds{{-120, -130, 20}, {120, 110, 64}}, 2);
   DeviationParams few;
   few.sample_count = 20000;
   const Deviation d = measure_deviation_to_truth(
