@@ -335,6 +335,29 @@ TEST(LandmarksFind, GivenOnesThatLieFarOutsideAreRefused) {
   EXPECT_NE(refused("target", {0, 0, -500}).find("mm outside of the skin"), std::string::npos);
   const Vec3 nasion = scene().head.landmark("nasion");
   EXPECT_EQ(refused("nasion", nasion + Vec3{0, -5, 0}), "taken");
+  EXPECT_NE(refused("tragus_left", scene().head.landmark("tragus_right")).find("are left and right exchanged?"),
+            std::string::npos);
+  EXPECT_NE(refused("kocher_right", scene().head.landmark("kocher_left")).find("to the left of the midsagittal plane"),
+            std::string::npos);
+}
+
+TEST(LandmarksFind, GivenOnesThatCannotBeRightAreDoubted) {
+  LandmarkInputs in = scene().inputs();
+  const auto doubts = [&](const char* name, Vec3 at) {
+    in.given = {{name, at, 1, "given"}};
+    Report report;
+    find_landmarks(scene().volume, in, {}, report);
+    std::string all;
+    for (const std::string& w : report.warnings)
+      if (w.rfind(name, 0) == 0 && w.find("as given") != std::string::npos) all += w + "; ";
+    return all;
+  };
+  const auto& head = scene().head;
+  EXPECT_NE(doubts("nasion", head.landmark("inion")).find("mm from where it would be found"), std::string::npos);
+  EXPECT_NE(doubts("inion", {0, 0, 50}).find("more than 25 mm below the skin"), std::string::npos);
+  EXPECT_NE(doubts("monro_left", {55, 40, 60}).find("more than 20 mm from the ventricles"), std::string::npos);
+  for (const char* name : {"nasion", "inion", "tragus_left", "tragus_right", "kocher_left", "monro_left"})
+    EXPECT_EQ(doubts(name, head.landmark(name)), "") << name;
 }
 
 TEST(LandmarksFind, ANameThatIsNotLookedForIsSaidWithTheNearestOne) {

@@ -37,7 +37,7 @@ class Finder {
     check(in.skull, "skull");
     check(in.brain, "brain");
     check(in.ventricles, "ventricles");
-    check_given(in.given, *in.skin, report);
+    check_given(in.given, *in.skin, in.ventricles, report);
     check_varies(volume);
     out_.landmarks = in.given;
   }
@@ -47,9 +47,13 @@ class Finder {
     const bool by_points = plane_from_given();
     if (!by_points) plane_by_symmetry(skin, skull, progress.part(0, 0.7));
     progress.report(0.7);
+    check_sides(in_.given, out_.midsagittal);
     set_frame(skull);
-    if (!out_.find("nasion"))
-      add("nasion", find_nasion(skin, skull, head_), "found", "no hollow between brow and nose");
+    const auto nasion = find_nasion(skin, skull, head_);
+    if (const CaseLandmark* given = out_.find("nasion"))
+      doubt_given(*given, nasion, report_);
+    else
+      add("nasion", nasion, "found", "no hollow between brow and nose");
     level_roughly();
     for (const int side : {1, -1}) {
       progress.check();
@@ -122,6 +126,9 @@ class Finder {
     else
       return false;
     const double before = norm(across);
+    if (left && right && before < 60)
+      throw Error(ExitCode::bad_input, "", "tragus_left, tragus_right",
+                  fmt::format("are {:.0f} mm apart, of a head at least 60", before));
     across = across - along * dot(across, along);
     if (!(norm(*other - *nasion) > 50) || !(norm(across) > 0.1 * before) || !(before > 0.02))
       throw Error(ExitCode::bad_input, "", "landmarks", "nasion, inion and tragi as given span no head");

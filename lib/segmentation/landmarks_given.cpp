@@ -13,31 +13,54 @@ namespace trephine::segmentation {
 namespace {
 
 constexpr double most_outside_mm = 30;  ///< of the skin: what a scan cut off there may still be marked
+constexpr double most_below_mm = 25;    ///< the skin, of a landmark that lies on it
+constexpr double most_beside_mm = 20;   ///< the ventricles, of a foramen of Monro
+constexpr double most_across_mm = 10;   ///< of the midsagittal plane
+constexpr double most_off_mm = 20;      ///< of where it is found
 
-/// Calls f(distance from p in mm) for every voxel of the skin within `reach_mm` of p along each axis, until it says
-/// true.
+/// Calls f(distance from p in mm, whether it is of the shape) for every voxel within `reach_mm` of p along each axis,
+/// until it says true.
 template <class F>
-void for_skin(const Field& skin, Vec3 p, double reach_mm, F&& f) {
-  const Vec3 c = skin.to_index(p);
+void for_voxels(const Field& shape, Vec3 p, double reach_mm, F&& f) {
+  const Vec3 c = shape.to_index(p);
   int low[3], high[3];
   for (int a = 0; a < 3; ++a) {
-    const double reach = reach_mm / skin.spacing_mm[a];
-    low[a] = int(std::clamp(std::ceil(c[a] - reach), 0.0, double(skin.size[a])));
-    high[a] = int(std::clamp(std::floor(c[a] + reach) + 1, 0.0, double(skin.size[a])));
+    const double reach = reach_mm / shape.spacing_mm[a];
+    low[a] = int(std::clamp(std::ceil(c[a] - reach), 0.0, double(shape.size[a])));
+    high[a] = int(std::clamp(std::floor(c[a] + reach) + 1, 0.0, double(shape.size[a])));
   }
   for (int k = low[2]; k < high[2]; ++k)
     for (int j = low[1]; j < high[1]; ++j)
-      for (int i = low[0]; i < high[0]; ++i)
-        if (skin.at(i, j, k) > 0) {
-          const Vec3 d{(i - c.x) * skin.spacing_mm.x, (j - c.y) * skin.spacing_mm.y, (k - c.z) * skin.spacing_mm.z};
-          if (f(norm(d))) return;
-        }
+      for (int i = low[0]; i < high[0]; ++i) {
+        const Vec3 d{(i - c.x) * shape.spacing_mm.x, (j - c.y) * shape.spacing_mm.y, (k - c.z) * shape.spacing_mm.z};
+        if (f(norm(d), shape.at(i, j, k) > 0)) return;
+      }
 }
 
-bool is_near(const Field& skin, Vec3 p) {
+bool is_near(const Field& shape, Vec3 p, double most_mm) {
   bool near = false;
-  for_skin(skin, p, most_outside_mm, [&](double mm) { return near = mm <= most_outside_mm; });
+  for_voxels(shape, p, most_mm, [&](double mm, bool inside) { return near = inside && mm <= most_mm; });
   return near;
+}
+
+/// Nothing but skin within so much of it; where the field ends it may lie on the surface.
+bool is_deep(const Field& skin, Vec3 p, double most_mm) {
+  const Vec3 c = skin.to_index(p);
+  for (int a = 0; a < 3; ++a)
+    if (std::min(c[a], skin.size[a] - 1 - c[a]) * skin.spacing_mm[a] < most_mm) return false;
+  bool bare = false;
+  for_voxels(skin, p, most_mm, [&](double mm, bool inside) { return bare = !inside && mm <= most_mm; });
+  return !bare;
+}
+
+bool begins_with(const std::string& name, const char* part) { return name.rfind(part, 0) == 0; }
+bool is_on_skin(const std::string& name) {
+  return name == "nasion" || name == "inion" || name == "vertex" || begins_with(name, "tragus") ||
+         begins_with(name, "kocher");
+}
+bool is_known(const std::string& name) {
+  const std::vector<std::string>& known = findable_landmarks();
+  return std::find(known.begin(), known.end(), name) != known.end();
 }
 
 /// "tragus_left" of "left_tragus", or what is spelt nearly so.
@@ -57,31 +80,56 @@ std::string meant(const std::string& name) {
 
 }  // namespace
 
-void check_given(const std::vector<CaseLandmark>& given, const Field& skin, Report& report) {
+void check_given(const std::vector<CaseLandmark>& given, const Field& skin, const Field* ventricles, Report& report) {
   std::set<std::string> names;
-  const std::vector<std::string>& known = findable_landmarks();
   for (const CaseLandmark& l : given) {
     if (!is_finite(l.position_mm)) throw Error(ExitCode::bad_input, "", l.name, "is not finite");
     if (!names.insert(l.name).second) throw Error(ExitCode::bad_input, "", l.name, "is given twice");
-    if (!is_near(skin, l.position_mm)) {
+    if (!is_near(skin, l.position_mm, most_outside_mm)) {
       double mm = 1e300;
-      for_skin(skin, l.position_mm, 1e9, [&](double d) {
-        mm = std::min(mm, d);
+      for_voxels(skin, l.position_mm, 1e9, [&](double d, bool inside) {
+        if (inside) mm = std::min(mm, d);
         return false;
       });
       const Vec3 p = l.position_mm;
       throw Error(ExitCode::bad_input, "", l.name,
                   fmt::format("({:.1f}, {:.1f}, {:.1f}) mm, lies {:.0f} mm outside of the skin, at most {:.0f}{}", p.x,
                               p.y, p.z, mm, most_outside_mm,
-                              is_near(skin, {-p.x, -p.y, p.z})
+                              is_near(skin, {-p.x, -p.y, p.z}, most_outside_mm)
                                   ? ": with x and y negated it would not, RAS was taken for LPS or the reverse"
                                   : ": is it of another scan?"));
     }
-    if (std::find(known.begin(), known.end(), l.name) != known.end()) continue;
+    if (is_on_skin(l.name) && is_deep(skin, l.position_mm, most_below_mm))
+      report.warn(fmt::format("{} as given lies more than {:.0f} mm below the skin", l.name, most_below_mm));
+    if (ventricles && begins_with(l.name, "monro") && !is_near(*ventricles, l.position_mm, most_beside_mm))
+      report.warn(fmt::format("{} as given lies more than {:.0f} mm from the ventricles", l.name, most_beside_mm));
+    if (is_known(l.name)) continue;
     const std::string near = meant(l.name);
     report.warn(printable(l.name) + " is none of the landmarks that are looked for" +
                 (near.empty() ? ": it is kept as it is" : ", did you mean " + near + "?"));
   }
+}
+
+void check_sides(const std::vector<CaseLandmark>& given, const MidsagittalPlane& plane) {
+  for (const CaseLandmark& l : given) {
+    const std::size_t at = l.name.find('_');
+    const std::string side = at == std::string::npos ? "" : l.name.substr(at + 1);
+    // A foramen may have been shifted across.
+    if (!is_known(l.name) || begins_with(l.name, "monro") || (side != "left" && side != "right")) continue;
+    const double left_mm = dot(l.position_mm - plane.point_mm, plane.normal);
+    if ((side == "left" ? -left_mm : left_mm) > most_across_mm)
+      throw Error(ExitCode::bad_input, "", l.name,
+                  fmt::format("lies {:.0f} mm to the {} of the midsagittal plane (x runs to the patient's left): are "
+                              "left and right exchanged?",
+                              std::abs(left_mm), left_mm > 0 ? "left" : "right"));
+  }
+}
+
+void doubt_given(const CaseLandmark& given, const std::optional<FoundPoint>& found, Report& report) {
+  const double off_mm = found ? norm(given.position_mm - found->position_mm) : 0;
+  if (found && found->confidence > 0.5 && off_mm > most_off_mm)
+    report.warn(fmt::format("{} as given lies {:.0f} mm from where it would be found, ({:.0f}, {:.0f}, {:.0f}) mm",
+                            given.name, off_mm, found->position_mm.x, found->position_mm.y, found->position_mm.z));
 }
 
 }  // namespace trephine::segmentation

@@ -23,8 +23,13 @@ struct FoundPoint {
 };
 
 /// Throws Error 65, its field the landmark's name, where one is not finite, there twice or further outside of the skin
-/// than anything marked on a scan that was cut off; warns where a name is not looked for, with the nearest one that is.
-void check_given(const std::vector<CaseLandmark>& given, const Field& skin, Report& report);
+/// than anything marked on a scan that was cut off; warns where a name is not looked for, with the nearest one that is,
+/// where what lies on the skin is deep below it, and a foramen far from the ventricles (null: not known).
+void check_given(const std::vector<CaseLandmark>& given, const Field& skin, const Field* ventricles, Report& report);
+/// Throws Error 65 where one of the left lies to the right of the plane, or the reverse.
+void check_sides(const std::vector<CaseLandmark>& given, const MidsagittalPlane& plane);
+/// Warns where it is far from where it would be found.
+void doubt_given(const CaseLandmark& given, const std::optional<FoundPoint>& found, Report& report);
 
 /// 0 at `zero`, 1 at `one`, linear between them; `one` may be the smaller.
 double ramp(double value, double zero, double one);
