@@ -145,6 +145,12 @@ TEST(Nifti, RefusesNamingTheField) {
   const float one = 1;
   fractions.replace(112, 4, reinterpret_cast<const char*>(&one), 4);
   EXPECT_EQ(refusal(fractions), "data");
+  // 1, 2, 3 less 3: a CT volume's values, no labels.
+  std::string negative = nifti_bytes(counted(oblique()), {});
+  const float less = -3;
+  negative.replace(112, 4, reinterpret_cast<const char*>(&one), 4);
+  negative.replace(116, 4, reinterpret_cast<const char*>(&less), 4);
+  EXPECT_EQ(refusal(negative), "data");
 }
 
 TEST(Nifti, ABombTakesNoMemory) {

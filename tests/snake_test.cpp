@@ -185,8 +185,14 @@ TEST(Snake, BubblesArePlacedWhereThereIsRoom) {
   EXPECT_LT(norm(bubbles[1].centre_mm - Vec3{20, 3, 0}), 1.5);
   SnakeParams p;
   p.bubbles_count = 2;
-  const Deviation d = deviation(run(speed, p).field, [&](Vec3 x) { return -two(x); });
+  const Evolved both = run(speed, p);
+  const Deviation d = deviation(both.field, [&](Vec3 x) { return -two(x); });
   EXPECT_LT(std::abs(d.mean), 0.1);
+  // Where they were placed can be given again; the balls do not touch.
+  const auto again = parse_bubbles(std::get<std::string>(*both.report.find("bubbles")));
+  ASSERT_EQ(again.size(), 2u);
+  EXPECT_LT(norm(again[1].centre_mm - bubbles[1].centre_mm), 0.1);
+  EXPECT_EQ(to_text(*both.report.find("pieces_count")), "2");
   const Error e = error_of([&] { place_bubbles(speed, 2, 12); });
   EXPECT_EQ(e.code(), ExitCode::quality);
   EXPECT_EQ(e.field(), "bubble_min_radius_mm");

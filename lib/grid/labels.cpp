@@ -132,6 +132,14 @@ std::string names_of(const LabelFile& map) {
 }
 
 void check_whole(const LabelFile& map) {
+  std::visit(
+      [](const auto& g) {
+        for (std::size_t v = 0; v < g.voxels.size(); ++v)
+          if (g.voxels[v] < 0)
+            refuse("data", "voxel " + std::to_string(v) + " holds " + to_text(double(g.voxels[v])) +
+                               ": no map of labels, which are not negative; is it a CT volume or a field?");
+      },
+      map.samples);
   const auto* g = std::get_if<Grid<float>>(&map.samples);
   if (!g) return;
   for (std::size_t v = 0; v < g->voxels.size(); ++v)

@@ -159,6 +159,14 @@ std::vector<Bubble> place_bubbles(const Field& speed, int count, double min_radi
   return bubbles;
 }
 
+std::string to_text(const std::vector<Bubble>& bubbles) {
+  std::string all;
+  for (const Bubble& b : bubbles)
+    all += fmt::format("{}{:.1f},{:.1f},{:.1f},{:.1f}", all.empty() ? "" : "; ", b.centre_mm.x, b.centre_mm.y,
+                       b.centre_mm.z, b.radius_mm);
+  return all;
+}
+
 Field bubble_field(const std::vector<Bubble>& bubbles, const Lattice& lattice) {
   const double margin = 3 * std::max({lattice.spacing_mm.x, lattice.spacing_mm.y, lattice.spacing_mm.z});
   Field field(lattice, float(-margin));

@@ -17,6 +17,8 @@ struct Bubble {
 /// Reads "x,y,z,radius; x,y,z,radius": numbers in mm, spaces around them allowed. Throws Error 64 where the text is
 /// something else, a radius is not above 0, or a number is beyond 1e6.
 std::vector<Bubble> parse_bubbles(const std::string& text);
+/// The same to 0.1 mm, to be read again.
+std::string to_text(const std::vector<Bubble>& bubbles);
 
 /// Up to `count` balls where the speed is above 0, away from its lattice's edge: the largest that fits, then the
 /// largest whose centre lies outside all before, and so on while they reach min_radius_mm. Searched on a raster of

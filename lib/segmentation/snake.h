@@ -89,8 +89,9 @@ struct SnakeMasks {
 
 /// evolve_snake() from given or placed bubbles, kept within and without other anatomies. Also throws 64 where there is
 /// nothing to begin with, more than one thing, or `bubbles` cannot be read; 80 as place_bubbles() does. Report,
-/// besides: held_by_limits_ratio, of the surface, where a mask holds it at a positive speed (geodesic: a wall of the
-/// speed image too); warns above a tenth.
+/// besides: bubbles (as they can be given) and pieces_count, for a bubble in other CSF leaks nowhere and is
+/// still none of the ventricles; held_by_limits_ratio, of the surface, where a mask holds it at a positive speed
+/// (geodesic: a wall of the speed image too); warns above a tenth.
 Field snake(const Field& speed, const SnakeMasks& masks, const SnakeParams& params, Report& report,
             const Progress& progress = {});
 

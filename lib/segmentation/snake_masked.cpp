@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "segmentation/bits.h"
 #include "segmentation/bubbles.h"
 #include "segmentation/snake.h"
 #include "segmentation/snake_band.h"
@@ -76,6 +77,7 @@ void tell_held(const Field& field, const Field& speed, const SnakeMasks& masks, 
   }
   const double ratio = whole > 0 ? rim / whole : 0;
   report.add("held_by_limits_ratio", ratio);
+  report.add("pieces_count", segmentation::components(segmentation::positive(field, field)).list.size());
   if (ratio > most_held)
     report.warn(
         fmt::format("snake: {:.0f} % of its surface rest on the limits given and not on the speed image: it may "
@@ -96,6 +98,7 @@ Field begin(const Field& speed, const SnakeMasks& masks, const SnakeParams& p, R
   Field field = bubble_field(bubbles, speed);
   if (given && p.propagation > 0) check_bubbles(bubbles, speed);
   report.add("bubbles_count", bubbles.size());
+  report.add("bubbles", to_text(bubbles));
   report.add("bubble_max_radius_mm", [&] {
     double most = 0;
     for (const Bubble& b : bubbles) most = std::max(most, b.radius_mm);

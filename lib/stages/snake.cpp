@@ -14,7 +14,10 @@ StageType snake_stage() {
       "Grows balls, or another field, over the speed image that presegment made until the surface rests: by region "
       "competition, or as a geodesic active contour. Gives a field like segment's, in mm near the surface. Begin with "
       "bubbles, bubbles_count or start. It warns of what looks like a leak (much of what it holds has a negative "
-      "speed, or much of its surface rests on within, without or the region's edge); max_volume_ml refuses one.";
+      "speed, or much of its surface rests on within, without or the region's edge); max_volume_ml refuses one. Balls "
+      "placed in "
+      "another structure of the same HU are no leak: in small or noisy ventricles look where they lie (bubbles and "
+      "pieces_count of the report), or give them.";
   s.ports = {{"speed", DataKind::field, true, "speed image from -1 to 1"},
              {"start", DataKind::field, false, "a field whose surface is the first one"},
              {"within", DataKind::field, false, "an anatomy to stay inside of"},
