@@ -8,7 +8,9 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "segmentation/box_about.h"
 #include "segmentation/filters.h"
+#include "surface/bounds.h"
 
 namespace trephine {
 namespace {
@@ -36,15 +38,11 @@ std::string described(const Bubble& b) {
 
 /// "x -80 to 75, y -100 to 90, z 0 to 120 mm": where the lattice's voxels lie.
 std::string reach_of(const Lattice& l) {
-  Vec3 low{1e300, 1e300, 1e300}, high = -low;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p = l.to_world_mm(
-        {corner & 1 ? l.size[0] - 1.0 : 0, corner & 2 ? l.size[1] - 1.0 : 0, corner & 4 ? l.size[2] - 1.0 : 0});
-    for (int a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], p[a]);
-      high[a] = std::max(high[a], p[a]);
-    }
-  }
+  Bounds b;
+  for (int corner = 0; corner < 8; ++corner)
+    include(b, l.to_world_mm({corner & 1 ? l.size[0] - 1.0 : 0, corner & 2 ? l.size[1] - 1.0 : 0,
+                              corner & 4 ? l.size[2] - 1.0 : 0}));
+  const Vec3 low = b.min_mm, high = b.max_mm;
   return fmt::format("x {:.0f} to {:.0f}, y {:.0f} to {:.0f}, z {:.0f} to {:.0f} mm", low.x, high.x, low.y, high.y,
                      low.z, high.z);
 }
@@ -52,19 +50,10 @@ std::string reach_of(const Lattice& l) {
 /// Calls f(voxel, distance from the centre in mm) for the voxels of the ball's box, where it meets the lattice.
 template <class F>
 void for_ball(const Bubble& b, const Lattice& l, double margin_mm, F&& f) {
-  const Vec3 c = l.to_index(b.centre_mm);
-  int low[3], high[3];
-  for (int a = 0; a < 3; ++a) {
-    const double reach = (b.radius_mm + margin_mm) / l.spacing_mm[a];
-    low[a] = int(std::clamp(std::ceil(c[a] - reach), 0.0, double(l.size[a])));
-    high[a] = int(std::clamp(std::floor(c[a] + reach) + 1, 0.0, double(l.size[a])));
-  }
-  for (int k = low[2]; k < high[2]; ++k)
-    for (int j = low[1]; j < high[1]; ++j)
-      for (int i = low[0]; i < high[0]; ++i) {
-        const Vec3 d{(i - c.x) * l.spacing_mm.x, (j - c.y) * l.spacing_mm.y, (k - c.z) * l.spacing_mm.z};
-        f(l.index(i, j, k), norm(d));
-      }
+  segmentation::for_box_about(l, b.centre_mm, b.radius_mm + margin_mm, [&](int i, int j, int k, double mm) {
+    f(l.index(i, j, k), mm);
+    return false;
+  });
 }
 
 /// Means over blocks of voxels, so that no side is below 1 mm.

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "segmentation/box_about.h"
 #include "segmentation/landmarks_parts.h"
 
 namespace trephine::segmentation {
@@ -22,19 +23,7 @@ constexpr double most_off_mm = 20;      ///< of where it is found
 /// until it says true.
 template <class F>
 void for_voxels(const Field& shape, Vec3 p, double reach_mm, F&& f) {
-  const Vec3 c = shape.to_index(p);
-  int low[3], high[3];
-  for (int a = 0; a < 3; ++a) {
-    const double reach = reach_mm / shape.spacing_mm[a];
-    low[a] = int(std::clamp(std::ceil(c[a] - reach), 0.0, double(shape.size[a])));
-    high[a] = int(std::clamp(std::floor(c[a] + reach) + 1, 0.0, double(shape.size[a])));
-  }
-  for (int k = low[2]; k < high[2]; ++k)
-    for (int j = low[1]; j < high[1]; ++j)
-      for (int i = low[0]; i < high[0]; ++i) {
-        const Vec3 d{(i - c.x) * shape.spacing_mm.x, (j - c.y) * shape.spacing_mm.y, (k - c.z) * shape.spacing_mm.z};
-        if (f(norm(d), shape.at(i, j, k) > 0)) return;
-      }
+  for_box_about(shape, p, reach_mm, [&](int i, int j, int k, double mm) { return f(mm, shape.at(i, j, k) > 0); });
 }
 
 bool is_near(const Field& shape, Vec3 p, double most_mm) {
