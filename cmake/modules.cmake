@@ -36,6 +36,36 @@ function(trephine_module name)
   endif()
 endfunction()
 
+# trephine_registry(MODULE TYPE SUFFIX HEADER): every NAME_SUFFIX.cpp of the folder defines `TYPE NAME_SUFFIX()`; this makes
+# `const std::vector<TYPE>& SUFFIX_types()`, which HEADER declares, of all of them, by name. So adding one takes no list.
+function(trephine_registry module type suffix header)
+  file(GLOB sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/*_${suffix}.cpp)
+  list(SORT sources)
+  set(declarations "")
+  set(calls "")
+  foreach(source ${sources})
+    get_filename_component(name ${source} NAME_WE)
+    string(APPEND declarations "${type} ${name}();\n")
+    string(APPEND calls "      ${name}(),\n")
+  endforeach()
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${suffix}_registry.cpp)
+  file(CONFIGURE OUTPUT ${file} @ONLY CONTENT [[// Made by cmake/modules.cmake from the names of the sources.
+#include "@header@"
+
+namespace trephine {
+
+@declarations@
+const std::vector<@type@>& @suffix@_types() {
+  static const std::vector<@type@> types = {
+@calls@  };
+  return types;
+}
+
+}  // namespace trephine
+]])
+  target_sources(trephine_${module} PRIVATE ${file})
+endfunction()
+
 # trephine_test(NAME modules...): tests/NAME_test.cpp (and tests/NAME_*_test.cpp) against the modules, run by CTest.
 function(trephine_test name)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}_test.cpp

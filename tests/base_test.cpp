@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/params.h"
+#include "base/result.h"
 #include "base/text.h"
 #include "base/text_table.h"
 
@@ -103,36 +104,132 @@ struct Sample {
 TEST(Params, DefaultsAsText) {
   const AnyParams p = AnyParams::make<Sample>();
   std::vector<std::string> all;
-  for (const auto& d : p.set->parameters) all.push_back(describe_parameter(d, p.get(d)));
+  for (const auto& d : p.set->parameters) all.push_back(describe_parameter(d, p.object.get()));
   EXPECT_EQ(
       all, (std::vector<std::string>{"number, 0 to 5, default 0.2", "whole number, at least 4, default 80000",
                                      "true or false, default true", "one of quick, exact, default exact",
                                      "text, default \"a \\\"b\\\"\"", "3 numbers, -100 to 100, default [1, 2.5, -3]"}));
 }
 
-// A default of its own for each choice of another parameter, whatever is set first, until it is given.
-struct ByChoice {
-  Way way = Way::quick;
-  DefaultBy<double, Way, 2> step_mm{{0.5, 2}};
+// Structs in structs: what a scene says of shapes, and a case of holes.
+struct Item {
+  double size_mm = 2;
+  std::string of;
+  std::array<double, 2> window_hu{0, 0};
   template <class V>
   static void describe(V& v) {
-    using P = ByChoice;
-    v.choice(&P::way, "way", {{"quick", Way::quick}, {"exact", Way::exact}}, "How.");
-    v.number(&P::step_mm, "step_mm", Range{0, 5}, "Step.", &P::way, "way");
+    v.number(&Item::size_mm, "size_mm", Range{1, 5}, "Size.").none_at_zero();
+    v.text(&Item::of, "of", "Of what.");
+    v.numbers(&Item::window_hu, "window_hu", Range{-1000, 3000}, "Window.");
+  }
+  std::string fault() const { return of == "nothing" ? "of: must be something" : ""; }
+};
+struct Share {
+  double ratio = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&Share::ratio, "", Range{0, 1}, "Share.");
+  }
+};
+struct Base {
+  int count = 1;
+  template <class V>
+  static void describe(V& v) {
+    v.integer(&Base::count, "count", Range{0, 9}, "Count.");
+  }
+};
+struct Nested : Base {
+  Item one;
+  std::optional<Item> maybe;
+  std::vector<Item> several;
+  Named<Item> named;
+  Named<Share> shares;
+  template <class V>
+  static void describe(V& v) {
+    using P = Nested;
+    v.template all_of<Base>();
+    v.group(&P::one, "one", "One.");
+    v.group(&P::maybe, "maybe", "Perhaps one.");
+    v.list(&P::several, "several", "Several.").at_most(2);
+    v.map(&P::named, "named", "By name.");
+    v.map(&P::shares, "shares", "Shares by name.");
   }
 };
 
-TEST(Params, ADefaultMayHangOnAChoice) {
-  AnyParams p = AnyParams::make<ByChoice>();
-  const Parameter &way = *p.set->find("way"), &step = *p.set->find("step_mm");
-  EXPECT_EQ(describe_parameter(step, p.get(step)), "number, 0 to 5, default 0.5 (2 with way exact)");
-  EXPECT_EQ(other_defaults(step, p.get(step)), "2 with way exact");
-  way.set(p.object.get(), std::string("exact"));
-  EXPECT_EQ(p.get(step), ParameterValue(2.0));
-  way.set(p.object.get(), std::string("quick"));
-  step.set(p.object.get(), 0.5);
-  way.set(p.object.get(), std::string("exact"));
-  EXPECT_EQ(p.get(step), ParameterValue(0.5)) << "what is given stays, though it is another's default";
+std::vector<std::string> paths_of(const AnyParams& p) {
+  std::vector<std::string> all;
+  for (const ParameterLeaf& leaf : leaves_of(p)) all.push_back(leaf.path + "=" + to_text(leaf.value()));
+  return all;
+}
+
+TEST(Params, StructsOfStructsListsAndMapsHaveLeaves) {
+  Nested n;
+  n.count = 3;
+  n.named = {{"skin", {3, "bone", {1, 2}}}};
+  n.shares = {{"a", {0.5}}};
+  n.several.resize(1);
+  const AnyParams p = AnyParams::make(n);
+  EXPECT_EQ(paths_of(p), (std::vector<std::string>{
+                             "count=3", "one.size_mm=2", "one.of=\"\"", "one.window_hu=[0, 0]", "several.0.size_mm=2",
+                             "several.0.of=\"\"", "several.0.window_hu=[0, 0]", "named.skin.size_mm=3",
+                             "named.skin.of=\"bone\"", "named.skin.window_hu=[1, 2]", "shares.a=0.5"}));
+  // Every difference shows in the text that a cache's key is made of, an item without a difference in values too.
+  Nested other = n;
+  other.maybe.emplace();
+  EXPECT_NE(to_text(AnyParams::make(other)), to_text(p));
+  other = n;
+  other.named[0].first = "skull";
+  EXPECT_NE(to_text(AnyParams::make(other)), to_text(p));
+  EXPECT_EQ(to_text(AnyParams::make(n)), to_text(p));
+}
+
+TEST(Params, ItemsAreReadFromTheirTextOnACommandLine) {
+  const ParameterSet& set = parameters_of<Nested>();
+  Nested n;
+  const auto give = [&](const char* name, const char* text) { return parse_item(*set.find(name), &n, text); };
+  EXPECT_EQ(give("named", "skin:size_mm=4,of=bone,window_hu=-5,7"), "");
+  EXPECT_EQ(give("named", "skull"), "");
+  EXPECT_EQ(give("shares", "a=0.25"), "");
+  EXPECT_EQ(give("several", "of=x"), "");
+  ASSERT_EQ(n.named.size(), 2u);
+  EXPECT_EQ(n.named[0].second.window_hu, (std::array<double, 2>{-5, 7}));
+  EXPECT_EQ(n.named[1].second.size_mm, 2);
+  EXPECT_EQ(n.shares[0].second.ratio, 0.25);
+  EXPECT_EQ(give("named", "skin:size=4"), "size, no such key, did you mean size_mm?");
+  EXPECT_EQ(give("named", "skin:size_mm=0.5"), "size_mm, must be a number from 1 to 5");
+  EXPECT_EQ(give("named", "skin:size_mm=0"), "") << "0 stands for none";
+  EXPECT_EQ(give("named", "skin:of=nothing"), "of: must be something");
+  EXPECT_EQ(give("shares", "a"), "must be NAME=VALUE");
+  EXPECT_EQ(give("several", "of=x"), "");
+  EXPECT_EQ(give("several", "of=x"), "at most 2 can be given");
+}
+
+TEST(Params, WhatIsDeclaredWithinIsListed) {
+  std::vector<std::string> all;
+  for (const DeclaredParameter& d : declared_of(AnyParams::make<Nested>()))
+    all.push_back(d.path + ": " + describe_parameter(*d.parameter, d.defaults.get()));
+  EXPECT_EQ(all[0], "count: whole number, 0 to 9, default 1");
+  EXPECT_NE(std::find(all.begin(), all.end(), "named.NAME.size_mm: number, 1 to 5, default 2"), all.end());
+  EXPECT_NE(std::find(all.begin(), all.end(), "shares: names: number, 0 to 1"), all.end());
+}
+
+TEST(Results, AreFiguresOfAReportAndAMissingOneIsAnError) {
+  Report report;
+  add_result(report, Item{3, "bone", {1, 2}}, "skin.");
+  EXPECT_EQ(result_of<Item>(report, "skin.").of, "bone");
+  try {
+    result_of<Item>(report, "skull.");
+    ADD_FAILURE() << "a missing figure";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::internal);
+    EXPECT_EQ(e.field(), "skull.size_mm");
+  }
+  // As JSON has it: 3 for 3.0.
+  Report read;
+  read.add("size_mm", 3);
+  read.add("of", "x");
+  read.figures.emplace_back("window_hu", std::vector<double>{1, 2});
+  EXPECT_EQ(result_of<Item>(read).size_mm, 3);
 }
 
 std::string fault(const std::string& name, const std::vector<std::string>& items) {

@@ -5,8 +5,8 @@
 
 #include "base/error.h"
 #include "body_samples.h"
-#include "segmentation/canal.h"
 #include "segmentation/segment.h"
+#include "trunk/canal.h"
 
 namespace trephine {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "base/error.h"
 #include "body_samples.h"
-#include "segmentation/clavicle.h"
 #include "segmentation/segment.h"
-#include "segmentation/vein.h"
+#include "trunk/clavicle.h"
+#include "trunk/vein.h"
 
 namespace trephine {
 namespace {

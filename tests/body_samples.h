@@ -8,8 +8,8 @@
 
 #include "base/parallel.h"
 #include "grid/grid.h"
+#include "mask/filters.h"
 #include "random.h"
-#include "segmentation/filters.h"
 
 namespace trephine::body {
 

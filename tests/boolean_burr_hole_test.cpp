@@ -9,8 +9,8 @@
 #include "boolean/burr_hole.h"
 #include "boolean/cut_faces.h"
 #include "boolean/outer_curve.h"
-#include "boolean/ray_column.h"
 #include "phantom/truth.h"
+#include "surface/ray_column.h"
 
 namespace trephine {
 namespace {

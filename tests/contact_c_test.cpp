@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxel/contact_c.h"
+#include "contact/contact_c.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxel/contact.h"
+#include "contact/contact.h"
 
 #include <gtest/gtest.h>
 

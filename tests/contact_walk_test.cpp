@@ -5,8 +5,8 @@
 #include <tuple>
 #include <vector>
 
+#include "contact/cell_walk.h"
 #include "contact_walls.h"
-#include "voxel/cell_walk.h"
 
 using namespace trephine;
 using walls::uniform;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "voxel/contact.h"
+#include "contact/contact.h"
 
 namespace trephine::walls {
 

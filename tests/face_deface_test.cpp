@@ -6,9 +6,11 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "face/face_gate.h"
+#include "head/brain.h"
+#include "head/ventricles.h"
 #include "phantom/head.h"
 #include "phantom/phantom.h"
-#include "segmentation/face_gate.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -246,21 +248,10 @@ Inner inner_of(const HuVolume& volume, const Field& skin) {
   SegmentMasks masks;
   masks.within = &skin;
   a.skull = segment(volume, masks, skull_recipe(), report);
-  SegmentParams p;
-  p.method = SegmentMethod::brain;
-  p.lower_hu = 24;
-  p.edge = SegmentEdge::half_maximum;
-  masks = {};
-  masks.skull = &a.skull;
-  a.brain = segment(volume, masks, p, report);
-  p = {};
-  p.method = SegmentMethod::ventricles;
-  p.lower_hu = -15;
-  p.upper_hu = 18.5;
-  p.edge = SegmentEdge::half_maximum;
-  masks = {};
-  masks.within = &a.brain;
-  a.ventricles = segment(volume, masks, p, report);
+  BrainParams brain;
+  brain.lower_hu = 24;
+  a.brain = find_brain(volume, {&a.skull, nullptr, nullptr}, brain, report);
+  a.ventricles = find_ventricles(volume, {&a.brain, nullptr}, {}, report);
   return a;
 }
 

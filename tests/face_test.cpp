@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "segmentation/deface_distance.h"
-#include "segmentation/face_gate.h"
+#include "face/deface_distance.h"
+#include "face/face_gate.h"
 
 namespace trephine {
 namespace {

@@ -6,9 +6,9 @@
 #include "base/parallel.h"
 #include "base/write_file.h"
 #include "gate_samples.h"
+#include "head/anatomy_gate.h"
+#include "head/anatomy_gate_gap.h"
 #include "picture/image.h"
-#include "segmentation/anatomy_gate.h"
-#include "segmentation/anatomy_gate_gap.h"
 
 namespace trephine {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "gate_samples.h"
-#include "segmentation/anatomy_gate.h"
+#include "head/anatomy_gate.h"
 
 namespace trephine {
 namespace {

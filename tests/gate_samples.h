@@ -6,8 +6,8 @@
 
 #include "base/parallel.h"
 #include "cases/landmarks.h"
+#include "head/head_figures.h"
 #include "phantom/head.h"
-#include "segmentation/head_figures.h"
 
 namespace trephine {
 

@@ -3,9 +3,11 @@
 // Phantoms with the fields that pipelines/ventriculostomy.yaml makes of them.
 #include <cmath>
 
+#include "head/brain.h"
+#include "head/landmarks.h"
+#include "head/ventricles.h"
 #include "phantom/head.h"
 #include "phantom/scan.h"
-#include "segmentation/landmarks.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -44,21 +46,10 @@ inline void segment_scene(LandmarkScene& s) {
   p.fill_close_mm = 2;
   p.fill_max_ml = 100;
   s.skull = segment(s.volume, masks, p, report);
-  masks = {};
-  masks.skull = &s.skull;
-  p = {};
-  p.method = SegmentMethod::brain;
-  p.lower_hu = 24;
-  p.edge = SegmentEdge::half_maximum;
-  s.brain = segment(s.volume, masks, p, report);
-  masks = {};
-  masks.within = &s.brain;
-  p = {};
-  p.method = SegmentMethod::ventricles;
-  p.lower_hu = -15;
-  p.upper_hu = 18.5;
-  p.edge = SegmentEdge::half_maximum;
-  s.ventricles = segment(s.volume, masks, p, report);
+  BrainParams brain;
+  brain.lower_hu = 24;
+  s.brain = find_brain(s.volume, {&s.skull, nullptr, nullptr}, brain, report);
+  s.ventricles = find_ventricles(s.volume, {&s.brain, nullptr}, {}, report);
 }
 
 inline LandmarkScene make_scene(const phantom::HeadParams& who, const phantom::ScanParams& how) {

@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "meshing_shapes.h"
 #include "metrics/deviation.h"
-#include "metrics/deviation_picture.h"
+#include "picture/deviation_picture.h"
 
 namespace trephine {
 namespace {

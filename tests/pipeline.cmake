@@ -1,4 +1,4 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 if(TARGET trephine_picture)
-trephine_test(pipeline pipeline)
+trephine_test(pipeline publish)
 endif()

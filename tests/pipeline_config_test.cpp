@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "config/config.h"
+#include "config/yaml_document.h"
 #include "meshing/decimate.h"
-#include "pipeline/config.h"
 #include "pipeline/graph.h"
-#include "pipeline/yaml_document.h"
 #include "scratch_folder.h"
 
 using namespace trephine;
@@ -27,7 +27,7 @@ anatomies:
     colour_rgb: [0.9, 0.7, 0.7]
     shows_face: false
     stages:
-      - segment: {method: brain, skull: skull.segment}
+      - brain: {skull: skull.segment}
       - contour
       - normals
 )";
@@ -249,7 +249,7 @@ TEST(Config, PortsNameAnEarlierAnatomysStage) {
 TEST(Graph, HoldsOnlyWhatTheSceneDemands) {
   const Files files(head);
   const Graph skull = make_graph(read_case_config(files.config), "input");
-  EXPECT_LT(skull.find("brain.segment"), 0);
+  EXPECT_LT(skull.find("brain.brain"), 0);
   EXPECT_GE(skull.find("skull.normals"), 0);
   // The brain needs the skull's field, but not its surface.
   const Files brain_files(head, recipe, "trephine: 1\nanatomies: {brain: }\n");

@@ -13,6 +13,7 @@
 #include "dicom/import.h"
 #include "pipeline/executor.h"
 #include "scratch_folder.h"
+#include "stages/import.h"
 
 using namespace trephine;
 
@@ -232,13 +233,16 @@ TEST(Executor, ASeriesThatChangedSinceItWasHashedIsRefusedAndNotCached) {
   Graph graph;
   Node import;
   import.name = "import";
-  import.params = AnyParams::make<ImportParams>();
+  import.type = &stage_named("import");
+  const std::filesystem::path series = std::filesystem::path(TREPHINE_SOURCE_DIR) / "sample_dicom";
+  ImportStageParams params;
+  params.input = series.string();
+  import.params = AnyParams::make(params);
+  import.file_sha256["input"] = std::string(64, '0');
   import.key = std::string(64, 'a');
   graph.nodes.push_back(std::move(import));
   ExecuteOptions options;
-  options.series = std::filesystem::path(TREPHINE_SOURCE_DIR) / "sample_dicom";
   options.cache = &cache;
-  options.input_sha256 = std::string(64, '0');
   Silent silent;
   try {
     execute(graph, {0}, options, silent);
@@ -248,7 +252,7 @@ TEST(Executor, ASeriesThatChangedSinceItWasHashedIsRefusedAndNotCached) {
     EXPECT_STREQ(e.what(), "the series changed while it was read");
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "cache"));
-  options.input_sha256 = hash_of_series_input(options.series, {});
+  graph.nodes[0].file_sha256["input"] = hash_of_series_input(series, {});
   EXPECT_NO_THROW(execute(graph, {0}, options, silent));
 }
 

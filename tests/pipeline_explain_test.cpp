@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Only what the scene requires: of every scene that is shipped, nothing is computed that no output needs, and what is
 // left out is said.
-#include "pipeline/explain.h"
+#include "publish/explain.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <set>
 
 #include "cases/case.h"
-#include "pipeline/case_content.h"
-#include "pipeline/run_case.h"
+#include "publish/case_content.h"
+#include "publish/run_case.h"
 #include "scratch_folder.h"
 
 namespace trephine {

@@ -3,11 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
-#include "pipeline/config.h"
+#include "config/config.h"
 #include "pipeline/graph.h"
-#include "pipeline/haptic_content.h"
+#include "publish/haptic_content.h"
 #include "scratch_folder.h"
 #include "voxel/cut.h"
+#include "voxel/shape_field.h"
 #include "voxel/voxelize.h"
 
 using namespace trephine;
@@ -18,7 +19,8 @@ const char* const recipe = R"(trephine: 1
 anatomies:
   skin: {shows_face: true, stages: [segment, contour, decimate]}
   skull: {shows_face: false, stages: [segment, contour, decimate]}
-  brain: {shows_face: false, stages: [segment: {method: brain, skull: skull.segment}, contour]}
+  brain: {shows_face: false, stages: [brain: {skull: skull.segment}, contour]}
+burr_holes: {bone: skull, over: skin}
 )";
 const char* const materials = R"(trephine: 1
 materials:
@@ -76,6 +78,8 @@ std::string fault(const std::string& case_yaml, const std::string& scene_yaml,
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
+const VoxelizeStageParams& stage_of(const CaseConfig& c) { return c.haptic.params.as<VoxelizeStageParams>(); }
+
 std::string with(std::string text, const std::string& from, const std::string& to) {
   return text.replace(text.find(from), from.size(), to);
 }
@@ -93,8 +97,8 @@ TEST(HapticScene, SaysWhatIsFelt) {
   EXPECT_EQ(c.haptic.shapes[0].material.front.stiffness_n_per_mm, 1);
   EXPECT_TRUE(c.haptic.shapes[0].cuttable);
   EXPECT_FALSE(c.haptic.shapes[1].material.back.touchable);
-  EXPECT_EQ(c.haptic.spec.shapes[1].clear_of, "brain");
-  EXPECT_FALSE(c.haptic.spec.shapes[0].drilled);
+  EXPECT_EQ(stage_of(c).shapes[1].second.clear_of, "brain");
+  EXPECT_TRUE(stage_of(c).drill.empty());
 }
 
 TEST(HapticScene, FaultsHaveTheirPlace) {
@@ -118,8 +122,8 @@ TEST(HapticScene, WindowsOfRawHu) {
            "skin: {material: skin, clear_of: brain, clear_mm: 5}", "tooth: {material: bone, window_hu: [1500, 3000]}");
   EXPECT_TRUE(has(fault(head, hu), "haptic.shapes.skull.window_hu: is missing"));
   const CaseConfig c = read(head, with(hu, "cuttable: true", "window_hu: [300, 1499]"));
-  EXPECT_EQ(c.haptic.spec.shapes[1].name, "tooth");
-  EXPECT_EQ(c.haptic.spec.shapes[0].high_hu, 1499);
+  EXPECT_EQ(stage_of(c).shapes[1].first, "tooth");
+  EXPECT_EQ(stage_of(c).shapes[0].second.window_hu[1], 1499);
   const Graph g = make_graph(c, "input");
   // Raw HU need no surfaces of the shapes.
   EXPECT_EQ(g.nodes[g.haptic].sources, (std::map<std::string, int>{{"volume", 0}}));
@@ -134,7 +138,7 @@ TEST(BurrHoles, AreTheScenesAndTheCases) {
   const CaseConfig c = read(head + one_hole, drilled);
   ASSERT_EQ(c.burr_holes.size(), 1u);
   EXPECT_EQ(c.burr_holes[0].name, "burr_hole_1");
-  EXPECT_TRUE(c.haptic.spec.shapes[0].drilled);
+  EXPECT_NE(find_item(stage_of(c).drill, "skull"), nullptr);
   // The wall of the hole is triangles too.
   EXPECT_EQ(to_text(c.find_anatomy("skull")
                         ->find_step("decimate")
@@ -171,6 +175,8 @@ TEST(HapticGraph, OneBurrHoleCutsMeshAndVolume) {
   EXPECT_EQ(wider.nodes[wider.find("skull.boolean")].key, g.nodes[g.find("skull.boolean")].key);
 }
 
+static Bore bore(const Cutter& c) { return {c.position_mm, c.direction, c.radius_mm, c.above_mm, c.depth_mm}; }
+
 TEST(HapticHole, IsFreeOnlyWhereItWasDrilled) {
   // A plate of bone from z = -4 to 4.
   TriMesh plate;
@@ -187,10 +193,10 @@ TEST(HapticHole, IsFreeOnlyWhereItWasDrilled) {
   hole.radius_mm = 6;
   hole.above_mm = 5;
   hole.depth_mm = 12;
-  EXPECT_FALSE(hole_is_free(volume, "skull", hole));
+  EXPECT_FALSE(hole_is_free(volume, "skull", bore(hole)));
   cut_volume(volume, distance_to(hole), bounds_of(hole), {1}, report);
-  EXPECT_TRUE(hole_is_free(volume, "skull", hole));
+  EXPECT_TRUE(hole_is_free(volume, "skull", bore(hole)));
   // The same hole a millimetre aside is not.
   hole.position_mm.x += 1.2;
-  EXPECT_FALSE(hole_is_free(volume, "skull", hole));
+  EXPECT_FALSE(hole_is_free(volume, "skull", bore(hole)));
 }

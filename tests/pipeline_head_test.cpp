@@ -6,9 +6,9 @@
 #include <fstream>
 
 #include "base/error.h"
-#include "pipeline/config.h"
+#include "config/config.h"
 #include "pipeline/graph.h"
-#include "pipeline/head_content.h"
+#include "publish/head_content.h"
 #include "scratch_folder.h"
 
 using namespace trephine;
@@ -17,18 +17,20 @@ namespace {
 
 const std::string head = "trephine: 1\npipeline: recipe.yaml\nscene: scene.yaml\n";
 
-std::string anatomy(const std::string& name, const std::string& segment, bool shows_face = false) {
-  return "  " + name + ":\n    shows_face: " + (shows_face ? "true" : "false") + "\n    stages:\n      - segment: {" +
-         segment + "}\n      - contour\n      - decimate\n      - smooth\n      - normals\n";
+std::string anatomy(const std::string& name, const std::string& stage, bool shows_face = false) {
+  return "  " + name + ":\n    shows_face: " + (shows_face ? "true" : "false") + "\n    stages:\n      - " + stage +
+         "\n      - contour\n      - decimate\n      - smooth\n      - normals\n";
 }
 
 const std::string recipe =
-    "trephine: 1\nanatomies:\n" + anatomy("skin", "lower_hu: -400", true) +
-    anatomy("skull", "lower_hu: 226, within: skin.segment") + anatomy("brain", "method: brain, skull: skull.segment") +
-    anatomy("ventricles", "method: ventricles, within: brain.segment") +
-    "landmarks: {skin: skin.segment, skull: skull.segment, brain: brain.segment, ventricles: ventricles.segment}\n"
+    "trephine: 1\nanatomies:\n" + anatomy("skin", "segment: {lower_hu: -400}", true) +
+    anatomy("skull", "segment: {lower_hu: 226, within: skin.segment}") +
+    anatomy("brain", "brain: {skull: skull.segment}") + anatomy("ventricles", "ventricles: {brain: brain.brain}") +
+    "burr_holes: {bone: skull, over: skin}\ntargets: {monro_right: ventricles, monro_left: ventricles}\n"
+    "class_of: ventricles\n"
+    "landmarks: {skin: skin.segment, skull: skull.segment, brain: brain.brain, ventricles: ventricles.ventricles}\n"
     "deface: {skin: skin.segment}\n"
-    "anatomy: {skin: skin.segment, skull: skull.segment, brain: brain.segment, ventricles: ventricles.segment}\n";
+    "anatomy: {skin: skin.segment, skull: skull.segment, brain: brain.brain, ventricles: ventricles.ventricles}\n";
 
 const std::string keep = "face: {policy: keep, reason: a test}\n";
 
@@ -68,13 +70,14 @@ int source(const Graph& g, const char* node, const char* port) {
 TEST(HeadConfig, FaultsHaveTheirPlace) {
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nlandmarks: {nasoin: 0.5}\n").faults, "did you mean nasion?"));
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nlandmarks: {nasion: 1.5}\n").faults, "landmarks.nasion"));
-  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: blur}\n").faults, "must be crop, deface or keep"));
+  EXPECT_TRUE(
+      has(Read("", "anatomies: {skull: }\nface: {policy: blur}\n").faults, "must be one of crop, deface, keep"));
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: keep}\n").faults, "face.reason: is missing"));
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: keep, reason: ' '}\n").faults, "is blank"));
   EXPECT_EQ(Read("", "anatomies: {skull: }\nface: {policy: deface}\n").faults, "");
-  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: crop\n").faults, "{policy: crop}"));
+  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: crop\n").faults, "{policy: ..., reason: ...}"));
   const std::string no_head = recipe.substr(0, recipe.find("landmarks:"));
-  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: crop}\n", {}, no_head).faults, "needs `landmarks`"));
+  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: crop}\n", {}, no_head).faults, "need `landmarks`"));
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\n", {}, no_head + "landmarks: {skin: skin.segment}\n").faults,
                   "landmarks.skull: is missing"));
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\n", {}, no_head + "deface: {skin: skin.contour}\n").faults,
@@ -85,11 +88,11 @@ TEST(HeadConfig, FaultsHaveTheirPlace) {
 
 TEST(HeadConfig, WhereAnotherStageMakesAnAnatomyItsNameIsSaid) {
   std::string other = recipe;
-  const std::string by = "segment: {method: ventricles, within: brain.segment}";
+  const std::string by = "ventricles: {brain: brain.brain}";
   other.replace(other.find(by), by.size(), "labels: {file: v.nrrd}");
   const std::string faults = Read("", "anatomies: {skull: }\n" + keep, {}, other).faults;
   EXPECT_TRUE(has(faults,
-                  "landmarks.ventricles: ventricles.segment, must be the field of an anatomy, as "
+                  "landmarks.ventricles: ventricles.ventricles, must be the field of an anatomy, as "
                   "anatomy.stage: here ventricles.labels"));
   other = recipe;
   other.replace(other.find("skull: skull.segment}"), 21, "skull: skull.contour}");
@@ -101,9 +104,9 @@ TEST(HeadConfig, ParametersOfTheWholeHeadHavePaths) {
   overrides.set = {"landmarks.lateral_mm=30"};
   const Read r("set: {deface.depth_mm: 14}\n", "anatomies: {skull: }\n" + keep, overrides);
   ASSERT_EQ(r.faults, "");
-  const RecipeStep* deface = r.config.find_head_step(deface_step);
+  const RecipeStep* deface = r.config.find_scan_step(deface_step);
   EXPECT_EQ(to_text(deface->params.get(*deface->params.set->find("depth_mm"))), "14");
-  const RecipeStep* landmarks = r.config.find_head_step(landmarks_step);
+  const RecipeStep* landmarks = r.config.find_scan_step(landmarks_step);
   EXPECT_EQ(to_text(landmarks->params.get(*landmarks->params.set->find("lateral_mm"))), "30");
 }
 
@@ -136,10 +139,10 @@ TEST(HeadGraph, LandmarksAreFoundOnlyWhereTheyAreNeeded) {
     EXPECT_LT(skull.find(needless), 0) << needless;
   const Graph wanted = Read("", "anatomies: {skull: }\nlandmarks: {nasion: 0.5}\n" + keep).graph();
   EXPECT_GE(wanted.landmarks, 0);
-  EXPECT_LT(wanted.find("ventricles.segment"), 0);  // the nasion does without
+  EXPECT_LT(wanted.find("ventricles.ventricles"), 0);  // the nasion does without
   const Graph monro = Read("", "anatomies: {skull: }\nlandmarks: {monro_left: 0.5}\n" + keep).graph();
-  EXPECT_GE(monro.find("ventricles.segment"), 0);
-  EXPECT_EQ(source(monro, "landmarks", "ventricles"), monro.find("ventricles.segment"));
+  EXPECT_GE(monro.find("ventricles.ventricles"), 0);
+  EXPECT_EQ(source(monro, "landmarks", "ventricles"), monro.find("ventricles.ventricles"));
   EXPECT_LT(monro.find("ventricles.contour"), 0);
 }
 
@@ -172,14 +175,14 @@ TEST(HeadGraph, TheFaceIsGoneBeforeAnythingIsMade) {
   EXPECT_EQ(kept.scan, 0);
   EXPECT_LT(kept.face_gate, 0);
   ASSERT_EQ(gone.scan, gone.find("deface"));
-  for (const char* made : {"skin.segment", "skull.segment", "brain.segment", "ventricles.segment"})
+  for (const char* made : {"skin.segment", "skull.segment", "brain.brain", "ventricles.ventricles"})
     EXPECT_EQ(source(gone, made, "volume"), gone.scan) << made;
   // What tells where the face is sees it: skin, skull and the landmarks of the scan as it came.
   EXPECT_EQ(source(gone, "original.skin.segment", "volume"), 0);
   EXPECT_EQ(source(gone, "original.landmarks", "skin"), gone.find("original.skin.segment"));
   EXPECT_EQ(source(gone, "landmarks", "skin"), gone.find("original.skin.segment"));
-  EXPECT_EQ(source(gone, "landmarks", "ventricles"), gone.find("ventricles.segment"));
-  EXPECT_LT(gone.find("original.brain.segment"), 0);
+  EXPECT_EQ(source(gone, "landmarks", "ventricles"), gone.find("ventricles.ventricles"));
+  EXPECT_LT(gone.find("original.brain.brain"), 0);
   // And everything that is published is held against it.
   EXPECT_EQ(source(gone, "face", "skin"), gone.find("original.skin.segment"));
   EXPECT_EQ(source(gone, "face", "surface.skin"), gone.find("skin.normals"));

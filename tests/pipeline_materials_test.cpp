@@ -6,15 +6,20 @@
 #include <set>
 
 #include "cases/material.h"
-#include "pipeline/config_haptic.h"
+#include "config/declared.h"
+#include "config/scene_file.h"
 
 namespace trephine {
 namespace {
 
 std::vector<CaseMaterial> shipped() {
   ConfigFaults faults;
-  auto all = read_materials(std::string(TREPHINE_SOURCE_DIR) + "/configs/materials.yaml", faults);
+  const std::filesystem::path file = std::string(TREPHINE_SOURCE_DIR) + "/configs/materials.yaml";
+  MaterialsFileParams said;
+  read_declared({file, faults, {}, {}}, read_yaml(file), "", parameters_of<MaterialsFileParams>(), &said);
   faults.raise();
+  std::vector<CaseMaterial> all;
+  for (const auto& [name, material] : said.materials) all.push_back(material.material(name));
   return all;
 }
 

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "cases/case.h"
-#include "pipeline/run_case.h"
+#include "publish/run_case.h"
 #include "scratch_folder.h"
 
 namespace trephine {

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "base/write_file.h"
-#include "pipeline/trade_front.h"
+#include "config/trade_front.h"
 #include "scratch_folder.h"
 
 namespace trephine {
@@ -30,7 +30,7 @@ std::vector<TradePoint> points() {
   std::vector<TradePoint> all = {point("fine", 80, 0.04, 400000), point("fast", 5, 2, 5000),
                                  point("knee", 12, 0.06, 90000),  point("bad", 30, 0.5, 200000),
                                  point("mid", 8, 0.6, 30000),     point("none", 0, 0, 0)};
-  all.back().refused = "brain.segment: finds nothing";
+  all.back().refused = "brain.brain: finds nothing";
   return all;
 }
 
@@ -139,14 +139,14 @@ TEST(TradeFront, OfSeveralHeadsIsWhatHoldsForAll) {
   a.settings = {"x=1"}, b.settings = {"x=2"}, only.settings = {"x=3"};
   TradePoint other_a = a, other_b = b;
   other_a.seconds = 4, other_a.deviation_rms_mm = 0.2, other_a.triangles_count = 60;
-  other_b.refused = "brain.segment: nothing";
+  other_b.refused = "brain.brain: nothing";
   const auto all = points_of_all({{a, b, only}, {other_b, other_a}});
   ASSERT_EQ(all.size(), 2u);
   EXPECT_EQ(all[0].name, "a");
   EXPECT_EQ(all[0].seconds, 10);
   EXPECT_EQ(all[0].deviation_rms_mm, 0.2);
   EXPECT_EQ(all[0].triangles_count, 60);
-  EXPECT_EQ(all[1].refused, "brain.segment: nothing");
+  EXPECT_EQ(all[1].refused, "brain.brain: nothing");
   EXPECT_EQ(points_of_all({{a, b, only}}).size(), 3u);
   EXPECT_TRUE(points_of_all({{a}, {b}}).empty());
 }

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "segmentation/bits.h"
-#include "segmentation/filters.h"
-#include "segmentation/methods.h"
+#include "mask/bits.h"
+#include "mask/filters.h"
+#include "mask/hu_view.h"
 
 namespace trephine::segmentation {
 namespace {

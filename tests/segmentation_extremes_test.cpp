@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "head/anatomy_gate.h"
+#include "head/brain.h"
+#include "head/landmarks.h"
+#include "head/ventricles.h"
 #include "phantom/head.h"
 #include "phantom/scan.h"
-#include "segmentation/anatomy_gate.h"
-#include "segmentation/landmarks.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -42,16 +44,11 @@ Outcome through_recipe(const HuVolume& volume) {
     p.fill = SegmentFill::cavities;
     p.fill_close_mm = 2;
     p.fill_max_ml = 100;
-    with_field("skull.segment", [&] { o.skull = segment(volume, {&o.skin, nullptr, nullptr}, p, report); });
-    p = {};
-    p.method = SegmentMethod::brain;
-    p.lower_hu = 22.5;
-    p.edge = SegmentEdge::half_maximum;
-    with_field("brain.segment", [&] { o.brain = segment(volume, {nullptr, nullptr, &o.skull}, p, report); });
-    p.method = SegmentMethod::ventricles;
-    p.lower_hu = -15;
-    p.upper_hu = 18.5;
-    with_field("ventricles.segment", [&] { o.ventricles = segment(volume, {&o.brain, nullptr, nullptr}, p, report); });
+    with_field("skull.segment", [&] { o.skull = segment(volume, {&o.skin, nullptr}, p, report); });
+    with_field("brain.brain", [&] { o.brain = find_brain(volume, {&o.skull, nullptr, nullptr}, {}, report); });
+    with_field("ventricles.ventricles", [&] {
+      o.ventricles = find_ventricles(volume, {&o.brain, nullptr}, {}, report);
+    });
     LandmarkInputs in;
     in.skin = &o.skin;
     in.skull = &o.skull;

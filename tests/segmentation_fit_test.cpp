@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "segmentation/ventricles_fit.h"
+#include "head/ventricles_fit.h"
 
 namespace trephine::segmentation {
 namespace {

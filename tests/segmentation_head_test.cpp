@@ -8,6 +8,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "head/brain.h"
+#include "head/ventricles.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -95,21 +97,10 @@ Anatomies segment_head(const HuVolume& volume, const Progress& progress = {}) {
   p.fill_close_mm = 2;
   p.fill_max_ml = 100;
   a.skull = segment(volume, {}, p, report, progress);
-  p = {};
-  p.method = SegmentMethod::brain;
-  p.lower_hu = 22;
-  p.edge = SegmentEdge::half_maximum;
-  SegmentMasks masks;
-  masks.skull = &a.skull;
-  a.brain = segment(volume, masks, p, report, progress);
-  p = {};
-  p.method = SegmentMethod::ventricles;
-  p.lower_hu = -15;
-  p.upper_hu = 18.5;
-  p.edge = SegmentEdge::half_maximum;
-  masks = {};
-  masks.within = &a.brain;
-  a.ventricles = segment(volume, masks, p, report, progress);
+  BrainParams brain;
+  brain.lower_hu = 22;
+  a.brain = find_brain(volume, {&a.skull, nullptr, nullptr}, brain, report, progress);
+  a.ventricles = find_ventricles(volume, {&a.brain, nullptr}, {}, report, progress);
   return a;
 }
 
@@ -126,39 +117,32 @@ TEST(SegmentHead, BrainAndVentriclesOfNestedEllipsoids) {
 
 TEST(SegmentHead, WithoutASkullItFindsBoneItself) {
   const auto volume = head(6);
-  SegmentParams p;
-  p.method = SegmentMethod::brain;
+  BrainParams p;
   p.lower_hu = 22;
   Report report;
-  const Field brain = segment(volume, {}, p, report);
+  const Field brain = find_brain(volume, {}, p, report);
   EXPECT_GT(dice(brain, volume, [](Vec3 x) { return in_brain(x); }), 0.97);
   ASSERT_NE(report.find("cranial_cavity_ml"), nullptr);
 }
 
-TEST(SegmentHead, BrainAndVentriclesHaveThresholdsOfTheirOwn) {
+TEST(SegmentHead, WhatCannotBeABrainIsRefused) {
   const HuVolume volume = head(6);
   Report report;
-  SegmentParams brain, ventricles;
-  brain.method = SegmentMethod::brain;
-  ventricles.method = SegmentMethod::ventricles;
-  SegmentParams said = brain;
-  said.lower_hu = 22.5;
-  said.edge = SegmentEdge::half_maximum;
-  const Field envelope = segment(volume, {}, brain, report);
-  EXPECT_EQ(envelope, segment(volume, {}, said, report));
+  const Field envelope = find_brain(volume, {}, {}, report);
   EXPECT_GT(dice(envelope, lattice_of(volume), [](Vec3 x) { return in_brain(x); }), 0.97);
-  said = ventricles;
-  said.lower_hu = -15;
-  said.upper_hu = 18.5;
-  said.edge = SegmentEdge::half_maximum;
-  const SegmentMasks masks{&envelope, nullptr, nullptr};
-  EXPECT_EQ(segment(volume, masks, ventricles, report), segment(volume, masks, said, report));
+  VentriclesParams ventricles;
   ventricles.lower_hu = 20;
-  EXPECT_THROW(segment(volume, masks, ventricles, report), Error) << "above upper_hu's own default";
+  EXPECT_THROW(find_ventricles(volume, {&envelope, nullptr}, ventricles, report), Error) << "above upper_hu's default";
+  try {
+    find_ventricles(volume, {}, {}, report);
+    ADD_FAILURE() << "ventricles without a brain";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::usage);
+  }
   // What is not of one value only is looked at.
   const Field skull = segment(volume, {}, {}, report);
   try {
-    segment(Grid<std::int16_t>(lattice_of(volume), 40), {nullptr, nullptr, &skull}, brain, report);
+    find_brain(Grid<std::int16_t>(lattice_of(volume), 40), {&skull, nullptr, nullptr}, {}, report);
     ADD_FAILURE() << "a brain in a constant image";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);

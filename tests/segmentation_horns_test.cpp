@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "segmentation/horns.h"
+#include "head/horns.h"
 
 namespace trephine::segmentation {
 namespace {

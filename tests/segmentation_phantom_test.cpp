@@ -7,6 +7,8 @@
 #include <mutex>
 
 #include "base/parallel.h"
+#include "head/brain.h"
+#include "head/ventricles.h"
 #include "phantom/head.h"
 #include "phantom/scan.h"
 #include "segmentation/segment.h"
@@ -50,16 +52,7 @@ SegmentParams recipe(Anatomy anatomy) {
       p.fill_close_mm = 2;
       p.fill_max_ml = 100;
       break;
-    case Anatomy::brain:
-      p.method = SegmentMethod::brain;
-      p.lower_hu = 22.5;
-      p.edge = SegmentEdge::half_maximum;
-      break;
-    case Anatomy::ventricles:
-      p.method = SegmentMethod::ventricles;
-      p.lower_hu = -15;
-      p.upper_hu = 18.5;
-      p.edge = SegmentEdge::half_maximum;
+    default:
       break;
   }
   return p;
@@ -76,12 +69,8 @@ Found segment_all(const HuVolume& volume) {
   SegmentMasks masks;
   masks.within = &f.skin;
   f.skull = segment(volume, masks, recipe(Anatomy::skull), report);
-  masks = {};
-  masks.skull = &f.skull;
-  f.brain = segment(volume, masks, recipe(Anatomy::brain), report);
-  masks = {};
-  masks.within = &f.brain;
-  f.ventricles = segment(volume, masks, recipe(Anatomy::ventricles), report);
+  f.brain = find_brain(volume, {&f.skull, nullptr, nullptr}, {}, report);
+  f.ventricles = find_ventricles(volume, {&f.brain, nullptr}, {}, report);
   return f;
 }
 

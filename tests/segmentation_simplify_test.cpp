@@ -9,8 +9,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "mask/simplify_topology.h"
 #include "meshing_shapes.h"
-#include "segmentation/simplify_topology.h"
 #include "surface/trimesh.h"
 
 namespace trephine {

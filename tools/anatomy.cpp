@@ -7,7 +7,7 @@
 #include "cli/argument.h"
 #include "commands.h"
 #include "grid/nrrd.h"
-#include "segmentation/anatomy_gate.h"
+#include "head/anatomy_gate.h"
 #include "stage_command.h"
 #include "stages/data_files.h"
 
@@ -48,16 +48,12 @@ Report examine(const ParsedCommand& parsed, const Progress& progress) {
 }  // namespace
 
 Command anatomy_command() {
-  const StageType stage = anatomy_stage();
+  const StageType& stage = stage_named("anatomy");
   Command c;
   c.name = stage.name;
   c.summary = stage.summary;
   c.description = stage.description;
-  c.examples = {
-      "trephine anatomy --skin skin.nrrd --skull skull.nrrd --brain brain.nrrd --ventricles ventricles.nrrd "
-      "--landmarks landmarks.json",
-      "trephine anatomy --brain brain.nrrd --ventricles ventricles.nrrd --volume head.nrrd --picture "
-      "fault.png"};
+  c.examples = stage.examples;
   for (const Port& port : stage.ports) {
     Argument a = argument(port.name.c_str(), Argument::Kind::in_file, "");
     a.help = "File of " + port.help + " (" + file_extension(port.kind) + ").";

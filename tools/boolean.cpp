@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
 #include "boolean/cut_surface.h"
+#include "boolean/cutter_use.h"
 #include "commands.h"
 #include "grid/nrrd.h"
 #include "meshio/read_mesh.h"
 #include "named_values.h"
 #include "stage_command.h"
-#include "stages/cut.h"
 #include "stages/data_files.h"
 #include "voxel/cut.h"
 #include "voxel/haptic_file.h"
@@ -106,7 +106,7 @@ Report cut_surface_file(const ParsedCommand& parsed, const std::vector<Cutter>& 
   inputs.by_port["cutters.1"] = std::make_shared<const std::vector<Cutter>>(cutters);
   Report report;
   save_data(parsed.path("output"),
-            boolean_stage().run(AnyParams::make(parsed.params<CutSurfaceParams>()), inputs, report, progress));
+            stage_named("boolean").run(AnyParams::make(parsed.params<CutSurfaceParams>()), inputs, report, progress));
   return report;
 }
 
@@ -118,8 +118,10 @@ Report cut_haptic_file(const ParsedCommand& parsed, const std::vector<Cutter>& c
     if (!shape) throw Error(ExitCode::usage, parsed.text("input"), "--shape", name + ", the volume has no such shape");
     numbers.push_back(shape->number);
   }
+  const double widen_mm = parsed.params<CutSurfaceParams>().widen_mm;
   Report report;
-  for (const Cutter& c : cutters) {
+  for (const Cutter& given : cutters) {
+    const Cutter c = widened(given, widen_mm);
     Report one;
     cut_volume(volume, distance_to(c), bounds_of(c), numbers, one, progress);
     warn_of_thin(report, c, volume.voxels.spacing_mm);
@@ -131,8 +133,10 @@ Report cut_haptic_file(const ParsedCommand& parsed, const std::vector<Cutter>& c
 
 Report cut_field_file(const ParsedCommand& parsed, Field field, const std::vector<Cutter>& cutters,
                       const Progress& progress) {
+  const double widen_mm = parsed.params<CutSurfaceParams>().widen_mm;
   Report report;
-  for (const Cutter& c : cutters) {
+  for (const Cutter& given : cutters) {
+    const Cutter c = widened(given, widen_mm);
     Report one;
     cut_field(field, distance_to(c), bounds_of(c), one, progress);
     warn_of_thin(report, c, field.spacing_mm);
@@ -145,7 +149,7 @@ Report cut_field_file(const ParsedCommand& parsed, Field field, const std::vecto
 }  // namespace
 
 Command boolean_command() {
-  const StageType stage = boolean_stage();
+  const StageType& stage = stage_named("boolean");
   Command c;
   c.name = stage.name;
   c.summary = "cuts burr holes and other solids out of a surface, a field or a haptic volume";
@@ -153,9 +157,7 @@ Command boolean_command() {
       stage.description +
       "\n\nA field or a haptic volume is cut voxel by voxel with the same sub-voxel surface as it was made; "
       "a shape of a haptic volume never grows by a cut.";
-  c.examples = {"trephine boolean skull.vtp --cutters hole.json --output drilled.vtp",
-                "trephine boolean haptic.nrrd --cutters hole.json --shape skull --shape skin --output drilled.nrrd",
-                "trephine boolean skull.vtp --kind sphere --position-mm 10,-40,60 --radius-mm 8 --output cut.vtp"};
+  c.examples = stage.examples;
   Argument input, cutters, mesh, shape, output;
   input.name = "input";
   input.help = "Surface (.vtp), field or haptic volume (.nrrd).";

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
 #include "cli/command.h"
 #include "commands.h"
-#include "recipe_schema.h"
+#include "schemas.h"
+#include "stage_command.h"
 
 namespace trephine {
 namespace {
@@ -11,15 +14,16 @@ Program declare() {
   program.name = "trephine";
   program.version = TREPHINE_VERSION;
   program.summary = "turns CT series into patient models for surgical simulation";
-  program.commands = {run_command(),          trade_command(),        import_command(),         segment_command(),
-                      labels_command(),       presegment_command(),   snake_command(),          landmarks_command(),
-                      canal_command(),        clavicle_command(),     vein_command(),           contour_command(),
-                      decimate_command(),     smooth_command(),       normals_command(),        burrhole_command(),
-                      boolean_command(),      voxelize_command(),     repair_command(),         simplify_command(),
-                      anatomy_command(),      resample_command(),     remesh_command(),         measure_command(),
-                      phantom_command(),      export_command(),       deface_command(),         library_build_command(),
-                      library_list_command(), library_show_command(), library_verify_command(), library_gc_command(),
-                      library_job_command()};
+  program.commands = {run_command(),          trade_command(),          library_build_command(), library_list_command(),
+                      library_show_command(), library_verify_command(), library_gc_command(),    library_job_command(),
+                      export_command(),       phantom_command()};
+  // Stages, each as its declaration says, but for those whose commands are more than the stage.
+  std::vector<Command> own = {import_command(),  anatomy_command(),  boolean_command(),
+                              measure_command(), voxelize_command(), repair_command()};
+  for (const StageType& stage : stage_types()) {
+    const auto more = std::find_if(own.begin(), own.end(), [&](const Command& c) { return c.name == stage.name; });
+    program.commands.push_back(more == own.end() ? make_stage_command(stage) : *more);
+  }
   program.files = {{"PREFIX/share/trephine/configs/*.yaml",
                     "Configurations of cases, of any head (ct_head.yaml) and of the sample (sample.yaml), and their "
                     "scenes; PREFIX is /usr for the Debian package."},
@@ -28,9 +32,7 @@ Program declare() {
                    {"PREFIX/share/doc/trephine/", "README.md, the reference of all parameters, the format of a case."},
                    {"LIBRARY/.trephine-cache/",
                     "Outputs of stages that a later run reuses; it holds patient data as LIBRARY does."}};
-  program.more_reference_pages = [] {
-    return std::vector<std::pair<std::string, std::string>>{{"recipe.schema.json", recipe_schema()}};
-  };
+  program.more_reference_pages = file_schemas;
   return program;
 }
 

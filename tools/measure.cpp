@@ -10,8 +10,8 @@
 #include "meshio/read_mesh.h"
 #include "meshio/vtp.h"
 #include "metrics/certify.h"
-#include "metrics/deviation_picture.h"
 #include "phantom/measure_truth.h"
+#include "picture/deviation_picture.h"
 #include "stage_command.h"
 
 namespace trephine {
@@ -103,7 +103,7 @@ Report measure_against_mesh(const ParsedCommand& parsed, const TriMesh& mesh, co
 }  // namespace
 
 Command measure_command() {
-  const StageType stage = measure_stage();
+  const StageType& stage = stage_named("measure");
   Command c;
   c.name = stage.name;
   c.summary = stage.summary;
@@ -112,11 +112,7 @@ Command measure_command() {
       " Against labels also Dice; against the truth of a phantom the distances are to its analytic surface (its "
       "caps, where the scan cuts it, are left out); a field is compared with it on its own voxels, with Dice, volume "
       "and, of a skull, how much too thick it is.";
-  c.examples = {"trephine measure skull.vtp",
-                "trephine measure fewer.vtp --reference skull.vtp --report deviation.json",
-                "trephine measure fewer.vtp --reference skull.vtp --certify --picture deviation.png",
-                "trephine measure skull.vtp --truth head/truth/truth.json --anatomy skull",
-                "trephine measure ventricles.nrrd --truth head/truth/truth.json --anatomy ventricles"};
+  c.examples = stage.examples;
   Argument surface = file_argument(
       "surface",
       "Surface to measure (.vtp, .stl, .ply, .obj, .vtk, .glb), or with --truth the field of an anatomy (.nrrd).");

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/params.h"
+#include "base/text.h"
 
 namespace trephine {
 
@@ -14,12 +15,7 @@ std::pair<std::string, std::string> named_value(const std::string& flag, const s
 }
 
 std::vector<double> numbers_of(const std::string& flag, const std::string& text, std::size_t count) {
-  std::vector<std::string> items(1);
-  for (const char c : text)
-    if (c == ',')
-      items.emplace_back();
-    else
-      items.back() += c;
+  const std::vector<std::string> items = split_at(text, ',');
   // Read as every other number is: no locale, no octal, no infinity.
   Parameter numbers;
   numbers.kind = ParameterKind::numbers;

@@ -9,13 +9,12 @@
 namespace trephine {
 
 Command repair_command() {
-  const StageType stage = repair_stage();
+  const StageType& stage = stage_named("repair");
   Command c;
   c.name = stage.name;
   c.summary = stage.summary;
   c.description = stage.description;
-  c.examples = {"trephine repair model.stl --output model.vtp",
-                "trephine repair model.obj --recontour-voxels-count 0 --output model.vtp"};
+  c.examples = stage.examples;
   Argument input, output;
   input.name = "surface";
   input.help = "Triangles of any kind (.vtp, .stl, .ply, .obj, .vtk, .glb).";

@@ -5,7 +5,7 @@
 #include "cli/argument.h"
 #include "cli/progress_display.h"
 #include "commands.h"
-#include "pipeline/run_case.h"
+#include "publish/run_case.h"
 
 namespace trephine {
 namespace {

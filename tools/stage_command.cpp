@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stage_command.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "base/error.h"
 #include "base/log.h"
 #include "base/write_file.h"
 #include "cli/progress_display.h"
+#include "grid/nrrd.h"
+#include "head/landmarks.h"
+#include "meshing/contour.h"
+#include "named_values.h"
 #include "stages/data_files.h"
 
 namespace trephine {
@@ -33,41 +38,150 @@ void run_with_report(const ParsedCommand& parsed, const std::function<Report(con
   if (parsed.has("report")) write_file(parsed.path("report"), json);
 }
 
-Command make_stage_command(const StageType& stage, std::vector<std::string> examples) {
+namespace {
+
+constexpr const char* landmark_flag = "landmark";
+
+bool is_many(const Port& port) { return port.name.size() > 2 && port.name.compare(port.name.size() - 2, 2, ".*") == 0; }
+std::string flag_name(const Port& port) {
+  return is_many(port) ? port.name.substr(0, port.name.size() - 2) : port.name;
+}
+
+bool takes_landmarks(const StageType& stage) {
+  return std::any_of(stage.ports.begin(), stage.ports.end(),
+                     [](const Port& p) { return p.kind == DataKind::landmarks; });
+}
+
+Argument argument_of(const Port& port, bool positional) {
+  Argument a;
+  a.name = flag_name(port);
+  a.positional = positional;
+  a.required = port.required;
+  std::string extension = file_extension(port.kind);
+  if (port.or_field) extension += ", .nrrd";
+  if (port.kind == DataKind::landmarks) extension += ", .mrk.json, .fcsv";
+  a.help = port.help + " (" + extension + ").";
+  if (!is_many(port)) return a;
+  a.kind = Argument::Kind::text;
+  a.repeated = true;
+  a.help = (port.kind == DataKind::cutters ? "FILE: " : "NAME=FILE: ") + a.help;
+  return a;
+}
+
+// A surface, or the contour of a field.
+StageData load_surface(const std::filesystem::path& file, const Progress& progress) {
+  if (file.extension() != ".nrrd") return load_data(file, DataKind::mesh);
+  Nrrd nrrd = read_nrrd(file);
+  if (holds_hu(nrrd.keys))
+    throw Error(ExitCode::bad_input, file.string(), "content", "HU, must be a field: segment it first");
+  Report ignored;
+  const Field field = to_field(std::move(nrrd.grid));
+  return std::make_shared<const TriMesh>(
+      with_file(file.string(), [&] { return contour(field, ContourParams{}, ignored, progress); }));
+}
+
+StageData load_port(const Port& port, const std::filesystem::path& file, const Progress& progress) {
+  if (port.or_volume) return load_field_or_volume(file);
+  if (port.or_field) return load_surface(file, progress);
+  return load_data(file, port.kind);
+}
+
+// The file's landmarks, if there is one; those of the flags win.
+StageData load_landmarks(const ParsedCommand& parsed, const std::string& port) {
+  std::vector<CaseLandmark> own;
+  for (const auto& [name, at] : named_positions("--landmark", parsed.all(landmark_flag)))
+    own.push_back({name, at, 1, "given"});
+  if (!parsed.has(port)) {
+    HeadLandmarks given;
+    given.landmarks = std::move(own);
+    return std::make_shared<const HeadLandmarks>(std::move(given));
+  }
+  const auto read = std::get<std::shared_ptr<const HeadLandmarks>>(load_data(parsed.path(port), DataKind::landmarks));
+  return std::make_shared<const HeadLandmarks>(merged(*read, own));
+}
+
+// A fault of a landmark that a file gave names the file.
+template <class F>
+auto naming_landmarks_file(const StageType& stage, const ParsedCommand& parsed, F&& f) {
+  try {
+    return f();
+  } catch (Error& e) {
+    if (named_positions("--landmark", parsed.all(landmark_flag)).count(e.field()) == 0)
+      for (const Port& port : stage.ports)
+        if (port.kind == DataKind::landmarks && parsed.has(port.name))
+          for (const CaseLandmark& l : read_landmark_file(parsed.path(port.name)))
+            if (l.name == e.field()) e.in_file(parsed.path(port.name).string());
+    throw;
+  }
+}
+
+void check_output(const StageType& stage, const ParsedCommand& parsed) {
+  if (stage.output == DataKind::nothing) return;
+  const std::filesystem::path to = parsed.path("output");
+  if (to.extension() != file_extension(stage.output))
+    throw Error(ExitCode::usage, to.string(), "output", std::string("must end in ") + file_extension(stage.output));
+}
+
+}  // namespace
+
+StageInputs stage_inputs(const StageType& stage, const ParsedCommand& parsed, const Progress& progress) {
+  StageInputs inputs;
+  for (const Port& port : stage.ports) {
+    const std::string flag = flag_name(port);
+    if (port.kind == DataKind::landmarks && (parsed.has(flag) || parsed.has(landmark_flag))) {
+      inputs.by_port[port.name] = load_landmarks(parsed, flag);
+    } else if (is_many(port)) {
+      const std::vector<std::string> given = parsed.all(flag);
+      for (std::size_t i = 0; i < given.size(); ++i) {
+        const bool named = port.kind != DataKind::cutters;
+        const auto [name, file] =
+            named ? named_value("--" + flag, given[i]) : std::make_pair(std::to_string(1000 + i), given[i]);
+        if (inputs.by_port.count(flag + "." + name))
+          throw Error(ExitCode::usage, "", "--" + flag, name + ", is given twice");
+        inputs.by_port[flag + "." + name] = load_port(port, file, progress);
+      }
+    } else if (parsed.has(flag)) {
+      inputs.by_port[port.name] = load_port(port, parsed.path(flag), progress);
+    }
+  }
+  return inputs;
+}
+
+Command make_stage_command(const StageType& stage) {
   Command c;
   c.name = stage.name;
+  std::replace(c.name.begin(), c.name.end(), '_', '-');
   c.summary = stage.summary;
   c.description = stage.description;
-  c.examples = std::move(examples);
-  for (const Port& port : stage.ports) {
-    Argument a;
-    a.name = port.name;
-    a.kind = Argument::Kind::in_file;
-    a.help = port.help + " (" + file_extension(port.kind) + ").";
-    a.positional = &port == &stage.ports[0];
-    a.required = port.required;
-    c.arguments.push_back(a);
+  c.examples = stage.examples;
+  for (const Port& port : stage.ports)
+    c.arguments.push_back(argument_of(port, &port == &stage.ports[0] && !is_many(port)));
+  if (takes_landmarks(stage)) {
+    Argument landmark;
+    landmark.name = landmark_flag;
+    landmark.kind = Argument::Kind::text;
+    landmark.repeated = true;
+    landmark.help = "NAME=X,Y,Z: a landmark, LPS, mm; it wins over the file's.";
+    c.arguments.push_back(landmark);
   }
-  Argument output;
-  output.name = "output";
-  output.kind = Argument::Kind::out_file;
-  output.help = std::string("Where the ") + to_text(stage.output) + " goes (" + file_extension(stage.output) + ").";
-  output.required = true;
-  c.arguments.push_back(output);
+  if (stage.output != DataKind::nothing) {
+    Argument output;
+    output.name = "output";
+    output.kind = Argument::Kind::out_file;
+    output.help = std::string("Where the ") + to_text(stage.output) + " goes (" + file_extension(stage.output) + ").";
+    output.required = true;
+    c.arguments.push_back(output);
+  }
   c.arguments.push_back(report_argument());
   c.groups.push_back({"Parameters", stage.make_params});
   c.run = [stage](const ParsedCommand& parsed) {
-    const std::filesystem::path to = parsed.path("output");
-    if (to.extension() != file_extension(stage.output))
-      throw Error(ExitCode::usage, to.string(), "output", std::string("must end in ") + file_extension(stage.output));
+    check_output(stage, parsed);
     run_with_report(parsed, [&](const Progress& progress) {
-      StageInputs inputs;
-      for (const Port& port : stage.ports)
-        if (parsed.has(port.name))
-          inputs.by_port[port.name] = port.or_volume ? load_field_or_volume(parsed.path(port.name))
-                                                     : load_data(parsed.path(port.name), port.kind);
+      const StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.1));
       Report report;
-      save_data(to, stage.run(parsed.groups[0], inputs, report, progress));
+      const StageData made = naming_landmarks_file(
+          stage, parsed, [&] { return stage.run(parsed.groups[0], inputs, report, progress.part(0.1, 1)); });
+      if (stage.output != DataKind::nothing) save_data(parsed.path("output"), made);
       return report;
     });
     return ExitCode::ok;

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "voxel/contact_c.h"
+#include "contact/contact_c.h"
 
 enum { SIZE = 40, CORE = 1, BALL = 2 };
 static const double spacing_mm[3] = {0.5, 0.5, 1}, origin_mm[3] = {-10, -10, -20}; /* the ball's middle is at 0 */

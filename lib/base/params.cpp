@@ -28,10 +28,15 @@ std::string limits(const Parameter& p, const char* from, const char* at_least, c
   const auto bounded = [&](double v) {
     return std::isfinite(v) && (p.kind != ParameterKind::integer || std::fabs(v) < 2147483647.0);
   };
+  const auto text = [&](double v) {
+    return p.kind == ParameterKind::integer && std::fabs(v) > 99999 ? grouped_text(static_cast<long long>(v))
+                                                                    : to_text(v);
+  };
   const bool below = bounded(p.range.min), above = bounded(p.range.max);
-  if (below && above) return from + to_text(p.range.min) + " to " + to_text(p.range.max);
-  if (below) return at_least + to_text(p.range.min);
-  if (above) return at_most + to_text(p.range.max);
+  if (below && above && p.range.min == p.range.max) return " " + text(p.range.min);
+  if (below && above) return from + text(p.range.min) + " to " + text(p.range.max);
+  if (below) return at_least + text(p.range.min);
+  if (above) return at_most + text(p.range.max);
   return "";
 }
 
@@ -50,11 +55,19 @@ std::string what_is_asked(const Parameter& p) {
       return "one text";
     case ParameterKind::numbers:
       return std::to_string(p.count) + " numbers" + (range.empty() ? "" : ", each" + range);
+    case ParameterKind::group:
+      return "keys and values";
+    case ParameterKind::list:
+      return "a list";
+    case ParameterKind::map:
+      return "names, each with its values";
   }
   return "";
 }
 
-bool in_range(const Range& range, double v) { return v >= range.min && v <= range.max; }
+bool in_range(const Parameter& p, double v) {
+  return (v >= p.range.min && v <= p.range.max) || (p.zero_is_none && v == 0);
+}
 
 bool parse(const Parameter& p, const std::vector<std::string>& items, ParameterValue& value) {
   if (p.kind == ParameterKind::numbers) {
@@ -62,7 +75,7 @@ bool parse(const Parameter& p, const std::vector<std::string>& items, ParameterV
     std::vector<double> numbers;
     for (const auto& item : items) {
       const auto v = parse_number(item);
-      if (!v || !in_range(p.range, *v)) return false;
+      if (!v || !in_range(p, *v)) return false;
       numbers.push_back(*v);
     }
     value = std::move(numbers);
@@ -73,13 +86,13 @@ bool parse(const Parameter& p, const std::vector<std::string>& items, ParameterV
   switch (p.kind) {
     case ParameterKind::number: {
       const auto v = parse_number(item);
-      if (!v || !in_range(p.range, *v)) return false;
+      if (!v || !in_range(p, *v)) return false;
       value = *v;
       return true;
     }
     case ParameterKind::integer: {
       const auto v = parse_integer(item);
-      if (!v || !in_range(p.range, static_cast<double>(*v))) return false;
+      if (!v || !in_range(p, static_cast<double>(*v))) return false;
       value = std::int64_t{*v};
       return true;
     }
@@ -94,10 +107,85 @@ bool parse(const Parameter& p, const std::vector<std::string>& items, ParameterV
     case ParameterKind::text:
       value = item;
       return true;
-    case ParameterKind::numbers:
+    default:
       break;
   }
   return false;
+}
+
+void add_leaves(const ParameterSet& set, void* object, const std::string& prefix, std::vector<ParameterLeaf>& out) {
+  for (const Parameter& p : set.parameters) {
+    const std::string path = p.name.empty() ? prefix : prefix.empty() ? p.name : prefix + "." + p.name;
+    if (p.is_value()) {
+      out.push_back({path, &p, object});
+      continue;
+    }
+    for (const ParameterItem& item : p.items(object))
+      add_leaves(p.item_set(), item.object, item.name.empty() ? path : path + "." + item.name, out);
+  }
+}
+
+void add_declared(const ParameterSet& set, const std::shared_ptr<void>& defaults, const std::string& prefix,
+                  std::vector<DeclaredParameter>& out) {
+  for (const Parameter& p : set.parameters) {
+    const std::string path = p.name.empty() ? prefix : prefix.empty() ? p.name : prefix + "." + p.name;
+    if (!p.name.empty() || p.is_value()) out.push_back({path, &p, defaults});
+    if (p.is_value()) continue;
+    const ParameterSet& items = p.item_set();
+    if (items.only_value() && items.only_value()->is_value()) continue;  // the parameter's own line says it
+    add_declared(items, items.make(), path + (p.kind == ParameterKind::map ? ".NAME" : ""), out);
+  }
+}
+
+std::string text_of(const ParameterSet& set, void* object) {
+  std::string text = "{";
+  for (const Parameter& p : set.parameters) {
+    text += p.name + ": ";
+    if (p.is_value()) {
+      text += to_text(p.get(object));
+    } else {
+      text += "(";
+      for (const ParameterItem& item : p.items(object)) text += item.name + " " + text_of(p.item_set(), item.object);
+      text += ")";
+    }
+    text += "; ";
+  }
+  return text + "}";
+}
+
+// "a=1,b=2,3" -> {a, 1}, {b, 2,3}
+std::vector<std::pair<std::string, std::string>> keys_and_values(const std::string& text) {
+  std::vector<std::pair<std::string, std::string>> all;
+  for (const std::string& part : split_at(text, ',')) {
+    const std::size_t equals = part.find('=');
+    if (equals == std::string::npos && !all.empty())
+      all.back().second += "," + part;
+    else
+      all.emplace_back(part.substr(0, equals), equals == std::string::npos ? "" : part.substr(equals + 1));
+  }
+  return all;
+}
+
+std::string set_from_text(const Parameter& p, void* object, const std::string& text) {
+  if (!p.is_value()) return "cannot be given on a command line";
+  ParameterValue value;
+  const std::string fault = parse_parameter(
+      p, p.kind == ParameterKind::numbers ? split_at(text, ',') : std::vector<std::string>{text}, value);
+  if (fault.empty()) p.set(object, value);
+  return fault;
+}
+
+std::string set_keys(const ParameterSet& set, void* object, const std::string& text) {
+  for (const auto& [key, value] : keys_and_values(text)) {
+    const Parameter* p = set.find(key);
+    if (!p) {
+      const std::string near = nearest_name(key, set.names());
+      return key + ", no such key, " +
+             (near.empty() ? "known are " + joined(set.names()) : "did you mean " + near + "?");
+    }
+    if (const std::string fault = set_from_text(*p, object, value); !fault.empty()) return key + ", " + fault;
+  }
+  return set.fault ? set.fault(object) : "";
 }
 
 }  // namespace
@@ -122,42 +210,88 @@ std::string parse_parameter(const Parameter& parameter, const std::vector<std::s
   return fault;
 }
 
-std::string other_defaults(const Parameter& p, const ParameterValue& default_value) {
-  std::vector<std::string> others;
-  const auto text = [](const ParameterValue& v) {
-    const auto* choice = std::get_if<std::string>(&v);
-    return choice ? *choice : to_text(v);
-  };
-  for (const auto& [choice, value] : p.defaults_by)
-    if (value != default_value) others.push_back(text(value) + " with " + choice);
-  return joined(others);
-}
-
-std::string describe_parameter(const Parameter& p, const ParameterValue& default_value) {
+std::string describe_parameter(const Parameter& p, const void* object) {
   const std::string range = limits(p, ", ", ", at least ", ", at most ");
-  const std::string others = other_defaults(p, default_value), also = others.empty() ? "" : " (" + others + ")";
-  const std::string fallback = ", default " + to_text(default_value) + also;
+  const auto value = [&] { return p.get(object); };
+  const auto fallback = [&] {
+    const ParameterValue v = value();
+    const bool none = p.zero_is_none && (v == ParameterValue(0.0) || v == ParameterValue(std::int64_t{0}));
+    if (p.required) return std::string(", required");
+    if (none) return std::string(", default 0: none");
+    return ", default " + (p.kind == ParameterKind::choice ? std::get<std::string>(v) : to_text(v));
+  };
+  const ParameterSet* items = p.is_value() ? nullptr : &p.item_set();
+  const Parameter* only = items ? items->only_value() : nullptr;
+  const auto of_item = [&] {
+    if (!only) return std::string();
+    const std::shared_ptr<void> object_of_item = items->make();
+    const std::string text = describe_parameter(*only, object_of_item.get());
+    return ": " + text.substr(0, text.find(", default"));
+  };
+  const std::string most = p.count ? ", at most " + std::to_string(p.count) : "",
+                    needed = p.required ? ", required" : "";
   switch (p.kind) {
     case ParameterKind::number:
-      return "number" + range + fallback;
+      return "number" + range + fallback();
     case ParameterKind::integer:
-      return "whole number" + range + fallback;
+      return "whole number" + range + fallback();
     case ParameterKind::flag:
-      return "true or false" + fallback;
+      return "true or false" + fallback();
     case ParameterKind::choice:
-      return "one of " + joined(p.choices) + ", default " + std::get<std::string>(default_value) + also;
+      return "one of " + joined(p.choices) + fallback();
     case ParameterKind::text:
-      return "text" + fallback;
+      return "text" + fallback();
     case ParameterKind::numbers:
-      return std::to_string(p.count) + " numbers" + range + fallback;
+      return std::to_string(p.count) + " numbers" + range + fallback();
+    case ParameterKind::group:
+      return "keys and values" + needed;
+    case ParameterKind::list:
+      return "list" + of_item() + most + needed;
+    case ParameterKind::map:
+      return "names" + of_item() + most + needed;
   }
   return "";
 }
+
+std::string parse_item(const Parameter& p, void* params, const std::string& text) {
+  const ParameterSet& set = p.item_set();
+  std::string name, rest = text;
+  if (p.kind == ParameterKind::map) {
+    const std::size_t end = text.find_first_of(set.only_value() ? "=" : ":=");
+    name = text.substr(0, end);
+    if (name.empty() || (end != std::string::npos && text[end] == '=' && !set.only_value()))
+      return "must be NAME, or NAME:KEY=VALUE,...";
+    if (set.only_value() && end == std::string::npos) return "must be NAME=VALUE";
+    rest = end == std::string::npos ? "" : text.substr(end + 1);
+  }
+  if (p.count > 0 && p.items(params).size() >= p.count) return "at most " + std::to_string(p.count) + " can be given";
+  void* object = p.add(params, name);
+  if (const Parameter* only = set.only_value()) return set_from_text(*only, object, rest);
+  return rest.empty() ? "" : set_keys(set, object, rest);
+}
+
+std::vector<ParameterLeaf> leaves_of(const AnyParams& params) {
+  std::vector<ParameterLeaf> all;
+  if (params.set) add_leaves(*params.set, params.object.get(), "", all);
+  return all;
+}
+
+std::vector<DeclaredParameter> declared_of(const AnyParams& defaults) {
+  std::vector<DeclaredParameter> all;
+  add_declared(*defaults.set, defaults.object, "", all);
+  return all;
+}
+
+std::string to_text(const AnyParams& params) { return text_of(*params.set, params.object.get()); }
 
 const Parameter* ParameterSet::find(const std::string& name) const {
   for (const Parameter& p : parameters)
     if (p.name == name) return &p;
   return nullptr;
+}
+
+const Parameter* ParameterSet::only_value() const {
+  return parameters.size() == 1 && parameters[0].name.empty() ? &parameters[0] : nullptr;
 }
 
 std::vector<std::string> ParameterSet::names() const {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -25,30 +26,70 @@ namespace trephine {
 ///   };
 ///
 /// parameters_of<P>() turns that into a list of type-erased descriptors; the CLI flag (--max-deviation-mm), the YAML
-/// key, validation, help, reference page, JSON schema, completion and the manifest of effective values all come from
-/// it.
+/// key, validation, help, reference page, JSON schema, completion, the cache's key and the record of effective values
+/// all come from it.
+///
+/// A member may itself be a declared struct (group), a list of them, or a map from names to them, kept in the order in
+/// which they were given. A struct whose only parameter has an empty name stands for that value alone: `{nasion: 0.5}`.
+/// A struct may have a member `std::string fault() const`: what is wrong with its values together ("NAME: what"), or
+/// "".
 
 struct Range {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
 };
 
-enum class ParameterKind { number, integer, flag, choice, text, numbers };
+enum class ParameterKind { number, integer, flag, choice, text, numbers, group, list, map };
 
 /// choice holds its name, numbers a fixed count of doubles.
 using ParameterValue = std::variant<double, std::int64_t, bool, std::string, std::vector<double>>;
 
+/// A map from names to declared structs, in the order in which they were given.
+template <class T>
+using Named = std::vector<std::pair<std::string, T>>;
+
+/// The item of that name; null where there is none.
+template <class T>
+const T* find_item(const Named<T>& all, const std::string& name) {
+  for (const auto& item : all)
+    if (item.first == name) return &item.second;
+  return nullptr;
+}
+
+struct ParameterSet;
+
+/// A declared struct within another: of a map by its name, of a list by its number from 0, of a group "".
+struct ParameterItem {
+  std::string name;
+  void* object = nullptr;
+};
+
 struct Parameter {
-  std::string name;  ///< snake_case, ends in its unit
+  std::string name;  ///< snake_case, ends in its unit; empty: the struct stands for this value alone
   std::string help;  ///< one line
   ParameterKind kind = ParameterKind::number;
   Range range;                       ///< number, integer, numbers
   std::vector<std::string> choices;  ///< choice
-  std::size_t count = 0;             ///< numbers: how many
-  /// Defaults that hang on another parameter's choice, {"method brain", 22.5}, in the order of its choices.
-  std::vector<std::pair<std::string, ParameterValue>> defaults_by;
+  std::size_t count = 0;             ///< numbers: how many; list and map: at most so many, 0 for any
+  bool required = false;             ///< a file that leaves it out is refused
+  bool zero_is_none = false;         ///< 0 is allowed below the range, too, and stands for no limit
+  std::string source = "";           ///< text, map: what it names: "anatomy", "material", "landmark", "file"
+  /// Of numbers, integers, flags, choices, texts.
   std::function<ParameterValue(const void* params)> get;
   std::function<void(void* params, const ParameterValue&)> set;  ///< the value must have passed parse_parameter
+  /// Of groups, lists and maps: what is declared of an item, those that are there, one more of that name (of a map an
+  /// item of a name that is there already is the one), and none.
+  const ParameterSet& (*item_set)() = nullptr;
+  std::function<std::vector<ParameterItem>(void* params)> items;
+  std::function<void*(void* params, const std::string& name)> add;
+  std::function<void(void* params)> clear;
+
+  bool is_value() const { return kind < ParameterKind::group; }
+  /// For chaining in a declaration: v.flag(...).is_required();
+  Parameter& is_required() { return required = true, *this; }
+  Parameter& none_at_zero() { return zero_is_none = true, *this; }
+  Parameter& names(const char* what) { return source = what, *this; }
+  Parameter& at_most(std::size_t n) { return count = n, *this; }
 };
 
 /// The value's text, as in a manifest or a help page: 0.2, true, "threshold", [1, 2, 3].
@@ -57,82 +98,61 @@ std::string to_text(const ParameterValue& value);
 /// Reads one value; lists are given as their items. Returns the fault ("must be a number from 0 to 5") or "".
 std::string parse_parameter(const Parameter& parameter, const std::vector<std::string>& items, ParameterValue& value);
 
-/// "22.5 with method brain": the defaults that differ from this one; "" where none does.
-std::string other_defaults(const Parameter& parameter, const ParameterValue& default_value);
-
-/// "number, 0 to 5, default 0.2": what help and reference pages say of it.
-std::string describe_parameter(const Parameter& parameter, const ParameterValue& default_value);
-
-/// A member whose default hangs on another member, an enumeration of 0 to N - 1: `DefaultBy<double, Method, 2> width_mm
-/// {{0.5, 2}}`. Until it is assigned to, of() is the choice's default.
-template <class T, class E, std::size_t N>
-class DefaultBy {
- public:
-  DefaultBy(std::array<T, N> defaults) : defaults_(defaults), value_(defaults[0]) {}
-  DefaultBy& operator=(T value) {
-    value_ = value;
-    given_ = true;
-    return *this;
-  }
-  T of(E choice) const { return given_ ? value_ : defaults_[static_cast<std::size_t>(choice)]; }
-  /// What was assigned, or the first choice's default.
-  operator T() const { return value_; }
-
- private:
-  std::array<T, N> defaults_;
-  T value_;
-  bool given_ = false;
-};
+/// "number, 0 to 5, default 0.2": what help and reference pages say of it. `object` holds the defaults.
+std::string describe_parameter(const Parameter& parameter, const void* object);
 
 /// A struct's descriptors with its name erased.
 struct ParameterSet {
   std::vector<Parameter> parameters;
+  std::function<std::shared_ptr<void>()> make;           ///< an object with the defaults
+  std::function<std::string(const void* object)> fault;  ///< empty where the struct has none
   const Parameter* find(const std::string& name) const;
   std::vector<std::string> names() const;
+  /// The only parameter, where that has an empty name; else null.
+  const Parameter* only_value() const;
 };
 
+template <class P>
+const ParameterSet& parameters_of();
+
 namespace detail {
+
+template <class P, class = void>
+struct HasFault : std::false_type {};
+template <class P>
+struct HasFault<P, std::void_t<decltype(std::declval<const P&>().fault())>> : std::true_type {};
 
 template <class P>
 class Collector {
  public:
   explicit Collector(ParameterSet& out) : out_(out) {}
 
-  void number(double P::*m, const char* name, Range range, const char* help) {
-    add(
+  Parameter& number(double P::*m, const char* name, Range range, const char* help) {
+    return add(
         name, help, ParameterKind::number, range, [m](const P& p) { return ParameterValue(p.*m); },
         [m](P& p, const ParameterValue& v) { p.*m = std::get<double>(v); });
   }
-  /// With a default for each choice of the parameter `by`, which is declared before it and named `by_name`.
-  template <class E, std::size_t N>
-  void number(DefaultBy<double, E, N> P::*m, const char* name, Range range, const char* help, E P::*by,
-              const char* by_name) {
-    add(
-        name, help, ParameterKind::number, range, [m, by](const P& p) { return ParameterValue((p.*m).of(p.*by)); },
-        [m](P& p, const ParameterValue& v) { p.*m = std::get<double>(v); });
-    add_defaults(by_name);
-  }
   template <class I>
-  void integer(I P::*m, const char* name, Range range, const char* help) {
+  Parameter& integer(I P::*m, const char* name, Range range, const char* help) {
     range.min = std::max(range.min, static_cast<double>(std::numeric_limits<I>::lowest()));
     range.max = std::min(range.max, static_cast<double>(std::numeric_limits<I>::max()));
-    add(
+    return add(
         name, help, ParameterKind::integer, range,
         [m](const P& p) { return ParameterValue(static_cast<std::int64_t>(p.*m)); },
         [m](P& p, const ParameterValue& v) { p.*m = static_cast<I>(std::get<std::int64_t>(v)); });
   }
-  void flag(bool P::*m, const char* name, const char* help) {
-    add(
+  Parameter& flag(bool P::*m, const char* name, const char* help) {
+    return add(
         name, help, ParameterKind::flag, {}, [m](const P& p) { return ParameterValue(p.*m); },
         [m](P& p, const ParameterValue& v) { p.*m = std::get<bool>(v); });
   }
-  void text(std::string P::*m, const char* name, const char* help) {
-    add(
+  Parameter& text(std::string P::*m, const char* name, const char* help) {
+    return add(
         name, help, ParameterKind::text, {}, [m](const P& p) { return ParameterValue(p.*m); },
         [m](P& p, const ParameterValue& v) { p.*m = std::get<std::string>(v); });
   }
   template <class E>
-  void choice(E P::*m, const char* name, std::vector<std::pair<std::string, E>> choices, const char* help) {
+  Parameter& choice(E P::*m, const char* name, std::vector<std::pair<std::string, E>> choices, const char* help) {
     auto& p = add(
         name, help, ParameterKind::choice, {},
         [m, choices](const P& p) {
@@ -145,26 +165,10 @@ class Collector {
             if (c.first == std::get<std::string>(v)) p.*m = c.second;
         });
     for (const auto& c : choices) p.choices.push_back(c.first);
-  }
-  template <class C, class E, std::size_t N>
-  void choice(DefaultBy<C, E, N> P::*m, const char* name, std::vector<std::pair<std::string, C>> choices,
-              const char* help, E P::*by, const char* by_name) {
-    auto& p = add(
-        name, help, ParameterKind::choice, {},
-        [m, by, choices](const P& p) {
-          for (const auto& c : choices)
-            if (c.second == (p.*m).of(p.*by)) return ParameterValue(c.first);
-          return ParameterValue(std::string());
-        },
-        [m, choices](P& p, const ParameterValue& v) {
-          for (const auto& c : choices)
-            if (c.first == std::get<std::string>(v)) p.*m = c.second;
-        });
-    for (const auto& c : choices) p.choices.push_back(c.first);
-    add_defaults(by_name);
+    return p;
   }
   template <std::size_t N>
-  void numbers(std::array<double, N> P::*m, const char* name, Range range, const char* help) {
+  Parameter& numbers(std::array<double, N> P::*m, const char* name, Range range, const char* help) {
     auto& p = add(
         name, help, ParameterKind::numbers, range,
         [m](const P& p) { return ParameterValue(std::vector<double>((p.*m).begin(), (p.*m).end())); },
@@ -173,30 +177,110 @@ class Collector {
           for (std::size_t i = 0; i < N; ++i) (p.*m)[i] = items[i];
         });
     p.count = N;
+    return p;
+  }
+
+  /// A declared struct under a key of its own.
+  template <class T>
+  Parameter& group(T P::*m, const char* name, const char* help) {
+    return add_items<T>(
+        name, help, ParameterKind::group,
+        [m](P& p) {
+          return std::vector<ParameterItem>{{"", &(p.*m)}};
+        },
+        [m](P& p, const std::string&) -> void* { return &(p.*m); }, [m](P& p) { p.*m = T(); });
+  }
+  /// The same, which may be absent.
+  template <class T>
+  Parameter& group(std::optional<T> P::*m, const char* name, const char* help) {
+    return add_items<T>(
+        name, help, ParameterKind::group,
+        [m](P& p) {
+          return (p.*m) ? std::vector<ParameterItem>{{"", &*(p.*m)}} : std::vector<ParameterItem>{};
+        },
+        [m](P& p, const std::string&) -> void* {
+          if (!(p.*m)) (p.*m).emplace();
+          return &*(p.*m);
+        },
+        [m](P& p) { (p.*m).reset(); });
+  }
+  template <class T>
+  Parameter& list(std::vector<T> P::*m, const char* name, const char* help) {
+    return add_items<T>(
+        name, help, ParameterKind::list,
+        [m](P& p) {
+          std::vector<ParameterItem> all;
+          for (T& item : p.*m) all.push_back({std::to_string(all.size()), &item});
+          return all;
+        },
+        [m](P& p, const std::string&) -> void* { return &(p.*m).emplace_back(); }, [m](P& p) { (p.*m).clear(); });
+  }
+  template <class T>
+  Parameter& map(Named<T> P::*m, const char* name, const char* help) {
+    return add_items<T>(
+        name, help, ParameterKind::map,
+        [m](P& p) {
+          std::vector<ParameterItem> all;
+          for (auto& item : p.*m) all.push_back({item.first, &item.second});
+          return all;
+        },
+        [m](P& p, const std::string& key) -> void* {
+          for (auto& item : p.*m)
+            if (item.first == key) return &item.second;
+          return &(p.*m).emplace_back(key, T()).second;
+        },
+        [m](P& p) { (p.*m).clear(); });
+  }
+  /// Every parameter that a base of P declares.
+  template <class B>
+  void all_of() {
+    add_all<B>([](const void* q) { return static_cast<const B*>(static_cast<const P*>(q)); },
+               [](void* q) { return static_cast<B*>(static_cast<P*>(q)); });
+  }
+  /// Every parameter that a member's struct declares, as P's own.
+  template <class M>
+  void all_of(M P::*m) {
+    add_all<M>([m](const void* q) { return &(static_cast<const P*>(q)->*m); },
+               [m](void* q) { return &(static_cast<P*>(q)->*m); });
   }
 
  private:
-  /// The last parameter's defaults, one for each choice of the parameter of that name.
-  void add_defaults(const std::string& by_name) {
-    Parameter& p = out_.parameters.back();
-    const Parameter& by = *out_.find(by_name);
-    for (const std::string& choice : by.choices) {
-      P example;
-      by.set(&example, choice);
-      p.defaults_by.emplace_back(by_name + " " + choice, p.get(&example));
+  template <class B, class Up, class UpM>
+  void add_all(Up up, UpM upm) {
+    for (Parameter p : parameters_of<B>().parameters) {
+      if (p.get) p.get = [get = p.get, up](const void* q) { return get(up(q)); };
+      if (p.set) p.set = [set = p.set, upm](void* q, const ParameterValue& v) { set(upm(q), v); };
+      if (p.items) p.items = [items = p.items, upm](void* q) { return items(upm(q)); };
+      if (p.add) p.add = [add = p.add, upm](void* q, const std::string& name) { return add(upm(q), name); };
+      if (p.clear) p.clear = [clear = p.clear, upm](void* q) { clear(upm(q)); };
+      out_.parameters.push_back(std::move(p));
     }
   }
-  template <class Get, class Set>
-  Parameter& add(const char* name, const char* help, ParameterKind kind, Range range, Get get, Set set) {
+
+  Parameter& add(const char* name, const char* help, ParameterKind kind) {
     Parameter p;
     p.name = name;
     p.help = help;
     p.kind = kind;
+    out_.parameters.push_back(std::move(p));
+    return out_.parameters.back();
+  }
+  template <class Get, class Set>
+  Parameter& add(const char* name, const char* help, ParameterKind kind, Range range, Get get, Set set) {
+    Parameter& p = add(name, help, kind);
     p.range = range;
     p.get = [get](const void* q) { return get(*static_cast<const P*>(q)); };
     p.set = [set](void* q, const ParameterValue& v) { set(*static_cast<P*>(q), v); };
-    out_.parameters.push_back(std::move(p));
-    return out_.parameters.back();
+    return p;
+  }
+  template <class T, class Items, class Add, class Clear>
+  Parameter& add_items(const char* name, const char* help, ParameterKind kind, Items items, Add one_more, Clear clear) {
+    Parameter& p = add(name, help, kind);
+    p.item_set = &parameters_of<T>;
+    p.items = [items](void* q) { return items(*static_cast<P*>(q)); };
+    p.add = [one_more](void* q, const std::string& key) { return one_more(*static_cast<P*>(q), key); };
+    p.clear = [clear](void* q) { clear(*static_cast<P*>(q)); };
+    return p;
   }
   ParameterSet& out_;
 };
@@ -209,10 +293,18 @@ const ParameterSet& parameters_of() {
     ParameterSet s;
     detail::Collector<P> c(s);
     P::describe(c);
+    s.make = [] { return std::make_shared<P>(); };
+    if constexpr (detail::HasFault<P>::value) s.fault = [](const void* q) { return static_cast<const P*>(q)->fault(); };
     return s;
   }();
   return set;
 }
+
+/// A struct that declares nothing.
+struct NothingDeclared {
+  template <class V>
+  static void describe(V&) {}
+};
 
 /// A params object with its type erased, as the stage registry, YAML and the CLI carry it.
 struct AnyParams {
@@ -227,7 +319,38 @@ struct AnyParams {
   const P& as() const {
     return *static_cast<const P*>(object.get());
   }
+  template <class P>
+  P& as() {
+    return *static_cast<P*>(object.get());
+  }
   ParameterValue get(const Parameter& p) const { return p.get(object.get()); }
 };
+
+/// One value of a params object, however deep: "spacing_mm", "shapes.skin.clear_mm", "bubbles.0".
+struct ParameterLeaf {
+  std::string path;
+  const Parameter* parameter = nullptr;
+  void* object = nullptr;  ///< the struct that holds it
+  ParameterValue value() const { return parameter->get(object); }
+};
+
+/// All of them, in the order of declaration and of the items. They point into `params`.
+std::vector<ParameterLeaf> leaves_of(const AnyParams& params);
+
+/// What is declared, however deep, with an object that holds the defaults: "shapes", "shapes.NAME.clear_mm".
+struct DeclaredParameter {
+  std::string path;
+  const Parameter* parameter = nullptr;
+  std::shared_ptr<void> defaults;
+};
+std::vector<DeclaredParameter> declared_of(const AnyParams& defaults);
+
+/// Reads "KEY=VALUE,KEY=VALUE" into a group or one more item of a list, "NAME:KEY=VALUE,..." or "NAME=VALUE" into an
+/// item of a map, as a command line gives them; an item without a "=" belongs to the value before it, so that a value
+/// may be a list. Returns the fault or "".
+std::string parse_item(const Parameter& parameter, void* params, const std::string& text);
+
+/// The whole object as text, empty groups, lists and maps too: what a cache's key is made of.
+std::string to_text(const AnyParams& params);
 
 }  // namespace trephine

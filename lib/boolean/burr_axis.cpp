@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "base/error.h"
-#include "boolean/ray_column.h"
+#include "surface/ray_column.h"
 
 namespace trephine::detail {
 namespace {

@@ -10,6 +10,7 @@
 #include "boolean/clean_cut.h"
 #include "boolean/corefine.h"
 #include "boolean/cutter_shape.h"
+#include "boolean/cutter_use.h"
 #include "boolean/overlap.h"
 #include "boolean/rim.h"
 #include "meshing/normals.h"
@@ -261,8 +262,10 @@ TriMesh checked(const TriMesh& surface, const Progress& progress) {
 
 }  // namespace
 
-TriMesh cut_surface(const TriMesh& surface, const std::vector<Cutter>& cutters, const CutSurfaceParams& params,
+TriMesh cut_surface(const TriMesh& surface, const std::vector<Cutter>& given, const CutSurfaceParams& params,
                     Report& report, const Progress& progress) {
+  std::vector<Cutter> cutters;
+  for (const Cutter& c : given) cutters.push_back(widened(c, params.widen_mm));
   const auto name_of = [&](std::size_t i) {
     return cutters[i].name.empty() ? "cutter_" + std::to_string(i + 1) : cutters[i].name;
   };

@@ -11,6 +11,7 @@
 namespace trephine {
 
 struct CutSurfaceParams {
+  double widen_mm = 0;
   double cutter_deviation_mm = 0.005;
   double rim_mm = 0.3;
   double min_component_mm3 = 50;
@@ -18,6 +19,7 @@ struct CutSurfaceParams {
   template <class V>
   static void describe(V& v) {
     using P = CutSurfaceParams;
+    v.number(&P::widen_mm, "widen_mm", Range{0, 50}, "How much wider than they are the cutters cut, all around.");
     v.number(&P::cutter_deviation_mm, "cutter_deviation_mm", Range{0.001, 1},
              "How far the cutter's facets may lie from its true surface.");
     v.number(&P::rim_mm, "rim_mm", Range{0, 10},

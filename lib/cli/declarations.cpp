@@ -65,6 +65,15 @@ std::string placeholder_of(const Parameter& parameter) {
       return "TEXT";
     case ParameterKind::choice:
       return "CHOICE";
+    case ParameterKind::group:
+      return "KEY=VALUE,...";
+    case ParameterKind::list:
+    case ParameterKind::map: {
+      const Parameter* only = parameter.item_set().only_value();
+      const bool named = parameter.kind == ParameterKind::map;
+      if (only) return (named ? "NAME=" : "") + placeholder_of(*only);
+      return named ? "NAME[:KEY=VALUE,...]" : "KEY=VALUE,...";
+    }
     case ParameterKind::numbers:
       break;
   }
@@ -83,7 +92,17 @@ std::string usage_of(const Argument& argument) {
 
 std::string usage_of(const Parameter& parameter) {
   if (parameter.kind == ParameterKind::flag) return "--[no-]" + flag_of(parameter.name).substr(2);
-  return flag_of(parameter.name) + " " + placeholder_of(parameter);
+  const bool repeated = parameter.kind == ParameterKind::list || parameter.kind == ParameterKind::map;
+  return flag_of(parameter.name) + " " + placeholder_of(parameter) + (repeated ? " ..." : "");
+}
+
+std::vector<std::pair<std::string, DeclaredParameter>> listed_of(const AnyParams& defaults) {
+  std::vector<std::pair<std::string, DeclaredParameter>> listed;
+  for (const DeclaredParameter& d : declared_of(defaults)) {
+    const bool top = d.path == d.parameter->name;
+    listed.emplace_back(top ? usage_of(*d.parameter) : d.path, d);
+  }
+  return listed;
 }
 
 std::vector<std::string> usage_of(const Program& program, const Command& command) {

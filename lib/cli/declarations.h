@@ -27,6 +27,8 @@ std::string placeholder_of(const Parameter& parameter);
 std::string usage_of(const Argument& argument);
 /// "--max-deviation-mm NUMBER" or "--[no-]check"
 std::string usage_of(const Parameter& parameter);
+/// What the group's page lists: every parameter, those within others by their place ("shapes.NAME.clear_mm").
+std::vector<std::pair<std::string, DeclaredParameter>> listed_of(const AnyParams& defaults);
 /// "trephine contour", "--volume FILE", "[--mask FILE]", "[parameters]": parts that stay on one line each.
 std::vector<std::string> usage_of(const Program& program, const Command& command);
 /// The command's groups and the common one.

@@ -76,8 +76,8 @@ std::string command_help(const Program& program, const Command& command) {
   for (const ParameterGroup& g : all_groups(command)) {
     const AnyParams defaults = g.make();
     text += "\n" + g.title + ":\n";
-    for (const Parameter& p : defaults.set->parameters)
-      text += entry(usage_of(p), p.help + " (" + describe_parameter(p, defaults.get(p)) + ")");
+    for (const auto& [usage, d] : listed_of(defaults))
+      text += entry(usage, d.parameter->help + " (" + describe_parameter(*d.parameter, d.defaults.get()) + ")");
   }
   text += entry("--help", help_help);
   if (!command.examples.empty()) text += "\nExamples:\n";

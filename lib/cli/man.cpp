@@ -150,8 +150,8 @@ std::string command_page(const Program& program, const Command& c) {
   for (const ParameterGroup& g : all_groups(c)) {
     const AnyParams defaults = g.make();
     page += ".SS " + literal(g.title) + "\n";
-    for (const Parameter& p : defaults.set->parameters)
-      page += entry(styled(usage_of(p)), p.help + " (" + describe_parameter(p, defaults.get(p)) + ")");
+    for (const auto& [usage, d] : listed_of(defaults))
+      page += entry(styled(usage), d.parameter->help + " (" + describe_parameter(*d.parameter, d.defaults.get()) + ")");
   }
   page += entry(bold("--help"), help_help);
   if (!c.examples.empty()) {

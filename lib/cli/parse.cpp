@@ -13,16 +13,6 @@
 namespace trephine {
 namespace {
 
-std::vector<std::string> split_list(const std::string& text) {
-  std::vector<std::string> items(1);
-  for (const char c : text)
-    if (c == ',')
-      items.emplace_back();
-    else
-      items.back() += c;
-  return items;
-}
-
 class Parser {
  public:
   explicit Parser(const Command& command) : command_(command), app_(command.summary, command.name) {
@@ -152,13 +142,24 @@ class Parser {
         values.emplace_back("false");
       }
     if (values.empty()) return;
+    if (!p.is_value()) return read_items(group, p, values);
     if (values.size() > 1) return fault(flag_of(p.name), "was given " + std::to_string(values.size()) + " times");
     ParameterValue value;
     const std::string& text = values[0];
-    const auto items = p.kind == ParameterKind::numbers ? split_list(text) : std::vector<std::string>{text};
+    const auto items = p.kind == ParameterKind::numbers ? split_at(text, ',') : std::vector<std::string>{text};
     const std::string what = parse_parameter(p, items, value);
     if (!what.empty()) return fault(flag_of(p.name), (text.empty() ? "is empty" : text) + ": " + what);
     p.set(group.object.get(), value);
+    parsed_.given.insert(p.name);
+  }
+
+  void read_items(AnyParams& group, const Parameter& p, const std::vector<std::string>& values) {
+    if (p.kind == ParameterKind::group && values.size() > 1)
+      return fault(flag_of(p.name), "was given " + std::to_string(values.size()) + " times");
+    p.clear(group.object.get());
+    for (const std::string& text : values)
+      if (const std::string what = parse_item(p, group.object.get(), text); !what.empty())
+        fault(flag_of(p.name), (text.empty() ? "is empty" : text) + ": " + what);
     parsed_.given.insert(p.name);
   }
 

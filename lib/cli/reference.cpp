@@ -39,9 +39,9 @@ std::string command_page(const Program& program, const Command& c) {
   for (const ParameterGroup& g : all_groups(c)) {
     const AnyParams defaults = g.make();
     page += "\n## " + g.title + "\n\n| Parameter | Value | Meaning |\n|---|---|---|\n";
-    for (const Parameter& p : defaults.set->parameters)
-      page += "| " + cell(code(usage_of(p))) + " | " + cell(describe_parameter(p, defaults.get(p))) + " | " +
-              cell(p.help) + " |\n";
+    for (const auto& [usage, d] : listed_of(defaults))
+      page += "| " + cell(code(usage)) + " | " + cell(describe_parameter(*d.parameter, d.defaults.get())) + " | " +
+              cell(d.parameter->help) + " |\n";
   }
   if (!c.examples.empty()) page += "\n## Examples\n\n```\n";
   for (const std::string& e : c.examples) page += e + "\n";
@@ -72,9 +72,24 @@ void add_range(Json& schema, const Range& range, bool integer) {
   if (range.max <= limit) schema["maximum"] = bound(range.max);
 }
 
-Json parameter_schema(const Parameter& p, const ParameterValue& fallback) {
-  const std::string others = other_defaults(p, fallback);
-  Json s = {{"description", p.help + (others.empty() ? "" : " Default " + to_text(fallback) + ", " + others + ".")}};
+void add_properties(Json& properties, const ParameterSet& set, const void* defaults);
+
+// An object with the set's keys, or the value that it stands for.
+Json schema_of(const ParameterSet& set) {
+  const std::shared_ptr<void> defaults = set.make();
+  Json properties = Json::object(), required = Json::array();
+  add_properties(properties, set, defaults.get());
+  if (set.only_value()) return properties[""];
+  for (const Parameter& p : set.parameters)
+    if (p.required) required.push_back(p.name);
+  Json schema = {{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
+  if (!required.empty()) schema["required"] = required;
+  return schema;
+}
+
+Json parameter_schema(const Parameter& p, const void* object) {
+  Json s = Json::object();
+  if (!p.help.empty()) s["description"] = p.help;
   switch (p.kind) {
     case ParameterKind::number:
       s["type"] = "number";
@@ -88,7 +103,8 @@ Json parameter_schema(const Parameter& p, const ParameterValue& fallback) {
       s["type"] = "boolean";
       break;
     case ParameterKind::text:
-      s["type"] = "string";
+      s["type"] = {"string", "number", "boolean"};
+      if (p.source == "value") s["type"].push_back("array");
       break;
     case ParameterKind::choice:
       s["type"] = "string";
@@ -102,13 +118,34 @@ Json parameter_schema(const Parameter& p, const ParameterValue& fallback) {
       s["minItems"] = s["maxItems"] = p.count;
       break;
     }
+    case ParameterKind::group:
+      s.update(schema_of(p.item_set()));
+      return s;
+    case ParameterKind::list: {
+      s["type"] = "array";
+      s["items"] = schema_of(p.item_set());
+      if (p.count) s["maxItems"] = p.count;
+      // One value need not be a list.
+      if (p.item_set().only_value()) return {{"description", p.help}, {"anyOf", {s["items"], s}}};
+      return s;
+    }
+    case ParameterKind::map: {
+      Json item = schema_of(p.item_set());
+      // `skull:` alone has the defaults.
+      if (item.value("type", "") == "object") item["type"] = {"object", "null"};
+      s["type"] = "object";
+      s["additionalProperties"] = item;
+      if (p.count) s["maxProperties"] = p.count;
+      return s;
+    }
   }
-  s["default"] = value_json(fallback);
+  if (p.zero_is_none) s["minimum"] = 0;
+  if (!p.required) s["default"] = value_json(p.get(object));
   return s;
 }
 
-void add_properties(Json& properties, const AnyParams& defaults) {
-  for (const Parameter& p : defaults.set->parameters) properties[p.name] = parameter_schema(p, defaults.get(p));
+void add_properties(Json& properties, const ParameterSet& set, const void* defaults) {
+  for (const Parameter& p : set.parameters) properties[p.name] = parameter_schema(p, defaults);
 }
 
 // Every command's parameters, as an object each under $defs.
@@ -119,7 +156,10 @@ std::string schema_page(const Program& program) {
   for (const Command& c : program.commands) {
     if (c.hidden || c.groups.empty()) continue;
     Json properties = Json::object();
-    for (const ParameterGroup& g : c.groups) add_properties(properties, g.make());
+    for (const ParameterGroup& g : c.groups) {
+      const AnyParams defaults = g.make();
+      add_properties(properties, *defaults.set, defaults.object.get());
+    }
     root["$defs"][page_of(c)] = {
         {"description", c.summary}, {"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
   }
@@ -128,11 +168,7 @@ std::string schema_page(const Program& program) {
 
 }  // namespace
 
-std::string json_schema_of(const AnyParams& defaults, int indent) {
-  Json properties = Json::object();
-  add_properties(properties, defaults);
-  return Json({{"type", "object"}, {"properties", properties}, {"additionalProperties", false}}).dump(indent);
-}
+std::string json_schema_of(const AnyParams& defaults, int indent) { return schema_of(*defaults.set).dump(indent); }
 
 std::vector<std::pair<std::string, std::string>> reference_pages(const Program& program) {
   check_declarations(program);

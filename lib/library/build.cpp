@@ -15,7 +15,7 @@
 #include "base/write_file.h"
 #include "library/ninja.h"
 #include "library/sheet.h"
-#include "pipeline/case_lock.h"
+#include "publish/case_lock.h"
 
 namespace trephine {
 namespace fs = std::filesystem;

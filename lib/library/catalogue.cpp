@@ -169,6 +169,12 @@ std::string age_text(double seconds) {
   return fmt::format("{:.0f} d", seconds / 86400);
 }
 
+std::string CaseRow::classed_by() const {
+  const ParameterValue* v = figure("class_of");
+  const auto* name = v ? std::get_if<std::string>(v) : nullptr;
+  return name ? *name : "";
+}
+
 std::string figure_text(const CaseRow& row, const std::string& name, int decimals, double factor) {
   const ParameterValue* v = row.figure(name);
   if (!v) return "";
@@ -177,11 +183,15 @@ std::string figure_text(const CaseRow& row, const std::string& name, int decimal
 }
 
 std::string library_table(const std::vector<CaseRow>& rows) {
-  std::vector<std::vector<std::string>> cells = {{"case", "class", "ventricles ml", "Evans", "shift mm", "triangles",
-                                                  "max mm", "MB", "s", "warnings", "age", "version", ""}};
+  std::string classed_by;
+  for (const CaseRow& row : rows)
+    if (classed_by.empty()) classed_by = row.classed_by();
+  std::vector<std::vector<std::string>> cells = {{"case", "class", classed_by.empty() ? "ml" : classed_by + " ml",
+                                                  "Evans", "shift mm", "triangles", "max mm", "MB", "s", "warnings",
+                                                  "age", "version", ""}};
   for (const CaseRow& row : rows) {
     const bool good = row.fault.empty();
-    cells.push_back({row.token, row.patient_class, figure_text(row, "ventricles_ml", 1),
+    cells.push_back({row.token, row.patient_class, figure_text(row, row.classed_by() + "_ml", 1),
                      figure_text(row, "evans_index_ratio", 2), figure_text(row, "midline_shift_mm", 1),
                      good ? grouped_text(static_cast<long long>(row.triangles)) : "",
                      good ? fixed_text(row.deviation_max_mm, 2) : "",

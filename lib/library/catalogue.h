@@ -29,7 +29,7 @@ struct LibraryFilter {
               {"shifted", CaseClass::shifted},
               {"small", CaseClass::small},
               {"unknown", CaseClass::unknown}},
-             "Only cases whose ventricles are such; unknown: cases that do not say.");
+             "Only cases of that class; unknown: cases that do not say.");
     v.number(&P::max_deviation_mm, "max_deviation_mm", Range{0, 1000},
              "Only cases none of whose surfaces lies farther from its unreduced one; 0: all.");
     v.integer(&P::max_warnings_count, "max_warnings_count", Range{-1, 1e9},
@@ -51,6 +51,8 @@ struct CaseRow {
   double age_s = 0;    ///< of case.json
   JobResult last;      ///< of its last library build; code 0 where there was none
   const ParameterValue* figure(const std::string& name) const;
+  /// The anatomy by which the case is classed, as its recipe says; empty where it is not.
+  std::string classed_by() const;
 };
 
 /// All folders of the library with a case.json, and those whose first build failed, by token. Throws 66 where there is

@@ -13,8 +13,8 @@
 #include "base/write_file.h"
 #include "cases/load_case.h"
 #include "library/catalogue.h"
-#include "pipeline/case_lock.h"
 #include "pipeline/stage_cache.h"
+#include "publish/case_lock.h"
 
 namespace trephine {
 namespace fs = std::filesystem;

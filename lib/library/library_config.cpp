@@ -9,8 +9,9 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "cases/case.h"
-#include "pipeline/config_root.h"
-#include "pipeline/yaml_document.h"
+#include "config/config_root.h"
+#include "config/declared.h"
+#include "library/library_file.h"
 #include "stages/stage.h"
 
 namespace trephine {
@@ -23,29 +24,14 @@ bool names_file(const std::string& path) {
   if (last == std::string::npos || last == 0) return false;
   const auto before = path.rfind('.', last - 1);
   const StageType* type = find_stage(path.substr(before == std::string::npos ? 0 : before + 1, last - before - 1));
-  return type && std::find(type->file_params.begin(), type->file_params.end(), path.substr(last + 1)) !=
-                     type->file_params.end();
+  if (!type) return false;
+  const std::vector<std::string> files = type->file_params();
+  return std::find(files.begin(), files.end(), path.substr(last + 1)) != files.end();
 }
-
-struct PhantomSets {
-  AnyParams head = AnyParams::make<phantom::HeadParams>(), scan = AnyParams::make<phantom::ScanParams>(),
-            series = AnyParams::make<phantom::SeriesParams>(), truth = AnyParams::make<phantom::TruthParams>();
-  PhantomSets() = default;
-  explicit PhantomSets(const phantom::PhantomParams& p)
-      : head(AnyParams::make(p.head)),
-        scan(AnyParams::make(p.scan)),
-        series(AnyParams::make(p.series)),
-        truth(AnyParams::make(p.truth)) {}
-  std::vector<AnyParams*> all() { return {&head, &scan, &series, &truth}; }
-  phantom::PhantomParams params() const {
-    return {head.as<phantom::HeadParams>(), scan.as<phantom::ScanParams>(), series.as<phantom::SeriesParams>(),
-            truth.as<phantom::TruthParams>()};
-  }
-};
 
 class Reader {
  public:
-  Reader(const fs::path& file, const LibraryOverrides& overrides) : overrides_(overrides) {
+  Reader(const fs::path& file, const LibraryOverrides& overrides) : overrides_(overrides), tree_(read_yaml(file)) {
     out_.file = file;
     out_.roots = overrides.roots;
     roots_.push_back(root_of(file));
@@ -53,70 +39,65 @@ class Reader {
   }
 
   LibraryConfig read() {
-    const YamlNode tree = read_yaml(out_.file);
-    MapReader map(out_.file, tree, "", faults_);
-    const YamlNode* version = map.any("trephine");
-    if (!version || version->text != "1")
-      map.fault(version ? *version : tree, "trephine", "must be 1, the version of the configuration's format");
-    read_configs(map, tree);
-    if (const YamlNode* set = map.map("set")) shared_set_ = set_of(*set, "set");
-    if (const YamlNode* cases = map.list("cases"))
-      for (std::size_t i = 0; i < cases->items.size(); ++i)
-        read_case(cases->items[i], "cases[" + std::to_string(i) + "]");
-    if (const YamlNode* series = map.list("series"))
-      for (std::size_t i = 0; i < series->items.size(); ++i)
-        find_series(series->items[i], "series[" + std::to_string(i) + "]");
-    if (const YamlNode* phantoms = map.map("phantoms")) read_phantoms(*phantoms);
-    map.finish();
-    if (!tree.find("cases") && !tree.find("series") && !tree.find("phantoms"))
-      map.fault(tree, "cases", "is missing, and so are series and phantoms: the library has no case");
+    DeclaredReading reading{out_.file, faults_, {}, {}};
+    reading.fault_of_name = [this](const std::string& kind, const std::string& name) {
+      std::string fault;
+      // The folders of `series` are looked for below, and paths in `set` where they are read.
+      if (kind == "file" && name.find_first_of("*?[") == std::string::npos) in_root(name, fault);
+      return fault;
+    };
+    read_declared(reading, tree_, "", parameters_of<LibraryFileParams>(), &said_);
+    read_configs();
+    shared_set_ = set_of(tree_, said_.set, "set");
+    for (std::size_t i = 0; i < said_.cases.size(); ++i) read_case(i);
+    for (std::size_t i = 0; i < said_.series.size(); ++i) find_series(i);
+    if (said_.phantoms) read_phantoms();
+    if (!tree_.find("cases") && !tree_.find("series") && !tree_.find("phantoms"))
+      faults_.add(out_.file, tree_, "cases", "is missing, and so are series and phantoms: the library has no case");
     faults_.raise();
     return std::move(out_);
   }
 
  private:
-  fs::path path_in_root(const YamlNode& at, const std::string& key, const std::string& text) {
+  fs::path in_root(const std::string& text, std::string& fault) const {
     const fs::path path = absolute_path(fs::absolute(out_.file).parent_path() / text);
     if (std::any_of(roots_.begin(), roots_.end(), [&](const fs::path& root) { return lies_in(path, root); }))
       return path;
-    faults_.add(out_.file, at, key, text + ", leads out of the root " + roots_[0].string() + "; --root adds one");
+    fault = text + ", leads out of the root " + roots_[0].string() + "; --root adds one";
     return {};
   }
-  fs::path path_value(MapReader& map, const YamlNode& node, const std::string& key) {
-    const auto text = map.text(key);
-    return text ? path_in_root(*node.find(key), map.path_of(key), *text) : fs::path();
+  fs::path path_at(const YamlNode& at, const std::string& where, const std::string& text) {
+    std::string fault;
+    const fs::path path = in_root(text, fault);
+    if (!fault.empty()) faults_.add(out_.file, at, where, fault);
+    return path;
+  }
+  // Faults of its path were told already.
+  fs::path file_of(const std::string& text) const {
+    std::string ignored;
+    return text.empty() ? fs::path() : in_root(text, ignored);
+  }
+  // The node of an item of a list at the top, or the file where there is none.
+  const YamlNode& item(const YamlNode* list, std::size_t i) const {
+    return list && i < list->items.size() ? list->items[i] : tree_;
   }
 
-  void read_configs(MapReader& map, const YamlNode& tree) {
-    if (const fs::path config = path_value(map, tree, "config"); !config.empty()) configs_.push_back({"", config});
-    if (const YamlNode* several = map.map("configs"))
-      for (const auto& [key, value] : several->entries) {
-        const std::string where = "configs." + key.text;
-        if (!is_plain_name(key.text)) faults_.add(out_.file, key, where, "a name has letters a-z, digits and _ only");
-        if (value.kind != YamlNode::Kind::scalar)
-          faults_.add(out_.file, value, where, "must be a file");
-        else
-          configs_.push_back({"-" + key.text, path_in_root(value, where, value.text)});
-      }
-    if (tree.find("config") && tree.find("configs"))
-      faults_.add(out_.file, *tree.find("configs"), "configs", "stands beside config: give one of them");
+  void read_configs() {
+    if (!said_.config.empty()) configs_.push_back({"", file_of(said_.config)});
+    for (const auto& [name, path] : said_.configs) configs_.push_back({"-" + name, file_of(path.path)});
+    if (!said_.config.empty() && !said_.configs.empty())
+      faults_.add(out_.file, *tree_.find("configs"), "configs", "stands beside config: give one of them");
   }
 
-  // A word, or [words, in a list], as --set takes it.
-  std::vector<std::string> set_of(const YamlNode& node, const std::string& where) {
+  // Settings as --set takes them; a path in one is meant from this file.
+  std::vector<std::string> set_of(const YamlNode& node, const Named<SaidValue>& values, const std::string& where) {
+    const YamlNode* set = node.find("set");
     std::vector<std::string> all;
-    for (const auto& [key, value] : node.entries) {
-      std::string text = value.text;
-      if (value.kind == YamlNode::Kind::list) {
-        text = "[";
-        for (const YamlNode& item : value.items) text += (text.size() > 1 ? ", " : "") + item.text;
-        text += "]";
-      } else if (value.kind != YamlNode::Kind::scalar) {
-        faults_.add(out_.file, value, where + "." + key.text, "must be a value or a list of values");
-      } else if (names_file(key.text) && !text.empty()) {
-        text = path_in_root(value, where + "." + key.text, text).string();
-      }
-      all.push_back(key.text + "=" + text);
+    for (const auto& [path, value] : values) {
+      const YamlNode* at = set ? set->find(path) : nullptr;
+      const bool is_file = names_file(path) && !value.text.empty();
+      all.push_back(path + "=" +
+                    (is_file ? path_at(at ? *at : node, where + "." + path, value.text).string() : value.text));
     }
     return all;
   }
@@ -140,39 +121,37 @@ class Reader {
     }
   }
 
-  std::string token_value(MapReader& map, const YamlNode& node, const std::string& key) {
-    const std::string token = map.required(map.text(key), key);
-    if (node.find(key)) try {
-        validate_case_token(token, ExitCode::bad_config);
-      } catch (const Error& e) {
-        map.fault(*node.find(key), key, e.what());
-      }
-    return token;
+  void check_token(const YamlNode& node, const std::string& where, const std::string& key, const std::string& token) {
+    if (token.empty()) return;
+    try {
+      validate_case_token(token, ExitCode::bad_config);
+    } catch (const Error& e) {
+      const YamlNode* at = node.find(key);
+      faults_.add(out_.file, at ? *at : node, where + "." + key, e.what());
+    }
   }
 
-  void read_case(const YamlNode& node, const std::string& where) {
-    if (node.kind != YamlNode::Kind::map) return faults_.add(out_.file, node, where, "must hold keys and values");
-    MapReader map(out_.file, node, where, faults_);
+  void read_case(std::size_t i) {
+    const std::string where = "cases[" + std::to_string(i) + "]";
+    const YamlNode& node = item(tree_.find("cases"), i);
+    const LibraryCaseParams& said = said_.cases[i];
     LibraryCase one;
-    one.token = token_value(map, node, "case");
-    one.origin = one.token;
-    one.series = path_value(map, node, "series");
-    one.landmarks = path_value(map, node, "landmarks_file");
-    const fs::path config = path_value(map, node, "config");
-    std::vector<std::string> set;
-    if (const YamlNode* own = map.map("set")) set = set_of(*own, map.path_of("set"));
-    map.finish();
-    add_cases(std::move(one), config, node, where, set);
+    one.token = one.origin = said.case_token;
+    check_token(node, where, "case", said.case_token);
+    one.series = file_of(said.series);
+    one.landmarks = file_of(said.landmarks_file);
+    add_cases(std::move(one), file_of(said.config), node, where, set_of(node, said.set, where + ".set"));
   }
 
-  void find_series(const YamlNode& node, const std::string& where) {
-    if (node.kind != YamlNode::Kind::scalar || node.text.empty())
-      return faults_.add(out_.file, node, "series", "each item is a folder's name, in which * stands for any letters");
-    const fs::path pattern(node.text);
+  void find_series(std::size_t i) {
+    const std::string where = "series[" + std::to_string(i) + "]", text = said_.series[i].path;
+    const YamlNode& node = item(tree_.find("series"), i);
+    const fs::path pattern(text);
     const std::string last = pattern.filename().string();
-    if (pattern.parent_path().string().find_first_of("*?[") != std::string::npos || last.empty())
-      return faults_.add(out_.file, node, "series", node.text + ", only the last part may hold *");
-    const fs::path folder = path_in_root(node, "series", pattern.parent_path().string() + "/.");
+    if (text.empty() || pattern.parent_path().string().find_first_of("*?[") != std::string::npos || last.empty())
+      return faults_.add(out_.file, node, "series",
+                         text + ", each item is a folder's name, and only its last part may hold *");
+    const fs::path folder = path_at(node, "series", pattern.parent_path().string() + "/.");
     if (folder.empty()) return;
     std::vector<fs::path> found;
     std::error_code error;
@@ -182,82 +161,66 @@ class Reader {
       if (fits && (it->is_directory(ignored) || it->path().extension() == ".zip")) found.push_back(it->path());
     }
     if (error)
-      return faults_.add(Error(ExitCode::no_input, out_.file.string(), "series", node.text + ", " + error.message()));
+      return faults_.add(Error(ExitCode::no_input, out_.file.string(), "series", text + ", " + error.message()));
     std::sort(found.begin(), found.end());
-    for (std::size_t i = 0; i < found.size(); ++i) {
+    for (std::size_t k = 0; k < found.size(); ++k) {
       LibraryCase one;
-      one.origin = where + " folder " + std::to_string(i + 1);
-      one.series = path_in_root(node, "series", found[i].string());
+      one.origin = where + " folder " + std::to_string(k + 1);
+      one.series = path_at(node, "series", found[k].string());
       add_cases(std::move(one), {}, node, "series", {});
     }
   }
 
-  void read_phantoms(const YamlNode& node) {
-    MapReader map(out_.file, node, "phantoms", faults_);
-    PhantomSets shared;
-    if (const YamlNode* body = map.map("shared")) {
-      MapReader params(out_.file, *body, "phantoms.shared", faults_);
-      for (AnyParams* set : shared.all()) params.parameters(*set);
-      params.finish();
+  void read_phantoms() {
+    const YamlNode* list = tree_.find("phantoms")->find("list");
+    for (std::size_t i = 0; i < said_.phantoms->list.size(); ++i) {
+      const std::string where = "phantoms.list[" + std::to_string(i) + "]";
+      const YamlNode& node = item(list, i);
+      // What the phantom says of itself, over what is shared; its faults are known already.
+      LibraryPhantomParams said;
+      static_cast<PhantomValues&>(said) = said_.phantoms->shared;
+      ConfigFaults told;
+      read_declared({out_.file, told, {}, {}}, node, where, parameters_of<LibraryPhantomParams>(), &said);
+      check_token(node, where, "name", said.name);
+      AnyParams values = AnyParams::make<PhantomValues>(said);
+      for (const std::string& text : overrides_.phantom) override_phantom(values, text);
+      LibraryCase patient;
+      patient.token = patient.origin = said.name;
+      patient.phantom = static_cast<int>(out_.phantoms.size());
+      out_.phantoms.push_back({said.name, values.as<PhantomValues>().params()});
+      add_cases(std::move(patient), file_of(said.config), node, where, set_of(node, said.set, where + ".set"));
     }
-    if (const YamlNode* list = map.list("list"))
-      for (std::size_t i = 0; i < list->items.size(); ++i)
-        read_phantom(list->items[i], "phantoms.list[" + std::to_string(i) + "]", shared.params());
-    if (!node.find("list")) map.fault(node, "list", "is missing");
-    map.finish();
   }
 
-  void read_phantom(const YamlNode& node, const std::string& where, const phantom::PhantomParams& shared) {
-    if (node.kind != YamlNode::Kind::map) return faults_.add(out_.file, node, where, "must hold keys and values");
-    MapReader map(out_.file, node, where, faults_);
-    LibraryPhantom one;
-    one.name = token_value(map, node, "name");
-    PhantomSets sets(shared);
-    for (AnyParams* set : sets.all()) map.parameters(*set);
-    const fs::path config = path_value(map, node, "config");
-    std::vector<std::string> set;
-    if (const YamlNode* own = map.map("set")) set = set_of(*own, map.path_of("set"));
-    map.finish();
-    for (const std::string& text : overrides_.phantom) override_phantom(sets, text);
-    one.params = sets.params();
-    LibraryCase patient;
-    patient.token = patient.origin = one.name;
-    patient.phantom = static_cast<int>(out_.phantoms.size());
-    out_.phantoms.push_back(std::move(one));
-    add_cases(std::move(patient), config, node, where, set);
-  }
-
-  void override_phantom(PhantomSets& sets, const std::string& text) {
+  void override_phantom(AnyParams& values, const std::string& text) {
     const std::size_t equals = text.find('=');
     const std::string name = text.substr(0, equals);
-    std::vector<std::string> known;
-    for (AnyParams* set : sets.all()) {
-      for (const std::string& n : set->set->names()) known.push_back(n);
-      const Parameter* p = set->set->find(name);
-      if (!p || equals == std::string::npos) continue;
+    const Parameter* p = values.set->find(name);
+    if (p && equals != std::string::npos) {
       YamlNode value;
       value.kind = YamlNode::Kind::scalar;
       value.text = text.substr(equals + 1);
-      const std::string fault = set_parameter(*set, *p, value);
-      if (!fault.empty()) fault_once("--phantom " + name, fault);
+      if (const std::string fault = set_parameter(values.object.get(), *p, value); !fault.empty())
+        fault_once("--phantom " + name, fault);
       return;
     }
-    const std::string near = nearest_name(name, known);
-    fault_once("--phantom " + text, equals == std::string::npos ? "must be parameter=value"
-                                    : near.empty()              ? "no such parameter of a phantom"
-                                                                : "no such parameter, did you mean " + near + "?");
+    fault_once("--phantom " + text, equals == std::string::npos
+                                        ? "must be parameter=value"
+                                        : "no such parameter of a phantom" + did_you_mean(name, values.set->names()));
   }
   void fault_once(const std::string& field, const std::string& what) {
-    if (said_.insert(field).second) faults_.add(Error(ExitCode::usage, "", field, what));
+    if (said_once_.insert(field).second) faults_.add(Error(ExitCode::usage, "", field, what));
   }
 
   const LibraryOverrides& overrides_;
+  const YamlNode tree_;
+  LibraryFileParams said_;
   std::vector<fs::path> roots_;
   ConfigFaults faults_;
   LibraryConfig out_;
   std::vector<std::pair<std::string, fs::path>> configs_;  // suffix, file
   std::vector<std::string> shared_set_;
-  std::set<std::string> tokens_, said_;
+  std::set<std::string> tokens_, said_once_;
 };
 
 }  // namespace
@@ -265,5 +228,7 @@ class Reader {
 LibraryConfig read_library_config(const fs::path& file, const LibraryOverrides& overrides) {
   return Reader(file, overrides).read();
 }
+
+AnyParams library_file_params() { return AnyParams::make<LibraryFileParams>(); }
 
 }  // namespace trephine

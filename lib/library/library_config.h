@@ -44,4 +44,7 @@ struct LibraryOverrides {
 /// fault at once: 78 with file:line:column, 64 for an override; 66 where the file or a folder is missing.
 LibraryConfig read_library_config(const std::filesystem::path& file, const LibraryOverrides& overrides = {});
 
+/// What LIBRARY.yaml may say, for its schema.
+AnyParams library_file_params();
+
 }  // namespace trephine

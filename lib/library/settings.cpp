@@ -2,14 +2,12 @@
 #include "library/settings.h"
 
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/text.h"
-#include "pipeline/config.h"
+#include "config/config.h"
 #include "pipeline/graph.h"
-#include "pipeline/yaml_document.h"
 
 namespace trephine {
 namespace fs = std::filesystem;
@@ -19,61 +17,18 @@ using Values = std::map<std::string, std::string>;
 
 constexpr const char* key_prefix = "key ";  // what stands for all of a node; never shown beside a parameter of it
 
-void flatten(const YamlNode& node, const std::string& path, const std::set<std::string>& without, Values& out) {
-  if (without.count(path)) return;
-  switch (node.kind) {
-    case YamlNode::Kind::null:
-      out[path] = "";
-      break;
-    case YamlNode::Kind::scalar:
-      out[path] = node.text;
-      break;
-    case YamlNode::Kind::list:
-      out[path] = std::to_string(node.items.size()) + " items";
-      for (std::size_t i = 0; i < node.items.size(); ++i)
-        flatten(node.items[i], path + "[" + std::to_string(i) + "]", without, out);
-      break;
-    case YamlNode::Kind::map:
-      if (node.entries.empty()) out[path] = "{}";
-      for (const auto& [key, value] : node.entries) flatten(value, path + "." + key.text, without, out);
-      break;
-  }
-}
-
-fs::path file_of(const fs::path& from, const YamlNode& tree, const char* key) {
-  const YamlNode* node = tree.find(key);
-  return node ? from.parent_path() / node->text : fs::path();
-}
-
 void add_graph(const Graph& graph, Values& out) {
   for (const Node& node : graph.nodes) {
     out[key_prefix + node.name] = node.key;
-    if (node.type) out["stage " + node.name] = "version " + std::to_string(node.type->version);
-    if (!node.salt.empty()) out[node.name + " (made from)"] = sha256_of_bytes(node.salt).substr(0, 16);
-    if (!node.params.set) continue;
-    for (const Parameter& p : node.params.set->parameters) out[node.name + "." + p.name] = to_text(node.recorded(p));
+    out["stage " + node.name] = "version " + std::to_string(node.type->version);
+    for (const auto& [name, value] : node.recorded()) out[node.name + "." + name] = to_text(value);
   }
 }
 
-// Of the recipe what is not in the graph: colours and the like, of the anatomies that the case shows.
-void add_recipe(const YamlNode& tree, const CaseConfig& config, Values& out) {
-  const YamlNode* anatomies = tree.find("anatomies");
-  if (!anatomies) return;
-  for (const auto& [key, value] : anatomies->entries) {
-    const std::string path = "recipe.anatomies." + key.text;
-    if (config.is_shown(key.text)) flatten(value, path, {path + ".stages"}, out);
-  }
-}
-
-void add_materials(const YamlNode& scene, const fs::path& scene_file, const CaseConfig& config, Values& out) {
-  const fs::path file = file_of(scene_file, scene, "materials");
-  if (file.empty() || !config.haptic.wanted) return;
-  const YamlNode tree = read_yaml(file);
-  const YamlNode* materials = tree.find("materials");
-  if (!materials) return;
-  for (const SceneShape& shape : config.haptic.shapes)
-    if (const YamlNode* m = materials->find(shape.material.name))
-      flatten(*m, "materials." + shape.material.name, {}, out);
+template <class P>
+void add_leaves(const std::string& prefix, const P& params, Values& out) {
+  const AnyParams copy = AnyParams::make(params);
+  for (const ParameterLeaf& leaf : leaves_of(copy)) out[prefix + "." + leaf.path] = to_text(leaf.value());
 }
 
 }  // namespace
@@ -89,17 +44,19 @@ CaseSettings read_case_settings(const LibraryCase& one, const std::vector<fs::pa
   out.series = config.series;
   out.import = config.import;
   add_graph(make_graph(config, ""), out.values);
-  const YamlNode tree = read_yaml(one.config);
-  flatten(tree, "config",
-          {"config.case", "config.series", "config.pipeline", "config.scene", "config.landmarks_file", "config.set"},
-          out.values);
-  const fs::path scene_file = file_of(one.config, tree, "scene");
-  const YamlNode scene = read_yaml(scene_file);
-  flatten(scene, "scene", {"scene.materials"}, out.values);
-  for (const Parameter& p : config.scene_params.set->parameters)
-    out.values["scene." + p.name] = to_text(config.scene_params.get(p));
-  add_materials(scene, scene_file, config, out.values);
-  add_recipe(read_yaml(file_of(one.config, tree, "pipeline")), config, out.values);
+  // What a scene says besides the stages' parameters, and what publishes them: nothing of it may be forgotten.
+  for (const ParameterLeaf& leaf : leaves_of(config.scene_file))
+    if (leaf.path != "materials") out.values["scene." + leaf.path] = to_text(leaf.value());
+  for (const SceneShape& shape : config.haptic.shapes)
+    add_leaves("materials." + shape.material.name, material_params(shape.material), out.values);
+  for (const RecipeAnatomy& anatomy : config.anatomies)
+    if (config.is_shown(anatomy.name))
+      add_leaves("recipe.anatomies." + anatomy.name, static_cast<const RecipeAnatomyParams&>(anatomy), out.values);
+  add_leaves("recipe", config.roles, out.values);
+  if (!config.trade.rule.empty()) {
+    out.values["trade.rule"] = config.trade.rule.text();
+    out.values["trade.point"] = config.trade.choice.point.name;
+  }
   for (const CaseLandmark& l : config.landmarks)
     out.values["landmarks." + l.name] = to_text(l.position_mm.x) + ", " + to_text(l.position_mm.y) + ", " +
                                         to_text(l.position_mm.z) + ", " + l.source + " " + to_text(l.confidence);

@@ -21,8 +21,8 @@ constexpr int most_side_px = 240, least_side_px = 40, columns_count = 5, most_pn
 std::vector<std::string> pictures_of(const fs::path& library, const CaseRow& row) {
   std::vector<std::string> out;
   std::error_code ignored;
-  const auto add_first = [&](std::initializer_list<const char*> names) {
-    for (const char* name : names) {
+  const auto add_first = [&](const std::vector<std::string>& names) {
+    for (const std::string& name : names) {
       const std::string file = row.token + "/report/" + name + ".png";
       if (row.fault.empty() && fs::exists(library / file, ignored)) {
         out.push_back(file);
@@ -30,7 +30,10 @@ std::vector<std::string> pictures_of(const fs::path& library, const CaseRow& row
       }
     }
   };
-  add_first({"ventricles", "canal", "vein", "clavicle", "skull", "bone", "skin"});
+  // What it is classed by, else the anatomy that the recipe makes last: it lies within the others.
+  std::vector<std::string> anatomies = {row.classed_by()};
+  for (auto a = row.manifest.anatomies.rbegin(); a != row.manifest.anatomies.rend(); ++a) anatomies.push_back(a->name);
+  add_first(anatomies);
   add_first({"axial"});
   return out;
 }
@@ -66,7 +69,8 @@ void paste(const Image& from, Image& to, int x0, int y0) {
 std::vector<std::string> lines_of(const CaseRow& row) {
   if (!row.fault.empty()) return {row.token, row.fault};
   std::string patient = row.patient_class.empty() ? "class not said" : row.patient_class;
-  if (const std::string ml = figure_text(row, "ventricles_ml", 1); !ml.empty()) patient += ", ventricles " + ml + " ml";
+  if (const std::string ml = figure_text(row, row.classed_by() + "_ml", 1); !ml.empty())
+    patient += ", " + row.classed_by() + " " + ml + " ml";
   std::string indices;
   if (const std::string evans = figure_text(row, "evans_index_ratio", 2); !evans.empty()) indices = "Evans " + evans;
   if (const std::string shift = figure_text(row, "midline_shift_mm", 1); !shift.empty())

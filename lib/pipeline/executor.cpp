@@ -249,7 +249,7 @@ class Executor {
     const Progress progress([this, &node](double f) { observer_.progressed(node.name, f); }, &stop_);
     StageInputs inputs;
     for (const auto& [port, source] : node.sources) inputs.by_port[port] = results_[source].data;
-    result.data = compute_node(node, inputs, options_, result.report, progress);
+    result.data = compute_node(node, std::move(inputs), result.report, progress);
   }
 
   const Graph& graph_;
@@ -266,15 +266,9 @@ class Executor {
 
 }  // namespace
 
-StageData compute_node(const Node& node, const StageInputs& inputs, const ExecuteOptions& options, Report& report,
-                       const Progress& progress) {
-  if (node.type) return node.type->run(node.params, inputs, report, progress);
-  ImportResult imported = import_series(options.series, node.params.as<ImportParams>(), progress);
-  // Under the key of what was there before it would be found for ever after.
-  if (imported.input_sha256 != options.input_sha256)
-    throw Error(ExitCode::bad_input, options.series.string(), "", "the series changed while it was read");
-  report = std::move(imported.report);
-  return std::make_shared<const HuVolume>(std::move(imported.volume));
+StageData compute_node(const Node& node, StageInputs inputs, Report& report, const Progress& progress) {
+  inputs.file_sha256 = node.file_sha256;
+  return node.type->run(node.params, inputs, report, progress);
 }
 
 std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,

@@ -28,18 +28,15 @@ struct NodeResult {
 };
 
 struct ExecuteOptions {
-  std::filesystem::path series;
-  std::string input_sha256;    ///< what the graph was made for: a series that changed since is refused (65)
   std::filesystem::path keep;  ///< every node's output is written here too, the cached ones as well; empty: not
   const StageCache* cache =
       nullptr;  ///< where storing fails (a full disk), a warning is logged, once, and no more stored
   const std::atomic<bool>* cancel = nullptr;
 };
 
-/// One node's work: its stage on these inputs, or the import. Throws what the stage does, and 65 where the series is no
-/// longer what the graph was made for.
-StageData compute_node(const Node& node, const StageInputs& inputs, const ExecuteOptions& options, Report& report,
-                       const Progress& progress);
+/// One node's work: its stage on these inputs. Throws what the stage does; 65 where a series is no longer what the
+/// graph was made for.
+StageData compute_node(const Node& node, StageInputs inputs, Report& report, const Progress& progress);
 
 /// Computes the nodes asked for and what they need that the cache does not have; independent nodes run at the same time
 /// on up to thread_count() threads. The results, one a node, are the same whatever the thread count. The error of the

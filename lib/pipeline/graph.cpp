@@ -4,33 +4,31 @@
 #include <algorithm>
 
 #include "base/hash.h"
+#include "boolean/cut_surface.h"
 #include "grid/resample.h"
-#include "stages/burr_hole.h"
-#include "stages/cut.h"
-#include "stages/face_gate.h"
-#include "stages/haptic.h"
+#include "stages/import.h"
+#include "stages/points.h"
 
 namespace trephine {
 namespace {
 
-// Raised when the import's output changes for the same files and parameters.
-constexpr int import_version = 3;
-
-void hash_params(Sha256& hash, const Node& node) {
-  for (const Parameter& p : node.params.set->parameters) hash.text(p.name).text(to_text(node.recorded(p)));
+// The parameters as text; of a file its content's hash stands for the path.
+std::string parameters_text(const Node& node) {
+  if (node.file_sha256.empty()) return to_text(node.params);
+  std::string text;
+  for (const auto& [name, value] : node.recorded()) text += name + ": " + to_text(value) + "; ";
+  return text;
 }
 
 class Builder {
  public:
   Builder(const CaseConfig& config, const std::string& input_hash) : config_(config) {
-    Node import;
-    import.name = "import";
-    import.params = AnyParams::make<ImportParams>(config.import);
-    Sha256 hash;
-    hash.text("import").integer(import_version).text(input_hash);
-    hash_params(hash, import);
-    import.key = hash.hex();
-    graph_.nodes.push_back(std::move(import));
+    ImportStageParams params;
+    static_cast<ImportParams&>(params) = config.import;
+    params.input = config.series.string();
+    Node import = node_of_stage("import", "import", AnyParams::make(params));
+    import.file_sha256["input"] = input_hash;
+    add(std::move(import));
   }
 
   Graph build() {
@@ -46,29 +44,37 @@ class Builder {
       graph_.anatomies.push_back(anatomy);
     }
     for (const SceneShape& shape : config_.haptic.shapes)
-      if (config_.haptic.spec.encoding == HapticEncoding::occupancy) first_surface_of(shape.name);
-    if (config_.find_head_step(anatomy_step)) graph_.anatomy_gate = anatomy_gate();
+      if (config_.haptic.encoding() == HapticEncoding::occupancy) first_surface_of(shape.name);
+    if (config_.find_scan_step(anatomy_step)) graph_.anatomy_gate = anatomy_gate();
     if (needs_landmarks()) landmarks();
     for (const CaseDrill& hole : config_.burr_holes) graph_.burr_holes.push_back(burr_hole(hole));
     for (const SceneDrill& drilled : config_.drilled)
       for (Graph::Anatomy& anatomy : graph_.anatomies)
-        if (anatomy.name == drilled.anatomy) anatomy.surface = cut(anatomy, drilled.widen_mm);
+        if (anatomy.name == drilled.anatomy) anatomy.surface = cut(anatomy, drilled);
     if (config_.haptic.wanted) {
       graph_.haptic = haptic();
       graph_.mismatch = mismatch();
     }
-    if (config_.find_head_step(deface_step) && config_.face != "keep") graph_.face_gate = face_gate();
+    if (config_.find_scan_step(deface_step) && config_.face != "keep") graph_.face_gate = face_gate();
     return std::move(graph_);
   }
 
  private:
-  static Node node_of_step(const RecipeStep& step, const std::string& name) {
+  static Node node_of_stage(const std::string& stage, const std::string& name, AnyParams params) {
     Node node;
     node.name = name;
-    node.type = step.type;
-    node.params = step.params;
-    node.output = step.type->output;
-    for (const std::string& p : step.type->file_params)
+    node.type = &stage_named(stage);
+    node.params = std::move(params);
+    node.output = node.type->output;
+    return node;
+  }
+  static Node node_of_stage(const std::string& stage, const std::string& name) {
+    return node_of_stage(stage, name, stage_named(stage).make_params());
+  }
+
+  static Node node_of_step(const RecipeStep& step, const std::string& name) {
+    Node node = node_of_stage(step.type->name, name, step.params);
+    for (const std::string& p : step.type->file_params())
       if (const auto file = std::get<std::string>(step.params.get(*step.params.set->find(p))); !file.empty())
         node.file_sha256[p] = sha256_of_file(file);
     return node;
@@ -117,27 +123,28 @@ class Builder {
   // What the scene computes anyway, or a landmark that it wants is found by.
   bool is_made(const std::string& source) const {
     if (graph_.find(source) >= 0) return true;
-    const auto in_ventricles = [](const std::string& name) { return name.rfind("monro", 0) == 0; };
+    const std::string anatomy = source.substr(0, source.find('.'));
     for (const SceneLandmark& l : config_.scene_landmarks)
-      if (in_ventricles(l.name)) return true;
+      if (config_.target_in(l.name) == anatomy) return true;
     for (const CaseDrill& hole : config_.burr_holes)
-      if (in_ventricles(hole.params.as<BurrHoleParams>().toward)) return true;
+      if (config_.target_in(hole.params.as<BurrHoleParams>().toward) == anatomy) return true;
     return false;
   }
 
-  std::string given_landmarks() const {
-    std::string text;
-    for (const auto& [name, p] : config_.landmark_positions_mm())
-      text += name + " " + to_text(ParameterValue(std::vector<double>{p.x, p.y, p.z})) + ";";
-    return text;
+  // What a person placed, as a source of its own; -1 where nothing is given.
+  int given_landmarks() {
+    if (graph_.given_landmarks >= 0 || config_.landmarks.empty()) return graph_.given_landmarks;
+    PointsParams points;
+    for (const CaseLandmark& l : config_.landmarks)
+      points.landmarks.emplace_back(
+          l.name, PointParams{{l.position_mm.x, l.position_mm.y, l.position_mm.z}, l.confidence, l.source});
+    return graph_.given_landmarks = add(node_of_stage("points", "given_landmarks", AnyParams::make(points)));
   }
 
   int landmarks_node(const std::string& name, bool required_only) {
-    const RecipeStep& step = *config_.find_head_step(landmarks_step);
-    Node node = whole_head(step, name, required_only);
-    graph_.own_types.push_back(std::make_shared<const StageType>(landmarks_stage(config_.landmarks)));
-    node.type = graph_.own_types.back().get();
-    node.salt = given_landmarks();
+    const int given = given_landmarks();
+    Node node = whole_head(*config_.find_scan_step(landmarks_step), name, required_only);
+    if (given >= 0) node.sources["given"] = given;
     return add(std::move(node));
   }
 
@@ -153,7 +160,7 @@ class Builder {
   }
 
   bool needs_landmarks() const {
-    if (!config_.find_head_step(landmarks_step)) return false;
+    if (!config_.find_scan_step(landmarks_step)) return false;
     if (!config_.scene_landmarks.empty()) return true;
     const auto given = config_.landmark_positions_mm();
     for (const CaseDrill& hole : config_.burr_holes)
@@ -163,7 +170,7 @@ class Builder {
 
   // The scan on the voxels that the case asks for; as it came where it asks for none.
   int resampled() {
-    const RecipeStep* step = config_.find_head_step(resample_step);
+    const RecipeStep* step = config_.find_scan_step(resample_step);
     if (!step) return 0;
     const auto& spacing_mm = step->params.as<ResampleParams>().spacing_mm;
     if (std::all_of(spacing_mm.begin(), spacing_mm.end(), [](double s) { return s == 0; })) return 0;
@@ -174,31 +181,31 @@ class Builder {
 
   int deface() {
     defacing_ = true;
-    const RecipeStep& step = *config_.find_head_step(deface_step);
+    const RecipeStep& step = *config_.find_scan_step(deface_step);
     Node node = whole_head(step, deface_step, true);
     node.sources["landmarks"] = original_landmarks();
     return add(std::move(node));
   }
 
   int anatomy_gate() {
-    const RecipeStep& step = *config_.find_head_step(anatomy_step);
+    const RecipeStep& step = *config_.find_scan_step(anatomy_step);
     Node node = node_of_step(step, anatomy_step);
     // Of what the scene shows; what only helps to find that is nobody's concern.
     for (const auto& [port, source] : step.ports)
       if (config_.is_shown(source.substr(0, source.find('.')))) node.sources[port] = node_named(source);
     if (node.sources.size() < 2) return -1;
     give_scan(node, graph_.scan);
-    // Class and shift are the ventricles'.
-    if (node.sources.count("ventricles") && config_.find_head_step(landmarks_step))
-      node.sources["landmarks"] = landmarks();
+    // What the case is classed by is measured against the midline.
+    const bool classed = !config_.roles.class_of.empty() && config_.is_shown(config_.roles.class_of);
+    if (classed && config_.find_scan_step(landmarks_step)) node.sources["landmarks"] = landmarks();
     return add(std::move(node));
   }
 
   int face_gate() {
-    const RecipeStep& step = *config_.find_head_step(deface_step);
-    Node node = own("face", face_gate_stage());
+    const RecipeStep& step = *config_.find_scan_step(deface_step);
+    Node node = node_of_stage("face_gate", "face");
     for (const auto& [port, source] : step.ports)
-      if (port == "skin") node.sources["skin"] = node_named(source, true);
+      if (node.type->find_port(port)) node.sources[port] = node_named(source, true);
     node.sources["landmarks"] = original_landmarks();
     for (const Graph::Anatomy& a : graph_.anatomies) node.sources["surface." + a.name] = a.surface;
     if (graph_.haptic >= 0) node.sources["haptic"] = graph_.haptic;
@@ -206,11 +213,7 @@ class Builder {
   }
 
   int measure_of(const std::string& name, const Graph::Anatomy& anatomy) {
-    Node node;
-    node.name = name + ".measure";
-    node.type = find_stage("measure");
-    node.params = node.type->make_params();
-    node.output = DataKind::nothing;
+    Node node = node_of_stage("measure", name + ".measure");
     node.sources = {{"surface", anatomy.finished}, {"reference", anatomy.first_surface}};
     return add(std::move(node));
   }
@@ -222,61 +225,44 @@ class Builder {
   }
   int first_surface_of(const std::string& name) { return first_surface_of(*config_.find_anatomy(name)); }
 
-  // A node of a stage that is made for this case.
-  Node own(const std::string& name, StageType type) {
-    graph_.own_types.push_back(std::make_shared<const StageType>(std::move(type)));
-    Node node;
-    node.name = name;
-    node.type = graph_.own_types.back().get();
-    node.params = node.type->make_params();
-    node.output = node.type->output;
-    return node;
-  }
-
   void add_cutters(Node& node) {
     for (const int hole : graph_.burr_holes) node.sources["cutters." + graph_.nodes[hole].name] = hole;
   }
 
   int burr_hole(const CaseDrill& hole) {
-    Node node = own(hole.name, burr_hole_stage(hole.name, config_.landmark_positions_mm()));
-    node.params = hole.params;
-    node.salt = hole.name + ";" + given_landmarks();  // its cutter bears the name
-    if (graph_.landmarks >= 0) node.sources["landmarks"] = graph_.landmarks;
-    node.sources["skull"] = first_surface_of("skull");
-    if (config_.find_anatomy("skin")) node.sources["skin"] = first_surface_of("skin");
+    Node node = node_of_stage("burrhole", hole.name, hole.params);
+    const int known = graph_.landmarks >= 0 ? graph_.landmarks : given_landmarks();
+    if (known >= 0) node.sources["landmarks"] = known;
+    node.sources["bone"] = first_surface_of(config_.roles.burr_holes.bone);
+    if (!config_.roles.burr_holes.over.empty()) node.sources["over"] = first_surface_of(config_.roles.burr_holes.over);
     return add(std::move(node));
   }
 
-  int cut(const Graph::Anatomy& anatomy, double widen_mm) {
-    Node node = own(anatomy.name + ".boolean", boolean_stage(widen_mm));
-    node.salt = to_text(ParameterValue(widen_mm));
+  int cut(const Graph::Anatomy& anatomy, const SceneDrill& drilled) {
+    CutSurfaceParams params;
+    params.widen_mm = drilled.widen_mm;
+    Node node = node_of_stage("boolean", anatomy.name + ".boolean", AnyParams::make(params));
     node.sources["surface"] = anatomy.finished;
     add_cutters(node);
     return add(std::move(node));
   }
 
   int haptic() {
-    const SceneHaptic& wanted = config_.haptic;
-    Node node = own("haptic.voxelize", voxelize_stage(wanted.spec));
-    node.params = wanted.params;
-    node.salt = to_text(wanted.spec);
+    const auto& params = config_.haptic.params.as<VoxelizeStageParams>();
+    Node node = node_of_stage("voxelize", "haptic.voxelize", config_.haptic.params);
     node.sources["volume"] = graph_.scan;
-    const bool of_surfaces = wanted.spec.encoding == HapticEncoding::occupancy;
-    for (const HapticShapeSpec& shape : wanted.spec.shapes) {
-      if (of_surfaces) node.sources["shape." + shape.name] = first_surface_of(shape.name);
+    const bool of_surfaces = params.encoding == HapticEncoding::occupancy;
+    for (const auto& [name, shape] : params.shapes) {
+      if (of_surfaces) node.sources["shape." + name] = first_surface_of(name);
       if (!shape.clear_of.empty()) node.sources["clear." + shape.clear_of] = first_surface_of(shape.clear_of);
     }
-    if (!wanted.spec.region_of.empty()) node.sources["region"] = first_surface_of(wanted.spec.region_of);
-    for (const HapticShapeSpec& shape : wanted.spec.shapes)
-      if (shape.drilled) {
-        add_cutters(node);
-        break;
-      }
+    if (!params.region_of.empty()) node.sources["region"] = first_surface_of(params.region_of);
+    if (!params.drill.empty()) add_cutters(node);
     return add(std::move(node));
   }
 
   int mismatch() {
-    Node node = own("haptic.mismatch", mismatch_stage());
+    Node node = node_of_stage("mismatch", "haptic.mismatch");
     node.sources["haptic"] = graph_.haptic;
     for (const Graph::Anatomy& anatomy : graph_.anatomies)
       for (const SceneShape& shape : config_.haptic.shapes)
@@ -287,8 +273,7 @@ class Builder {
   int add(Node node) {
     Sha256 hash;
     hash.text("stage").text(node.type->name).integer(node.type->version);
-    hash_params(hash, node);
-    hash.text(node.salt);
+    hash.text(parameters_text(node));
     for (const auto& [port, source] : node.sources) hash.text(port).text(graph_.nodes[source].key);
     node.key = hash.hex();
     graph_.nodes.push_back(std::move(node));
@@ -303,9 +288,13 @@ class Builder {
 
 }  // namespace
 
-ParameterValue Node::recorded(const Parameter& parameter) const {
-  const auto file = file_sha256.find(parameter.name);
-  return file == file_sha256.end() ? params.get(parameter) : ParameterValue("sha256 " + file->second);
+std::vector<std::pair<std::string, ParameterValue>> Node::recorded() const {
+  std::vector<std::pair<std::string, ParameterValue>> all;
+  for (const ParameterLeaf& leaf : leaves_of(params)) {
+    const auto file = file_sha256.find(leaf.path);
+    all.emplace_back(leaf.path, file == file_sha256.end() ? leaf.value() : ParameterValue("sha256 " + file->second));
+  }
+  return all;
 }
 
 int Graph::find(const std::string& name) const {

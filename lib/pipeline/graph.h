@@ -5,28 +5,26 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/config.h"
+#include "config/config.h"
 
 namespace trephine {
 
-/// One computation of a case: a stage of an anatomy, or the import (type null).
+/// One computation of a case: a stage with its parameters and where its inputs come from.
 struct Node {
   std::string name;  ///< "import", "skull.decimate"
   const StageType* type = nullptr;
   AnyParams params;
   std::map<std::string, int> sources;              ///< port -> node
-  std::string salt;                                ///< what else the stage was made from, as text
   std::map<std::string, std::string> file_sha256;  ///< of parameters that name files: their content stands for them
-  std::string
-      key;  ///< SHA-256 of all that its output depends on: stage, version, parameters, salt, keys of its sources
+  std::string key;  ///< SHA-256 of all that its output depends on: stage, version, parameters, keys of its sources
   DataKind output = DataKind::volume;
-  /// What a case records of a parameter: its value, or a file's hash.
-  ParameterValue recorded(const Parameter& parameter) const;
+  /// What a case records of its parameters, those within others by their place: values, or a file's hash.
+  std::vector<std::pair<std::string, ParameterValue>> recorded() const;
 };
 
-/// The nodes of what the scene demands and nothing else, sources before their readers. Node 0 is the import. Where the
-/// scene's policy takes the face away, that is done to the scan before any anatomy is made of it; nodes that still see
-/// the face are named "original....".
+/// The nodes of what the scene demands and nothing else, sources before their readers. Node 0 is the import, a stage as
+/// any. Where the scene's policy takes the face away, that is done to the scan before any anatomy is made of it; nodes
+/// that still see the face are named "original....".
 struct Graph {
   std::vector<Node> nodes;
   struct Anatomy {
@@ -39,11 +37,10 @@ struct Graph {
   std::vector<Anatomy> anatomies;  ///< as in the scene
   int scan = 0;                    ///< the volume that anatomies, pictures and haptic volume are made of
   int landmarks = -1;              ///< -1: none need be found
+  int given_landmarks = -1;        ///< -1: none are given, or none are needed
   int anatomy_gate = -1, face_gate = -1;
   std::vector<int> burr_holes;     ///< their cutters, as in the configuration
   int haptic = -1, mismatch = -1;  ///< -1: not wanted
-  /// Stages made for this case; the nodes point at them.
-  std::vector<std::shared_ptr<const StageType>> own_types;
   int find(const std::string& name) const;
 };
 

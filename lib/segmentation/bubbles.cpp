@@ -8,8 +8,8 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "segmentation/box_about.h"
-#include "segmentation/filters.h"
+#include "mask/box_about.h"
+#include "mask/filters.h"
 #include "surface/bounds.h"
 
 namespace trephine {

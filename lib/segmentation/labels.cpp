@@ -9,9 +9,9 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
-#include "segmentation/filters.h"
-#include "segmentation/methods.h"
-#include "segmentation/surface_field.h"
+#include "mask/filters.h"
+#include "mask/hu_view.h"
+#include "mask/surface_field.h"
 
 namespace trephine {
 namespace {

@@ -19,7 +19,7 @@ struct LabelParams {
   template <class V>
   static void describe(V& v) {
     using P = LabelParams;
-    v.text(&P::file, "file", "Labels to read: NRRD, .seg.nrrd, NIfTI (.nii, .nii.gz).");
+    v.text(&P::file, "file", "Labels to read: NRRD, .seg.nrrd, NIfTI (.nii, .nii.gz).").names("file");
     v.text(&P::label, "label", "Which one: its value, or a segment's name or ID; empty for all that is not 0.");
     v.number(&P::smooth_mm, "smooth_mm", Range{0, 10},
              "Sigma of the Gaussian that smooths the voxels' steps (none of them changes sides); where it is 0, a "

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "segmentation/methods.h"
+#include "mask/hu_view.h"
 
 namespace trephine::segmentation {
 

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "segmentation/bits.h"
+#include "mask/bits.h"
 
 namespace trephine::segmentation {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "segmentation/bits.h"
+#include "mask/bits.h"
 #include "segmentation/bubbles.h"
 #include "segmentation/snake.h"
 #include "segmentation/snake_band.h"

@@ -9,8 +9,8 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "segmentation/filters.h"
-#include "segmentation/methods.h"
+#include "mask/filters.h"
+#include "mask/hu_view.h"
 #include "segmentation/tissue_mixture.h"
 
 namespace trephine {
@@ -161,10 +161,7 @@ Field presegment(const HuVolume& volume, const PresegmentMasks& masks, const Pre
                  const Progress& progress) {
   check_params(p);
   const HuView hu(volume);
-  SegmentParams region;
-  region.roi_min_mm = p.roi_min_mm;
-  region.roi_max_mm = p.roi_max_mm;
-  Box box = region_of_interest(hu.lattice(), region);
+  Box box = region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
   if (masks.within) {
     const Box in = with_field("within", [&] { return positive(*masks.within, cropped(hu.lattice(), box)); }).bounds();
     if (in.empty()) throw Error(ExitCode::quality, "", "within", "0 voxels of the region lie inside");

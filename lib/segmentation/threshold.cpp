@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "segmentation/threshold.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
-#include "segmentation/filters.h"
-#include "segmentation/methods.h"
-#include "segmentation/surface_field.h"
+#include "mask/filters.h"
+#include "mask/surface_field.h"
 
 namespace trephine::segmentation {
 namespace {
@@ -105,7 +106,7 @@ BitMask opened_pieces(const BitMask& mask, const SegmentParams& p, const Progres
 
 Field segment_threshold(const HuView& hu, const SegmentMasks& masks, const SegmentParams& p, Report& report,
                         const Progress& progress) {
-  const Box roi = region_of_interest(hu.lattice(), p);
+  const Box roi = region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
   const Lattice work = cropped(hu.lattice(), roi);
   const bool smooth = p.smoothing_sigma_mm > 0;
   const Window window(p, hu.is_integer() && !smooth);

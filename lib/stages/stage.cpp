@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/stage.h"
 
+#include "base/error.h"
+
 namespace trephine {
 
 const char* to_text(DataKind kind) {
@@ -29,18 +31,30 @@ const Port* StageType::find_port(const std::string& port) const {
   return nullptr;
 }
 
-const std::vector<StageType>& stage_types() {
-  static const std::vector<StageType> types = {
-      segment_stage(),  labels_stage(),   presegment_stage(), snake_stage(),    landmarks_stage(), canal_stage(),
-      clavicle_stage(), vein_stage(),     contour_stage(),    decimate_stage(), smooth_stage(),    normals_stage(),
-      repair_stage(),   simplify_stage(), anatomy_stage(),    remesh_stage(),   measure_stage()};
-  return types;
+std::vector<std::string> StageType::file_params() const {
+  std::vector<std::string> names;
+  const AnyParams params = make_params();
+  for (const Parameter& p : params.set->parameters)
+    if (p.source == "file") names.push_back(p.name);
+  return names;
 }
 
 const StageType* find_stage(const std::string& name) {
   for (const StageType& t : stage_types())
     if (t.name == name) return &t;
   return nullptr;
+}
+
+const StageType& stage_named(const std::string& name) {
+  if (const StageType* type = find_stage(name)) return *type;
+  throw Error(ExitCode::internal, "", name, "no such stage is declared");
+}
+
+std::vector<const StageType*> stages_of(StagePlace place) {
+  std::vector<const StageType*> all;
+  for (const StageType& t : stage_types())
+    if (t.place == place) all.push_back(&t);
+  return all;
 }
 
 }  // namespace trephine

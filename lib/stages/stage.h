@@ -19,7 +19,9 @@
 namespace trephine {
 
 /// A stage is a library function with its parameters declared and its inputs named, so that `run` (data in memory) and
-/// the single tools (data in files) call one and the same thing. One stage a file in this folder.
+/// the single tools (data in files) call one and the same thing. Each is declared in a file NAME_stage.cpp of this
+/// folder, as `StageType NAME_stage()`; the build finds them and makes the registry (stage_types). Command, help,
+/// reference page, schema and completion come from it.
 
 enum class DataKind { volume, field, mesh, haptic, cutters, landmarks, nothing };
 const char* to_text(DataKind kind);
@@ -29,6 +31,13 @@ using StageData = std::variant<std::monostate, std::shared_ptr<const HuVolume>, 
                                std::shared_ptr<const TriMesh>, std::shared_ptr<const HapticVolume>,
                                std::shared_ptr<const std::vector<Cutter>>, std::shared_ptr<const HeadLandmarks>>;
 
+/// Where a stage is used.
+enum class StagePlace {
+  anatomy,  ///< a step of an anatomy in a recipe
+  scan,     ///< once for the whole scan, where a recipe has its name as a key and the scene needs it
+  scene,    ///< what a scene or a case asks for: burr holes, the haptic volume, gates; no recipe names it
+};
+
 /// An input of a stage. A name that ends in ".*" stands for any number of them ("cutters.*": cutters.1, ...). The first
 /// port of a stage takes the output of the stage before it in a recipe.
 struct Port {
@@ -37,10 +46,13 @@ struct Port {
   bool required = true;
   std::string help;
   bool or_volume = false;  ///< a field, or a CT volume
+  bool or_field = false;   ///< as a file a surface, or a field, which is contoured
 };
 
 struct StageInputs {
   std::map<std::string, StageData> by_port;
+  /// What the content of a file parameter must hash to; nothing where nobody knows beforehand.
+  std::map<std::string, std::string> file_sha256;
 
   /// Null where the port was left open. The kind is the port's (checked before the stage runs).
   template <class T>
@@ -63,46 +75,29 @@ struct StageInputs {
 struct StageType {
   std::string name;
   int version = 1;  ///< raised whenever the same inputs and parameters give other bytes: part of the cache's key
+  StagePlace place = StagePlace::anatomy;
   std::string summary, description;
+  std::vector<std::string> examples;  ///< whole command lines
   std::vector<Port> ports;
   DataKind output = DataKind::mesh;
   std::function<AnyParams()> make_params;
-  /// Parameters that name files to be read: relative to the file that says so; in keys and cases it is their content's
-  /// hash that stands for them.
-  std::vector<std::string> file_params;
   /// Fills the report, also with what it could not do. Throws Error (field: what went wrong in the stage) and
   /// Cancelled.
   std::function<StageData(const AnyParams&, const StageInputs&, Report&, const Progress&)> run;
 
   const Port* find_port(const std::string& port) const;
+  /// Parameters that name files to be read (declared with names("file")): relative to the file that says so; in keys
+  /// and cases it is their content's hash that stands for them.
+  std::vector<std::string> file_params() const;
 };
 
-/// The stages of which a recipe is made, in its order. Others serve the whole case (stages/burr_hole.h, cut.h,
-/// haptic.h).
+/// All that are declared, by name.
 const std::vector<StageType>& stage_types();
+/// Null where there is none of that name.
 const StageType* find_stage(const std::string& name);
-
-StageType segment_stage();
-StageType labels_stage();
-StageType presegment_stage();
-StageType snake_stage();
-/// `given`: landmarks that a person placed; they win over what is found.
-StageType landmarks_stage(std::vector<CaseLandmark> given = {});
-StageType canal_stage();
-StageType clavicle_stage();
-StageType vein_stage();
-StageType contour_stage();
-StageType decimate_stage();
-StageType smooth_stage();
-StageType normals_stage();
-StageType repair_stage();
-StageType simplify_stage();
-StageType anatomy_stage();
-StageType remesh_stage();
-StageType measure_stage();
-/// Serves the whole case: between the import and all anatomies, where a scene says `face: {policy: deface}` or crop.
-StageType deface_stage();
-/// Serves the whole case too: right after the import, where a spacing is set.
-StageType resample_stage();
+/// The stage that the program itself names. Throws 70 where there is none.
+const StageType& stage_named(const std::string& name);
+/// Those of a place, by name.
+std::vector<const StageType*> stages_of(StagePlace place);
 
 }  // namespace trephine

@@ -146,14 +146,14 @@ Progress TimedStages::progress_of(const std::string& node) const {
       options_.cancel);
 }
 
-StageInputs TimedStages::inputs(const Graph& graph, int node, const ExecuteOptions& execution) {
+StageInputs TimedStages::inputs(const Graph& graph, int node) {
   StageInputs in;
   for (const auto& [port, source] : graph.nodes[static_cast<std::size_t>(node)].sources)
-    in.by_port[port] = data(graph, source, execution);
+    in.by_port[port] = data(graph, source);
   return in;
 }
 
-StageData TimedStages::data(const Graph& graph, int node, const ExecuteOptions& execution) {
+StageData TimedStages::data(const Graph& graph, int node) {
   const Node& n = graph.nodes[static_cast<std::size_t>(node)];
   if (const auto held = held_.find(n.key); held != held_.end()) return held->second;
   StageData data;
@@ -161,12 +161,12 @@ StageData TimedStages::data(const Graph& graph, int node, const ExecuteOptions& 
     if (auto cached = options_.cache->load_data(n.key, n.output)) data = std::move(*cached);
   if (std::holds_alternative<std::monostate>(data) && n.output != DataKind::nothing) {
     Report ignored;
-    data = compute_node(n, inputs(graph, node, execution), execution, ignored, progress_of(n.name));
+    data = compute_node(n, inputs(graph, node), ignored, progress_of(n.name));
   }
   return held_[n.key] = std::move(data);
 }
 
-std::optional<TimedStages::Refusal> TimedStages::measure(const Graph& graph, const ExecuteOptions& execution) {
+std::optional<TimedStages::Refusal> TimedStages::measure(const Graph& graph) {
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     const Node& node = graph.nodes[i];
     const Measurement* known = store_.find(node.key);
@@ -179,14 +179,14 @@ std::optional<TimedStages::Refusal> TimedStages::measure(const Graph& graph, con
     for (const auto& [port, source] : node.sources) wanted.insert(graph.nodes[static_cast<std::size_t>(source)].key);
     for (auto held = held_.begin(); held != held_.end();)
       held = wanted.count(held->first) ? std::next(held) : held_.erase(held);
-    const StageInputs in = inputs(graph, static_cast<int>(i), execution);
+    const StageInputs in = inputs(graph, static_cast<int>(i));
     for (auto held = held_.begin(); held != held_.end();)
       held = wanted.count(held->first) ? std::next(held) : held_.erase(held);
     StageData made;
     ++measured_;
     const Measurement measured = measure_work(options_.repeats, [&](Report& report, bool) {
       made = {};
-      made = compute_node(node, in, execution, report, progress_of(node.name));
+      made = compute_node(node, in, report, progress_of(node.name));
     });
     if (measured.refused.empty() && options_.cache && node.output != DataKind::nothing)
       options_.cache->store(node.key, node.output, made, measured.report, measured.median_s());

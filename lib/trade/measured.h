@@ -69,16 +69,16 @@ class TimedStages {
   struct Refusal {
     std::string node, why;
   };
-  std::optional<Refusal> measure(const Graph& graph, const ExecuteOptions& execution);
+  std::optional<Refusal> measure(const Graph& graph);
   /// The node's output: from memory, the cache, or computed again.
-  StageData data(const Graph& graph, int node, const ExecuteOptions& execution);
+  StageData data(const Graph& graph, int node);
   /// Lets go of what is held in memory.
   void forget() { held_.clear(); }
   /// Stages that had to be computed since the last call.
   int take_measured_count() { return std::exchange(measured_, 0); }
 
  private:
-  StageInputs inputs(const Graph& graph, int node, const ExecuteOptions& execution);
+  StageInputs inputs(const Graph& graph, int node);
   Progress progress_of(const std::string& node) const;
 
   MeasurementStore& store_;

@@ -3,70 +3,44 @@
 
 #include <set>
 
-#include "pipeline/yaml_document.h"
+#include "config/declared.h"
+#include "config/said.h"
 
 namespace trephine {
 namespace {
 
-// As --set has it.
-std::string text_of(const YamlNode& node) {
-  if (node.kind != YamlNode::Kind::list) return node.text;
-  std::string text;
-  for (const YamlNode& item : node.items) text += (text.empty() ? "" : ", ") + item.text;
-  return "[" + text + "]";
-}
-
-bool is_value(const YamlNode& node) {
-  if (node.kind == YamlNode::Kind::scalar) return true;
-  if (node.kind != YamlNode::Kind::list) return false;
-  for (const YamlNode& item : node.items)
-    if (item.kind != YamlNode::Kind::scalar) return false;
-  return true;
-}
-
-std::vector<std::string> read_settings(const std::filesystem::path& file, const YamlNode& node,
-                                       const std::string& where, ConfigFaults& faults) {
-  std::vector<std::string> settings;
-  for (const auto& [key, value] : node.entries)
-    if (is_value(value))
-      settings.push_back(key.text + "=" + text_of(value));
-    else
-      faults.add(file, value, where + "." + key.text, "must be a value, or a list of numbers");
-  return settings;
-}
-
-TradeSweep read_sweep(const std::filesystem::path& file, const YamlNode& key, const YamlNode& node,
-                      ConfigFaults& faults) {
-  const std::string where = "sweeps." + key.text;
-  TradeSweep sweep;
-  sweep.name = key.text;
-  if (!is_plain_name(key.text) || key.text == "finest")
-    faults.add(file, key, where, "a name has letters a-z, digits and _ only, and is not finest");
-  if (node.kind != YamlNode::Kind::map) {
-    faults.add(file, node, where, "must hold keys and values");
-    return sweep;
+/// The file of a plan (configs/trade/*.yaml), declared.
+struct SweptValues {
+  std::vector<SaidValue> values;
+  template <class V>
+  static void describe(V& v) {
+    v.list(&SweptValues::values, "", "The values that the parameter takes, each as --set has it.").is_required();
   }
-  MapReader map(file, node, where, faults);
-  if (const YamlNode* set = map.map("set")) sweep.settings = read_settings(file, *set, where + ".set", faults);
-  const YamlNode* values = map.map("values");
-  if (!node.find("values")) map.fault(node, "values", "is missing");
-  map.finish();
-  if (values)
-    for (const auto& [path, list] : values->entries) {
-      SweptParameter swept;
-      swept.path = path.text;
-      if (list.kind == YamlNode::Kind::list) {
-        for (const YamlNode& item : list.items)
-          if (is_value(item))
-            swept.values.push_back(text_of(item));
-          else
-            faults.add(file, item, where + ".values." + path.text, "must be a value, or a list of numbers");
-      }
-      if (swept.values.empty()) faults.add(file, list, where + ".values." + path.text, "must be a list of values");
-      sweep.values.push_back(std::move(swept));
-    }
-  return sweep;
-}
+};
+
+struct SweepParams {
+  Named<SaidValue> set;
+  Named<SweptValues> values;
+  template <class V>
+  static void describe(V& v) {
+    using P = SweepParams;
+    v.map(&P::set, "set", "Parameters by their paths, of every point of the sweep.");
+    v.map(&P::values, "values", "Parameters by their paths and the values that each takes, in every combination.")
+        .is_required();
+  }
+};
+
+struct TradeFileParams : VersionParams {
+  Named<SaidValue> finest;
+  Named<SweepParams> sweeps;
+  template <class V>
+  static void describe(V& v) {
+    using P = TradeFileParams;
+    v.template all_of<VersionParams>();
+    v.map(&P::finest, "finest", "Parameters of the result that all others are measured against.");
+    v.map(&P::sweeps, "sweeps", "The sweeps by name.").names("name").is_required();
+  }
+};
 
 std::string voxels(double mm) {
   const std::string s = to_text(ParameterValue(mm));
@@ -124,19 +98,27 @@ TradePlan standard_plan(bool haptic) {
 TradePlan read_trade_plan(const std::filesystem::path& file) {
   const YamlNode tree = read_yaml(file);
   ConfigFaults faults;
-  MapReader map(file, tree, "", faults);
-  const YamlNode* version = map.any("trephine");
-  if (!version || version->text != "1")
-    map.fault(version ? *version : tree, "trephine", "must be 1, the version of the configuration's format");
+  TradeFileParams said;
+  read_declared({file, faults, {}, {}}, tree, "", parameters_of<TradeFileParams>(), &said);
   TradePlan plan;
-  if (const YamlNode* finest = map.map("finest")) plan.finest = read_settings(file, *finest, "finest", faults);
-  const YamlNode* sweeps = map.map("sweeps");
-  if (!tree.find("sweeps")) map.fault(tree, "sweeps", "is missing");
-  if (sweeps)
-    for (const auto& [key, node] : sweeps->entries) plan.sweeps.push_back(read_sweep(file, key, node, faults));
-  map.finish();
+  plan.finest = settings_of(said.finest);
+  for (const auto& [name, sweep] : said.sweeps) {
+    const YamlNode& at = *tree.find("sweeps");
+    if (name == "finest") faults.add(file, *at.find(name), "sweeps." + name, "is the name of another point");
+    TradeSweep one{name, settings_of(sweep.set), {}};
+    for (const auto& [path, swept] : sweep.values) {
+      SweptParameter parameter{path, {}};
+      for (const SaidValue& value : swept.values) parameter.values.push_back(value.text);
+      if (parameter.values.empty())
+        faults.add(file, *at.find(name), "sweeps." + name + ".values." + path, "must be a list of values");
+      one.values.push_back(std::move(parameter));
+    }
+    plan.sweeps.push_back(std::move(one));
+  }
   faults.raise();
   return plan;
 }
+
+AnyParams trade_file_params() { return AnyParams::make<TradeFileParams>(); }
 
 }  // namespace trephine

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "base/params.h"
+
 namespace trephine {
 
 /// "path" and the values that it takes, each as --set has it ("0.3", "[1, 1, 1]").
@@ -48,5 +50,8 @@ TradePlan standard_plan(bool haptic);
 ///       values: {PATH: [VALUE, ...], ...}
 /// A value is a scalar or a list of scalars. Throws ErrorList (78) with file:line:column, 66 where the file is missing.
 TradePlan read_trade_plan(const std::filesystem::path& file);
+
+/// What a plan's file may say, for its schema.
+AnyParams trade_file_params();
 
 }  // namespace trephine

@@ -7,13 +7,13 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/log.h"
+#include "base/result.h"
 #include "base/write_file.h"
 #include "cases/case.h"
 #include "metrics/deviation.h"
 #include "phantom/measure_truth.h"
-#include "pipeline/case_content.h"
-#include "pipeline/figures.h"
-#include "pipeline/run_case.h"
+#include "publish/case_content.h"
+#include "publish/run_case.h"
 #include "trade/measured.h"
 #include "voxel/mismatch.h"
 
@@ -26,13 +26,13 @@ constexpr int comparison_version = 1;
 
 TradeDeviation deviation_in(const Report& report) {
   TradeDeviation d;
-  d.rms_mm = number_in(report, "deviation_rms_mm");
-  d.p99_mm = number_in(report, "deviation_p99_mm");
-  d.max_mm = number_in(report, "deviation_max_mm");
-  d.to_reference_max_mm = number_in(report, "to_reference_max_mm");
-  d.from_reference_max_mm = number_in(report, "from_reference_max_mm");
-  d.to_reference_rms_mm = number_in(report, "to_reference_rms_mm");
-  d.from_reference_rms_mm = number_in(report, "from_reference_rms_mm");
+  d.rms_mm = number_of(report, "deviation_rms_mm");
+  d.p99_mm = number_of(report, "deviation_p99_mm");
+  d.max_mm = number_of(report, "deviation_max_mm");
+  d.to_reference_max_mm = number_of(report, "to_reference_max_mm");
+  d.from_reference_max_mm = number_of(report, "from_reference_max_mm");
+  d.to_reference_rms_mm = number_of(report, "to_reference_rms_mm");
+  d.from_reference_rms_mm = number_of(report, "from_reference_rms_mm");
   return d;
 }
 
@@ -42,7 +42,7 @@ struct Prepared {
   CaseConfig config;
   std::vector<SceneAnatomy> limits;
   Graph graph;
-  ExecuteOptions execution;
+  std::string input_sha256;
 };
 
 class Sweep {
@@ -107,10 +107,8 @@ class Sweep {
     for (SceneAnatomy& a : p.config.scene) a.max_deviation_mm = 0, a.max_triangles = 0;
     p.config.trade = {};
     if (p.config.case_token.empty()) p.config.case_token = "trade";
-    p.execution.series = p.config.series;
-    p.execution.input_sha256 = input_hash(p.config);
-    p.execution.cancel = &cancel_requested();
-    p.graph = make_graph(p.config, p.execution.input_sha256);
+    p.input_sha256 = input_hash(p.config);
+    p.graph = make_graph(p.config, p.input_sha256);
     return p;
   }
 
@@ -130,7 +128,7 @@ class Sweep {
     out.total.name = p.planned.name;
     out.total.settings = p.planned.settings;
     stages_.forget();
-    const auto refusal = stages_.measure(p.graph, p.execution);
+    const auto refusal = stages_.measure(p.graph);
     measured_ += stages_.take_measured_count();
     if (refusal) {
       out.total.refused = refusal->node + ": " + refusal->why;
@@ -143,7 +141,7 @@ class Sweep {
       return out;
     }
     add_stage(out, "publish", published);
-    out.total.bytes = static_cast<std::int64_t>(number_in(published.report, "bytes"));
+    out.total.bytes = static_cast<std::int64_t>(number_of(published.report, "bytes"));
     for (std::size_t i = 0; i < p.graph.anatomies.size(); ++i) add_anatomy(p, i, published.report, out);
     if (p.graph.haptic >= 0)
       for (const SceneShape& shape : p.config.haptic.shapes) add_shape(p, shape.name, out);
@@ -168,11 +166,11 @@ class Sweep {
     ++measured_;
     std::vector<NodeResult> results(p.graph.nodes.size());
     for (std::size_t i = 0; i < results.size(); ++i) results[i].report = store_.find(p.graph.nodes[i].key)->report;
-    for (const int node : wanted) results[std::size_t(node)].data = stages_.data(p.graph, node, p.execution);
+    for (const int node : wanted) results[std::size_t(node)].data = stages_.data(p.graph, node);
     return store_.keep(key, measure_work(repeats_, [&](Report& report, bool) {
                          const CaseContent content =
                              make_case_content(p.config, p.graph, results, "trephine " + request_.program_version,
-                                               p.execution.input_sha256, false, Progress({}, &cancel_requested()));
+                                               p.input_sha256, false, Progress({}, &cancel_requested()));
                          std::size_t bytes = 0;
                          for (const CaseContent::File& f : content.files) bytes += f.bytes.size();
                          report.add("bytes", bytes);
@@ -201,7 +199,7 @@ class Sweep {
   }
 
   TriMesh mesh(const Prepared& p, int node) {
-    return *std::get<std::shared_ptr<const TriMesh>>(stages_.data(p.graph, node, p.execution));
+    return *std::get<std::shared_ptr<const TriMesh>>(stages_.data(p.graph, node));
   }
   static const std::string& key_of(const Prepared& p, int node) { return p.graph.nodes[std::size_t(node)].key; }
 
@@ -211,9 +209,9 @@ class Sweep {
     const int reference = finest.graph.anatomies[index].surface;
     AnatomyTrade a;
     a.name = nodes.name;
-    a.triangles_count = static_cast<std::int64_t>(number_in(published, a.name + ".triangles"));
-    a.bytes = static_cast<std::int64_t>(number_in(published, a.name + ".bytes"));
-    a.volume_ml = number_in(published, a.name + ".volume_ml");
+    a.triangles_count = static_cast<std::int64_t>(number_of(published, a.name + ".triangles"));
+    a.bytes = static_cast<std::int64_t>(number_of(published, a.name + ".bytes"));
+    a.volume_ml = number_of(published, a.name + ".volume_ml");
     DeviationParams params;
     params.sample_count = request_.params.sample_count;
     if (key_of(p, nodes.surface) != key_of(finest, reference))
@@ -224,7 +222,7 @@ class Sweep {
     if (truth_) add_truth(p, nodes, a);
     if (p.graph.mismatch >= 0) {
       const Report& report = store_.find(key_of(p, p.graph.mismatch))->report;
-      if (report.find(a.name + ".mismatch_rms_mm")) a.mismatch_rms_mm = number_in(report, a.name + ".mismatch_rms_mm");
+      if (report.find(a.name + ".mismatch_rms_mm")) a.mismatch_rms_mm = number_of(report, a.name + ".mismatch_rms_mm");
     }
     out.total.triangles_count += a.triangles_count;
     out.total.deviation_max_mm = std::max(out.total.deviation_max_mm, a.to_finest.max_mm);
@@ -234,7 +232,7 @@ class Sweep {
     if (out.beyond_scene.empty() && limit.max_triangles > 0 && a.triangles_count > limit.max_triangles)
       out.beyond_scene = a.name + ": " + std::to_string(a.triangles_count) + " triangles, the scene allows " +
                          std::to_string(limit.max_triangles);
-    if (const double moved_mm = number_in(published, a.name + ".deviation_max_mm");
+    if (const double moved_mm = number_of(published, a.name + ".deviation_max_mm");
         out.beyond_scene.empty() && limit.max_deviation_mm > 0 && moved_mm > limit.max_deviation_mm)
       out.beyond_scene = a.name + ": " + to_text(ParameterValue(moved_mm)) +
                          " mm from the unreduced surface, the scene allows " +
@@ -265,14 +263,13 @@ class Sweep {
     const Node& contour = p.graph.nodes[std::size_t(nodes.first_surface)];
     const int field = contour.sources.begin()->second;
     if (p.graph.nodes[std::size_t(field)].output != DataKind::field) return;
-    out.dice_ratio =
-        number_in(compared("Dice " + out.name, {key_of(p, field), truth_sha256_},
-                           [&](Report& report) {
-                             report = phantom::measure_against_truth(
-                                 *std::get<std::shared_ptr<const Field>>(stages_.data(p.graph, field, p.execution)),
-                                 *truth_of(out.name), params.sample_count);
-                           }),
-                  "dice_ratio");
+    out.dice_ratio = number_of(compared("Dice " + out.name, {key_of(p, field), truth_sha256_},
+                                        [&](Report& report) {
+                                          report = phantom::measure_against_truth(
+                                              *std::get<std::shared_ptr<const Field>>(stages_.data(p.graph, field)),
+                                              *truth_of(out.name), params.sample_count);
+                                        }),
+                               "dice_ratio");
   }
 
   void add_shape(const Prepared& p, const std::string& name, PointTrade& out) {
@@ -282,8 +279,7 @@ class Sweep {
     if (contour == sources.end()) return;  // a volume of raw HU
     const Report& report =
         compared("felt " + name, {key_of(p, p.graph.haptic), name, key_of(finest, contour->second)}, [&](Report& r) {
-          const auto haptic =
-              std::get<std::shared_ptr<const HapticVolume>>(stages_.data(p.graph, p.graph.haptic, p.execution));
+          const auto haptic = std::get<std::shared_ptr<const HapticVolume>>(stages_.data(p.graph, p.graph.haptic));
           const TriMesh surface = mesh(finest, contour->second);
           for (const FeltSurface felt : {FeltSurface::sub_voxel, FeltSurface::nearest}) {
             MismatchParams params;
@@ -296,9 +292,9 @@ class Sweep {
             r.add(prefix + "missed_ratio", m.missed_ratio);
           }
         });
-    out.shapes.push_back({name, number_in(report, "sub_voxel_rms_mm"), number_in(report, "sub_voxel_p99_mm"),
-                          number_in(report, "nearest_rms_mm"), number_in(report, "nearest_p99_mm"),
-                          number_in(report, "sub_voxel_missed_ratio")});
+    out.shapes.push_back({name, number_of(report, "sub_voxel_rms_mm"), number_of(report, "sub_voxel_p99_mm"),
+                          number_of(report, "nearest_rms_mm"), number_of(report, "nearest_p99_mm"),
+                          number_of(report, "sub_voxel_missed_ratio")});
   }
 
   static void compare_volumes(const PointTrade& finest, PointTrade& p) {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/params.h"
-#include "pipeline/config.h"
-#include "pipeline/trade_front.h"
+#include "config/config.h"
+#include "config/trade_front.h"
 #include "trade/plan.h"
 
 namespace trephine {

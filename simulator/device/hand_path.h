@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/params.h"
-#include "voxel/contact.h"
+#include "contact/contact.h"
 
 namespace trephine {
 

@@ -4,7 +4,7 @@
 
 #include "base/params.h"
 #include "cases/case.h"
-#include "voxel/contact.h"
+#include "contact/contact.h"
 
 namespace trephine {
 

@@ -8,7 +8,7 @@
 #include "haptics/feel.h"
 #include "haptics/tool.h"
 #include "haptics/tool_body.h"
-#include "voxel/contact.h"
+#include "contact/contact.h"
 
 namespace trephine {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/vec3.h"
-#include "voxel/contact.h"
+#include "contact/contact.h"
 
 namespace trephine {
 

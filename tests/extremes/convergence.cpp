@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "boolean/cut_surface.h"
+#include "boolean/cutter_use.h"
 #include "meshing/contour.h"
 #include "meshing/decimate.h"
 #include "meshing/smooth.h"
 #include "outcome.h"
 #include "scenes.h"
-#include "stages/cut.h"
 #include "voxel/cut.h"
 #include "voxel/voxelize.h"
 

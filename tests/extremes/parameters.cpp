@@ -44,6 +44,8 @@ std::vector<std::string> ends_of(const Parameter& p) {
     case ParameterKind::text:
       texts = {"", "\n", std::string(1000, 'x')};
       break;
+    default:
+      break;  // leaves are values
   }
   return texts;
 }
@@ -78,7 +80,7 @@ std::vector<std::string> beyond(const Parameter& p) {
     case ParameterKind::choice:
       texts = {"", "no_such", p.choices.front() + " ", std::string(10000, 'x')};
       break;
-    case ParameterKind::text:
+    default:
       break;
   }
   return texts;
@@ -100,13 +102,14 @@ std::string shown(const std::string& text) {
 std::string refusals(const StageType& stage) {
   const AnyParams params = stage.make_params();
   std::size_t texts = 0;
-  for (const Parameter& p : params.set->parameters)
-    for (const std::string& text : beyond(p)) {
+  for (const ParameterLeaf& leaf : leaves_of(params))
+    for (const std::string& text : beyond(*leaf.parameter)) {
+      const Parameter& p = *leaf.parameter;
       ParameterValue value;
       const std::string fault = parse_parameter(p, items_of(p, text), value);
-      if (fault.empty()) return "FAULT: " + p.name + " takes " + shown(text);
+      if (fault.empty()) return "FAULT: " + leaf.path + " takes " + shown(text);
       if (fault.find('\n') != std::string::npos || fault.size() > 400)
-        return "FAULT: " + p.name + " is refused in more than a line";
+        return "FAULT: " + leaf.path + " is refused in more than a line";
       ++texts;
     }
   return std::to_string(texts) + " texts refused by the parser: 64 as a flag, 78 in a configuration";
@@ -121,7 +124,8 @@ std::vector<Case> cases_of(const StageType& stage) {
     cases.push_back({prefix + "as declared, on " + usual_scene(subject.body).name,
                      [subject] { return outcome_of_stage(*subject.stage, params_of(subject), inputs_of(subject)); }});
     const AnyParams defaults = stage.make_params();
-    for (const Parameter& p : defaults.set->parameters) {
+    for (const ParameterLeaf& leaf : leaves_of(defaults)) {
+      const Parameter& p = *leaf.parameter;
       if (p.name == "method") continue;  // a subject of its own
       std::vector<std::string> texts = ends_of(p);
       // A hundred million samples take minutes and nothing but time: a hundred thousand stand for them.
@@ -130,8 +134,8 @@ std::vector<Case> cases_of(const StageType& stage) {
       for (const std::string& text : texts) {
         // Whether a deadline of 0.1 s is met is the machine's affair; that nothing else happens is ours.
         const bool deadline = p.name == "time_limit_s";
-        cases.push_back({prefix + p.name + " = " + shown(text),
-                         [subject, name = p.name, text, deadline] {
+        cases.push_back({prefix + leaf.path + " = " + shown(text),
+                         [subject, name = leaf.path, text, deadline] {
                            AnyParams params = params_of(subject);
                            set(params, name, text);
                            if (!deadline) return outcome_of_stage(*subject.stage, params, inputs_of(subject));

@@ -5,10 +5,7 @@
 
 #include "base/error.h"
 #include "meshing/contour.h"
-#include "stages/burr_hole.h"
-#include "stages/cut.h"
-#include "stages/face_gate.h"
-#include "stages/haptic.h"
+#include "stages/voxelize.h"
 
 namespace trephine::extremes {
 
@@ -135,13 +132,14 @@ const Scene& usual_scene(Body body) {
 const std::vector<StageType>& all_stages() {
   static const std::vector<StageType> stages = [] {
     std::vector<StageType> all = stage_types();
-    HapticSpec haptic;
-    haptic.shapes.resize(1);
-    haptic.shapes[0].name = "outer";
-    haptic.shapes[0].drilled = true;
-    for (StageType s : {deface_stage(), resample_stage(), burr_hole_stage("hole", {}), boolean_stage(),
-                        face_gate_stage(), voxelize_stage(haptic), mismatch_stage()})
-      all.push_back(std::move(s));
+    for (StageType& s : all)
+      if (s.name == "voxelize")
+        s.make_params = [] {
+          VoxelizeStageParams params;
+          params.shapes.emplace_back("outer", HapticShapeParams());
+          params.drill.emplace_back("outer", DrillParams());
+          return AnyParams::make(params);
+        };
     return all;
   }();
   return stages;

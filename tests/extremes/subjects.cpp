@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "grid/nrrd.h"
 
 namespace trephine::extremes {
@@ -39,12 +40,10 @@ struct Suited {
   std::vector<std::pair<std::string, std::string>> base;
 };
 
-// What a stage needs in order to have something to work on, by its name, or name and method.
-Suited suited(const std::string& stage, const std::string& method) {
-  const std::string key = method.empty() ? stage : stage + " " + method;
-  if (key == "segment brain") return {Body::head, {"skull"}, {{"lower_hu", "22"}, {"edge", "fixed"}}};
-  if (key == "segment ventricles")
-    return {Body::head, {"within"}, {{"lower_hu", "-15"}, {"upper_hu", "21.5"}, {"edge", "fixed"}}};
+// What a stage needs in order to have something to work on.
+Suited suited(const std::string& stage) {
+  if (stage == "brain") return {Body::head, {"skull"}, {{"lower_hu", "22"}, {"edge", "fixed"}}};
+  if (stage == "ventricles") return {Body::head, {}, {{"upper_hu", "21.5"}, {"edge", "fixed"}}};
   if (stage == "landmarks") return {Body::head, {"brain", "ventricles"}, {}};
   if (stage == "face_gate") return {Body::head, {"surface.*"}, {}};
   if (stage == "deface") return {Body::head, {}, {}};
@@ -54,7 +53,7 @@ Suited suited(const std::string& stage, const std::string& method) {
   if (stage == "labels") return {Body::balls, {}, {{"file", labels_file()}}};
   if (stage == "snake") return {Body::balls, {}, {{"bubbles_count", "1"}}};
   if (stage == "presegment") return {Body::balls, {}, {{"lower_hu", "-500"}, {"upper_hu", "500"}}};
-  if (stage == "burr_hole") return {Body::head, {"skin", "landmarks"}, {}};
+  if (stage == "burrhole") return {Body::head, {"over", "landmarks"}, {}};
   if (stage == "resample") return {Body::balls, {}, {{"spacing_mm", "1,1,1"}}};
   if (stage == "measure") return {Body::balls, {"reference"}, {}};
   if (stage == "voxelize") return {Body::balls, {"shape.*", "cutters.*"}, {}};
@@ -69,7 +68,7 @@ std::vector<Subject> subjects_of(const StageType& stage) {
   if (const Parameter* method = params.set->find("method")) methods = method->choices;
   std::vector<Subject> all;
   for (const std::string& method : methods) {
-    const Suited s = suited(stage.name, method);
+    const Suited s = suited(stage.name);
     Subject subject{&stage, stage.name, s.body, s.ports, s.base};
     if (!method.empty()) {
       subject.label += ", method " + method;
@@ -81,23 +80,18 @@ std::vector<Subject> subjects_of(const StageType& stage) {
 }
 
 std::vector<std::string> items_of(const Parameter& parameter, const std::string& text) {
-  if (parameter.kind != ParameterKind::numbers) return {text};
-  std::vector<std::string> items(1);
-  for (const char c : text)
-    if (c == ',')
-      items.emplace_back();
-    else
-      items.back() += c;
-  return items;
+  return parameter.kind == ParameterKind::numbers ? split_at(text, ',') : std::vector<std::string>{text};
 }
 
 void set(AnyParams& params, const std::string& name, const std::string& text) {
-  const Parameter* p = params.set->find(name);
-  if (!p) throw Error(ExitCode::usage, "", name, "is no parameter");
-  ParameterValue value;
-  const std::string fault = parse_parameter(*p, items_of(*p, text), value);
-  if (!fault.empty()) throw Error(ExitCode::usage, "", name, fault);
-  p->set(params.object.get(), value);
+  for (const ParameterLeaf& leaf : leaves_of(params)) {
+    if (leaf.path != name) continue;
+    ParameterValue value;
+    const std::string fault = parse_parameter(*leaf.parameter, items_of(*leaf.parameter, text), value);
+    if (!fault.empty()) throw Error(ExitCode::usage, "", name, fault);
+    return leaf.parameter->set(leaf.object, value);
+  }
+  throw Error(ExitCode::usage, "", name, "is no parameter");
 }
 
 AnyParams params_of(const Subject& subject) {

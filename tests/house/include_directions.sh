@@ -20,7 +20,7 @@ owners=(
   'vtk[A-Z]|vtk_|meshing meshio simulator'
   'CGAL/|meshing metrics boolean'
   'gdcm|dicom phantom'
-  'yaml-cpp/|pipeline'
+  'yaml-cpp/|config'
   'CLI/|cli'
   'tiny_gltf|cases'
   'assimp/|meshio'
@@ -46,7 +46,7 @@ while IFS='|' read -r file included; do
   to=${included%%/*}
   if [[ $from == simulator ]]; then
     case $to in
-      base | grid | surface | voxel | cases | cli) ;;
+      base | cli | grid | surface | voxel | contact | cases) ;;
       *) [[ -n ${rank[$to]+x} && $included == */* && -e lib/$included ]] && fault "$file: the simulator may not include $included" ;;
     esac
   elif [[ $file == lib/* && -z ${rank[$from]+x} ]]; then

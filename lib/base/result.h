@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+#include "base/params.h"
+#include "base/report.h"
+
+namespace trephine {
+
+/// A struct of figures, declared as parameters are (base/params.h), as figures of a report: so it is printed, kept in a
+/// cache and read back under the same names, each behind `prefix`.
+void add_declared_figures(Report& report, const ParameterSet& set, const void* object, const std::string& prefix);
+
+/// Reads them back into the object. Throws Error 70 naming the figure where one is missing or of another type.
+void read_declared_figures(const Report& report, const ParameterSet& set, void* object, const std::string& prefix);
+
+/// One number. Throws Error 70 where it is missing or none.
+double number_of(const Report& report, const std::string& name);
+
+template <class R>
+void add_result(Report& report, const R& result, const std::string& prefix = "") {
+  add_declared_figures(report, parameters_of<R>(), &result, prefix);
+}
+
+template <class R>
+R result_of(const Report& report, const std::string& prefix = "") {
+  R result;
+  read_declared_figures(report, parameters_of<R>(), &result, prefix);
+  return result;
+}
+
+}  // namespace trephine

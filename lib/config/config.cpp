@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "config/config.h"
+
+#include <algorithm>
+
+#include "base/log.h"
+#include "base/text.h"
+#include "config/config_root.h"
+#include "config/reading.h"
+#include "stages/data_files.h"
+
+namespace trephine {
+namespace fs = std::filesystem;
+namespace {
+
+// Reads the files of a case; every method adds its faults and goes on.
+class Reader {
+ public:
+  Reader(const fs::path& config, const ConfigOverrides& overrides) : r_(config, overrides), tree_(read_yaml(config)) {}
+
+  CaseConfig read() {
+    read_declared(reading(), tree_, "", parameters_of<CaseFileParams>(), said_.object.get());
+    const CaseFileParams& said = said_.as<CaseFileParams>();
+    CaseConfig& out = r_.out;
+    out.case_token = r_.overrides.case_token.empty() ? said.case_token : r_.overrides.case_token;
+    check_token();
+    out.series = r_.overrides.series.empty() ? file_of(said.series) : r_.overrides.series;
+    for (const auto& [name, p] : said.landmarks)
+      out.landmarks.push_back({name, {p.position_mm[0], p.position_mm[1], p.position_mm[2]}, 1, "given"});
+    if (!said.landmarks_file.empty()) read_points(file_of(said.landmarks_file), false);
+    if (!r_.overrides.landmarks.empty()) read_points(r_.overrides.landmarks, true);
+    if (!said.pipeline.empty()) read_recipe(r_, file_of(said.pipeline));
+    if (!said.scene.empty()) read_scene(r_, file_of(said.scene));
+    import_ = AnyParams::make(said.import);
+    name_burr_holes();
+    collect_values();
+    choose_point();
+    set_values();
+    resolve_files();
+    derive_scene(r_);
+    check_burr_holes();
+    // Last, for what smoothing takes of the scene's deviation may just have been set.
+    share_out_limits(r_);
+    drop_unused_landmarks();
+    out.import = import_.as<ImportParams>();
+    r_.faults.raise();
+    out.values = r_.values.rows();
+    return std::move(out);
+  }
+
+ private:
+  DeclaredReading reading() {
+    DeclaredReading all{r_.file, r_.faults, {}, {}};
+    all.fault_of_name = [this](const std::string& kind, const std::string& name) {
+      std::string fault;
+      if (kind == "file") r_.in_root(r_.file, name, fault);
+      return fault;
+    };
+    all.said = [this](const std::string& path, const YamlNode& at) {
+      if (path.rfind("import.", 0) == 0) r_.said.emplace_back(path, r_.origin(ValueSource::set, r_.file, at));
+    };
+    return all;
+  }
+  // Faults of its path were told already.
+  fs::path file_of(const std::string& text) const {
+    std::string ignored;
+    return text.empty() ? fs::path() : r_.in_root(r_.file, text, ignored);
+  }
+  void fault(const char* key, const std::string& where, const std::string& what) {
+    const YamlNode* at = tree_.find(key);
+    r_.faults.add(r_.file, at ? *at : tree_, where, what);
+  }
+
+  void check_token() {
+    if (r_.out.case_token.empty()) return;
+    try {
+      validate_case_token(r_.out.case_token, ExitCode::bad_config);
+    } catch (const Error& e) {
+      fault("case", "case", e.what());
+    }
+  }
+
+  // Points of 3D Slicer's or landmarks of ours. Those of a name that is known already are replaced where `wins`.
+  void read_points(const fs::path& file, bool wins) {
+    if (file.empty()) return;
+    try {
+      const auto read = std::get<std::shared_ptr<const HeadLandmarks>>(load_data(file, DataKind::landmarks));
+      std::vector<CaseLandmark>& all = r_.out.landmarks;
+      for (const CaseLandmark& point : read->landmarks) {
+        points_.push_back(point.name);
+        const auto known =
+            std::find_if(all.begin(), all.end(), [&](const CaseLandmark& l) { return l.name == point.name; });
+        if (known == all.end())
+          all.push_back(point);
+        else if (wins)
+          *known = point;
+        else
+          throw Error(ExitCode::bad_config, file.string(), "landmarks." + point.name,
+                      "is given here and in the configuration, which is meant?");
+      }
+    } catch (const Error& e) {
+      r_.faults.add(e);
+    }
+  }
+
+  void name_burr_holes() {
+    std::vector<BurrHoleParams> holes = said_.as<CaseFileParams>().burr_holes;
+    for (std::size_t i = 0; i < holes.size(); ++i) {
+      BurrHoleParams& hole = holes[i];
+      if (hole.name.empty()) hole.name = "burr_hole_" + std::to_string(i + 1);
+      const auto same = [&](const CaseDrill& d) { return d.name == hole.name; };
+      if (!is_plain_name(hole.name) || std::any_of(r_.out.burr_holes.begin(), r_.out.burr_holes.end(), same))
+        fault("burr_holes", "burr_holes[" + std::to_string(i) + "].name",
+              printable(hole.name) + ", must be a name of its own, of letters a-z, digits and _");
+      r_.out.burr_holes.push_back({hole.name, AnyParams::make(hole)});
+    }
+  }
+
+  void collect_values() {
+    CaseConfig& out = r_.out;
+    r_.values.add("import", import_);
+    for (RecipeAnatomy& anatomy : out.anatomies)
+      for (RecipeStep& step : anatomy.steps) r_.values.add(anatomy.name + "." + step.type->name, step.params);
+    for (RecipeStep& step : out.scan_steps) r_.values.add(step.type->name, step.params);
+    for (CaseDrill& hole : out.burr_holes) r_.values.add(hole.name, hole.params);
+    for (const ParameterLeaf& leaf : leaves_of(out.scene_file))
+      r_.values.add_one(leaf.path.rfind("haptic.", 0) == 0 ? leaf.path : "scene." + leaf.path, leaf);
+    for (const auto& [path, origin] : r_.said)
+      if (r_.values.has(path)) r_.values.note(path, origin);
+  }
+
+  TradeRule rule() const {
+    const CaseFileParams& said = said_.as<CaseFileParams>();
+    TradeRule rule;
+    if (!r_.overrides.profile.empty()) {
+      rule.profile = r_.overrides.profile;
+      return rule;
+    }
+    if (said.accuracy) {
+      rule.max_deviation_mm = said.accuracy->max_deviation_mm;
+      rule.p99_deviation_mm = said.accuracy->p99_deviation_mm;
+      rule.rms_deviation_mm = said.accuracy->rms_deviation_mm;
+    }
+    if (said.budget) {
+      rule.seconds = said.budget->seconds;
+      rule.triangles_count = said.budget->triangles;
+      rule.bytes = said.budget->bytes;
+    }
+    rule.profile = said.profile;
+    return rule;
+  }
+
+  // The point of the measured front that the case's rule asks for.
+  void choose_point() {
+    const CaseFileParams& said = said_.as<CaseFileParams>();
+    CaseTrade& trade = r_.out.trade;
+    const TradeRule asked = rule();
+    if (!said.profile.empty() && (said.accuracy || said.budget))
+      fault("profile", "profile", "is a rule of its own, and there are accuracy or budget already");
+    if (asked.empty() || r_.overrides.without_rule) return;
+    if (said.trade.empty())
+      return fault("trade", "trade", "is missing: which trade.json shall " + asked.text() + " be chosen from?");
+    std::vector<fs::path> files;
+    std::vector<std::vector<TradePoint>> fronts;
+    for (const SaidPath& path : said.trade) try {
+        files.push_back(file_of(path.path));
+        if (files.back().empty()) return;
+        fronts.push_back(read_trade_points(files.back()));
+      } catch (const Error& e) {
+        return r_.faults.add(Error(e.code(), files.back().string(), e.field(), e.what()));
+      }
+    trade.rule = asked;
+    trade.fronts = files;
+    try {
+      trade.choice = choose(points_of_all(fronts), asked);
+    } catch (const Error& e) {
+      return r_.faults.add(
+          Error(e.code(), files.size() == 1 ? files[0].string() : r_.file.string(), e.field(), e.what()));
+    }
+    const ValueOrigin origin{ValueSource::trade, "point " + trade.choice.point.name + " of " + trade.front_names(), {}};
+    for (const std::string& text : trade.choice.point.settings) r_.values.set_from_text(text, origin, r_.faults);
+  }
+
+  void set_values() {
+    // Without a recipe nothing is known of its paths.
+    const bool known = !r_.out.anatomies.empty();
+    if (const YamlNode* set = tree_.find("set"); set && known && set->kind == YamlNode::Kind::map)
+      for (const auto& [key, value] : set->entries)
+        if (const std::string what = r_.values.set(key.text, value, r_.origin(ValueSource::set, r_.file, value));
+            !what.empty())
+          r_.faults.add(r_.file, r_.values.has(key.text) ? value : key, "set." + key.text, what);
+    for (const std::string& text : r_.overrides.set)
+      if (known || text.rfind("import.", 0) == 0 || text.find('=') == std::string::npos)
+        r_.values.set_from_text(text, {ValueSource::command_line, "--set", {}}, r_.faults);
+  }
+
+  // A file is meant relative to the one that names it; from the command line, to where the command is given.
+  void resolve_files() {
+    for (RecipeAnatomy& anatomy : r_.out.anatomies)
+      for (RecipeStep& step : anatomy.steps)
+        for (const std::string& name : step.type->file_params())
+          resolve_file(anatomy.name + "." + step.type->name + "." + name, *step.params.set->find(name), step.params);
+  }
+  void resolve_file(const std::string& path, const Parameter& p, AnyParams& params) {
+    const std::string text = std::get<std::string>(params.get(p));
+    if (text.empty()) return;
+    const ValueOrigin& origin = r_.values.origin(path);
+    const bool from_command_line = origin.source == ValueSource::command_line;
+    std::string what;
+    fs::path file = absolute_path(fs::absolute(text));
+    if (!from_command_line) {
+      const fs::path folder = origin.folder.empty() ? r_.recipe.parent_path() : origin.folder;
+      file = r_.in_root(folder / "from", text, what);
+    }
+    if (!what.empty())
+      r_.faults.add(Error(ExitCode::bad_config, origin.where.empty() ? r_.recipe.string() : origin.where, path, what));
+    else
+      p.set(params.object.get(), file.string());
+  }
+
+  // What can only be judged when everything is set.
+  void check_burr_holes() {
+    CaseConfig& out = r_.out;
+    if (!out.drilled.empty() && out.burr_holes.empty())
+      fault("burr_holes", "burr_holes",
+            "is missing: the scene cuts them, e.g. [{at: kocher, side: right, diameter_mm: 14}]");
+    for (const CaseDrill& hole : out.burr_holes) try {
+        const auto& params = hole.params.as<BurrHoleParams>();
+        if (const std::string what = params.toward.empty() ? "" : r_.fault_of_landmark(params.toward); !what.empty())
+          throw Error(ExitCode::bad_config, "", "toward", what);
+        if (out.find_scan_step(landmarks_step))
+          check_request(params, ExitCode::bad_config);  // what is not given is looked for
+        else
+          request_of(params, out.landmark_positions_mm(), ExitCode::bad_config);
+      } catch (const Error& e) {
+        fault("burr_holes", hole.name + "." + e.field(), e.what());
+      }
+    // "What no scene requires is not computed": the same case may be built for a scene that drills and one that does
+    // not.
+    if (out.drilled.empty()) out.burr_holes.clear();
+  }
+
+  // Those of a file that the case has no use for: a point's label may be anything, a patient's name too.
+  void drop_unused_landmarks() {
+    CaseConfig& out = r_.out;
+    const auto is_in = [](const std::vector<std::string>& all, const std::string& name) {
+      return std::find(all.begin(), all.end(), name) != all.end();
+    };
+    std::vector<std::string> used = findable_landmarks();
+    for (const CaseDrill& hole : out.burr_holes) used.push_back(hole.params.as<BurrHoleParams>().toward);
+    for (const SceneLandmark& l : out.scene_landmarks) used.push_back(l.name);
+    const auto unused = [&](const CaseLandmark& l) { return is_in(points_, l.name) && !is_in(used, l.name); };
+    for (const CaseLandmark& l : out.landmarks)
+      if (const std::string near = nearest_name(l.name, used); unused(l) && !near.empty())
+        log_warning(printable(l.name) + ", no landmark of that name is used, did you mean " + near + "?");
+    out.landmarks.erase(std::remove_if(out.landmarks.begin(), out.landmarks.end(), unused), out.landmarks.end());
+  }
+
+  ConfigReading r_;
+  const YamlNode tree_;
+  AnyParams said_ = AnyParams::make<CaseFileParams>();
+  AnyParams import_ = AnyParams::make<ImportParams>();
+  std::vector<std::string> points_;  // names that a file of landmarks holds
+};
+
+}  // namespace
+
+ConfigReading::ConfigReading(const fs::path& f, const ConfigOverrides& o) : file(f), overrides(o) {
+  roots.push_back(root_of(file));
+  for (const fs::path& root : o.roots) roots.push_back(absolute_path(root));
+}
+
+fs::path ConfigReading::in_root(const fs::path& from, const std::string& text, std::string& fault) const {
+  const fs::path path = absolute_path(fs::absolute(from).parent_path() / text);
+  if (std::any_of(roots.begin(), roots.end(), [&](const fs::path& root) { return lies_in(path, root); })) return path;
+  fault = text + ", leads out of the root " + roots[0].string() + "; --root adds one";
+  return {};
+}
+
+ValueOrigin ConfigReading::origin(ValueSource source, const fs::path& from, const YamlNode& at) const {
+  return {source, from.string() + ":" + std::to_string(at.line) + ":" + std::to_string(at.column),
+          absolute_path(from).parent_path()};
+}
+
+std::vector<std::string> ConfigReading::anatomy_names() const {
+  std::vector<std::string> names;
+  for (const RecipeAnatomy& a : out.anatomies) names.push_back(a.name);
+  return names;
+}
+
+std::string ConfigReading::fault_of_anatomy(const std::string& name) const {
+  if (out.find_anatomy(name)) return "";
+  return name + ", the pipeline has no such anatomy" + did_you_mean(name, anatomy_names());
+}
+
+std::string ConfigReading::fault_of_landmark(const std::string& name) const {
+  const bool looked_for = out.find_scan_step(landmarks_step) != nullptr;
+  std::vector<std::string> known;
+  if (looked_for) known = findable_landmarks();
+  for (const CaseLandmark& l : out.landmarks) known.push_back(l.name);
+  if (std::find(known.begin(), known.end(), name) != known.end()) return "";
+  return name + ", no such landmark is given" + (looked_for ? " or can be found" : "") + did_you_mean(name, known);
+}
+
+std::string CaseTrade::front_names() const {
+  std::string names;
+  for (const fs::path& file : fronts) names += (names.empty() ? "" : ", ") + file.filename().string();
+  return names;
+}
+
+const RecipeStep* RecipeAnatomy::find_step(const std::string& stage) const {
+  for (const RecipeStep& s : steps)
+    if (s.type->name == stage) return &s;
+  return nullptr;
+}
+
+const RecipeAnatomy* CaseConfig::find_anatomy(const std::string& name) const {
+  for (const RecipeAnatomy& a : anatomies)
+    if (a.name == name) return &a;
+  return nullptr;
+}
+
+const RecipeStep* CaseConfig::find_scan_step(const std::string& stage) const {
+  for (const RecipeStep& s : scan_steps)
+    if (s.type->name == stage) return &s;
+  return nullptr;
+}
+
+bool CaseConfig::is_shown(const std::string& anatomy) const {
+  return std::any_of(scene.begin(), scene.end(), [&](const SceneAnatomy& a) { return a.name == anatomy; }) ||
+         std::any_of(haptic.shapes.begin(), haptic.shapes.end(),
+                     [&](const SceneShape& s) { return s.name == anatomy; });
+}
+
+std::string CaseConfig::target_in(const std::string& landmark) const {
+  const SaidAnatomy* anatomy = find_item(roles.targets, landmark);
+  return anatomy ? anatomy->name : "";
+}
+
+std::map<std::string, Vec3> CaseConfig::landmark_positions_mm() const {
+  std::map<std::string, Vec3> all;
+  for (const CaseLandmark& l : landmarks) all[l.name] = l.position_mm;
+  return all;
+}
+
+CaseConfig read_case_config(const fs::path& file, const ConfigOverrides& overrides) {
+  return Reader(file, overrides).read();
+}
+
+}  // namespace trephine

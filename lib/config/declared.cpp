@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "config/declared.h"
+
+#include <algorithm>
+
+#include "base/text.h"
+
+namespace trephine {
+namespace {
+
+using Kind = YamlNode::Kind;
+
+class Reader {
+ public:
+  explicit Reader(const DeclaredReading& reading) : r_(reading) {}
+
+  void read_struct(const YamlNode& node, const std::string& where, const ParameterSet& set, void* object,
+                   const std::vector<std::string>& others) {
+    if (const Parameter* only = set.only_value()) return read_parameter(node, where, *only, object);
+    if (node.kind != Kind::map) return fault(node, where, shown(node) + "must hold keys and values" + keys_of(set));
+    const std::size_t before = r_.faults.count();
+    for (const auto& [key, value] : node.entries) {
+      const std::string path = below(where, key.text);
+      if (const Parameter* p = set.find(key.text))
+        read_parameter(value, path, *p, object);
+      else if (std::find(others.begin(), others.end(), key.text) == others.end())
+        fault(key, path, unknown(key.text, set, others));
+    }
+    for (const Parameter& p : set.parameters)
+      if (p.required && !node.find(p.name)) fault(node, below(where, p.name), "is missing: " + p.help);
+    // Not where a value was refused already: the default in its place is nobody's fault.
+    if (!set.fault || r_.faults.count() != before) return;
+    const std::string what = set.fault(object);
+    const std::size_t colon = what.find(": ");
+    if (what.empty()) return;
+    if (colon == std::string::npos) return fault(node, where, what);
+    const std::string key = what.substr(0, colon);
+    const YamlNode* at = node.find(key.substr(0, key.find('.')));
+    fault(at ? *at : node, below(where, key), what.substr(colon + 2));
+  }
+
+ private:
+  static std::string below(const std::string& where, const std::string& key) {
+    return where.empty() || key.empty() ? where + key : where + "." + key;
+  }
+  static std::string shown(const YamlNode& node) {
+    return node.kind == Kind::scalar && !node.text.empty() ? node.text + ", " : "";
+  }
+  static std::string keys_of(const ParameterSet& set) {
+    std::string all;
+    for (const std::string& name : set.names()) all += (all.empty() ? "" : ": ..., ") + name;
+    return all.empty() || all.size() > 60 ? "" : ": {" + all + ": ...}";
+  }
+  static std::string unknown(const std::string& key, const ParameterSet& set, const std::vector<std::string>& others) {
+    std::vector<std::string> known = set.names();
+    known.insert(known.end(), others.begin(), others.end());
+    std::string all;
+    for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
+    const std::string near = nearest_name(key, known);
+    return "unknown key, " + (near.empty() ? "known are " + all : "did you mean " + near + "?");
+  }
+
+  void fault(const YamlNode& at, const std::string& where, const std::string& what) {
+    r_.faults.add(r_.file, at, where, what);
+  }
+  void say(const std::string& path, const YamlNode& at) {
+    if (r_.said) r_.said(path, at);
+  }
+
+  void read_parameter(const YamlNode& value, const std::string& where, const Parameter& p, void* object) {
+    switch (p.kind) {
+      case ParameterKind::group:
+        return read_struct(value, where, p.item_set(), p.add(object, ""), {});
+      case ParameterKind::list:
+        return read_list(value, where, p, object);
+      case ParameterKind::map:
+        return read_map(value, where, p, object);
+      default:
+        read_value(value, where, p, object);
+    }
+  }
+
+  void read_value(const YamlNode& value, const std::string& where, const Parameter& p, void* object) {
+    if (const std::string what = set_parameter(object, p, value); !what.empty()) return fault(value, where, what);
+    say(where, value);
+    if (!p.source.empty() && !value.text.empty()) check_name(value, where, p.source);
+  }
+
+  void check_name(const YamlNode& at, const std::string& where, const std::string& kind) {
+    if (kind == "name" && !is_plain_name(at.text)) return fault(at, where, "a name has letters a-z, digits and _ only");
+    if (!r_.fault_of_name) return;
+    if (const std::string what = r_.fault_of_name(kind, at.text); !what.empty()) fault(at, where, what);
+  }
+
+  void read_list(const YamlNode& value, const std::string& where, const Parameter& p, void* object) {
+    const bool bare = value.kind == Kind::scalar && p.item_set().only_value();
+    if (value.kind != Kind::list && !bare) return fault(value, where, shown(value) + "must be a list");
+    if (p.count && value.items.size() > p.count) return fault(value, where, "at most " + std::to_string(p.count));
+    p.clear(object);
+    if (bare) return read_struct(value, where, p.item_set(), p.add(object, ""), {});
+    for (std::size_t i = 0; i < value.items.size(); ++i)
+      read_struct(value.items[i], where + "[" + std::to_string(i) + "]", p.item_set(), p.add(object, ""), {});
+  }
+
+  void read_map(const YamlNode& value, const std::string& where, const Parameter& p, void* object) {
+    if (value.kind != Kind::map) return fault(value, where, shown(value) + "must hold keys and values");
+    if (p.count && value.entries.size() > p.count) return fault(value, where, "at most " + std::to_string(p.count));
+    if (p.required && value.entries.empty()) return fault(value, where, "names none");
+    p.clear(object);
+    for (const auto& [key, item] : value.entries) {
+      const std::string path = below(where, key.text);
+      const std::size_t before = r_.faults.count();
+      if (!p.source.empty()) check_name(key, path, p.source);
+      if (r_.faults.count() != before) continue;
+      void* one = p.add(object, key.text);
+      // `skull:` alone has the defaults.
+      const bool nothing = item.kind == Kind::null && !p.item_set().only_value();
+      if (!nothing) read_struct(item, path, p.item_set(), one, {});
+    }
+  }
+
+  const DeclaredReading& r_;
+};
+
+// A list as the text that --set takes.
+std::string list_text(const YamlNode& value) {
+  std::string text;
+  for (const YamlNode& item : value.items) text += (text.empty() ? "" : ", ") + item.text;
+  return "[" + text + "]";
+}
+
+bool is_list_of_scalars(const YamlNode& value) {
+  return value.kind == Kind::list && std::all_of(value.items.begin(), value.items.end(),
+                                                 [](const YamlNode& item) { return item.kind == Kind::scalar; });
+}
+
+}  // namespace
+
+void read_declared(const DeclaredReading& reading, const YamlNode& node, const std::string& where,
+                   const ParameterSet& set, void* object, const std::vector<std::string>& others) {
+  Reader(reading).read_struct(node, where, set, object, others);
+}
+
+bool is_plain_name(const std::string& text) {
+  return !text.empty() && text.size() <= 32 && std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+std::string set_parameter(void* object, const Parameter& parameter, const YamlNode& value) {
+  if (parameter.source == "value" && is_list_of_scalars(value)) {
+    parameter.set(object, list_text(value));
+    return "";
+  }
+  std::vector<std::string> items;
+  std::string shown;
+  const bool is_list = value.kind == Kind::list;
+  if (value.kind == Kind::scalar) items.push_back(shown = value.text);
+  for (const YamlNode& item : value.items) items.push_back(item.text);
+  ParameterValue parsed;
+  std::string fault;
+  if (parameter.source == "value" && value.kind != Kind::scalar)
+    fault = "must be a value or a list of values";
+  else if (is_list != (parameter.kind == ParameterKind::numbers) || (!is_list && value.kind != Kind::scalar))
+    fault = describe_parameter(parameter, object) + " is expected";
+  else
+    fault = parse_parameter(parameter, items, parsed);
+  if (!fault.empty()) return (shown.empty() ? "" : shown + ", ") + fault;
+  parameter.set(object, parsed);
+  return "";
+}
+
+std::string did_you_mean(const std::string& name, const std::vector<std::string>& known) {
+  const std::string near = nearest_name(name, known);
+  return near.empty() ? "" : ", did you mean " + near + "?";
+}
+
+}  // namespace trephine

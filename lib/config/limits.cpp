@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+
+#include "config/reading.h"
+
+namespace trephine {
+namespace {
+
+const ValueOrigin by_scene{ValueSource::scene, "what the scene allows", {}};
+
+// A point of a trade keeps its own value where the scene allows it; a weaker one gets all that is allowed.
+bool keeps_own(const ConfigValues& values, const std::string& path, double allowed) {
+  const double now = values.number(path, 0);
+  return values.origin(path).source == ValueSource::trade && now > 0 && now <= allowed;
+}
+
+void allow(ConfigValues& values, const std::string& path, const ParameterValue& value, double allowed) {
+  if (!keeps_own(values, path, allowed)) values.set_value(path, value, by_scene);
+}
+
+// How far smoothing may move the surface.
+double smoothing_mm(const ConfigValues& values, const std::string& anatomy) {
+  return values.number(anatomy + ".smooth.max_displacement_mm", 0);
+}
+
+void share_out_triangles(ConfigReading& r) {
+  const double ratio = r.values.number("scene.triangles_ratio", 1);
+  // The wall of a burr hole is triangles too, and they count against the scene's limit.
+  constexpr std::int64_t triangles_a_hole = 4000;
+  const auto holes = static_cast<std::int64_t>(r.out.burr_holes.size());
+  for (SceneAnatomy& wanted : r.out.scene) {
+    if (wanted.max_triangles == 0) continue;
+    wanted.max_triangles = std::max<std::int64_t>(4, std::llround(double(wanted.max_triangles) * ratio));
+    const bool drilled = std::any_of(r.out.drilled.begin(), r.out.drilled.end(),
+                                     [&](const SceneDrill& d) { return d.anatomy == wanted.name; });
+    std::int64_t count = wanted.max_triangles;
+    if (drilled) count = std::max(count - triangles_a_hole * holes, count / 2);
+    allow(r.values, wanted.name + ".decimate.target_triangles_count", count, double(count));
+  }
+}
+
+void share_out_deviation(ConfigReading& r) {
+  for (const SceneAnatomy& wanted : r.out.scene) {
+    const std::string path = wanted.name + ".decimate.max_deviation_mm";
+    if (wanted.max_deviation_mm <= 0 || r.values.origin(path).source > ValueSource::scene) continue;
+    const double smoothed_mm = smoothing_mm(r.values, wanted.name), rest_mm = wanted.max_deviation_mm - smoothed_mm;
+    const std::string scene_path = "scene.anatomies." + wanted.name + ".max_deviation_mm";
+    if (rest_mm > 0)
+      allow(r.values, path, rest_mm, rest_mm);
+    else
+      r.faults.add(Error(
+          ExitCode::bad_config, r.values.origin(scene_path).where, "anatomies." + wanted.name + ".max_deviation_mm",
+          to_text(ParameterValue(wanted.max_deviation_mm)) + ", must exceed what smooth may move the surface by, " +
+              to_text(ParameterValue(smoothed_mm))));
+  }
+}
+
+// Whatever the chosen point's settings did to the head that it was measured on: here the rule holds by construction as
+// far as decimation and smoothing go, and what is measured is held against it.
+void keep_rule(ConfigReading& r) {
+  const double limit_mm = r.out.trade.rule.max_deviation_mm;
+  if (limit_mm <= 0) return;
+  for (SceneAnatomy& wanted : r.out.scene) {
+    if (wanted.max_deviation_mm <= 0 || wanted.max_deviation_mm > limit_mm) wanted.max_deviation_mm = limit_mm;
+    const double smoothed_mm = smoothing_mm(r.values, wanted.name), rest_mm = limit_mm - smoothed_mm;
+    const std::string path = wanted.name + ".decimate.max_deviation_mm";
+    const double now = r.values.number(path, 0);
+    if (rest_mm <= 0)
+      r.faults.add(Error(ExitCode::bad_config, r.file.string(), "accuracy.max_deviation_mm",
+                         to_text(ParameterValue(limit_mm)) + ", must exceed what smooth may move " + wanted.name +
+                             " by, " + to_text(ParameterValue(smoothed_mm))));
+    else if (now == 0 || now > rest_mm)
+      r.values.set_value(path, rest_mm, {ValueSource::rule, "the accuracy that the case asks for", {}});
+  }
+}
+
+}  // namespace
+
+void share_out_limits(ConfigReading& reading) {
+  share_out_triangles(reading);
+  share_out_deviation(reading);
+  keep_rule(reading);
+}
+
+}  // namespace trephine

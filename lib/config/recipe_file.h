@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <string>
+
+#include "config/said.h"
+
+namespace trephine {
+
+/// What a recipe (pipelines/*.yaml) says beside its stages, declared.
+
+struct RecipeAnatomyParams {
+  std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};
+  double opacity_ratio = 1;
+  bool shows_face = false;
+  template <class V>
+  static void describe(V& v) {
+    using P = RecipeAnatomyParams;
+    v.numbers(&P::colour_rgb, "colour_rgb", Range{0, 1}, "Its colour, sRGB.");
+    v.number(&P::opacity_ratio, "opacity_ratio", Range{0.05, 1}, "How opaque it is in pictures and in the GLB.");
+    // Without a default: a recipe that forgets it must not publish a face.
+    v.flag(&P::shows_face, "shows_face",
+           "Whether it shows the patient's face: then it is published only under a face "
+           "policy.")
+        .is_required();
+  }
+};
+
+/// Which anatomies play which part in what a scene does to a case.
+struct BurrHoleRoles {
+  std::string bone, over;
+  template <class V>
+  static void describe(V& v) {
+    using P = BurrHoleRoles;
+    v.text(&P::bone, "bone", "The bone that burr holes are placed on and must go through.")
+        .names("anatomy")
+        .is_required();
+    v.text(&P::over, "over", "The skin over which Kocher's point is measured; empty: over the bone.").names("anatomy");
+  }
+};
+
+struct RecipeRoles {
+  BurrHoleRoles burr_holes;
+  Named<SaidAnatomy> targets;
+  std::string class_of;
+  template <class V>
+  static void describe(V& v) {
+    using P = RecipeRoles;
+    v.group(&P::burr_holes, "burr_holes", "Which anatomies a burr hole has to do with.");
+    v.map(&P::targets, "targets",
+          "Landmarks that lie in an anatomy and are what an exercise aims at: {monro_right: ventricles}. That anatomy "
+          "is computed where one of them is wanted, and they are targets where it is shown.");
+    v.text(&P::class_of, "class_of", "The anatomy by which a case is classed: normal, hydrocephalic, shifted or small.")
+        .names("anatomy");
+  }
+};
+
+struct RecipeFileParams : VersionParams, RecipeRoles {
+  template <class V>
+  static void describe(V& v) {
+    v.template all_of<VersionParams>();
+    v.template all_of<RecipeRoles>();
+  }
+};
+
+}  // namespace trephine

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "base/params.h"
+
+namespace trephine {
+
+/// Names and texts that stand for themselves in a configuration's files: `nasion: [0, -95, 10]`, `kocher_right: 0.5`.
+
+struct SaidPosition {
+  std::array<double, 3> position_mm{0, 0, 0};
+  template <class V>
+  static void describe(V& v) {
+    v.numbers(&SaidPosition::position_mm, "", Range{-1e5, 1e5}, "Where it is, LPS, mm.");
+  }
+};
+
+struct SaidConfidence {
+  double least = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&SaidConfidence::least, "", Range{0, 1}, "The least confidence that will do.");
+  }
+};
+
+/// A file or folder, relative to the file that says so.
+struct SaidPath {
+  std::string path;
+  template <class V>
+  static void describe(V& v) {
+    v.text(&SaidPath::path, "", "A file or folder, relative to this file.").names("file");
+  }
+};
+
+struct SaidAnatomy {
+  std::string name;
+  template <class V>
+  static void describe(V& v) {
+    v.text(&SaidAnatomy::name, "", "An anatomy of the recipe.").names("anatomy");
+  }
+};
+
+/// A value of any parameter, as --set has it: "0.2", "[1, 1, 1]"; a list in YAML becomes that text.
+struct SaidValue {
+  std::string text;
+  template <class V>
+  static void describe(V& v) {
+    v.text(&SaidValue::text, "", "A value, or a list of values.").names("value");
+  }
+};
+
+/// "path=value" of each, as --set takes it.
+inline std::vector<std::string> settings_of(const Named<SaidValue>& values) {
+  std::vector<std::string> all;
+  for (const auto& [path, value] : values) all.push_back(path + "=" + value.text);
+  return all;
+}
+
+/// The first line of every file.
+struct VersionParams {
+  int trephine = 1;
+  template <class V>
+  static void describe(V& v) {
+    v.integer(&VersionParams::trephine, "trephine", Range{1, 1}, "The version of the format: 1.").is_required();
+  }
+};
+
+}  // namespace trephine

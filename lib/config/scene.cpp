@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
+#include "config/reading.h"
+
+namespace trephine {
+namespace fs = std::filesystem;
+namespace {
+
+// The scene's materials by name, of a file that it names.
+Named<MaterialFileParams> read_materials(ConfigReading& r, const fs::path& file) {
+  MaterialsFileParams said;
+  if (const auto tree = read_yaml_or_fault(file, r.faults))
+    read_declared({file, r.faults, {}, {}}, *tree, "", parameters_of<MaterialsFileParams>(), &said);
+  return said.materials;
+}
+
+std::string fault_of_material(const ConfigReading& r, const std::string& name) {
+  if (r.materials.empty() || find_item(r.materials, name)) return "";
+  std::vector<std::string> known;
+  for (const auto& m : r.materials) known.push_back(m.first);
+  return name + ", no such material" + did_you_mean(name, known);
+}
+
+class SceneReader {
+ public:
+  SceneReader(ConfigReading& reading, const fs::path& file) : r_(reading), file_(file) {}
+
+  void read() {
+    const auto tree = read_yaml_or_fault(file_, r_.faults);
+    // Without a recipe nobody knows which anatomies there are: what the scene says of them is not judged.
+    if (!tree || r_.out.anatomies.empty()) return;
+    const YamlNode* materials_file = tree->find("materials");
+    if (materials_file && materials_file->kind == YamlNode::Kind::scalar) {
+      std::string fault;
+      const fs::path path = r_.in_root(file_, materials_file->text, fault);
+      if (fault.empty()) r_.materials = read_materials(r_, path);
+    }
+    const YamlNode* haptic = tree->find("haptic");
+    const YamlNode* encoding = haptic ? haptic->find("encoding") : nullptr;
+    const bool of_hu = encoding && encoding->text == "hu";
+    DeclaredReading reading{file_, r_.faults, {}, {}};
+    reading.fault_of_name = [&](const std::string& kind, const std::string& name) {
+      return fault_of_name(kind, name, of_hu);
+    };
+    reading.said = [this](const std::string& path, const YamlNode& at) {
+      r_.said.emplace_back(path.rfind("haptic.", 0) == 0 ? path : "scene." + path,
+                           r_.origin(ValueSource::scene, file_, at));
+    };
+    auto& said = r_.out.scene_file.as<SceneFileParams>();
+    read_declared(reading, *tree, "", parameters_of<SceneFileParams>(), &said);
+    if (haptic && !materials_file) r_.faults.add(file_, *haptic, "haptic", "needs materials: FILE beside it");
+    check(*tree, said);
+  }
+
+ private:
+  std::string fault_of_name(const std::string& kind, const std::string& name, bool of_hu) const {
+    std::string fault;
+    if (kind == "anatomy") return r_.fault_of_anatomy(name);
+    if (kind == "landmark") return r_.fault_of_landmark(name);
+    if (kind == "file") r_.in_root(file_, name, fault);
+    if (kind == "shape" && !of_hu) return r_.fault_of_anatomy(name);
+    if (kind == "shape" && !is_plain_name(name)) return "a name has letters a-z, digits and _ only";
+    if (kind == "material") return fault_of_material(r_, name);
+    return fault;
+  }
+
+  // What the declarations cannot say: one part of the scene against another, and against the recipe.
+  void check(const YamlNode& tree, const SceneFileParams& said) {
+    const auto fault = [&](const char* key, const std::string& where, const std::string& what) {
+      const YamlNode* at = tree.find(key);
+      r_.faults.add(file_, at ? *at : tree, where, what);
+    };
+    for (const auto& [name, drill] : said.burr_holes)
+      if (!find_item(said.anatomies, name) && !(said.haptic && find_item(said.haptic->shapes, name)))
+        fault("burr_holes", "burr_holes." + name, "the scene neither shows nor feels it");
+    if (!said.burr_holes.empty() && r_.out.roles.burr_holes.bone.empty())
+      fault("burr_holes", "burr_holes",
+            "the pipeline does not say which bone they are placed on: burr_holes: {bone: ANATOMY, over: ANATOMY}");
+    if (said.face && said.face->policy != FacePolicy::keep &&
+        !(r_.out.find_scan_step(deface_step) && r_.out.find_scan_step(landmarks_step)))
+      fault("face", "face.policy", "crop and deface need `landmarks` and `deface` in the pipeline");
+    if (!said.haptic) return;
+    for (const auto& [name, shape] : said.haptic->shapes)
+      if (shape.clear_of == name) fault("haptic", "haptic.shapes." + name + ".clear_of", "is the shape itself");
+  }
+
+  ConfigReading& r_;
+  const fs::path& file_;
+};
+
+std::string name_of(FacePolicy policy) {
+  return policy == FacePolicy::keep ? "keep" : policy == FacePolicy::crop ? "crop" : "deface";
+}
+
+}  // namespace
+
+std::string FacePolicyParams::fault() const {
+  if (policy != FacePolicy::keep || reason.find_first_not_of(" \t\r\n") != std::string::npos) return "";
+  return std::string("reason: is ") + (reason.empty() ? "missing" : "blank") +
+         ": why may the case show the patient's face?";
+}
+
+std::string SceneHapticParams::fault() const {
+  if ((hardness_low_hu != 0 || hardness_high_hu != 0) && !(hardness_low_hu < hardness_high_hu))
+    return "hardness_high_hu: must exceed hardness_low_hu";
+  if (encoding == HapticEncoding::hu)
+    for (const auto& [name, shape] : shapes)
+      if (shape.window_hu == HapticShapeParams().window_hu) return "shapes." + name + ".window_hu: is missing";
+  return "";
+}
+
+void read_scene(ConfigReading& reading, const fs::path& file) { SceneReader(reading, file).read(); }
+
+void derive_scene(ConfigReading& r) {
+  CaseConfig& out = r.out;
+  const auto& said = out.scene_file.as<SceneFileParams>();
+  // In the recipe's order, so that the scene's order changes no byte of the case.
+  for (const RecipeAnatomy& anatomy : out.anatomies)
+    if (const SceneAnatomyParams* wanted = find_item(said.anatomies, anatomy.name)) {
+      SceneAnatomy one;
+      static_cast<SceneAnatomyParams&>(one) = *wanted;
+      one.name = anatomy.name;
+      out.scene.push_back(one);
+    }
+  for (const auto& [name, least] : said.landmarks) out.scene_landmarks.push_back({name, least.least});
+  for (const auto& [name, drill] : said.burr_holes) {
+    SceneDrill one;
+    static_cast<DrillParams&>(one) = drill;
+    one.anatomy = name;
+    out.drilled.push_back(one);
+  }
+  if (said.face) {
+    out.face = name_of(said.face->policy);
+    out.face_reason = said.face->reason;
+    if (said.face->policy != FacePolicy::keep)
+      r.values.set_value("deface.policy", out.face, {ValueSource::scene, "the scene's face policy", {}});
+  }
+  if (!said.haptic) return;
+  out.haptic.wanted = true;
+  auto& stage = out.haptic.params.as<VoxelizeStageParams>();
+  static_cast<HapticVolumeParams&>(stage) = *said.haptic;
+  for (const auto& [name, shape] : said.haptic->shapes) {
+    stage.shapes.emplace_back(name, shape);
+    if (const DrillParams* drill = find_item(said.burr_holes, name)) stage.drill.emplace_back(name, *drill);
+    const MaterialFileParams* material = find_item(r.materials, shape.material);
+    out.haptic.shapes.push_back({name, material ? material->material(shape.material) : CaseMaterial(), shape.cuttable});
+    // By --set it may be any text; what the file says was judged where it stands.
+    const std::string path = "haptic.shapes." + name + ".material";
+    if (const std::string what = fault_of_material(r, shape.material);
+        !what.empty() && r.values.origin(path).source > ValueSource::scene)
+      r.faults.add(Error(ExitCode::bad_config, r.values.origin(path).where, path, what));
+  }
+}
+
+}  // namespace trephine

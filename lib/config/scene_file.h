@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <optional>
+#include <string>
+
+#include "cases/material.h"
+#include "config/said.h"
+#include "stages/voxelize.h"
+
+namespace trephine {
+
+/// The files of a scene (configs/scenes/*.yaml) and of materials (configs/materials.yaml), declared.
+
+/// What a scene requires of one anatomy's surface.
+struct SceneAnatomyParams {
+  double max_deviation_mm = 0;
+  std::int64_t max_triangles = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = SceneAnatomyParams;
+    v.number(&P::max_deviation_mm, "max_deviation_mm", Range{0.01, 100},
+             "How far the surface may lie from the unreduced one; smoothing and decimation share it.")
+        .none_at_zero();
+    v.integer(&P::max_triangles, "max_triangles", Range{4, 1e8}, "How many triangles it may have.").none_at_zero();
+  }
+};
+
+enum class FacePolicy { keep, crop, deface };
+
+struct FacePolicyParams {
+  FacePolicy policy = FacePolicy::keep;
+  std::string reason;
+  template <class V>
+  static void describe(V& v) {
+    using P = FacePolicyParams;
+    v.choice(&P::policy, "policy",
+             {{"crop", FacePolicy::crop}, {"deface", FacePolicy::deface}, {"keep", FacePolicy::keep}},
+             "What is done about the patient's face: taken off with all in front of it, or with what is near the skin, "
+             "or kept.")
+        .is_required();
+    v.text(&P::reason, "reason", "With policy keep: why the case may show the face; it is recorded.");
+  }
+  std::string fault() const;
+};
+
+/// A shape of the haptic volume: how it is made, what it feels like, whether a tool may remove it.
+struct SceneShapeParams : HapticShapeParams {
+  std::string material;
+  bool cuttable = false;
+  template <class V>
+  static void describe(V& v) {
+    using P = SceneShapeParams;
+    v.text(&P::material, "material", "How it feels: a material of the scene's file of materials.")
+        .names("material")
+        .is_required();
+    v.flag(&P::cuttable, "cuttable", "Whether a tool of the simulator may remove it.");
+    v.template all_of<HapticShapeParams>();
+  }
+};
+
+struct SceneHapticParams : HapticVolumeParams {
+  Named<SceneShapeParams> shapes;
+  template <class V>
+  static void describe(V& v) {
+    using P = SceneHapticParams;
+    v.template all_of<HapticVolumeParams>();
+    v.map(&P::shapes, "shapes", "The shapes by name, in order of precedence: what one fills is not the next one's.")
+        .names("shape")
+        .at_most(haptic_max_shapes)
+        .is_required();
+  }
+  std::string fault() const;
+};
+
+struct SceneFileParams : VersionParams {
+  Named<SceneAnatomyParams> anatomies;
+  double triangles_ratio = 1;
+  Named<SaidConfidence> landmarks;
+  Named<DrillParams> burr_holes;
+  std::string materials;
+  std::optional<SceneHapticParams> haptic;
+  std::optional<FacePolicyParams> face;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = SceneFileParams;
+    v.template all_of<VersionParams>();
+    v.map(&P::anatomies, "anatomies", "The anatomies that are shown; what no scene requires is not computed.")
+        .names("anatomy")
+        .is_required();
+    v.number(&P::triangles_ratio, "triangles_ratio", Range{0.01, 100},
+             "How many times as many triangles as the scene says each anatomy may have: for a machine that shows more "
+             "of them, or fewer.");
+    v.map(&P::landmarks, "landmarks", "Landmarks that the scene cannot do without, each with its least confidence.")
+        .names("landmark");
+    v.map(&P::burr_holes, "burr_holes", "The anatomies from which the case's burr holes are cut.").names("anatomy");
+    v.text(&P::materials, "materials", "The file of materials that the haptic shapes name.").names("file");
+    v.group(&P::haptic, "haptic", "The haptic volume: what the hand feels.");
+    v.group(&P::face, "face", "What is done about the patient's face.");
+  }
+};
+
+/// A material with its two faces.
+struct MaterialFileParams : MaterialParams {
+  MaterialFaceParams front, back;
+  template <class V>
+  static void describe(V& v) {
+    using P = MaterialFileParams;
+    v.template all_of<MaterialParams>();
+    v.group(&P::front, "front", "The side that a tool meets from outside.").is_required();
+    v.group(&P::back, "back", "The side that a tool meets from inside.").is_required();
+  }
+  CaseMaterial material(const std::string& name) const { return make_material(name, *this, front, back); }
+  std::string fault() const { return fault_of(material("")); }
+};
+
+/// What a file of materials says of it.
+inline MaterialFileParams material_params(const CaseMaterial& material) {
+  MaterialFileParams p;
+  p.colour_rgb = material.colour_rgb;
+  p.drag_n_s_per_mm = material.drag_n_s_per_mm;
+  p.shaft_friction_n_per_mm = material.shaft_friction_n_per_mm;
+  p.removal_energy_j_per_mm3 = material.removal_energy_j_per_mm3;
+  p.front = face_params(material.front);
+  p.back = face_params(material.back);
+  return p;
+}
+
+struct MaterialsFileParams : VersionParams {
+  Named<MaterialFileParams> materials;
+  template <class V>
+  static void describe(V& v) {
+    using P = MaterialsFileParams;
+    v.template all_of<VersionParams>();
+    v.map(&P::materials, "materials", "The materials by name.").names("name").is_required();
+  }
+};
+
+}  // namespace trephine

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What ContactVolume knows of the lattice in blocks, so that walks and shared voxels need not ask each voxel.
+#include "base/parallel.h"
+#include "contact/contact.h"
+#include "contact/contact_cell.h"
+#include "voxel/raw_voxel.h"
+
+namespace trephine {
+
+void ContactVolume::settle(const Box& box) {
+  Grid<std::int16_t>& v = volume_.voxels;
+  if (box.empty()) return;
+  if (volume_.encoding != HapticEncoding::occupancy) return note_blocks(box);
+  // Slices in parallel: only the rest's owner is written, and that is not what another voxel's owner depends on.
+  parallel_for(box.begin[2], box.end[2], 4, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < int(to); ++k)
+      for (int j = box.begin[1]; j < box.end[1]; ++j)
+        for (int i = box.begin[0]; i < box.end[0]; ++i) {
+          std::int16_t& voxel = v.at(i, j, k);
+          const std::int16_t raw = detail::load_voxel(voxel);
+          if (raw == haptic_empty || (table_[std::uint16_t(raw)] & contact_pure)) continue;
+          const detail::RawVoxel r = detail::split(raw);
+          if (r.number == 0 || r.bare || detail::other_shape(v, r.number, i, j, k) != 0) continue;
+          __atomic_store_n(&voxel, detail::join(r.number, r.share, true), __ATOMIC_RELAXED);
+        }
+  });
+  note_blocks(box);
+}
+
+// The blocks that hold voxels of the box, or end with them.
+Box ContactVolume::blocks_of(const Box& box) const {
+  Box blocks;
+  for (std::size_t a = 0; a < 3; ++a) {
+    blocks.begin[a] = std::max(0, (box.begin[a] - 1) >> block_bits);
+    blocks.end[a] = std::min(blocks_[a], ((box.end[a] - 1) >> block_bits) + 1);
+  }
+  return blocks;
+}
+
+void ContactVolume::loosen(const Box& box) {
+  const Box blocks = blocks_of(box);
+  for (int k = blocks.begin[2]; k < blocks.end[2]; ++k)
+    for (int j = blocks.begin[1]; j < blocks.end[1]; ++j)
+      for (int i = blocks.begin[0]; i < blocks.end[0]; ++i) {
+        const std::size_t at = block_at(i, j, k);
+        __atomic_store_n(&block_shape_[at], std::uint8_t(mixed_block), __ATOMIC_RELAXED);
+        if (volume_.encoding == HapticEncoding::hu)  // where occupancy is lowered no shape is new
+          __atomic_store_n(&block_near_[at], all_shapes, __ATOMIC_RELAXED);
+        if (block_cells_.empty()) continue;
+        for (std::size_t half = 0; half < 2; ++half)
+          __atomic_store_n(&block_cells_[2 * at + half], ~std::uint64_t{0}, __ATOMIC_RELAXED);
+      }
+}
+
+// Which cells of a block are of one shape or none, as ContactCell says.
+void ContactVolume::note_cells(std::size_t block, int bi, int bj, int bk) {
+  constexpr int side = 1 << block_bits, corners = side + 1;
+  std::uint32_t e[corners * corners * corners];
+  const Grid<std::int16_t>& v = volume_.voxels;
+  std::uint32_t* to = e;
+  for (int z = 0; z < corners; ++z)
+    for (int y = 0; y < corners; ++y) {
+      const std::int16_t* row = v.voxels.data() + v.index(bi * side, bj * side + y, bk * side + z);
+      for (int x = 0; x < corners; ++x) *to++ = table_[std::uint16_t(detail::load_voxel(row[x]))];
+    }
+  std::uint16_t names = __atomic_load_n(&block_names_[block], __ATOMIC_RELAXED);
+  const bool named = names != 0;
+  std::uint64_t cells[2] = {0, 0};
+  for (int z = 0; z < side; ++z)
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) {
+        const std::uint32_t* first = e + (z * corners + y) * corners + x;
+        // Of one shape, too, where every corner is more than half that shape's.
+        bool all = true, solid = false, some = false;
+        for (int c = 0; c < 8; ++c) {
+          const std::uint32_t entry = first[((c >> 2) * corners + (c >> 1 & 1)) * corners + (c & 1)];
+          all = all && entry_shape(entry) == entry_shape(*first) &&
+                ((entry & contact_pure) || 2 * entry_share(entry) > haptic_full);
+          solid = solid || 2 * entry_filled(entry) > haptic_full;
+          some = some || entry_shape(entry) != 0;
+        }
+        std::uint64_t kind = solid && some ? 3 : 0;
+        if (kind == 3 && all) {
+          const int shape = entry_shape(*first);
+          if (!named && (names & 255) == 0) names = std::uint16_t(shape);
+          if (!named && (names & 255) != shape && names >> 8 == 0) names = std::uint16_t(names | shape << 8);
+          kind = (names & 255) == shape ? 1 : names >> 8 == shape ? 2 : 3;
+        }
+        const int cell = x + side * (y + side * z);
+        cells[cell >> 5] |= kind << 2 * (cell & 31);
+      }
+  __atomic_store_n(&block_names_[block], names, __ATOMIC_RELAXED);
+  for (std::size_t half = 0; half < 2; ++half)
+    __atomic_store_n(&block_cells_[2 * block + half], cells[half], __ATOMIC_RELEASE);
+}
+
+// Which blocks, with the voxels after them, are of one shape or of none.
+void ContactVolume::note_blocks(const Box& box) {
+  const Grid<std::int16_t>& v = volume_.voxels;
+  const Box blocks = blocks_of(box);
+  constexpr int side = 1 << block_bits;
+  parallel_for(blocks.begin[2], blocks.end[2], 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < int(to); ++k)
+      for (int j = blocks.begin[1]; j < blocks.end[1]; ++j)
+        for (int i = blocks.begin[0]; i < blocks.end[0]; ++i) {
+          const std::uint32_t first = table_[std::uint16_t(detail::load_voxel(v.at(i * side, j * side, k * side)))];
+          bool same = entry_shape(first) == 0 ? first == 0 : (first & contact_pure) != 0;
+          for (int z = k * side; z <= (k + 1) * side && same; ++z)
+            for (int y = j * side; y <= (j + 1) * side && same; ++y) {
+              const std::int16_t* row = v.voxels.data() + v.index(i * side, y, z);
+              for (int x = 0; x <= side; ++x) same = same && table_[std::uint16_t(detail::load_voxel(row[x]))] == first;
+            }
+          const std::size_t at = block_at(i, j, k);
+          __atomic_store_n(&block_shape_[at], std::uint8_t(same ? entry_shape(first) : mixed_block), __ATOMIC_RELAXED);
+          if (same) continue;
+          if (!block_cells_.empty()) note_cells(at, i, j, k);
+          const int low[3] = {i * side, j * side, k * side};
+          int begin[3], end[3];
+          for (int a = 0; a < 3; ++a) {
+            begin[a] = std::max(0, low[a] - 1);
+            end[a] = std::min(v.size[std::size_t(a)], low[a] + side + 2);
+          }
+          std::uint64_t near = 0;
+          for (int z = begin[2]; z < end[2]; ++z)
+            for (int y = begin[1]; y < end[1]; ++y) {
+              const std::int16_t* row = v.voxels.data() + v.index(0, y, z);
+              for (int x = begin[0]; x < end[0]; ++x)
+                near |= std::uint64_t{1} << entry_shape(table_[std::uint16_t(detail::load_voxel(row[x]))]);
+            }
+          __atomic_store_n(&block_near_[at], std::uint32_t(near >> 1), __ATOMIC_RELAXED);
+          note_seconds(at, i, j, k);
+        }
+  });
+}
+
+// Where more than two shapes are near, whose the rest of a shared voxel is was counted before.
+void ContactVolume::keep_seconds() {
+  block_seconds_.assign(block_near_.size(), 0);
+  std::uint32_t kept = 0;
+  for (std::size_t at = 0; at < block_near_.size(); ++at) {
+    const std::uint32_t but_one = block_near_[at] & (block_near_[at] - 1);
+    if (block_shape_[at] == mixed_block && (but_one & (but_one - 1)) != 0) block_seconds_[at] = ++kept;
+  }
+  seconds_.assign((std::size_t(kept) + 1) << 3 * block_bits, 0);
+  parallel_for(0, blocks_[2], 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < int(to); ++k)
+      for (int j = 0; j < blocks_[1]; ++j)
+        for (int i = 0; i < blocks_[0]; ++i) note_seconds(block_at(i, j, k), i, j, k);
+  });
+}
+
+void ContactVolume::note_seconds(std::size_t block, int bi, int bj, int bk) {
+  if (block_seconds_.empty() || block_seconds_[block] == 0) return;
+  const Grid<std::int16_t>& v = volume_.voxels;
+  constexpr int side = 1 << block_bits;
+  std::uint8_t* second = seconds_.data() + (std::size_t(block_seconds_[block]) << 3 * block_bits);
+  for (int z = 0; z < side; ++z)
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x, ++second) {
+        const int i = bi * side + x, j = bj * side + y, k = bk * side + z;
+        const std::uint32_t e = table_[std::uint16_t(detail::load_voxel(v.at(i, j, k)))];
+        const int shape = entry_rest(e) != 0 ? detail::other_shape(v, entry_shape(e), i, j, k) : 0;
+        __atomic_store_n(second, std::uint8_t(shape), __ATOMIC_RELAXED);
+      }
+}
+
+int ContactVolume::second_of(int own, int i, int j, int k) const {
+  if (const std::size_t at = block_of(i, j, k); at != no_block) {
+    const std::uint32_t near = __atomic_load_n(&block_near_[at], __ATOMIC_RELAXED);
+    const std::uint32_t others = near & ~(std::uint32_t{1} << (own - 1));
+    if ((others & (others - 1)) == 0) return others != 0 ? __builtin_ctz(others) + 1 : 0;
+    if (const std::size_t kept = block_seconds_[at]) {
+      constexpr int last = (1 << block_bits) - 1;
+      const int voxel = (i & last) + ((j & last) << block_bits) + ((k & last) << 2 * block_bits);
+      return __atomic_load_n(&seconds_[(kept << 3 * block_bits) + std::size_t(voxel)], __ATOMIC_RELAXED);
+    }
+  }
+  return detail::other_shape(volume_.voxels, own, i, j, k);
+}
+
+}  // namespace trephine

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// One cell between eight voxel centres, for contact.cpp. Nothing here allocates or throws.
+#include <array>
+#include <cstdint>
+
+#include "contact/contact.h"
+
+namespace trephine {
+
+/// What a table entry of ContactVolume says of a raw value.
+constexpr int contact_gap = 64;    ///< HU between windows: neither a shape nor air
+constexpr int contact_pure = 128;  ///< a voxel of one shape alone
+inline int entry_shape(std::uint32_t entry) { return int(entry & 63); }
+inline int entry_filled(std::uint32_t entry) { return int(entry >> 8 & 255); }
+// Encoding `occupancy`: what the shape has of it, and what it leaves to another one that is near.
+inline int entry_share(std::uint32_t entry) { return int(entry >> 16 & 255); }
+inline int entry_rest(std::uint32_t entry) { return int(entry >> 24); }
+
+/// In a cell the shape at a point is decided by trilinear functions: along a segment by cubics, whose roots are found
+/// in Bernstein form, so that none is missed.
+class ContactCell {
+ public:
+  /// `touch`: shapes, bit n - 1 for shape n. Where a cell that is not uniform has none of them, touched() is false, and
+  /// it may not be asked for more.
+  ContactCell(const ContactVolume& contact, int i, int j, int k, std::uint32_t touch = ~std::uint32_t{0});
+
+  /// Whether the whole cell is of one shape, or of none: `shape()`.
+  bool uniform() const { return uniform_; }
+  int shape() const { return shape_; }
+  bool touched() const { return touched_; }
+
+  /// The shape at p, coordinates 0 to 1.
+  int shape_at(Vec3 p) const;
+
+  /// Where the shape may change on the way from p to q, ascending, 0 to 1; between them it does not.
+  static constexpr int max_breaks = 128;
+  int breaks(Vec3 p, Vec3 q, double* out) const;
+
+  /// The shape of all the way from p to q; -1 where there are several, and where that is not plain to see.
+  int shape_along(Vec3 p, Vec3 q) const;
+
+  /// What rises at p from one shape (0: none) into another, a voxel; zero where boxes decide.
+  Vec3 gradient(Vec3 p, int from, int into) const;
+
+  using Corners = std::array<double, 8>;
+
+ private:
+  void find_shapes(const ContactVolume& contact, int i, int j, int k, std::uint32_t own, std::uint32_t touch);
+  void find_windows(const ContactVolume& contact);
+
+  bool uniform_ = true, hu_ = false, touched_ = false;
+  bool solid_ = false;  ///< every corner is more than half full
+  bool boxes_ = false;  ///< a corner that is solid fills its eighth of the cell
+  int shape_ = 0;
+  std::array<std::uint32_t, 8> entry_;
+  std::array<std::int16_t, 8> raw_;
+  Corners filled_;  ///< occupancy: of 255, less half
+  int count_ = 0;   ///< shapes near
+  static constexpr int max_shapes = 8;
+  std::array<int, max_shapes> number_;
+  std::array<Corners, max_shapes> own_;    ///< occupancy: share of the shape; hu: HU above its low end
+  std::array<Corners, max_shapes> other_;  ///< hu: 1/2 less what belongs to others
+};
+
+}  // namespace trephine

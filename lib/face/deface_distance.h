@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/progress.h"
+#include "face/deface.h"
+#include "grid/grid.h"
+
+namespace trephine::segmentation {
+
+/// Distances to a field's surface within a box: the points in which the surface crosses the edges of the field's
+/// raster, and a coarser lattice of nodes that know one of the nearest of them (vector sweeps, Danielsson 1980), around
+/// which a query looks for the nearest.
+class SkinDistance {
+ public:
+  /// `box` is in the field's indices and may reach beyond it; the nodes cover it, `step_mm` apart or the raster's
+  /// spacing where that is more. Only what crosses within the box is known.
+  SkinDistance(const Field& field, const Box& box, double step_mm, const Progress& progress = {});
+
+  const Lattice& nodes() const { return nodes_; }
+  bool empty() const { return points_.empty(); }
+  /// From a world point, 1e6 where the box holds no surface. Never too small by more than the surface's sag between
+  /// neighbouring voxels; near 5 mm too large by at most error_mm(), for the points lie in the raster's planes.
+  double distance_mm(Vec3 world_mm) const;
+  double error_mm() const;
+  /// The same, several times as fast and up to loose_mm too large.
+  double about_mm(Vec3 world_mm) const;
+  static constexpr double loose_mm = 1;
+  /// Positive where the field is, at a node; beyond the field is outside. Up to 0.3 steps too large.
+  const Grid<float>& signed_mm() const { return signed_; }
+  /// How many voxels of the raster are a step of the nodes, and where the first of them lies.
+  const std::array<int, 3>& voxels() const { return voxels_; }
+
+ private:
+  std::int32_t guess(const std::array<float, 3>& at, Vec3 index) const;
+  std::array<float, 3> local_mm(Vec3 index) const;
+  void sort_points();
+  double to_point_mm(const std::array<float, 3>& at, std::int32_t point) const;
+  void offer(std::size_t node, int i, int j, int k, std::int32_t point);
+  void find_points(const Field& field, const Box& box, const Progress& progress);
+  void sweep(int direction, const Progress& progress);
+
+  Lattice nodes_;
+  std::array<int, 3> voxels_{1, 1, 1};
+  std::vector<std::array<float, 3>> points_;  ///< mm along the axes from node (0, 0, 0)
+  std::vector<std::uint32_t> bucket_;  ///< of each node the first of the points in the cell above it, and the end
+  std::vector<std::int32_t> nearest_;
+  std::vector<float> distance_;
+  Grid<float> signed_;
+};
+
+/// The box of `lattice`'s voxels that may lie in the region grown by `margin_mm`; empty where none does.
+Box box_of(const FaceRegion& region, const Lattice& lattice, double margin_mm);
+
+}  // namespace trephine::segmentation

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "head/anatomy_gate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+#include "head/anatomy_gate_gap.h"
+#include "head/cranium.h"
+#include "mask/coarse.h"
+
+namespace trephine {
+namespace {
+
+using segmentation::BitMask;
+using segmentation::Clearance;
+using segmentation::Relation;
+
+std::string fixed(double v, int digits) {
+  const double scale = std::pow(10.0, digits);
+  return to_text(std::round(v * scale) / scale + 0.0);
+}
+
+std::string at_text(Vec3 p) { return "(" + fixed(p.x, 1) + ", " + fixed(p.y, 1) + ", " + fixed(p.z, 1) + ") mm"; }
+
+/// On voxels of about 2 mm: bone where any of its voxels is.
+BitMask coarse_bone(const Field& skull) {
+  return segmentation::coarse_mask(segmentation::positive(skull, skull), segmentation::coarse_raster(skull, 2), 0);
+}
+
+struct Gate {
+  const HeadFields& fields;
+  const AnatomyGateParams& params;
+  Report& report;
+  const Progress& progress;
+  struct Ranked {
+    double badness;  ///< ml
+    AnatomyFault fault;
+  };
+  std::vector<Ranked> faults;
+
+  void add(double badness, std::string what, Vec3 place, const char* first, const char* second) {
+    faults.push_back({badness, {std::move(what), place, first, second}});
+  }
+
+  /// `name` against `other_name`: `wrong_figure` and `gap_figure` are what the report calls them.
+  void check_pair(const char* name, const Field* one, const char* other_name, const Field* other, Relation relation,
+                  double gap_mm, const std::string& wrong_figure, const std::string& gap_figure) {
+    if (!one || !other) return;
+    const Clearance c = segmentation::clearance(*one, *other, relation, gap_mm, progress);
+    const bool inside = relation == Relation::inside;
+    report.add(wrong_figure, c.wrong_ml);
+    if (c.gap_mm < 1e5) report.add(gap_figure, c.gap_mm);
+    if (c.wrong_ml > params.max_outside_ml) {
+      add(c.wrong_ml,
+          fixed(c.wrong_ml, 2) + " ml of the " + name + (inside ? " lie outside of the " : " lie in the ") +
+              other_name + ", by up to " + fixed(c.depth_mm, 1) + " mm, deepest at " + at_text(c.deepest_mm),
+          c.deepest_mm, name, other_name);
+    } else if (c.near_mm2 > params.max_near_mm2 && c.gap_mm < gap_mm) {
+      add(0.001 * c.near_mm2,
+          std::string("the surfaces of ") + name + " and " + other_name + " are only " + fixed(c.gap_mm, 2) +
+              " mm apart at " + at_text(c.gap_at_mm) + ", and over " + fixed(c.near_mm2, 0) + " mm2 nearer than the " +
+              fixed(gap_mm, 2) + " mm asked for",
+          c.gap_at_mm, name, other_name);
+    }
+  }
+
+  void check_empty(const char* name, const Field* field, const std::optional<double>& ml) {
+    if (field && *ml <= 0)
+      add(1e6, std::string("the ") + name + " have not one voxel", field->to_world_mm({0, 0, 0}), name, "");
+  }
+
+  /// Pieces by face neighbours; returns the largest but one in ml and where it is.
+  void check_pieces(const char* name, const Field* field, double max_loose_ml) {
+    if (!field) return;
+    const auto pieces = segmentation::components(segmentation::positive(*field, *field));
+    report.add(std::string(name) + "_pieces_count", pieces.list.size());
+    if (pieces.list.size() < 2 || max_loose_ml < 0) return;
+    std::size_t first = 0, second = 1, all = 0;
+    for (std::size_t c = 0; c < pieces.list.size(); ++c) all += pieces.list[c].voxels;
+    if (pieces.list[second].voxels > pieces.list[first].voxels) std::swap(first, second);
+    for (std::size_t c = 2; c < pieces.list.size(); ++c) {
+      if (pieces.list[c].voxels > pieces.list[first].voxels)
+        second = std::exchange(first, c);
+      else if (pieces.list[c].voxels > pieces.list[second].voxels)
+        second = c;
+    }
+    const double unit = field->voxel_volume_mm3() / 1000, loose = double(all - pieces.list[first].voxels) * unit;
+    if (loose <= max_loose_ml) return;
+    const Box& box = pieces.list[second].box;
+    const Vec3 place = field->to_world_mm({0.5 * (box.begin[0] + box.end[0] - 1), 0.5 * (box.begin[1] + box.end[1] - 1),
+                                           0.5 * (box.begin[2] + box.end[2] - 1)});
+    add(loose,
+        std::string("the ") + name + " is in " + grouped_text(static_cast<long long>(pieces.list.size())) +
+            " pieces; " + fixed(loose, 2) + " ml hang on nothing, of which the largest is " +
+            fixed(double(pieces.list[second].voxels) * unit, 2) + " ml about " + at_text(place),
+        place, name, "");
+  }
+
+  /// `allowed`: the cranial cavity and the bone, on a coarser raster.
+  void check_cavity(const char* name, const Field* field, const BitMask& allowed, double max_ml) {
+    if (!field) return;
+    const BitMask out = segmentation::make_mask(*field, [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < field->size[0]; ++i) {
+        if (!(field->at(i, j, k) > 0)) continue;
+        const Vec3 c = allowed.lattice().to_index(field->to_world_mm({double(i), double(j), double(k)}));
+        row[i] = !allowed.at(int(std::lround(c.x)), int(std::lround(c.y)), int(std::lround(c.z)));
+      }
+    });
+    const double ml = double(out.count()) * field->voxel_volume_mm3() / 1000;
+    report.add(std::string(name) + "_outside_skull_ml", ml);
+    if (ml <= max_ml) return;
+    const Box box = segmentation::largest(segmentation::components(out)).bounds();
+    const Vec3 place = field->to_world_mm({0.5 * (box.begin[0] + box.end[0] - 1), 0.5 * (box.begin[1] + box.end[1] - 1),
+                                           0.5 * (box.begin[2] + box.end[2] - 1)});
+    add(ml,
+        fixed(ml, 2) + " ml of the " + name + " lie outside of the cranial cavity, most of them about " +
+            at_text(place),
+        place, name, "skull");
+  }
+
+  void check_enclosed() {
+    if (!fields.skull || (!fields.brain && !fields.ventricles)) return;
+    const BitMask bone = coarse_bone(*fields.skull);
+    BitMask cavity;
+    try {
+      cavity = segmentation::cranial_cavity(bone, report, progress);
+    } catch (const Error& e) {
+      if (e.code() != ExitCode::quality) throw;
+      report.warn("the skull encloses no space in which a brain could lie: whether it lies inside was not checked");
+      return;
+    }
+    cavity |= bone;
+    check_cavity("brain", fields.brain, cavity, params.max_outside_skull_ml);
+    if (!fields.brain) check_cavity("ventricles", fields.ventricles, cavity, params.max_outside_skull_ml);
+  }
+};
+
+std::string all_of(const std::vector<AnatomyFault>& faults) {
+  std::string text;
+  for (const AnatomyFault& f : faults) text += (text.empty() ? "" : "; ") + f.what;
+  return text;
+}
+
+}  // namespace
+
+AnatomyError::AnatomyError(std::vector<AnatomyFault> faults)
+    : Error(ExitCode::quality, "", "anatomy", all_of(faults)), faults_(std::move(faults)) {}
+
+AnatomyFindings examine_anatomy(const HeadFields& fields, const HeadLandmarks* landmarks,
+                                const AnatomyGateParams& params, Report& report, const Progress& progress) {
+  AnatomyFindings out;
+  out.figures = measure_head(fields, landmarks, params, report, progress.part(0, 0.2));
+  Gate gate{fields, params, report, progress, {}};
+  gate.check_empty("skin", fields.skin, out.figures.skin_ml);
+  gate.check_empty("skull", fields.skull, out.figures.skull_ml);
+  gate.check_empty("brain", fields.brain, out.figures.brain_ml);
+  gate.check_empty("ventricles", fields.ventricles, out.figures.ventricles_ml);
+  if (gate.faults.empty()) {
+    gate.check_pair("ventricles", fields.ventricles, "brain", fields.brain, Relation::inside,
+                    params.min_brain_ventricles_gap_mm, "ventricles_outside_brain_ml", "brain_ventricles_gap_mm");
+    progress.report(0.3);
+    gate.check_pair("ventricles", fields.ventricles, "skull", fields.skull, Relation::apart,
+                    params.min_skull_brain_gap_mm, "ventricles_in_skull_ml", "skull_ventricles_gap_mm");
+    progress.report(0.4);
+    gate.check_pair("brain", fields.brain, "skull", fields.skull, Relation::apart, params.min_skull_brain_gap_mm,
+                    "brain_in_skull_ml", "skull_brain_gap_mm");
+    progress.report(0.6);
+    gate.check_pair("skull", fields.skull, "skin", fields.skin, Relation::inside, params.min_skin_skull_gap_mm,
+                    "skull_outside_skin_ml", "skin_skull_gap_mm");
+    if (!fields.skull)
+      gate.check_pair("brain", fields.brain, "skin", fields.skin, Relation::inside, params.min_skin_skull_gap_mm,
+                      "brain_outside_skin_ml", "skin_brain_gap_mm");
+    progress.report(0.8);
+    gate.check_enclosed();
+    gate.check_pieces("brain", fields.brain, params.max_loose_brain_ml);
+    gate.check_pieces("ventricles", fields.ventricles, -1);
+  }
+  std::stable_sort(gate.faults.begin(), gate.faults.end(),
+                   [](const auto& a, const auto& b) { return a.badness > b.badness; });
+  for (auto& f : gate.faults) out.faults.push_back(std::move(f.fault));
+  report.add("faults_count", out.faults.size());
+  progress.report(1);
+  return out;
+}
+
+void require_anatomy(const AnatomyFindings& findings) {
+  if (!findings.faults.empty()) throw AnatomyError(findings.faults);
+}
+
+}  // namespace trephine

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "head/brain.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "head/cranium.h"
+#include "head/deep_csf.h"
+#include "head/soft_tissue.h"
+#include "mask/along_sheets.h"
+#include "mask/coarse.h"
+#include "mask/filters.h"
+#include "mask/surface_field.h"
+#include "segmentation/finish.h"
+
+namespace trephine::segmentation {
+namespace {
+
+constexpr double cell_mm = 1.0;              ///< at most: what it works on
+constexpr double sheet_mm_per_noise = 0.04;  ///< sigma of the means along sulci by the noise, mm per HU mm^1.5,
+constexpr double least_sheet_mm = 0.4, most_sheet_mm = 1.8;
+constexpr double strength_ratio = 0.13;  ///< of denoising to the noise that is left, mm^-0.5
+constexpr double blur_mm = 0.7;          ///< sigma of all that has blurred by then: kernel, cells, means and denoising
+constexpr double sharpened_mm = 2;  ///< so far from what is dark unsharpened, a sulcus goes on where it is sharpened
+constexpr float thin_bone_hu = 226;
+constexpr double bone_blur_mm = 1.2;    ///< HU this near to bone are not believed
+constexpr double bone_margin_mm = 1.0;  ///< and the brain never comes nearer than this: dura and a film of CSF
+constexpr double inner_hu = 10;         ///< inside, tissue may be this much darker than at its surface (white matter)
+constexpr double ventricle_hu = 18.5;   ///< the edge between CSF and white matter
+constexpr double ventricle_wall_mm = 1.5;
+constexpr double wide_mm = 2.0;   ///< CSF wider than twice this is as dark as CSF,
+constexpr double lesion_hu = 15;  ///< and what is brighter is oedema or an old infarct: brain
+constexpr double lesion_ml = 0.3;
+// The fourth ventricle, from the brain's centre, LPS, in an adult: wider than twice this, its ways out are narrower.
+constexpr double neck_mm = 2.0, fourth_core_ml = 0.2;
+constexpr Vec3 fourth_from{-15, 10, -75}, fourth_to{15, 55, -25};
+constexpr double crumb_mm = 0.8;  ///< flaps thinner than twice this (dura, vessels) do not hold to the brain
+constexpr double cut_sigma_mm = 1.5;
+constexpr double cut_scale_hu = 10;
+
+/// The cells' HU where brain or fluid is, far from bone; denoised, tissue at 30.
+Grid<float> soft_of(const HuView& hu, const Box& box, const CoarseRaster& raster, BitMask known, const BrainParams& p,
+                    Report& report, const Progress& progress) {
+  known &= make_mask(raster.fine, [&](int j, int k, std::uint8_t* row) {
+    const std::size_t start = hu.lattice().index(box.begin[0], box.begin[1] + j, box.begin[2] + k);
+    for (int i = 0; i < raster.fine.size[0]; ++i) row[i] = hu(start + i) > -100 && hu(start + i) < 160;
+  });
+  Grid<float> v = coarse_mean(hu, known, raster, -1000);
+  known = coarse_mask(known, raster, 0);
+  if (p.smoothing_sigma_mm > 0) v = masked_gaussian(std::move(v), known, p.smoothing_sigma_mm, -1000, 0.02, progress);
+  if (p.edge == SegmentEdge::half_maximum) level_tissue(v, known, report, progress);
+  // The more noise, the wider the planes over which it is averaged.
+  const double noise = tissue_noise(v, known, progress);
+  check_noise(noise, v);
+  const double wide_mm = std::min(most_sheet_mm, sheet_mm_per_noise * noise);
+  if (wide_mm >= least_sheet_mm) v = averaged_along_sheets(v, known, wide_mm, progress);
+  return soft_tissue(std::move(v), known, false, strength_ratio, -1000, report, progress);
+}
+
+/// Takes back what blur took from edges and clefts, to first order: adds what a Gaussian mean takes away.
+Field sharpened(Field soft, const Progress& progress) {
+  constexpr float nowhere = -1000;
+  const BitMask seen = make_mask(soft, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < soft.size[0]; ++i) row[i] = soft.at(i, j, k) > nowhere;
+  });
+  const Grid<float> mean = masked_gaussian(soft, seen, blur_mm, nowhere, 0.02, progress);
+  for (std::size_t v = 0; v < soft.voxels.size(); ++v)
+    if (soft.voxels[v] > nowhere) soft.voxels[v] += soft.voxels[v] - mean.voxels[v];
+  return soft;
+}
+
+/// Whether there is a way within `domain` from `start`: what belongs to its components that touch it.
+BitMask reached(const BitMask& start, const BitMask& domain) {
+  const Components pieces = components(domain);
+  return select(pieces, touching(pieces, start));
+}
+
+/// Dark and wide, but not as dark as CSF.
+BitMask lesions(const Grid<float>& soft, const BitMask& dark, const Progress& progress) {
+  BitMask core = eroded(dark, wide_mm, progress);
+  core &= make_mask(soft, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < soft.size[0]; ++i) row[i] = soft.at(i, j, k) > lesion_hu;
+  });
+  return dilated(at_least_ml(components(core), lesion_ml), wide_mm + 1, progress);
+}
+
+/// CSF in the fourth ventricle's place that is parted from the outside where ways are narrow: it belongs to the brain.
+BitMask fourth_ventricle(const BitMask& dark, const BitMask& outside, Vec3 centre_mm, const Progress& progress) {
+  const Lattice& l = dark.lattice();
+  const Components pieces = components(eroded(dark, neck_mm, progress));
+  const std::vector<char> open = touching(pieces, outside);
+  std::vector<char> keep;
+  for (std::size_t c = 0; c < pieces.list.size(); ++c) {
+    const Box& b = pieces.list[c].box;
+    Vec3 middle;
+    for (int a = 0; a < 3; ++a) middle[a] = 0.5 * (b.begin[a] + b.end[a] - 1);
+    const Vec3 p = l.to_world_mm(middle) - centre_mm;
+    bool inside = !open[c] && double(pieces.list[c].voxels) * l.voxel_volume_mm3() / 1000 >= fourth_core_ml;
+    for (int a = 0; a < 3; ++a) inside = inside && p[a] > fourth_from[a] && p[a] < fourth_to[a];
+    keep.push_back(inside);
+  }
+  return dilated(select(pieces, keep), neck_mm + 0.5, progress);
+}
+
+/// Interpolated between cells the field may reach into a voxel of bone, and a voxel may come off.
+Field kept_within(Field field, const BitMask& allowed) {
+  constexpr float least = 0.002f * float(cut_scale_hu);
+  BitMask inside = positive(field, field);
+  inside &= allowed;
+  inside = largest(components(inside));
+  parallel_for(0, field.size[2], 4, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < field.size[1]; ++j)
+        for (int i = 0; i < field.size[0]; ++i)
+          if (float& f = field.at(i, j, k); !inside.get(i, j, k)) f = std::min(f, -least);
+  });
+  return field;
+}
+
+Field brain_in(const HuView& hu, const BrainMasks& masks, const BrainParams& p, Report& report,
+               const Progress& progress) {
+  BitMask bone = masks.skull ? positive(*masks.skull, hu.lattice()) : bone_of(hu);
+  // Thin plates of bone that the skull's own edge leaves out (orbital roofs in thick slices) are no brain either.
+  const Components bright = components(make_mask(hu.lattice(), [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < hu.lattice().size[0]; ++i) row[i] = hu(i, j, k) > thin_bone_hu;
+  }));
+  bone |= select(bright, touching(bright, bone));
+  BitMask cavity = cranial_cavity(bone, report, progress);
+  const Box roi = region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
+  progress.report(0.3);
+  Box box = grown(cavity.bounds(), 4, hu.lattice());
+  bone = crop(bone, box);
+  cavity = crop(cavity, box);
+  if (masks.within) cavity &= positive(*masks.within, cavity.lattice());
+  if (masks.without) cavity.remove(positive(*masks.without, cavity.lattice()));
+  BitMask roi_mask(cropped(hu.lattice(), roi));
+  cavity &= placed(roi_mask.invert(), cavity.lattice());
+
+  // All that follows is on cells of at most a millimetre: noise lets nothing finer be told.
+  const CoarseRaster raster = coarse_raster(cavity.lattice(), cell_mm, true);
+  BitMask known = cavity;
+  known.remove(dilated(bone, bone_blur_mm, progress));
+  Field soft = soft_of(hu, box, raster, std::move(known), p, report, progress);
+  progress.report(0.6);
+  BitMask allowed = cavity;
+  cavity.remove(dilated(bone, bone_margin_mm, progress));
+  cavity = coarse_mask(cavity, raster, 0.5);
+  const float lower = float(p.lower_hu), upper = float(p.upper_hu);
+  const auto within = [&](const Field& f, float from) {
+    BitMask tissue = make_mask(f, [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < f.size[0]; ++i) row[i] = f.at(i, j, k) > from && f.at(i, j, k) < upper;
+    });
+    return tissue &= cavity;
+  };
+  const BitMask tissue = within(soft, lower - float(inner_hu));
+
+  // Bridges (vessels, dura, nerves) are cut; then the envelope: narrow sulci closed, ventricles filled.
+  const double open_mm = p.open_mm;
+  BitMask shape = dilated(largest(components(eroded(tissue, open_mm, progress))), open_mm + 1, progress);
+  shape &= tissue;
+  progress.report(0.7);
+  if (!shape.any()) check_mask(shape, hu.lattice().count(), report);
+  shape = closed(shape, p.close_mm, progress);
+  shape &= cavity;
+  BitMask filled = holes(shape, {p.fill_close_mm, p.fill_max_ml, true}, progress);
+  filled &= cavity;
+  shape |= filled;
+  report.add("filled_ml", double(filled.count()) * soft.voxel_volume_mm3() / 1000);
+  shape = largest(components(shape));
+  report.add("envelope_ml", double(shape.count()) * soft.voxel_volume_mm3() / 1000);
+
+  // Sulci, fissures and cisterns: the CSF that is reached from outside, past the ventricles.
+  BitMask closed_off = dilated(deep_csf(soft, shape, -15, ventricle_hu, progress), ventricle_wall_mm, progress);
+  closed_off &= shape;
+  const auto dark_in = [&](const Field& f) {
+    BitMask dark = within(f, lower);
+    dark.invert();
+    dark &= shape;
+    return dark.remove(closed_off);
+  };
+  const Field sharp = sharpened(soft, progress);
+  BitMask dark = dark_in(soft), deeper = dark_in(sharp), outside = shape;
+  deeper.remove(lesions(soft, dark, progress));
+  deeper |= outside.invert();
+  BitMask fourth = fourth_ventricle(deeper, outside, shape.centre_mm(), progress);
+  deeper.remove(fourth &= shape);
+  // Sharpening deepens sulci that are reached without; on its own it reaches nothing, for it raises noise too.
+  dark |= outside;
+  dark &= deeper;
+  shape.remove(grown_within(reached(outside, dark), deeper, sharpened_mm, progress));
+  BitMask solid = dilated(largest(components(eroded(shape, crumb_mm, progress))), crumb_mm + 0.5, progress);
+  shape &= solid;
+  shape = largest(components(shape));
+  progress.report(0.8);
+  soft = sharp;
+  for (float& v : soft.voxels) v = std::min(v - lower, upper - v);
+  report.add("cut_voxels_count", place_surface(soft, shape, cut_sigma_mm, cut_scale_hu, progress));
+  Field field = refined(soft, raster);
+  return kept_within(std::move(field), allowed);
+}
+
+}  // namespace
+}  // namespace trephine::segmentation
+
+namespace trephine {
+
+Field find_brain(const HuVolume& volume, const BrainMasks& masks, const BrainParams& params, Report& report,
+                 const Progress& progress) {
+  segmentation::check_thresholds(params.lower_hu, params.upper_hu);
+  return segmentation::found_and_finished(
+      volume, {params.grow_mm, 1},
+      [&](const segmentation::HuView& hu) {
+        segmentation::check_varies(volume);
+        return segmentation::brain_in(hu, masks, params, report, progress);
+      },
+      report, progress);
+}
+
+}  // namespace trephine

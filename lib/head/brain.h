@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "segmentation/segment.h"
+
+namespace trephine {
+
+struct BrainParams {
+  double lower_hu = 22.5;
+  double upper_hu = 100000;
+  SegmentEdge edge = SegmentEdge::half_maximum;
+  double smoothing_sigma_mm = 0;
+  std::array<double, 3> roi_min_mm{-1e6, -1e6, -1e6};
+  std::array<double, 3> roi_max_mm{1e6, 1e6, 1e6};
+  double open_mm = 2;
+  double close_mm = 3;
+  double fill_close_mm = 10;
+  double fill_max_ml = 1000;
+  double grow_mm = 0;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = BrainParams;
+    v.number(&P::lower_hu, "lower_hu", Range{-100000, 100000}, "The edge between CSF and grey matter, HU.");
+    v.number(&P::upper_hu, "upper_hu", Range{-100000, 100000}, "Highest HU of brain.");
+    v.choice(&P::edge, "edge", {{"fixed", SegmentEdge::fixed}, {"half_maximum", SegmentEdge::half_maximum}},
+             "Where the surface lies: at the HU given; or at the HU given for a scan whose brain is at 30, and moved "
+             "with it.");
+    v.number(&P::smoothing_sigma_mm, "smoothing_sigma_mm", Range{0, 5},
+             "Sigma of a Gaussian against noise, besides the denoising that is done anyway.");
+    v.numbers(&P::roi_min_mm, "roi_min_mm", Range{-1e6, 1e6}, "Lower corner of the region of interest, LPS.");
+    v.numbers(&P::roi_max_mm, "roi_max_mm", Range{-1e6, 1e6}, "Upper corner of the region of interest, LPS.");
+    v.number(&P::open_mm, "open_mm", Range{0, 10}, "Bridges (vessels, dura, nerves) thinner than twice this are cut.");
+    v.number(&P::close_mm, "close_mm", Range{0, 30}, "Sulci narrower than twice this belong to the envelope.");
+    v.number(&P::fill_close_mm, "fill_close_mm", Range{0, 30},
+             "Cavities whose ways out are narrower than twice this belong to the envelope: the ventricles.");
+    v.number(&P::fill_max_ml, "fill_max_ml", Range{0, 10000}, "Cavities larger than this stay open.");
+    v.number(&P::grow_mm, "grow_mm", Range{-20, 20},
+             "Moves the surface outwards (or inwards, below 0) by this distance in the end; the field is then in mm.");
+  }
+};
+
+/// Fields of other anatomies (positive inside), on the volume's raster, maybe only a part of it. Null where not given.
+struct BrainMasks {
+  const Field* skull = nullptr;    ///< the bone that encloses it; else bone is what exceeds 226 HU
+  const Field* within = nullptr;   ///< nothing outside it
+  const Field* without = nullptr;  ///< nothing inside it
+};
+
+/// The brain's outer surface with sulci, fissures and cisterns, as a field like segment()'s.
+///
+/// The space in the skull is found on a 2 mm raster by a seeded watershed on the distance to bone, so that every
+/// foramen is cut at its narrowest. Inside it, on cells of at most 1 mm, HU are levelled (half_maximum: tissue to 30
+/// everywhere) and denoised as strongly as their noise needs (means along edges and sulci, then total variation).
+/// Tissue brighter than CSF, opened, closed and filled, is the envelope, from which sulci, fissures and cisterns are
+/// cut as far as CSF reaches in from outside. Ventricles belong to the brain, the fourth too where its ways out are
+/// narrower than 4 mm; wide dark places that are not as dark as CSF (oedema, old infarcts) too.
+///
+/// A first unattended estimate for a head that lies straight to about 15 degrees: strong cupping and a skull with a
+/// large defect mislead it. The report says what was found ("volume_ml", ...), and warns where it is implausible.
+///
+/// The result is the same bits whatever the thread count. Throws as segment() does; 80 also where the volume has one
+/// value, or no space enclosed by bone is found.
+Field find_brain(const HuVolume& volume, const BrainMasks& masks, const BrainParams& params, Report& report,
+                 const Progress& progress = {});
+
+}  // namespace trephine

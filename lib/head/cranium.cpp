@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "head/cranium.h"
+#include "mask/coarse.h"
+#include "mask/filters.h"
+
+namespace trephine::segmentation {
+namespace {
+
+constexpr double coarse_mm = 2;
+constexpr double least_core_mm = 15;     ///< the middle of a cranium lies at least this far from bone
+constexpr double least_enclosure = 0.6;  ///< and in this share of directions a ray from it meets bone
+constexpr double opening_mm = 2;
+constexpr double canal_mm = 13;   ///< the spinal canal is narrower than twice this, the foramen magnum about as wide
+constexpr double corner_mm = 10;  ///< how far corners (and the canal's beginning) reach beyond the balls of that radius
+
+/// The share of 26 directions in which a ray from that cell meets bone before it leaves the volume.
+double enclosure(const BitMask& bone, int i, int j, int k) {
+  int met = 0;
+  for (int dk = -1; dk <= 1; ++dk)
+    for (int dj = -1; dj <= 1; ++dj)
+      for (int di = -1; di <= 1; ++di) {
+        if (!di && !dj && !dk) continue;
+        int x = i, y = j, z = k;
+        while (bone.lattice().contains(x, y, z)) {
+          if (bone.get(x, y, z)) {
+            ++met;
+            break;
+          }
+          x += di;
+          y += dj;
+          z += dk;
+        }
+      }
+  return met / 26.0;
+}
+
+/// The cell farthest from bone among those that bone encloses.
+std::size_t core_of(const BitMask& bone, const Grid<float>& to_bone) {
+  std::vector<std::uint32_t> order;
+  // What bone encloses lies within its bounds; the air around a head in a wide field of view would be looked at first.
+  const Box box = bone.bounds();
+  for (int k = box.begin[2]; k < box.end[2]; ++k)
+    for (int j = box.begin[1]; j < box.end[1]; ++j)
+      for (int i = box.begin[0]; i < box.end[0]; ++i)
+        if (to_bone.at(i, j, k) >= least_core_mm) order.push_back(std::uint32_t(to_bone.index(i, j, k)));
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return to_bone.voxels[a] > to_bone.voxels[b]; });
+  for (std::uint32_t v : order) {
+    const int nx = bone.lattice().size[0], ny = bone.lattice().size[1];
+    if (enclosure(bone, int(v % nx), int(v / nx % ny), int(v / nx / ny)) >= least_enclosure) return v;
+  }
+  throw Error(ExitCode::quality, "", "cranial cavity", "no space of 15 mm radius that bone encloses: 0 voxels");
+}
+
+Mask seeds_of(const BitMask& bone, const Grid<float>& to_bone) {
+  const Lattice& l = bone.lattice();
+  Mask seeds(l);
+  seeds.voxels[core_of(bone, to_bone)] = 1;
+  // Outside is what lies at the volume's sides; above and below the head may be cut.
+  int vertical = 0;
+  for (int a = 1; a < 3; ++a)
+    if (std::abs(l.direction.column[a].z) > std::abs(l.direction.column[vertical].z)) vertical = a;
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        const int at[3] = {i, j, k};
+        for (int a = 0; a < 3; ++a)
+          if (a != vertical && (at[a] == 0 || at[a] == l.size[a] - 1)) seeds.at(i, j, k) = 2;
+      }
+  return seeds;
+}
+
+/// Above 0.5 in the regions with that label, smooth across its border.
+Grid<float> share_of(const Mask& labels, std::uint8_t label, double sigma_mm) {
+  Grid<float> share(labels);
+  for (std::size_t v = 0; v < share.count(); ++v) share.voxels[v] = labels.voxels[v] == label;
+  gaussian(share, sigma_mm);
+  return share;
+}
+
+/// The voxels of `lattice` where the coarse share, interpolated linearly, is above a half.
+BitMask above_half(const Grid<float>& share, const CoarseRaster& c, const Lattice& lattice) {
+  struct Axis {
+    std::vector<int> low;
+    std::vector<float> part;
+  } axes[3];
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < lattice.size[a]; ++i) {
+      const int last = share.size[a] - 1;
+      const double x = std::clamp((i - (c.factor[a] - 1) / 2.0) / c.factor[a], 0.0, double(last));
+      const int low = std::min(int(x), std::max(0, last - 1));
+      axes[a].low.push_back(low);
+      axes[a].part.push_back(last ? float(x - low) : 0.f);
+    }
+  return make_mask(lattice, [&](int j, int k, std::uint8_t* row) {
+    const int y = axes[1].low[j], z = axes[2].low[k];
+    const float v = axes[1].part[j], w = axes[2].part[k];
+    const int y1 = std::min(y + 1, share.size[1] - 1), z1 = std::min(z + 1, share.size[2] - 1);
+    std::vector<float> line(share.size[0]);
+    for (int x = 0; x < share.size[0]; ++x)
+      line[x] = (1 - w) * ((1 - v) * share.at(x, y, z) + v * share.at(x, y1, z)) +
+                w * ((1 - v) * share.at(x, y, z1) + v * share.at(x, y1, z1));
+    for (int i = 0; i < lattice.size[0]; ++i) {
+      const int x = axes[0].low[i], x1 = std::min(x + 1, share.size[0] - 1);
+      row[i] = line[x] + axes[0].part[i] * (line[x1] - line[x]) > 0.5f;
+    }
+  });
+}
+
+}  // namespace
+
+BitMask bone_of(const HuView& hu) {
+  const auto above = [&](float threshold) {
+    return make_mask(hu.lattice(), [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < hu.lattice().size[0]; ++i) row[i] = hu(i, j, k) > threshold;
+    });
+  };
+  const Components pieces = components(above(226), true);
+  std::vector<char> keep = touching(pieces, above(400));
+  for (std::size_t c = 0; c < keep.size(); ++c)
+    if (pieces.list[c].voxels * hu.lattice().voxel_volume_mm3() < 1000) keep[c] = 0;
+  return select(pieces, keep);
+}
+
+BitMask cranial_cavity(const BitMask& bone, Report& report, const Progress& progress) {
+  const CoarseRaster c = coarse_raster(bone.lattice(), coarse_mm);
+  const BitMask walls = coarse_mask(bone, c, 0);
+  const Grid<float> to_bone = distance_mm(walls, progress);
+  BitMask space = walls;
+  space.invert();
+  Mask labels = flood(to_bone, space, seeds_of(walls, to_bone), progress);
+  // The spinal canal: what lies farther than a corner from where a ball of canal_mm fits.
+  BitMask wide = make_mask(c.cells, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < c.cells.size[0]; ++i) row[i] = labels.at(i, j, k) == 1 && to_bone.at(i, j, k) >= canal_mm;
+  });
+  wide = dilated(largest(components(wide)), canal_mm + corner_mm, progress);
+  for (int k = 0; k < c.cells.size[2]; ++k)
+    for (int j = 0; j < c.cells.size[1]; ++j)
+      for (int i = 0; i < c.cells.size[0]; ++i)
+        if (labels.at(i, j, k) == 1 && !wide.get(i, j, k)) labels.at(i, j, k) = 2;
+  // Bone cells go to the nearer side, so that the border of the regions runs inside the bone.
+  Grid<float> into_bone = distance_mm(space, progress);
+  for (float& d : into_bone.voxels) d = std::max(0.f, 1000.f - d);
+  BitMask all(c.cells);
+  all.invert();
+  labels = flood(into_bone, all, labels, progress);
+
+  BitMask cavity = above_half(share_of(labels, 1, 1.5), c, bone.lattice());
+  cavity.remove(bone);
+  // What hangs on by a pore in the bone (a sinus) does not belong to it.
+  BitMask core = largest(components(eroded(cavity, opening_mm, progress)));
+  core = dilated(core, 2 * opening_mm, progress);
+  cavity &= core;
+  const double ml = double(cavity.count()) * bone.lattice().voxel_volume_mm3() / 1000;
+  report.add("cranial_cavity_ml", ml);
+  if (ml < 700 || ml > 2200) report.warn("the cranial cavity found is not of the size of a whole adult one");
+  return cavity;
+}
+
+}  // namespace trephine::segmentation

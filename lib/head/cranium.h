@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "mask/hu_view.h"
+
+namespace trephine::segmentation {
+
+/// Bone of the volume where no skull is given: hysteresis 226 / 400 HU, pieces of at least 1 ml.
+BitMask bone_of(const HuView& hu);
+
+/// The cranial cavity on the volume's lattice: not bone, inside. Throws Error 80 where no space enclosed by bone is
+/// found.
+BitMask cranial_cavity(const BitMask& bone, Report& report, const Progress& progress);
+
+}  // namespace trephine::segmentation

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "head/landmarks_parts.h"
+#include "mask/box_about.h"
+
+namespace trephine::segmentation {
+namespace {
+
+constexpr double most_outside_mm = 30;  ///< of the skin: what a scan cut off there may still be marked
+constexpr double most_below_mm = 25;    ///< the skin, of a landmark that lies on it
+constexpr double most_beside_mm = 20;   ///< the ventricles, of a foramen of Monro
+constexpr double most_across_mm = 10;   ///< of the midsagittal plane
+constexpr double most_off_mm = 20;      ///< of where it is found
+
+/// Calls f(distance from p in mm, whether it is of the shape) for every voxel within `reach_mm` of p along each axis,
+/// until it says true.
+template <class F>
+void for_voxels(const Field& shape, Vec3 p, double reach_mm, F&& f) {
+  for_box_about(shape, p, reach_mm, [&](int i, int j, int k, double mm) { return f(mm, shape.at(i, j, k) > 0); });
+}
+
+bool is_near(const Field& shape, Vec3 p, double most_mm) {
+  bool near = false;
+  for_voxels(shape, p, most_mm, [&](double mm, bool inside) { return near = inside && mm <= most_mm; });
+  return near;
+}
+
+/// Nothing but skin within so much of it; where the field ends it may lie on the surface.
+bool is_deep(const Field& skin, Vec3 p, double most_mm) {
+  const Vec3 c = skin.to_index(p);
+  for (int a = 0; a < 3; ++a)
+    if (std::min(c[a], skin.size[a] - 1 - c[a]) * skin.spacing_mm[a] < most_mm) return false;
+  bool bare = false;
+  for_voxels(skin, p, most_mm, [&](double mm, bool inside) { return bare = !inside && mm <= most_mm; });
+  return !bare;
+}
+
+bool begins_with(const std::string& name, const char* part) { return name.rfind(part, 0) == 0; }
+bool is_on_skin(const std::string& name) {
+  return name == "nasion" || name == "inion" || name == "vertex" || begins_with(name, "tragus") ||
+         begins_with(name, "kocher");
+}
+bool is_known(const std::string& name) {
+  const std::vector<std::string>& known = findable_landmarks();
+  return std::find(known.begin(), known.end(), name) != known.end();
+}
+
+/// "tragus_left" of "left_tragus", or what is spelt nearly so.
+std::string meant(const std::string& name) {
+  const auto words = [](const std::string& s) {
+    std::multiset<std::string> all;
+    for (std::size_t at = 0, end; at <= s.size(); at = end + 1) {
+      end = std::min(s.find('_', at), s.size());
+      all.insert(s.substr(at, end - at));
+    }
+    return all;
+  };
+  for (const std::string& known : findable_landmarks())
+    if (words(known) == words(name)) return known;
+  return nearest_name(name, findable_landmarks());
+}
+
+}  // namespace
+
+void check_given(const std::vector<CaseLandmark>& given, const Field& skin, const Field* ventricles, Report& report) {
+  std::set<std::string> names;
+  for (const CaseLandmark& l : given) {
+    if (!is_finite(l.position_mm)) throw Error(ExitCode::bad_input, "", l.name, "is not finite");
+    if (!names.insert(l.name).second) throw Error(ExitCode::bad_input, "", l.name, "is given twice");
+    if (!is_near(skin, l.position_mm, most_outside_mm)) {
+      double mm = 1e300;
+      for_voxels(skin, l.position_mm, 1e9, [&](double d, bool inside) {
+        if (inside) mm = std::min(mm, d);
+        return false;
+      });
+      const Vec3 p = l.position_mm;
+      throw Error(ExitCode::bad_input, "", l.name,
+                  fmt::format("({:.1f}, {:.1f}, {:.1f}) mm, lies {:.0f} mm outside of the skin, at most {:.0f}{}", p.x,
+                              p.y, p.z, mm, most_outside_mm,
+                              is_near(skin, {-p.x, -p.y, p.z}, most_outside_mm)
+                                  ? ": with x and y negated it would not, RAS was taken for LPS or the reverse"
+                                  : ": is it of another scan?"));
+    }
+    if (is_on_skin(l.name) && is_deep(skin, l.position_mm, most_below_mm))
+      report.warn(fmt::format("{} as given lies more than {:.0f} mm below the skin", l.name, most_below_mm));
+    if (ventricles && begins_with(l.name, "monro") && !is_near(*ventricles, l.position_mm, most_beside_mm))
+      report.warn(fmt::format("{} as given lies more than {:.0f} mm from the ventricles", l.name, most_beside_mm));
+    if (is_known(l.name)) continue;
+    const std::string near = meant(l.name);
+    report.warn(printable(l.name) + " is none of the landmarks that are looked for" +
+                (near.empty() ? ": it is kept as it is" : ", did you mean " + near + "?"));
+  }
+}
+
+void check_sides(const std::vector<CaseLandmark>& given, const MidsagittalPlane& plane) {
+  for (const CaseLandmark& l : given) {
+    const std::size_t at = l.name.find('_');
+    const std::string side = at == std::string::npos ? "" : l.name.substr(at + 1);
+    // A foramen may have been shifted across.
+    if (!is_known(l.name) || begins_with(l.name, "monro") || (side != "left" && side != "right")) continue;
+    const double left_mm = dot(l.position_mm - plane.point_mm, plane.normal);
+    if ((side == "left" ? -left_mm : left_mm) > most_across_mm)
+      throw Error(ExitCode::bad_input, "", l.name,
+                  fmt::format("lies {:.0f} mm to the {} of the midsagittal plane (x runs to the patient's left): are "
+                              "left and right exchanged?",
+                              std::abs(left_mm), left_mm > 0 ? "left" : "right"));
+  }
+}
+
+void doubt_given(const CaseLandmark& given, const std::optional<FoundPoint>& found, Report& report) {
+  const double off_mm = found ? norm(given.position_mm - found->position_mm) : 0;
+  if (found && found->confidence > 0.5 && off_mm > most_off_mm)
+    report.warn(fmt::format("{} as given lies {:.0f} mm from where it would be found, ({:.0f}, {:.0f}, {:.0f}) mm",
+                            given.name, off_mm, found->position_mm.x, found->position_mm.y, found->position_mm.z));
+}
+
+}  // namespace trephine::segmentation

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "head/soft_tissue.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "mask/filters.h"
+
+namespace trephine::segmentation {
+namespace {
+
+constexpr int terms = 10;
+using Terms = std::array<double, terms>;
+constexpr double unit_mm = 70;     ///< of the quadratic's coordinates: half a head
+constexpr double outlier_hu = 12;  ///< farther from the fit than this is no tissue
+constexpr double most_hu = 30;     ///< of what is corrected
+constexpr double sample_mm = 4;    ///< distance of the voxels that the fit goes by
+constexpr double extend_mm = 0.7;  ///< sigma of the mean that voxels beyond the known ones get
+constexpr int tv_iterations = 30;
+
+Terms terms_of(Vec3 p) { return {1, p.x, p.y, p.z, p.x * p.x, p.y * p.y, p.z * p.z, p.x * p.y, p.x * p.z, p.y * p.z}; }
+
+double value_of(const Terms& c, const Terms& t) {
+  double v = 0;
+  for (int i = 0; i < terms; ++i) v += c[i] * t[i];
+  return v;
+}
+
+/// Gaussian elimination of a symmetric, positive definite system.
+Terms solved(std::array<Terms, terms> a, Terms b) {
+  for (int i = 0; i < terms; ++i)
+    for (int r = i + 1; r < terms; ++r) {
+      const double f = a[r][i] / a[i][i];
+      for (int c = i; c < terms; ++c) a[r][c] -= f * a[i][c];
+      b[r] -= f * b[i];
+    }
+  for (int i = terms - 1; i >= 0; --i) {
+    for (int c = i + 1; c < terms; ++c) b[i] -= a[i][c] * b[c];
+    b[i] /= a[i][i];
+  }
+  return b;
+}
+
+struct Sample {
+  Terms at;
+  double hu;
+};
+
+Terms fitted(const std::vector<Sample>& samples, double middle) {
+  Terms fit{};
+  fit[0] = middle;
+  for (int round = 0; round < 25; ++round) {
+    std::array<Terms, terms> a{};
+    Terms b{};
+    for (const Sample& s : samples) {
+      const double e = (s.hu - value_of(fit, s.at)) / outlier_hu;
+      if (std::abs(e) >= 1) continue;
+      const double w = (1 - e * e) * (1 - e * e);  // Tukey's biweight
+      for (int r = 0; r < terms; ++r) {
+        b[r] += w * s.at[r] * (s.hu - middle);
+        for (int c = 0; c < terms; ++c) a[r][c] += w * s.at[r] * s.at[c];
+      }
+    }
+    // A little weight on no slope at all: a part of a head does not say everything.
+    for (int r = 0; r < terms; ++r) a[r][r] += 1e-3 * double(samples.size()) * (r > 0) + 1e-9;
+    fit = solved(a, b);
+    fit[0] += middle;
+  }
+  return fit;
+}
+
+/// The row's part between its first and last voxel in the domain.
+struct Span {
+  int from, to;
+};
+
+}  // namespace
+
+void level_tissue(Grid<float>& hu, const BitMask& known, Report& report, const Progress& progress) {
+  const Lattice& l = hu;
+  const Grid<float> mean = masked_gaussian(hu, known, 1.0, -1000, 0.02, progress);
+  const Vec3 centre = l.to_world_mm({0.5 * (l.size[0] - 1), 0.5 * (l.size[1] - 1), 0.5 * (l.size[2] - 1)});
+  const auto terms_at = [&](int i, int j, int k) {
+    return terms_of((l.to_world_mm({double(i), double(j), double(k)}) - centre) / unit_mm);
+  };
+  int step[3];
+  for (int a = 0; a < 3; ++a) step[a] = std::max(1, int(std::lround(sample_mm / l.spacing_mm[a])));
+  std::vector<Sample> samples;
+  std::vector<float> values;
+  for (int k = step[2] / 2; k < l.size[2]; k += step[2])
+    for (int j = step[1] / 2; j < l.size[1]; j += step[1])
+      for (int i = step[0] / 2; i < l.size[0]; i += step[0])
+        if (known.get(i, j, k)) {
+          samples.push_back({terms_at(i, j, k), mean.at(i, j, k)});
+          values.push_back(mean.at(i, j, k));
+        }
+  const double middle = median(values, float(tissue_level_hu));
+  report.add("tissue_hu", middle);
+  if (samples.size() < 20 * terms) return;
+  const Terms fit = fitted(samples, middle);
+  double least = 1e300, most = -1e300;
+  for (const Sample& s : samples) {
+    least = std::min(least, value_of(fit, s.at));
+    most = std::max(most, value_of(fit, s.at));
+  }
+  report.add("tissue_slope_hu", most - least);
+  parallel_for(0, l.size[2], 2, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < l.size[1]; ++j) {
+        // Along a row the quadratic is one in the index.
+        const double a = value_of(fit, terms_at(0, j, k)), b = value_of(fit, terms_at(1, j, k)),
+                     c = value_of(fit, terms_at(2, j, k));
+        const double second = 0.5 * (a + c) - b, first = b - a - second;
+        float* row = &hu.at(0, j, k);
+        for (int i = 0; i < l.size[0]; ++i)
+          row[i] += float(std::clamp(tissue_level_hu - (a + i * (first + i * second)), -most_hu, most_hu));
+      }
+  });
+}
+
+void check_noise(double noise, const Lattice& lattice) {
+  constexpr double most_hu = 23;       // 20 HU in slices of 3 mm are 15
+  constexpr double structure_mm3 = 8;  // a cube of 2 mm
+  const double hu = noise / std::sqrt(std::max(structure_mm3, lattice.voxel_volume_mm3()));
+  if (hu > most_hu)
+    throw Error(ExitCode::quality, "", "volume",
+                fmt::format("noise of {:.0f} HU in a cube of 2 mm, at most {:.0f}: CSF and tissue are not told apart; "
+                            "take a series of a smoother kernel, or set smoothing_sigma_mm",
+                            hu, most_hu));
+}
+
+double tissue_noise(const Grid<float>& hu, const BitMask& known, const Progress& progress) {
+  constexpr double fine_mm = 1.0, coarse_mm = 2.5, off_edges_mm = 6, near_hu = 10, to_sigma = 1.4826;
+  const Lattice& l = hu;
+  const BitMask deep = eroded(known, off_edges_mm, progress);
+  const Grid<float> fine = masked_gaussian(hu, known, fine_mm, -1000, 0.02, progress),
+                    coarse = masked_gaussian(hu, known, coarse_mm, -1000, 0.02, progress);
+  std::vector<float> centres, spread;
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; j += 2)
+      for (int i = j / 2 % 2; i < l.size[0]; i += 2)
+        if (deep.get(i, j, k)) centres.push_back(coarse.at(i, j, k));
+  const float tissue = median(centres, float(tissue_level_hu));
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; j += 2)
+      for (int i = j / 2 % 2; i < l.size[0]; i += 2)
+        if (deep.get(i, j, k) && std::abs(coarse.at(i, j, k) - tissue) < near_hu)
+          spread.push_back(std::abs(fine.at(i, j, k) - coarse.at(i, j, k)));
+  const double sigma = to_sigma * median(spread, 0.f);
+  // Variance of the difference of two Gaussian means of white noise of density 1.
+  constexpr double pi = 3.14159265358979323846;
+  const auto overlap = [&](double a, double b) { return std::pow(2 * pi * (a * a + b * b), -1.5); };
+  const double variance = overlap(fine_mm, fine_mm) + overlap(coarse_mm, coarse_mm) - 2 * overlap(fine_mm, coarse_mm);
+  return sigma / std::sqrt(variance);
+}
+
+void total_variation(Grid<float>& hu, const BitMask& domain, double strength_hu_mm, int iterations,
+                     const Progress& progress) {
+  if (!(strength_hu_mm > 0)) return;
+  const Lattice& l = hu;
+  const int nx = l.size[0], ny = l.size[1], nz = l.size[2];
+  const std::size_t dy = std::size_t(nx), dz = std::size_t(nx) * ny;
+  // Differences in units of the first axis' spacing.
+  const float ry = float(l.spacing_mm.x / l.spacing_mm.y), rz = float(l.spacing_mm.x / l.spacing_mm.z);
+  const float radius = float(strength_hu_mm / l.spacing_mm.x);
+  // in: 1 in the domain, with a row and a slice of 0 beyond the lattice's end.
+  std::vector<float> in(l.count() + dz + dy + 1, 0.f);
+  std::vector<Span> spans(std::size_t(ny) * nz);
+  parallel_for(0, nz, 4, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < ny; ++j) {
+        Span& s = spans[std::size_t(k) * ny + j];
+        s = {nx, 0};
+        for (int i = 0; i < nx; ++i)
+          if (domain.get(i, j, k)) {
+            in[l.index(i, j, k)] = 1;
+            s.from = std::min(s.from, i);
+            s.to = i + 1;
+          }
+      }
+  });
+  std::vector<float> u(in.size(), 0.f), ahead(in.size(), 0.f), px_store(in.size() + 1, 0.f), py(in.size(), 0.f),
+      pz(in.size(), 0.f);
+  float* const px = px_store.data() + 1;  // a voxel has an edge from before it, the first one too
+  parallel_for(0, nz, 4, [&](std::int64_t from, std::int64_t to) {
+    for (std::size_t v = l.index(0, 0, int(from)); v < l.index(0, 0, int(to)); ++v)
+      u[v] = ahead[v] = in[v] > 0 ? hu.voxels[v] : 0.f;
+  });
+  float tau = 0.3f, sigma = 1 / (4 * (1 + ry * ry + rz * rz) * tau);
+  struct Row {
+    std::size_t v;
+    int n;
+    std::size_t before_y, after_y, before_z, after_z;  // the neighbours' rows, or the zeros beyond the end
+  };
+  const auto rows = [&](auto&& body) {
+    parallel_for(0, nz, 2, [&](std::int64_t from, std::int64_t to) {
+      for (int k = int(from); k < to; ++k)
+        for (int j = 0; j < ny; ++j) {
+          const Span s = spans[std::size_t(k) * ny + j];
+          if (s.from >= s.to) continue;
+          const std::size_t v = l.index(s.from, j, k), zeros = l.count();
+          body(Row{v, s.to - s.from, j > 0 ? v - dy : zeros, j + 1 < ny ? v + dy : zeros, k > 0 ? v - dz : zeros,
+                   k + 1 < nz ? v + dz : zeros});
+        }
+    });
+  };
+  for (int round = 0; round < iterations; ++round) {
+    progress.check();
+    rows([&](const Row& r) {
+      const float *a = &ahead[r.v], *ay = &ahead[r.after_y], *az = &ahead[r.after_z];
+      const float *m = &in[r.v], *my = &in[r.after_y], *mz = &in[r.after_z];
+      float *x = px + r.v, *y = &py[r.v], *z = &pz[r.v];
+      const auto step = [&](int i, float qx) {
+        const float qy = y[i] + sigma * ry * m[i] * my[i] * (ay[i] - a[i]),
+                    qz = z[i] + sigma * rz * m[i] * mz[i] * (az[i] - a[i]);
+        const float scale = 1 / std::max(1.f, std::sqrt(qx * qx + qy * qy + qz * qz) / radius);
+        x[i] = qx * scale;
+        y[i] = qy * scale;
+        z[i] = qz * scale;
+      };
+      for (int i = 0; i + 1 < r.n; ++i) step(i, x[i] + sigma * m[i] * m[i + 1] * (a[i + 1] - a[i]));
+      step(r.n - 1, 0.f);
+    });
+    const float theta = 1 / std::sqrt(1 + 1.4f * tau), share = 1 / (1 + tau);
+    rows([&](const Row& r) {
+      const float *f = &hu.voxels[r.v], *m = &in[r.v], *x = px + r.v, *y = &py[r.v], *z = &pz[r.v];
+      const float *yb = &py[r.before_y], *zb = &pz[r.before_z];
+      float *now = &u[r.v], *next = &ahead[r.v];
+      for (int i = 0; i < r.n; ++i) {
+        const float flow = x[i] - x[i - 1] + ry * (y[i] - yb[i]) + rz * (z[i] - zb[i]);
+        const float fresh = m[i] * (now[i] + tau * (flow + f[i])) * share;
+        next[i] = fresh + theta * (fresh - now[i]);
+        now[i] = fresh;
+      }
+    });
+    tau *= theta;
+    sigma /= theta;
+  }
+  for (std::size_t v = 0; v < l.count(); ++v)
+    if (in[v] > 0) hu.voxels[v] = u[v];
+}
+
+Grid<float> soft_tissue(Grid<float> hu, const BitMask& known, bool level, double strength_ratio, float nowhere,
+                        Report& report, const Progress& progress) {
+  if (level) level_tissue(hu, known, report, progress);
+  const double noise = tissue_noise(hu, known, progress);
+  report.add("tissue_noise_hu_mm1_5", noise);
+  total_variation(hu, known, strength_ratio * noise, tv_iterations, progress);
+  // Beside the known voxels the mean of theirs.
+  const Grid<float> beside = masked_gaussian(hu, known, extend_mm, nowhere, 0.02, progress);
+  parallel_for(0, hu.size[2], 4, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < hu.size[1]; ++j)
+        for (int i = 0; i < hu.size[0]; ++i)
+          if (!known.get(i, j, k)) hu.at(i, j, k) = beside.at(i, j, k);
+  });
+  return hu;
+}
+
+}  // namespace trephine::segmentation

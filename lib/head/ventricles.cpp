@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "head/ventricles.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "head/brain_box.h"
+#include "head/deep_csf.h"
+#include "head/horns.h"
+#include "head/soft_tissue.h"
+#include "head/ventricles_fit.h"
+#include "mask/filters.h"
+#include "mask/surface_field.h"
+#include "segmentation/finish.h"
+
+namespace trephine::segmentation {
+namespace {
+
+constexpr double strength_ratio = 0.4;   ///< of denoising to the noise, mm^-0.5
+constexpr double envelope_close_mm = 8;  ///< sulci narrower than twice this do not count as the brain's outside
+constexpr double shell_mm = 4;           ///< so near to it no ventricle is looked for
+constexpr double cut_sigma_mm = 1.0;
+constexpr double cut_scale_hu = 8;
+constexpr double cut_scale_mm = 0.8;
+constexpr double most_voxel_mm = 1.0;
+constexpr double clear_mm = 1;          ///< of other fluid, the edge is not looked for
+constexpr double start_sigma_mm = 0.5;  ///< rounds the voxels off before the fit
+constexpr double edge_may_move_hu = 5;
+constexpr double edge_share = 0.5;
+constexpr double horns_reach_mm = 45;  ///< beyond the ventricles found, horns are looked for
+
+constexpr BrainBox about_monro{{-10, -28, -12}, {10, -2, 14}};  ///< foramina and septum
+
+/// The mean of the middle half: as robust as a median, finer than a unit on integers.
+double middle_of(std::vector<float>& v) {
+  const auto from = v.begin() + std::ptrdiff_t(v.size() / 4), to = v.begin() + std::ptrdiff_t(v.size() - v.size() / 4);
+  std::sort(v.begin(), v.end());
+  double sum = 0;
+  for (auto i = from; i < to; ++i) sum += *i;
+  return sum / double(to - from);
+}
+
+/// Halfway between the HU inside the shape and those of the tissue around it, as far as `otherwise` allows.
+double half_of_both_sides(const Grid<float>& hu, const BitMask& shape, const BitMask& brain, double otherwise,
+                          const Progress& progress) {
+  const BitMask inner = eroded(shape, 1.0, progress);
+  BitMask outer = dilated(shape, 4.0, progress);
+  outer.remove(dilated(shape, 2.0, progress));
+  outer &= brain;
+  std::vector<float> inside, around;
+  for (int k = 0; k < hu.size[2]; ++k)
+    for (int j = 0; j < hu.size[1]; ++j)
+      for (int i = 0; i < hu.size[0]; ++i) {
+        if (inner.get(i, j, k))
+          inside.push_back(hu.at(i, j, k));
+        else if (outer.get(i, j, k))
+          around.push_back(hu.at(i, j, k));
+      }
+  if (inside.size() < 100 || around.size() < 100) return otherwise;
+  const double low = middle_of(inside), high = middle_of(around);
+  return std::clamp(low + edge_share * (high - low), otherwise - edge_may_move_hu, otherwise + edge_may_move_hu);
+}
+
+/// a x a voxels of each slice merged into their mean.
+Grid<float> merged(const Grid<float>& g, int a) {
+  Lattice l = g;
+  l.size = {g.size[0] / a, g.size[1] / a, g.size[2]};
+  l.spacing_mm = {g.spacing_mm.x * a, g.spacing_mm.y * a, g.spacing_mm.z};
+  l.origin_mm = g.to_world_mm({0.5 * (a - 1), 0.5 * (a - 1), 0});
+  Grid<float> out(l);
+  parallel_for(0, l.size[2], 2, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int b = 0; b < a; ++b) {
+          const float* row = &g.at(0, j * a + b, k);
+          for (int i = 0; i < l.size[0]; ++i)
+            for (int c = 0; c < a; ++c) out.at(i, j, k) += row[i * a + c] / float(a * a);
+        }
+  });
+  return out;
+}
+
+/// Where at least half of the a x a voxels are set.
+BitMask merged(const BitMask& m, const Lattice& l, int a) {
+  return make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i) {
+      int n = 0;
+      for (int b = 0; b < a; ++b)
+        for (int c = 0; c < a; ++c) n += m.get(i * a + c, j * a + b, k);
+      row[i] = 2 * n >= a * a;
+    }
+  });
+}
+
+/// The grid between its voxels, at the voxels of another whose axes are parallel, by cubic interpolation (Catmull-Rom):
+/// linear would flatten what is curved. Its ends go on.
+Field resampled(Field from, const Lattice& to, const Progress& progress) {
+  const Vec3 first = from.to_index(to.origin_mm);
+  for (int axis = 0; axis < 3; ++axis) {
+    Lattice l = from;
+    l.size[axis] = to.size[axis];
+    l.spacing_mm[axis] = to.spacing_mm[axis];
+    Field out(l);
+    struct Taps {
+      int at[4];
+      float weight[4];
+    };
+    std::vector<Taps> taps(l.size[axis]);
+    for (int n = 0; n < l.size[axis]; ++n) {
+      const double x = first[axis] + n * to.spacing_mm[axis] / from.spacing_mm[axis];
+      const int before = int(std::floor(x)) - 1;
+      const double t = x - before - 1;
+      const double w[4] = {t * (-0.5 + t * (1 - 0.5 * t)), 1 + t * t * (-2.5 + 1.5 * t), t * (0.5 + t * (2 - 1.5 * t)),
+                           t * t * (-0.5 + 0.5 * t)};
+      for (int m = 0; m < 4; ++m) {
+        taps[n].at[m] = std::clamp(before + m, 0, from.size[axis] - 1);
+        taps[n].weight[m] = float(w[m]);
+      }
+    }
+    parallel_for(0, l.size[2], 2, [&](std::int64_t begin, std::int64_t end) {
+      progress.check();
+      for (int k = int(begin); k < end; ++k)
+        for (int j = 0; j < l.size[1]; ++j) {
+          float* row = &out.at(0, j, k);
+          for (int m = 0; m < 4; ++m) {
+            if (axis == 0) {
+              const float* in = &from.at(0, j, k);
+              for (int i = 0; i < l.size[0]; ++i) row[i] += taps[i].weight[m] * in[taps[i].at[m]];
+            } else {
+              const Taps& t = taps[axis == 1 ? j : k];
+              const float* in = axis == 1 ? &from.at(0, t.at[m], k) : &from.at(0, j, t.at[m]);
+              for (int i = 0; i < l.size[0]; ++i) row[i] += t.weight[m] * in[i];
+            }
+          }
+        }
+    });
+    from = std::move(out);
+  }
+  static_cast<Lattice&>(from) = to;
+  return from;
+}
+
+Field ventricles_in(const HuView& hu, const VentriclesMasks& masks, const VentriclesParams& p, Report& report,
+                    const Progress& progress) {
+  const Box brain_box = grown(positive(*masks.brain, *masks.brain).bounds(), 1, *masks.brain);
+  if (brain_box.empty()) throw Error(ExitCode::quality, "", "brain", "the mask is empty: 0 voxels");
+  const Lattice whole = cropped(*masks.brain, brain_box);
+  const Box box = place_in(whole, hu.lattice());
+  for (int a = 0; a < 3; ++a)
+    if (box.begin[a] < 0 || box.end[a] > hu.lattice().size[a])
+      throw Error(ExitCode::bad_input, "", "brain", "the field reaches beyond the volume");
+  const bool fitted = p.edge == SegmentEdge::half_maximum;
+  // Finer voxels hold no more of the shape than these; the edge is fitted between them.
+  const int merge = fitted ? std::clamp(int(most_voxel_mm / std::max(whole.spacing_mm.x, whole.spacing_mm.y)), 1,
+                                        std::min(whole.size[0], whole.size[1]))
+                           : 1;
+  Grid<float> raw = merged(crop(hu, box), merge);
+  const Lattice l = raw;
+  const BitMask fine_brain = positive(*masks.brain, whole);
+  const BitMask brain = merged(fine_brain, l, merge);
+  const Box roi = region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
+  BitMask free(cropped(hu.lattice(), roi));
+  free = placed(free.invert(), whole);
+  if (masks.without) free.remove(positive(*masks.without, whole));
+  const BitMask allowed = merged(free, l, merge);
+
+  // The brain's surface with its sulci closed: how deep something lies is meant from there.
+  BitMask envelope = closed(brain, envelope_close_mm, progress);
+  envelope |= holes(envelope, {0, 1000, true}, progress);
+  BitMask known = eroded(envelope, shell_mm, progress);
+  known &= make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i) row[i] = raw.at(i, j, k) > -100 && raw.at(i, j, k) < 160;
+  });
+  if (p.smoothing_sigma_mm > 0)
+    raw = masked_gaussian(std::move(raw), known, p.smoothing_sigma_mm, 1000, 0.02, progress);
+  if (p.edge == SegmentEdge::half_maximum) level_tissue(raw, known, report, progress);
+  Field soft = soft_tissue(raw, known, false, strength_ratio, 1000, report, progress);
+  const double noise = tissue_noise(raw, known, progress);
+  check_noise(noise, raw);
+  progress.report(0.4);
+  const double lower = p.lower_hu;
+  double upper = p.upper_hu;
+  envelope &= allowed;
+  BitMask others;
+  BitMask shape = deep_csf(soft, envelope, lower, upper, progress, &others);
+  progress.report(0.6);
+  if (p.edge == SegmentEdge::half_maximum && shape.any()) {
+    upper = half_of_both_sides(soft, shape, brain, upper, progress);
+    shape = deep_csf(soft, envelope, lower, upper, progress, &others);
+  }
+  report.add("upper_hu", upper);
+  if (p.close_mm > 0) shape = closed(shape, p.close_mm, progress);
+  shape |= holes(shape, {p.fill_close_mm, 5, false}, progress);  // choroid plexus, calcified or not
+  shape &= brain;
+  if (!shape.any()) check_mask(shape, hu.lattice().count(), report);
+  progress.report(0.8);
+  const auto margin = [&](double mm) {
+    return int(std::ceil(mm / std::min({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z})));
+  };
+  const Vec3 centre = envelope.centre_mm();
+  Field horns;
+  int horns_count = 0;
+  BitMask course(l);
+  if (p.edge == SegmentEdge::half_maximum) {
+    const Box around = grown(shape.bounds(), margin(horns_reach_mm), l);
+    horns = find_horns(trephine::crop(raw, around), crop(known, around), crop(envelope, around), crop(others, around),
+                       crop(shape, around), centre, noise, horns_count, progress);
+    report.add("horns_count", horns_count);
+    course = positive(horns, l);
+    course &= brain;
+  }
+  BitMask both = shape;
+  both |= course;
+  const Box cut = grown(both.bounds(), margin(6), l);
+  Field field;
+  BitMask found;
+  if (fitted) {
+    known.remove(dilated(others, clear_mm, progress));
+    Field start(cropped(l, cut));
+    shape = crop(shape, cut);
+    for (int k = 0; k < start.size[2]; ++k)
+      for (int j = 0; j < start.size[1]; ++j)
+        for (int i = 0; i < start.size[0]; ++i) start.at(i, j, k) = shape.get(i, j, k) ? 0.5f : -0.5f;
+    const Grid<float> tubes = fit(horns, start, -4.f);
+    gaussian(start, start_sigma_mm, progress);
+    start = signed_distance_mm(start, progress);
+    for (std::size_t v = 0; v < tubes.voxels.size() && horns_count > 0; ++v)
+      start.voxels[v] = std::max(start.voxels[v], tubes.voxels[v]);
+    const BitMask necks = make_mask(start, [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < start.size[0]; ++i)
+        row[i] = about_monro.holds(start.to_world_mm({double(i), double(j), double(k)}) - centre);
+    });
+    start = fit_fluid(trephine::crop(raw, cut), crop(known, cut), start, noise, &necks, progress);
+    // Back to the volume's voxels.
+    const Box out{{cut.begin[0] * merge, cut.begin[1] * merge, cut.begin[2]},
+                  {cut.end[0] * merge, cut.end[1] * merge, cut.end[2]}};
+    field = resampled(start, cropped(whole, out), progress);
+    found = positive(field, field);
+    found &= crop(fine_brain, out);
+    found = at_least_ml(components(found), ventricle_speck_ml / 2);
+    found |= holes(found, {p.fill_close_mm, 5, false}, progress);
+    if (!found.any()) check_mask(found, hu.lattice().count(), report);
+  } else {
+    for (float& v : soft.voxels) v = std::min(v - float(lower), float(upper) - v);
+    field = trephine::crop(soft, cut);
+    found = crop(shape, cut);
+  }
+  const std::size_t cut_count =
+      place_surface(field, found, cut_sigma_mm, fitted ? cut_scale_mm : cut_scale_hu, progress);
+  report.add("cut_voxels_count", cut_count);
+  const double ml = double(found.count()) * whole.voxel_volume_mm3() / 1000;
+  if (ml < 3 || ml > 200) report.warn("the ventricles found are not of the size of an adult's");
+  return field;
+}
+
+}  // namespace
+}  // namespace trephine::segmentation
+
+namespace trephine {
+
+Field find_ventricles(const HuVolume& volume, const VentriclesMasks& masks, const VentriclesParams& params,
+                      Report& report, const Progress& progress) {
+  if (!masks.brain) throw Error(ExitCode::usage, "", "brain", "is needed: the field of the brain that holds them");
+  segmentation::check_thresholds(params.lower_hu, params.upper_hu);
+  return segmentation::found_and_finished(
+      volume, {params.grow_mm, 1},
+      [&](const segmentation::HuView& hu) {
+        segmentation::check_varies(volume);
+        return segmentation::ventricles_in(hu, masks, params, report, progress);
+      },
+      report, progress);
+}
+
+}  // namespace trephine

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "config/said.h"
+#include "phantom/phantom.h"
+
+namespace trephine {
+
+/// LIBRARY.yaml, declared.
+
+struct PhantomValues {
+  phantom::HeadParams head;
+  phantom::ScanParams scan;
+  phantom::SeriesParams series;
+  phantom::TruthParams truth;
+  template <class V>
+  static void describe(V& v) {
+    using P = PhantomValues;
+    v.all_of(&P::head);
+    v.all_of(&P::scan);
+    v.all_of(&P::series);
+    v.all_of(&P::truth);
+  }
+  phantom::PhantomParams params() const { return {head, scan, series, truth}; }
+};
+
+struct LibraryPhantomParams : PhantomValues {
+  std::string name, config;
+  Named<SaidValue> set;
+  template <class V>
+  static void describe(V& v) {
+    using P = LibraryPhantomParams;
+    v.text(&P::name, "name", "Name of the patient and of its cases.").is_required();
+    v.text(&P::config, "config", "Its own configuration, instead of the library's.").names("file");
+    v.map(&P::set, "set", "Its own parameters by their paths.");
+    v.template all_of<PhantomValues>();
+  }
+};
+
+struct LibraryPhantomsParams {
+  PhantomValues shared;
+  std::vector<LibraryPhantomParams> list;
+  template <class V>
+  static void describe(V& v) {
+    using P = LibraryPhantomsParams;
+    v.group(&P::shared, "shared", "What holds for every phantom that does not say otherwise.");
+    v.list(&P::list, "list", "The phantoms.").is_required();
+  }
+};
+
+struct LibraryCaseParams {
+  std::string case_token, series, landmarks_file, config;
+  Named<SaidValue> set;
+  template <class V>
+  static void describe(V& v) {
+    using P = LibraryCaseParams;
+    v.text(&P::case_token, "case", "Name of the case: a-z, 0-9, _ and -, never a patient's.").is_required();
+    v.text(&P::series, "series", "Folder, ZIP archive or file with its CT series.").names("file");
+    v.text(&P::landmarks_file, "landmarks_file", "Landmarks that are known.").names("file");
+    v.text(&P::config, "config", "Its own configuration, instead of the library's.").names("file");
+    v.map(&P::set, "set", "Its own parameters by their paths.");
+  }
+};
+
+struct LibraryFileParams : VersionParams {
+  std::string config;
+  Named<SaidPath> configs;
+  Named<SaidValue> set;
+  std::vector<LibraryCaseParams> cases;
+  std::vector<SaidPath> series;
+  std::optional<LibraryPhantomsParams> phantoms;
+  template <class V>
+  static void describe(V& v) {
+    using P = LibraryFileParams;
+    v.template all_of<VersionParams>();
+    v.text(&P::config, "config", "The configuration of every case that names none.").names("file");
+    v.map(&P::configs, "configs", "Instead of config several by name: each patient becomes a case of each.")
+        .names("name");
+    v.map(&P::set, "set", "Parameters by their paths, of every case.");
+    v.list(&P::cases, "cases", "Cases by name.");
+    v.list(&P::series, "series", "Folders of which each is a case; in the last part * stands for any letters.");
+    v.group(&P::phantoms, "phantoms", "Synthetic patients that the library makes itself.");
+  }
+};
+
+}  // namespace trephine

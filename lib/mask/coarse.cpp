@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mask/coarse.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+
+namespace trephine::segmentation {
+namespace {
+
+/// Between which two cells each voxel's centre lies along one axis, and how far.
+struct Between {
+  std::vector<int> low, high;
+  std::vector<float> part;
+};
+
+Between between(const CoarseRaster& r, int axis) {
+  Between b;
+  const int last = r.cells.size[axis] - 1, f = r.factor[axis];
+  for (int i = 0; i < r.fine.size[axis]; ++i) {
+    const double x = std::clamp((i - (f - 1) / 2.0) / f, 0.0, double(last));
+    const int low = std::min(int(x), std::max(0, last - 1));
+    b.low.push_back(low);
+    b.high.push_back(std::min(low + 1, last));
+    b.part.push_back(float(x - low));
+  }
+  return b;
+}
+
+}  // namespace
+
+CoarseRaster coarse_raster(const Lattice& fine, double cell_mm, bool at_most) {
+  CoarseRaster r;
+  r.fine = r.cells = fine;
+  Vec3 middle;
+  for (int a = 0; a < 3; ++a) {
+    const double voxels = cell_mm / fine.spacing_mm[a];
+    // Spacings that were rounded to float lie within 1e-7.
+    const double whole = at_most ? std::floor(voxels + 1e-6) : std::round(voxels);
+    r.factor[a] = int(std::clamp(whole, 1.0, std::max(1.0, double(fine.size[a]))));
+    r.cells.size[a] = (fine.size[a] + r.factor[a] - 1) / r.factor[a];
+    r.cells.spacing_mm[a] = fine.spacing_mm[a] * r.factor[a];
+    middle[a] = (r.factor[a] - 1) / 2.0;
+  }
+  r.cells.origin_mm = fine.to_world_mm(middle);
+  return r;
+}
+
+BitMask coarse_mask(const BitMask& fine, const CoarseRaster& r, double share) {
+  const Lattice& l = r.fine;
+  const int fx = r.factor[0];
+  return make_mask(r.cells, [&](int j, int k, std::uint8_t* row) {
+    const int z0 = k * r.factor[2], z1 = std::min(l.size[2], z0 + r.factor[2]);
+    const int y0 = j * r.factor[1], y1 = std::min(l.size[1], y0 + r.factor[1]);
+    if (share <= 0) {
+      std::vector<std::uint64_t> any(fine.words());
+      for (int z = z0; z < z1; ++z)
+        for (int y = y0; y < y1; ++y)
+          for (int w = 0; w < fine.words(); ++w) any[w] |= fine.row(y, z)[w];
+      for (int w = 0; w < fine.words(); ++w)
+        for (std::uint64_t bits = any[w]; bits; bits &= bits - 1) row[(w * 64 + __builtin_ctzll(bits)) / fx] = 1;
+      return;
+    }
+    std::vector<int> count(r.cells.size[0]);
+    for (int z = z0; z < z1; ++z)
+      for (int y = y0; y < y1; ++y)
+        for (int w = 0; w < fine.words(); ++w)
+          for (std::uint64_t bits = fine.row(y, z)[w]; bits; bits &= bits - 1)
+            ++count[(w * 64 + __builtin_ctzll(bits)) / fx];
+    for (int i = 0; i < r.cells.size[0]; ++i) {
+      const int wide = std::min(l.size[0], (i + 1) * fx) - i * fx;
+      row[i] = count[i] >= share * wide * (y1 - y0) * (z1 - z0) - 1e-9;
+    }
+  });
+}
+
+Grid<float> coarse_mean(const HuView& hu, const BitMask& known, const CoarseRaster& r, float nowhere) {
+  const Box at = place_in(r.fine, hu.lattice());
+  const Lattice& l = r.fine;
+  const int fx = r.factor[0];
+  Grid<float> mean(r.cells, nowhere);
+  parallel_for(0, r.cells.size[2], 2, [&](std::int64_t from, std::int64_t to) {
+    std::vector<float> sum(r.cells.size[0]);
+    std::vector<int> count(r.cells.size[0]);
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < r.cells.size[1]; ++j) {
+        std::fill(sum.begin(), sum.end(), 0.f);
+        std::fill(count.begin(), count.end(), 0);
+        for (int z = k * r.factor[2]; z < std::min(l.size[2], (k + 1) * r.factor[2]); ++z)
+          for (int y = j * r.factor[1]; y < std::min(l.size[1], (j + 1) * r.factor[1]); ++y) {
+            const std::size_t start = hu.lattice().index(at.begin[0], at.begin[1] + y, at.begin[2] + z);
+            const std::uint64_t* row = known.row(y, z);
+            for (int w = 0; w < known.words(); ++w)
+              for (std::uint64_t bits = row[w]; bits; bits &= bits - 1) {
+                const int i = w * 64 + __builtin_ctzll(bits);
+                sum[i / fx] += hu(start + std::size_t(i));
+                ++count[i / fx];
+              }
+          }
+        float* out = &mean.at(0, j, k);
+        for (int i = 0; i < r.cells.size[0]; ++i)
+          if (count[i]) out[i] = sum[i] / float(count[i]);
+      }
+  });
+  return mean;
+}
+
+Field refined(const Field& cells, const CoarseRaster& r) {
+  const Between x = between(r, 0), y = between(r, 1), z = between(r, 2);
+  Field fine(r.fine);
+  const int nx = cells.size[0];
+  parallel_for(0, r.fine.size[2], 2, [&](std::int64_t from, std::int64_t to) {
+    std::vector<float> line(nx);
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < r.fine.size[1]; ++j) {
+        const float v = y.part[j], w = z.part[k];
+        const float *a = &cells.at(0, y.low[j], z.low[k]), *b = &cells.at(0, y.high[j], z.low[k]),
+                    *c = &cells.at(0, y.low[j], z.high[k]), *d = &cells.at(0, y.high[j], z.high[k]);
+        for (int i = 0; i < nx; ++i) line[i] = (1 - w) * ((1 - v) * a[i] + v * b[i]) + w * ((1 - v) * c[i] + v * d[i]);
+        float* out = &fine.at(0, j, k);
+        for (int i = 0; i < r.fine.size[0]; ++i)
+          out[i] = line[x.low[i]] + x.part[i] * (line[x.high[i]] - line[x.low[i]]);
+      }
+  });
+  return fine;
+}
+
+}  // namespace trephine::segmentation

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mask/filters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/parallel.h"
+
+namespace trephine::segmentation {
+namespace {
+
+constexpr float far_mm2 = 1e12f;
+
+/// Lower envelope of parabolas along one line of n samples, `spacing` apart.
+class Envelope {
+ public:
+  Envelope(int n, double spacing) : n_(n), spacing_(spacing), at_(n), from_(n + 1) {}
+  void operator()(const float* f, float* out) {
+    int top = -1;
+    for (int q = 0; q < n_; ++q) {
+      if (f[q] >= far_mm2) continue;
+      double s = 0;
+      while (top >= 0) {
+        const int p = at_[top];
+        const double xq = q * spacing_, xp = p * spacing_;
+        s = ((f[q] + xq * xq) - (f[p] + xp * xp)) / (2 * (xq - xp));
+        if (s > from_[top]) break;
+        --top;
+      }
+      ++top;
+      at_[top] = q;
+      from_[top] = top == 0 ? -std::numeric_limits<double>::infinity() : s;
+    }
+    if (top < 0) {
+      std::fill(out, out + n_, far_mm2);
+      return;
+    }
+    for (int q = 0, e = 0; q < n_; ++q) {
+      const double x = q * spacing_;
+      while (e < top && from_[e + 1] < x) ++e;
+      const double d = x - at_[e] * spacing_;
+      out[q] = float(d * d + f[at_[e]]);
+    }
+  }
+
+ private:
+  int n_;
+  double spacing_;
+  std::vector<int> at_;
+  std::vector<double> from_;
+};
+
+}  // namespace
+
+Grid<float> distance_mm(const BitMask& to, const Progress& progress) {
+  const Lattice& l = to.lattice();
+  Grid<float> d(l);
+  const int nx = l.size[0], ny = l.size[1], nz = l.size[2];
+  parallel_for(0, nz, 4, [&](std::int64_t from, std::int64_t end) {
+    progress.check();
+    Envelope along_x(nx, l.spacing_mm.x), along_y(ny, l.spacing_mm.y);
+    std::vector<float> in(std::max(nx, ny)), out(ny);
+    for (int k = int(from); k < end; ++k) {
+      for (int j = 0; j < ny; ++j) {
+        for (int i = 0; i < nx; ++i) in[i] = to.get(i, j, k) ? 0 : far_mm2;
+        along_x(in.data(), &d.at(0, j, k));
+      }
+      for (int i = 0; i < nx; ++i) {
+        for (int j = 0; j < ny; ++j) in[j] = d.at(i, j, k);
+        along_y(in.data(), out.data());
+        for (int j = 0; j < ny; ++j) d.at(i, j, k) = out[j];
+      }
+    }
+  });
+  parallel_for(0, ny, 4, [&](std::int64_t from, std::int64_t end) {
+    progress.check();
+    Envelope along_z(nz, l.spacing_mm.z);
+    std::vector<float> in(nz), out(nz);
+    for (int j = int(from); j < end; ++j)
+      for (int i = 0; i < nx; ++i) {
+        for (int k = 0; k < nz; ++k) in[k] = d.at(i, j, k);
+        along_z(in.data(), out.data());
+        for (int k = 0; k < nz; ++k) d.at(i, j, k) = std::sqrt(out[k]);
+      }
+  });
+  return d;
+}
+
+namespace {
+
+std::vector<float> kernel_of(double sigma_voxels) {
+  const int reach = std::max(1, int(std::ceil(3 * sigma_voxels)));
+  std::vector<double> k(2 * reach + 1);
+  double sum = 0;
+  for (int i = -reach; i <= reach; ++i) {
+    // The Gaussian's integral over the voxel: right also where sigma is below a voxel.
+    const double s = sigma_voxels * std::sqrt(2.0);
+    k[i + reach] = std::erf((i + 0.5) / s) - std::erf((i - 0.5) / s);
+    sum += k[i + reach];
+  }
+  std::vector<float> f;
+  for (double v : k) f.push_back(float(v / sum));
+  return f;
+}
+
+/// Convolves `rows` rows of `width` across the rows: in[r] -> out[r].
+void across(const std::vector<const float*>& in, const std::vector<float*>& out, int width,
+            const std::vector<float>& kernel) {
+  const int rows = int(in.size()), reach = int(kernel.size() / 2);
+  for (int r = 0; r < rows; ++r) {
+    float* o = out[r];
+    std::fill(o, o + width, 0.f);
+    for (int t = r - reach; t <= r + reach; ++t) {
+      const float w = kernel[t - r + reach];
+      const float* s = in[std::clamp(t, 0, rows - 1)];
+      for (int i = 0; i < width; ++i) o[i] += w * s[i];
+    }
+  }
+}
+
+}  // namespace
+
+void gaussian(Grid<float>& grid, double sigma_mm, const Progress& progress) {
+  if (!(sigma_mm > 0)) return;
+  const int nx = grid.size[0], ny = grid.size[1], nz = grid.size[2];
+  const auto kx = kernel_of(sigma_mm / grid.spacing_mm.x), ky = kernel_of(sigma_mm / grid.spacing_mm.y),
+             kz = kernel_of(sigma_mm / grid.spacing_mm.z);
+  parallel_for(0, nz, 2, [&](std::int64_t from, std::int64_t end) {
+    progress.check();
+    const int reach = int(kx.size() / 2);
+    std::vector<float> padded(nx + 2 * reach), slice(std::size_t(nx) * ny);
+    std::vector<const float*> in(ny);
+    std::vector<float*> out(ny);
+    for (int k = int(from); k < end; ++k) {
+      for (int j = 0; j < ny; ++j) {
+        float* o = &slice[std::size_t(j) * nx];
+        std::copy_n(&grid.at(0, j, k), nx, padded.begin() + reach);
+        std::fill_n(padded.begin(), reach, grid.at(0, j, k));
+        std::fill_n(padded.end() - reach, reach, grid.at(nx - 1, j, k));
+        for (std::size_t t = 0; t < kx.size(); ++t) {
+          const float w = kx[t];
+          const float* s = padded.data() + t;
+          for (int i = 0; i < nx; ++i) o[i] = (t ? o[i] : 0.f) + w * s[i];
+        }
+        in[j] = o;
+        out[j] = &grid.at(0, j, k);
+      }
+      across(in, out, nx, ky);
+    }
+  });
+  parallel_for(0, ny, 4, [&](std::int64_t from, std::int64_t end) {
+    progress.check();
+    std::vector<float> wall(std::size_t(nx) * nz);
+    std::vector<const float*> in(nz);
+    std::vector<float*> out(nz);
+    for (int j = int(from); j < end; ++j) {
+      for (int k = 0; k < nz; ++k) {
+        float* w = &wall[std::size_t(k) * nx];
+        std::copy_n(&grid.at(0, j, k), nx, w);
+        in[k] = w;
+        out[k] = &grid.at(0, j, k);
+      }
+      across(in, out, nx, kz);
+    }
+  });
+}
+
+Grid<float> masked_gaussian(Grid<float> values, const BitMask& known, double sigma_mm, float nowhere,
+                            double least_weight, const Progress& progress) {
+  const Lattice& l = values;
+  Grid<float> weight(l);
+  parallel_for(0, l.size[2], 4, [&](std::int64_t from, std::int64_t end) {
+    for (int k = int(from); k < end; ++k)
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i) {
+          const bool in = known.get(i, j, k);
+          weight.at(i, j, k) = in;
+          if (!in) values.at(i, j, k) = 0;
+        }
+  });
+  gaussian(values, sigma_mm, progress);
+  gaussian(weight, sigma_mm, progress);
+  parallel_for(0, l.size[2], 4, [&](std::int64_t from, std::int64_t end) {
+    for (std::size_t v = l.index(0, 0, int(from)); v < l.index(0, 0, int(end)); ++v) {
+      const float w = weight.voxels[v];
+      values.voxels[v] = w > least_weight ? values.voxels[v] / w : nowhere;
+    }
+  });
+  return values;
+}
+
+Mask flood(const Grid<float>& height, const BitMask& domain, const Mask& seeds, const Progress& progress) {
+  constexpr double level_step = 0.05;
+  const int nx = height.size[0], ny = height.size[1], nz = height.size[2];
+  float highest = 0;
+  for (float h : height.voxels) highest = std::max(highest, std::min(h, 1e4f));
+  const auto level_of = [&](std::size_t v) {
+    return std::size_t(std::clamp(height.voxels[v], 0.f, 1e4f) / level_step);
+  };
+  std::vector<std::vector<std::uint32_t>> queue(std::size_t(highest / level_step) + 1);
+  Mask label(height);
+  for (int k = 0; k < nz; ++k)
+    for (int j = 0; j < ny; ++j)
+      for (int i = 0; i < nx; ++i) {
+        const std::size_t v = height.index(i, j, k);
+        if (!seeds.voxels[v] || !domain.get(i, j, k)) continue;
+        label.voxels[v] = seeds.voxels[v];
+        queue[level_of(v)].push_back(std::uint32_t(v));
+      }
+  const std::size_t sy = nx, sz = std::size_t(nx) * ny;
+  for (std::size_t level = queue.size(); level-- > 0;) {
+    progress.check();
+    // The queue of this level grows while it is worked off: first in, first out.
+    for (std::size_t q = 0; q < queue[level].size(); ++q) {
+      const std::size_t v = queue[level][q];
+      const int i = int(v % sy), j = int(v / sy % ny), k = int(v / sz);
+      const auto visit = [&](bool inside, int di, int dj, int dk) {
+        if (!inside) return;
+        const std::size_t n = height.index(i + di, j + dj, k + dk);
+        if (label.voxels[n] || !domain.get(i + di, j + dj, k + dk)) return;
+        label.voxels[n] = label.voxels[v];
+        queue[std::min(level, level_of(n))].push_back(std::uint32_t(n));
+      };
+      visit(i > 0, -1, 0, 0);
+      visit(i + 1 < nx, 1, 0, 0);
+      visit(j > 0, 0, -1, 0);
+      visit(j + 1 < ny, 0, 1, 0);
+      visit(k > 0, 0, 0, -1);
+      visit(k + 1 < nz, 0, 0, 1);
+    }
+    std::vector<std::uint32_t>().swap(queue[level]);
+  }
+  return label;
+}
+
+float median(std::vector<float>& values, float otherwise) {
+  if (values.empty()) return otherwise;
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace trephine::segmentation

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mask/hu_view.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <functional>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "mask/filters.h"
+
+namespace trephine::segmentation {
+
+Grid<float> crop(const HuView& hu, const Box& box) {
+  Grid<float> out(cropped(hu.lattice(), box));
+  parallel_for(0, out.size[2], 4, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < out.size[1]; ++j) {
+        const std::size_t in = hu.lattice().index(box.begin[0], j + box.begin[1], k + box.begin[2]);
+        float* o = &out.at(0, j, k);
+        for (int i = 0; i < out.size[0]; ++i) o[i] = hu(in + i);
+      }
+  });
+  return out;
+}
+
+Box region_of_interest(const Lattice& lattice, const std::array<double, 3>& roi_min_mm,
+                       const std::array<double, 3>& roi_max_mm) {
+  const Vec3 lo{roi_min_mm[0], roi_min_mm[1], roi_min_mm[2]};
+  const Vec3 hi{roi_max_mm[0], roi_max_mm[1], roi_max_mm[2]};
+  for (int axis = 0; axis < 3; ++axis)
+    if (lo[axis] > hi[axis])
+      throw Error(ExitCode::usage, "", "roi_min_mm, roi_max_mm",
+                  fmt::format("{} to {} mm along {}: the lower corner must not be beyond the upper", lo[axis], hi[axis],
+                              "xyz"[axis]));
+  // The box of indices around the eight corners: exact for volumes along the axes, the enclosing box for oblique ones.
+  Box box = whole_box(lattice);
+  for (int axis = 0; axis < 3; ++axis) {
+    double least = 1e300, most = -1e300;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 p = lattice.to_index({corner & 1 ? hi.x : lo.x, corner & 2 ? hi.y : lo.y, corner & 4 ? hi.z : lo.z});
+      least = std::min(least, p[axis]);
+      most = std::max(most, p[axis]);
+    }
+    box.begin[axis] = int(std::clamp(std::ceil(least - 1e-6), 0.0, double(lattice.size[axis])));
+    box.end[axis] = int(std::clamp(std::floor(most + 1e-6) + 1, 0.0, double(lattice.size[axis])));
+  }
+  if (box.empty())
+    throw Error(ExitCode::quality, "", "roi_min_mm, roi_max_mm", "0 voxels of the volume lie between them");
+  return box;
+}
+
+BitMask holes(const BitMask& shape, const FillRule& rule, const Progress& progress) {
+  BitMask free = shape;
+  free.invert();
+  BitMask open = rule.close_mm > 0 ? closed(shape, rule.close_mm, progress) : shape;
+  open.invert();
+  const Components spaces = components(open);
+  const double voxel_ml = shape.lattice().voxel_volume_mm3() / 1000;
+  std::vector<char> outside(spaces.list.size());
+  for (std::size_t c = 0; c < outside.size(); ++c) {
+    const Component& space = spaces.list[c];
+    outside[c] = space.faces > (rule.cut_open ? 1 : 0) || space.voxels * voxel_ml > rule.max_ml;
+  }
+  BitMask reached = select(spaces, outside);
+  if (rule.close_mm > 0) reached = grown_within(reached, free, rule.close_mm, progress);
+  return free.remove(reached);
+}
+
+void check_mask(const BitMask& mask, std::size_t volume_voxels, Report& report) {
+  const std::size_t n = mask.count();
+  if (n == 0) throw Error(ExitCode::quality, "", "", fmt::format("the mask is empty: 0 of {} voxels", volume_voxels));
+  if (n == volume_voxels) throw Error(ExitCode::quality, "", "", fmt::format("the mask is full: all {} voxels", n));
+  const Box b = mask.bounds();
+  for (int axis = 0; axis < 3; ++axis)
+    if (b.end[axis] - b.begin[axis] < 2)
+      throw Error(ExitCode::quality, "", "", fmt::format("the mask lies in a single slice: {} voxels", n));
+  report.add("voxels_count", n);
+  report.add("volume_ml", double(n) * mask.lattice().voxel_volume_mm3() / 1000);
+}
+
+void check_varies(const HuVolume& volume) {
+  std::visit(
+      [](const auto& grid) {
+        const auto& v = grid.voxels;
+        if (std::adjacent_find(v.begin(), v.end(), std::not_equal_to<>()) == v.end())
+          throw Error(ExitCode::quality, "", "volume",
+                      fmt::format("every voxel is {} HU: there is nothing to be seen in it", v.empty() ? 0 : v[0]));
+      },
+      volume);
+}
+
+void check_finite(const HuVolume& volume) {
+  const auto* grid = std::get_if<Grid<float>>(&volume);
+  if (!grid) return;
+  std::atomic<std::size_t> bad{0};
+  parallel_for(0, std::int64_t(grid->voxels.size()), 1 << 20, [&](std::int64_t from, std::int64_t to) {
+    std::size_t n = 0;
+    for (std::int64_t v = from; v < to; ++v) n += !std::isfinite(grid->voxels[v]);
+    bad += n;
+  });
+  if (bad > 0) throw Error(ExitCode::bad_input, "", "volume", fmt::format("{} voxels are NaN or infinite", bad.load()));
+}
+
+}  // namespace trephine::segmentation

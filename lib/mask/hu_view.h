@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+
+#include "base/report.h"
+#include "mask/bits.h"
+
+namespace trephine::segmentation {
+
+/// The volume's samples as float, whichever type they are stored in.
+class HuView {
+ public:
+  explicit HuView(const HuVolume& v)
+      : i16_(std::get_if<Grid<std::int16_t>>(&v)), f32_(std::get_if<Grid<float>>(&v)), lattice_(lattice_of(v)) {}
+  float operator()(std::size_t index) const { return i16_ ? float(i16_->voxels[index]) : f32_->voxels[index]; }
+  float operator()(int i, int j, int k) const { return (*this)(lattice_.index(i, j, k)); }
+  bool is_integer() const { return i16_ != nullptr; }
+  const Lattice& lattice() const { return lattice_; }
+
+ private:
+  const Grid<std::int16_t>* i16_;
+  const Grid<float>* f32_;
+  const Lattice& lattice_;
+};
+
+/// The box as float HU.
+Grid<float> crop(const HuView& hu, const Box& box);
+
+/// The box of voxels whose centres lie within the region of interest, given by its corners in LPS mm: exact for
+/// volumes along the axes, the enclosing box for oblique ones. Throws Error 80 where there are none, 64 where the lower
+/// corner lies beyond the upper one.
+Box region_of_interest(const Lattice& lattice, const std::array<double, 3>& roi_min_mm,
+                       const std::array<double, 3>& roi_max_mm);
+
+struct FillRule {
+  double close_mm = 0;
+  double max_ml = 1000;
+  bool cut_open = false;  ///< a cavity that only one face of the lattice cuts open is enclosed
+};
+/// What is not in `shape` and cannot be reached from outside: the outside are the components of the closed shape's
+/// complement that touch the lattice's edge or exceed max_ml, grown back by close_mm along free ways.
+BitMask holes(const BitMask& shape, const FillRule& rule, const Progress& progress = {});
+
+/// Throws Error 80 where the mask is empty, all of the volume, or flat; adds "voxels_count" and "volume_ml".
+void check_mask(const BitMask& mask, std::size_t volume_voxels, Report& report);
+
+/// Throws Error 80 where all voxels are alike: a volume that shows nothing of what other fields say is in it.
+void check_varies(const HuVolume& volume);
+
+/// Throws Error 65 where a voxel is NaN or infinite.
+void check_finite(const HuVolume& volume);
+
+}  // namespace trephine::segmentation

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "mask/filters.h"
+
+namespace trephine::segmentation {
+namespace {
+
+struct Sweeper {
+  const Lattice& l;
+  std::vector<Vec3> points;           ///< on the surface, mm from voxel (0, 0, 0) along the axes
+  std::vector<std::int32_t> closest;  ///< of each voxel, -1 unknown
+  Grid<float> distance;
+
+  double to_point(int i, int j, int k, std::int32_t p) const {
+    return norm(points[p] - Vec3{i * l.spacing_mm.x, j * l.spacing_mm.y, k * l.spacing_mm.z});
+  }
+  void offer(std::size_t v, int i, int j, int k, std::int32_t p) {
+    if (p < 0) return;
+    const float d = float(to_point(i, j, k, p));
+    if (d < distance.voxels[v]) {
+      distance.voxels[v] = d;
+      closest[v] = p;
+    }
+  }
+  void from_neighbour(int i, int j, int k, int di, int dj, int dk) {
+    if (l.contains(i + di, j + dj, k + dk)) offer(l.index(i, j, k), i, j, k, closest[l.index(i + di, j + dj, k + dk)]);
+  }
+  void sweep(int ks, const Progress& progress) {
+    const int nx = l.size[0], ny = l.size[1], nz = l.size[2];
+    for (int kk = 0; kk < nz; ++kk) {
+      progress.check();
+      const int k = ks > 0 ? kk : nz - 1 - kk;
+      for (int js : {1, -1})
+        for (int jj = 0; jj < ny; ++jj) {
+          const int j = js > 0 ? jj : ny - 1 - jj;
+          for (int i = 0; i < nx; ++i) {
+            from_neighbour(i, j, k, 0, 0, -ks);
+            from_neighbour(i, j, k, 0, -js, 0);
+            from_neighbour(i, j, k, 0, -js, -ks);
+            from_neighbour(i, j, k, -1, 0, 0);
+            from_neighbour(i, j, k, -1, -js, 0);
+          }
+          for (int i = nx - 1; i >= 0; --i) {
+            from_neighbour(i, j, k, 1, 0, 0);
+            from_neighbour(i, j, k, 1, -js, 0);
+          }
+        }
+    }
+  }
+};
+
+}  // namespace
+
+Grid<float> signed_distance_mm(const Field& field, const Progress& progress) {
+  const Lattice& l = field;
+  const Vec3 s = l.spacing_mm;
+  Sweeper w{l, {}, std::vector<std::int32_t>(l.count(), -1), Grid<float>(l, 1e6f)};
+  // Surface points: where the field crosses 0 along the edges of each cell of the lattice, the middle of these, and the
+  // middles between the two. None lies off the surface by more than its sag within a cell.
+  const auto add = [&](Vec3 p) {
+    w.points.push_back({p.x * s.x, p.y * s.y, p.z * s.z});
+    const std::int32_t id = std::int32_t(w.points.size() - 1);
+    for (int corner = 0; corner < 8; ++corner) {
+      const int i = int(p.x) + (corner & 1), j = int(p.y) + (corner >> 1 & 1), k = int(p.z) + (corner >> 2);
+      if (l.contains(i, j, k)) w.offer(l.index(i, j, k), i, j, k, id);
+    }
+  };
+  for (int k = 0; k + 1 < l.size[2]; ++k)
+    for (int j = 0; j + 1 < l.size[1]; ++j)
+      for (int i = 0; i + 1 < l.size[0]; ++i) {
+        Vec3 crossing[12], middle;
+        int n = 0;
+        for (int axis = 0; axis < 3; ++axis)
+          for (int edge = 0; edge < 4; ++edge) {
+            Vec3 from{double(i), double(j), double(k)};
+            from[(axis + 1) % 3] += edge & 1;
+            from[(axis + 2) % 3] += edge >> 1;
+            Vec3 to = from;
+            to[axis] += 1;
+            const double f = field.at(int(from.x), int(from.y), int(from.z)),
+                         g = field.at(int(to.x), int(to.y), int(to.z));
+            if ((f > 0) == (g > 0)) continue;
+            from[axis] += f / (f - g);
+            middle += from;
+            crossing[n++] = from;
+          }
+        if (!n) continue;
+        middle = middle / n;
+        add(middle);
+        for (int c = 0; c < n; ++c) {
+          add(crossing[c]);
+          add(0.5 * (crossing[c] + middle));
+        }
+      }
+  for (int round = 0; round < 2; ++round) {
+    w.sweep(1, progress);
+    w.sweep(-1, progress);
+  }
+  for (std::size_t v = 0; v < l.count(); ++v)
+    if (!(field.voxels[v] > 0)) w.distance.voxels[v] = -w.distance.voxels[v];
+  return std::move(w.distance);
+}
+
+}  // namespace trephine::segmentation

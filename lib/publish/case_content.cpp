@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "publish/case_content.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "boolean/cut_surface.h"
+#include "boolean/cutter_use.h"
+#include "cases/glb.h"
+#include "meshing/contour.h"
+#include "meshing/validity.h"
+#include "publish/haptic_content.h"
+#include "publish/head_content.h"
+#include "stages/results.h"
+#include "surface/bounds.h"
+#include "voxel/shape_field.h"
+
+namespace trephine {
+namespace {
+
+void hold_against_limits(const SceneAnatomy& limit, const AnatomyResult& result) {
+  if (limit.max_triangles > 0 && result.triangles_after > limit.max_triangles)
+    throw Error(ExitCode::quality, "", limit.name,
+                std::to_string(result.triangles_after) + " triangles, the scene allows " +
+                    std::to_string(limit.max_triangles) + "; decimation stopped by " + result.stopped_by);
+  if (limit.max_deviation_mm > 0 && !(result.deviation_max_mm <= limit.max_deviation_mm))
+    throw Error(ExitCode::quality, "", limit.name,
+                "deviates by " + to_text(result.deviation_max_mm) +
+                    " mm from the unreduced surface, the scene allows " + to_text(limit.max_deviation_mm) + " mm");
+}
+
+constexpr double removed_tolerance = 0.03;
+
+// Everything that a case is made of, step by step.
+class Builder {
+ public:
+  Builder(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results)
+      : config_(config), graph_(graph), results_(results) {}
+
+  CaseContent build(const std::string& program_version, const std::string& input_sha256, bool pictures,
+                    const Progress& cancelled) {
+    manifest().center_mm = center();
+    add_provenance(program_version, input_sha256);
+    add_head_content(config_, graph_, results_, manifest());
+    for (std::size_t i = 0; i < graph_.anatomies.size(); ++i) {
+      cancelled.check();
+      add_anatomy(graph_.anatomies[i], config_.scene[i]);
+    }
+    hold_against_budget();
+    if (graph_.haptic >= 0) add_haptic();
+    for (const int hole : graph_.burr_holes) add_burr_hole(hole);
+    if (pictures) add_pictures(cancelled);
+    return std::move(out_);
+  }
+
+ private:
+  CaseManifest& manifest() { return out_.manifest; }
+  const NodeResult& at(int node) const { return results_[static_cast<std::size_t>(node)]; }
+  const TriMesh& mesh(int node) const { return *std::get<std::shared_ptr<const TriMesh>>(at(node).data); }
+  const HapticVolume& haptic() const { return *std::get<std::shared_ptr<const HapticVolume>>(at(graph_.haptic).data); }
+  const Report& report_of(const std::string& node) const {
+    static const Report none;
+    const int i = graph_.find(node);
+    return i < 0 ? none : at(i).report;
+  }
+
+  // The middle of the surfaces' bounds, to whole mm: exact in float32 like the surfaces' own.
+  Vec3 center() const {
+    Bounds all;
+    for (const Graph::Anatomy& a : graph_.anatomies) include(all, bounds_of(mesh(a.surface)));
+    const Vec3 c = (all.min_mm + all.max_mm) / 2;
+    return {std::round(c.x), std::round(c.y), std::round(c.z)};
+  }
+
+  void add_provenance(const std::string& program_version, const std::string& input_sha256) {
+    CaseManifest& m = manifest();
+    m.case_token = config_.case_token;
+    m.program_version = program_version;
+    m.input_sha256 = input_sha256;
+    // Of the stages that the case was made by, and no others: parameters of what the scene does not demand change no
+    // byte.
+    for (const Node& node : graph_.nodes)
+      for (const auto& [name, value] : node.recorded()) m.parameters.emplace_back(node.name + "." + name, value);
+  }
+
+  void add_file(const std::string& stem, const std::string& extension, std::string bytes, std::string& name) {
+    const CaseFile file = describe_case_file(stem, extension, bytes);
+    name = file.name;
+    manifest().files.push_back(file);
+    out_.files.push_back({stem, extension, std::move(bytes)});
+  }
+
+  // The sum of the bounds that the stages which moved the surface were given, and of what they used.
+  void add_budget(const RecipeAnatomy& recipe, CaseAnatomy& out) const {
+    for (const RecipeStep& step : recipe.steps)
+      for (const char* bound : {"max_deviation_mm", "max_displacement_mm"})
+        if (const Parameter* p = step.params.set->find(bound)) {
+          out.budget_asked_mm += std::get<double>(step.params.get(*p));
+          const Report& report = report_of(recipe.name + "." + step.type->name);
+          out.budget_used_mm += report.find("displacement_max_mm")
+                                    ? result_of<SmoothingResult>(report).displacement_max_mm
+                                    : result_of<BoundResult>(report).deviation_max_mm;
+        }
+  }
+
+  void add_stage_figures(const std::string& anatomy, const std::string& stage, CaseAnatomy& out,
+                         AnatomyResult& result) const {
+    const int node = graph_.find(anatomy + "." + stage);
+    if (node < 0) return;
+    result.seconds += at(node).seconds;
+    for (const auto& f : at(node).report.figures) out.figures.emplace_back(stage + "." + f.first, f.second);
+  }
+
+  void add_anatomy(const Graph::Anatomy& nodes, const SceneAnatomy& limit) {
+    const RecipeAnatomy& recipe = *config_.find_anatomy(nodes.name);
+    const TriMesh& surface = mesh(nodes.surface);
+    const Report& measured = at(nodes.measure).report;
+
+    GlbParams glb;
+    glb.center_mm = manifest().center_mm;
+    glb.name = nodes.name;
+    glb.colour_rgb = recipe.colour_rgb;
+    glb.opacity = recipe.opacity_ratio;
+    std::string bytes = make_glb(surface, glb);
+    // What is published is float32 about the case's centre: the invariant must hold for that, not for our doubles.
+    with_field(nodes.name, [&] { require_valid(read_glb(std::string_view(bytes)).mesh); });
+
+    CaseAnatomy out;
+    out.name = nodes.name;
+    out.colour_rgb = recipe.colour_rgb;
+    out.opacity = recipe.opacity_ratio;
+    out.triangles = surface.triangles.size();
+    out.points = surface.points_mm.size();
+    out.volume_ml = volume_mm3(surface) / 1000;
+    out.area_cm2 = area_mm2(surface) / 100;
+    const auto deviation = result_of<DeviationResult>(measured);
+    out.deviation = {deviation.max_mm, deviation.p99_mm, deviation.rms_mm};
+    add_budget(recipe, out);
+
+    AnatomyResult result;
+    result.name = nodes.name;
+    result.triangles_before = result_of<ContourResult>(at(nodes.first_surface).report).triangles_count;
+    result.triangles_after = static_cast<std::int64_t>(out.triangles);
+    result.bytes_after = bytes.size();
+    // A GLB is 24 bytes a vertex (position, normal) and 12 a triangle; a closed surface has half as many points.
+    result.bytes_before = static_cast<std::uint64_t>(result.triangles_before) * 24;
+    result.deviation_max_mm = out.deviation.max_mm;
+    result.deviation_p99_mm = out.deviation.p99_mm;
+    result.deviation_rms_mm = out.deviation.rms_mm;
+    result.volume_ml = out.volume_ml;
+    if (recipe.find_step("decimate"))
+      result.stopped_by = result_of<DecimationResult>(report_of(nodes.name + ".decimate")).stopped_by;
+    for (const RecipeStep& step : recipe.steps) add_stage_figures(nodes.name, step.type->name, out, result);
+    add_stage_figures(nodes.name, "boolean", out, result);
+    hold_against_limits(limit, result);
+
+    add_file("meshes/" + nodes.name, ".glb", std::move(bytes), out.file);
+    manifest().anatomies.push_back(std::move(out));
+    out_.anatomies.push_back(result);
+  }
+
+  void hold_against_budget() const {
+    const std::int64_t most = config_.trade.rule.triangles_count;
+    std::int64_t triangles = 0;
+    for (const AnatomyResult& a : out_.anatomies) triangles += a.triangles_after;
+    if (most > 0 && triangles > most)
+      throw Error(ExitCode::quality, "", "budget.triangles",
+                  std::to_string(triangles) + " triangles, the budget is " + std::to_string(most) + "; point " +
+                      config_.trade.choice.point.name + " of " + config_.trade.front_names() +
+                      " kept it on the case that it was measured on");
+  }
+
+  void add_haptic() {
+    HapticContent made = make_haptic_content(config_, haptic(), at(graph_.haptic).report,
+                                             graph_.mismatch < 0 ? Report{} : at(graph_.mismatch).report);
+    add_file("haptic", ".nrrd", std::move(made.bytes), made.manifest.file);
+    if (!made.hardness_bytes.empty())
+      add_file("hardness", ".nrrd", std::move(made.hardness_bytes), made.manifest.hardness_file);
+    // A shape that has no surface of its own is displayed from the volume.
+    for (CaseAnatomy& anatomy : made.anatomies) manifest().anatomies.push_back(std::move(anatomy));
+    manifest().haptic = std::move(made.manifest);
+  }
+
+  void add_burr_hole(int node) {
+    const std::string& name = graph_.nodes[static_cast<std::size_t>(node)].name;
+    const auto& cutters = *std::get<std::shared_ptr<const std::vector<Cutter>>>(at(node).data);
+    const Cutter& cutter = cutters.at(0);
+    CaseBurrHole hole;
+    hole.name = name;
+    hole.position_mm = cutter.position_mm;
+    hole.direction = cutter.direction;
+    hole.diameter_mm = 2 * cutter.radius_mm;
+    for (const auto& f : at(node).report.figures)
+      if (!std::holds_alternative<std::vector<double>>(f.second)) hole.figures.push_back(f);
+    const std::string& bone = config_.roles.burr_holes.bone;
+    for (const SceneDrill& drilled : config_.drilled) {
+      hole.cut.push_back(drilled.anatomy);
+      const int cut = graph_.find(drilled.anatomy + ".boolean");
+      if (cut >= 0) add_removed(hole, "mesh.", drilled.anatomy, result_of<RemovedResult>(at(cut).report, name + "."));
+      if (drilled.anatomy == bone) require_free(drilled, cutter, name);
+    }
+    if (graph_.haptic >= 0)
+      for (const auto& [shape, drill] : config_.haptic.params.as<VoxelizeStageParams>().drill)
+        add_removed(hole, "haptic.", shape,
+                    result_of<RemovedResult>(at(graph_.haptic).report, name + "." + shape + "."));
+    compare_removed(hole, bone);
+    manifest().burr_holes.push_back(std::move(hole));
+  }
+
+  static void add_removed(CaseBurrHole& hole, const std::string& of, const std::string& shape,
+                          const RemovedResult& removed) {
+    hole.figures.emplace_back(of + shape + ".removed_mm3", removed.removed_mm3);
+  }
+
+  // What is seen and what is felt lose the same bone.
+  void compare_removed(CaseBurrHole& hole, const std::string& bone) const {
+    const auto removed_mm3 = [&](const std::string& figure) {
+      for (const auto& [name, value] : hole.figures)
+        if (name == figure) return std::optional<double>(std::get<double>(value));
+      return std::optional<double>();
+    };
+    const auto seen_mm3 = removed_mm3("mesh." + bone + ".removed_mm3"),
+               felt_mm3 = removed_mm3("haptic." + bone + ".removed_mm3");
+    if (seen_mm3 == 0.0 || felt_mm3 == 0.0)
+      throw Error(ExitCode::quality, "", hole.name, "removes nothing from the " + bone);
+    if (!seen_mm3 || !felt_mm3) return;
+    const double difference = std::abs(*felt_mm3 / *seen_mm3 - 1);
+    hole.figures.emplace_back(bone + ".removed_difference_ratio", difference);
+    if (difference > removed_tolerance)
+      log_warning(config_.case_token + ": " + hole.name + ": mesh and haptic volume differ by " +
+                  to_text(ParameterValue(std::round(1000 * difference) / 10)) +
+                  " % in the bone removed; a smaller haptic.spacing_mm brings them together");
+  }
+
+  // A drill of the hole's own size, less a play, passes through the bone that is seen and through the bone that is
+  // felt.
+  void require_free(const SceneDrill& drilled, const Cutter& cutter, const std::string& name) const {
+    const Cutter own = widened(cutter, drilled.widen_mm);
+    for (const Graph::Anatomy& a : graph_.anatomies)
+      if (a.name == drilled.anatomy && free_radius_mm(mesh(a.surface), own) < own.radius_mm - hole_play_mm)
+        throw Error(ExitCode::quality, "", name, "is not free in the surface of " + a.name);
+    const Bore bore{own.position_mm, own.direction, own.radius_mm, own.above_mm, own.depth_mm};
+    if (graph_.haptic >= 0 && haptic().find_shape(drilled.anatomy) && !hole_is_free(haptic(), drilled.anatomy, bore))
+      throw Error(ExitCode::quality, "", name, "is not free in the haptic volume of " + drilled.anatomy);
+  }
+
+  // As the simulator will show it, capped where the volume ends.
+  TriMesh felt_surface(int number) const {
+    Report ignored;
+    ContourParams params;
+    params.min_component_mm3 = 0;
+    params.keep_cavities = true;
+    return contour(shape_field(haptic(), number), params, ignored);
+  }
+
+  void add_pictures(const Progress& cancelled) {
+    std::vector<PictureAnatomy> shown;
+    for (const Graph::Anatomy& a : graph_.anatomies) {
+      const RecipeAnatomy& recipe = *config_.find_anatomy(a.name);
+      shown.push_back({a.name, &mesh(a.surface), recipe.colour_rgb, recipe.opacity_ratio});
+    }
+    // What is felt but has no surface of its own: as the simulator will show it.
+    std::vector<TriMesh> felt;
+    felt.reserve(manifest().haptic.shapes.size());
+    for (const CaseShape& shape : manifest().haptic.shapes)
+      if (shape.displayed == "haptic") {
+        cancelled.check();
+        felt.push_back(felt_surface(shape.number));
+        shown.push_back({shape.name, &felt.back(), shape.material.colour_rgb, 1});
+      }
+    out_.pictures = make_case_pictures(*std::get<std::shared_ptr<const HuVolume>>(at(graph_.scan).data), shown,
+                                       manifest().landmarks, cancelled);
+  }
+
+  const CaseConfig& config_;
+  const Graph& graph_;
+  const std::vector<NodeResult>& results_;
+  CaseContent out_;
+};
+
+}  // namespace
+
+std::vector<int> wanted_nodes(const Graph& graph, bool pictures) {
+  std::vector<int> wanted = graph.burr_holes;
+  if (pictures) wanted.push_back(graph.scan);
+  for (const Graph::Anatomy& a : graph.anatomies) {
+    wanted.push_back(a.surface);
+    wanted.push_back(a.measure);
+  }
+  for (const int node : {graph.landmarks, graph.anatomy_gate, graph.face_gate, graph.haptic, graph.mismatch})
+    if (node >= 0) wanted.push_back(node);
+  return wanted;
+}
+
+CaseContent make_case_content(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results,
+                              const std::string& program_version, const std::string& input_sha256, bool pictures,
+                              const Progress& cancelled) {
+  return Builder(config, graph, results).build(program_version, input_sha256, pictures, cancelled);
+}
+
+}  // namespace trephine

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "cases/case.h"
+#include "config/config.h"
+#include "pipeline/executor.h"
+#include "pipeline/graph.h"
+#include "publish/case_pictures.h"
+#include "publish/case_table.h"
+
+namespace trephine {
+
+/// A case in memory: everything that will be published, nothing of it written yet.
+struct CaseContent {
+  struct File {
+    std::string stem, extension;  ///< as write_case_file takes them
+    std::string bytes;
+  };
+  CaseManifest manifest;
+  std::vector<File> files;
+  std::vector<AnatomyResult> anatomies;
+  std::vector<CasePicture> pictures;
+};
+
+/// The nodes whose data or report the case needs; what only they need is computed too, nothing else.
+std::vector<int> wanted_nodes(const Graph& graph, bool pictures);
+
+/// Makes the case of a run's results and holds it against the scene's limits: throws Error 80 naming the anatomy where
+/// a surface is not valid in float32, exceeds the scene's triangles or deviation, or a burr hole is not free.
+CaseContent make_case_content(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results,
+                              const std::string& program_version, const std::string& input_sha256, bool pictures,
+                              const Progress& cancelled);
+
+}  // namespace trephine

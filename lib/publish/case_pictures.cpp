@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "publish/case_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "base/parallel.h"
+#include "boolean/cutter.h"
+#include "picture/image.h"
+#include "picture/render.h"
+#include "picture/slice.h"
+#include "surface/bounds.h"
+
+namespace trephine {
+namespace {
+
+constexpr int cell_px = 640;
+
+Bounds bounds_of_all(const std::vector<PictureAnatomy>& anatomies) {
+  Bounds all;
+  for (const PictureAnatomy& a : anatomies) include(all, bounds_of(*a.surface));
+  return all;
+}
+
+Image shaded(const std::vector<SurfaceView>& views, View from, const std::string& title, std::optional<Bounds> frame,
+             const Progress& progress, std::optional<ClipPlane> clip = {}) {
+  RenderParams params;
+  params.view = from;
+  params.width = params.height = cell_px;
+  params.title = title;
+  params.frame = frame;
+  params.clip = clip;
+  return render_surfaces(views, params, progress);
+}
+
+// The largest shape lies outermost: seen alone it would hide the rest, so the others are shown through it.
+std::vector<SurfaceView> see_through(const std::vector<PictureAnatomy>& anatomies) {
+  std::vector<SurfaceView> views;
+  double largest = 0;
+  for (const PictureAnatomy& a : anatomies) largest = std::max(largest, std::abs(volume_mm3(*a.surface)));
+  for (const PictureAnatomy& a : anatomies) {
+    const double share = std::abs(volume_mm3(*a.surface)) / largest;
+    views.push_back({a.surface, a.colour_rgb, share > 0.3 && anatomies.size() > 1 ? 0.25 * a.opacity : a.opacity});
+  }
+  return views;
+}
+
+// The same hue at full strength: tissue colours are too pale for lines on a grey picture.
+std::array<double, 3> vivid(std::array<double, 3> rgb) {
+  const auto [low, high] = std::minmax_element(rgb.begin(), rgb.end());
+  const double from = *low, range = *high - *low;
+  if (range < 0.02) return {1, 1, 1};
+  for (double& c : rgb) c = 0.1 + 0.9 * (c - from) / range;
+  return rgb;
+}
+
+// Where to cut: through the middle of the smallest shape, which is the innermost one.
+Vec3 point_of_interest(const std::vector<PictureAnatomy>& anatomies) {
+  const auto smallest = std::min_element(anatomies.begin(), anatomies.end(), [](const auto& a, const auto& b) {
+    return std::abs(volume_mm3(*a.surface)) < std::abs(volume_mm3(*b.surface));
+  });
+  const Bounds b = bounds_of(*smallest->surface);
+  return (b.min_mm + b.max_mm) / 2;
+}
+
+constexpr double ball_radius_mm = 3;
+
+TriMesh ball_at(Vec3 position_mm) {
+  Cutter ball;
+  ball.kind = Cutter::Kind::sphere;
+  ball.position_mm = position_mm;
+  ball.radius_mm = ball_radius_mm;
+  return mesh_of(ball, 0.1);
+}
+
+// From red, a guess, to green.
+std::array<double, 3> colour_of(const CaseLandmark& l) { return {1 - l.confidence, 0.15 + 0.75 * l.confidence, 0.1}; }
+
+// Images, some of them on several sheets: one part of an image's work follows another, so that as many are made at once
+// as there are threads.
+struct Sheet {
+  std::string name;
+  std::vector<std::size_t> cells;  // images
+};
+
+class Sheets {
+ public:
+  std::size_t image(std::function<Image()> make) {
+    makers_.push_back(std::move(make));
+    return makers_.size() - 1;
+  }
+  void add(Sheet sheet) { sheets_.push_back(std::move(sheet)); }
+
+  std::vector<CasePicture> make(const Progress& progress) const {
+    std::vector<Image> images(makers_.size());
+    parallel_for(0, std::int64_t(images.size()), 1, [&](std::int64_t from, std::int64_t to) {
+      for (std::int64_t i = from; i < to; ++i) images[i] = makers_[i]();
+    });
+    std::vector<CasePicture> pictures(sheets_.size());
+    parallel_for(0, std::int64_t(sheets_.size()), 1, [&](std::int64_t from, std::int64_t to) {
+      progress.check();
+      for (std::int64_t i = from; i < to; ++i) {
+        std::vector<Image> cells;
+        for (const std::size_t c : sheets_[i].cells) cells.push_back(images[c]);
+        pictures[i] = {sheets_[i].name, encode_png(contact_sheet(cells, 3))};
+      }
+    });
+    return pictures;
+  }
+
+ private:
+  std::vector<std::function<Image()>> makers_;
+  std::vector<Sheet> sheets_;
+};
+
+/// Where landmarks are shown: kept by the images' makers.
+struct LandmarksScene {
+  std::vector<TriMesh> balls;
+  std::vector<SurfaceView> views;
+  std::vector<OverlayShape> outlines;
+};
+
+Sheet landmarks_sheet(Sheets& sheets, const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
+                      const std::vector<CaseLandmark>& landmarks, const Bounds& frame, const Progress& progress) {
+  const auto scene = std::make_shared<LandmarksScene>();
+  for (const CaseLandmark& l : landmarks) scene->balls.push_back(ball_at(l.position_mm));
+  scene->views = see_through(anatomies);
+  for (std::size_t i = 0; i < landmarks.size(); ++i)
+    scene->views.push_back({&scene->balls[i], colour_of(landmarks[i]), 1});
+  for (const PictureAnatomy& a : anatomies) scene->outlines.push_back({a.surface, vivid(a.colour_rgb), ""});
+
+  Sheet sheet{"landmarks.png", {}};
+  for (const View v : {View::front, View::left, View::oblique_right})
+    sheet.cells.push_back(
+        sheets.image([scene, v, &frame, &progress] { return shaded(scene->views, v, "landmarks", frame, progress); }));
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    const CaseLandmark& l = landmarks[i];
+    // On the midline a profile says most, elsewhere the cut from ear to ear or through the ventricles.
+    const bool midline = l.name == "nasion" || l.name == "inion" || l.name == "vertex" || l.name == "bregma";
+    SliceParams params;
+    params.plane = midline                         ? SlicePlane::sagittal
+                   : l.name.rfind("monro", 0) == 0 ? SlicePlane::axial
+                                                   : SlicePlane::coronal;
+    const int axis = midline ? 0 : params.plane == SlicePlane::axial ? 2 : 1;
+    const auto range = slice_range_mm(lattice_of(volume), params.plane);
+    if (l.position_mm[axis] < range[0] || l.position_mm[axis] > range[1]) continue;
+    params.longer_side_px = cell_px;
+    params.window_width_hu = 400;
+    params.position_mm = l.position_mm[axis];
+    sheet.cells.push_back(sheets.image([scene, i, params, &l, &volume, &progress] {
+      progress.check();
+      std::vector<OverlayShape> shapes = scene->outlines;
+      shapes.push_back({&scene->balls[i], colour_of(l), l.name});
+      return slice_overlay(volume, params, shapes);
+    }));
+  }
+  return sheet;
+}
+
+}  // namespace
+
+std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
+                                            const std::vector<CaseLandmark>& landmarks, const Progress& progress) {
+  if (anatomies.empty()) return {};
+  const Bounds frame = bounds_of_all(anatomies);
+  const Vec3 focus = point_of_interest(anatomies);
+  Sheets sheets;
+  if (!landmarks.empty()) sheets.add(landmarks_sheet(sheets, volume, anatomies, landmarks, frame, progress));
+  Sheet overview{"overview.png", {}};
+
+  std::vector<SurfaceView> solid;
+  for (const PictureAnatomy& a : anatomies) solid.push_back({a.surface, a.colour_rgb, 1});
+  if (anatomies.size() > 1)  // else it is the anatomy's own
+    overview.cells.push_back(
+        sheets.image([&] { return shaded(see_through(anatomies), View::oblique_left, "all", frame, progress); }));
+  overview.cells.push_back(sheets.image([&] {
+    ClipPlane front_half;
+    front_half.point_mm = focus;
+    front_half.normal = {0, -1, 0};
+    return shaded(solid, View::front, "cut", frame, progress, front_half);
+  }));
+
+  for (const PictureAnatomy& a : anatomies) {
+    Sheet sides{a.name + ".png", {}};
+    for (const View v : {View::oblique_left, View::oblique_right, View::front, View::left, View::back, View::top})
+      sides.cells.push_back(sheets.image([&a, v, &progress] {
+        return shaded({{a.surface, a.colour_rgb, 1}}, v, a.name, {}, progress);
+      }));
+    overview.cells.push_back(sides.cells[0]);
+    if (anatomies.size() == 1) overview.cells.push_back(sides.cells[1]);
+    sheets.add(std::move(sides));
+  }
+
+  std::vector<OverlayShape> shapes;
+  for (const PictureAnatomy& a : anatomies) shapes.push_back({a.surface, vivid(a.colour_rgb), a.name});
+  constexpr SlicePlane planes[] = {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal};
+  constexpr const char* names[] = {"axial", "coronal", "sagittal"};
+  constexpr int axis_of_plane[] = {2, 1, 0};
+  constexpr int slices = 6;
+  for (int p = 0; p < 3; ++p) {
+    const auto range = slice_range_mm(lattice_of(volume), planes[p]);
+    const int axis = axis_of_plane[p];
+    const double from = std::max(range[0], frame.min_mm[axis]), to = std::min(range[1], frame.max_mm[axis]);
+    SliceParams params;
+    params.plane = planes[p];
+    params.longer_side_px = cell_px;
+    params.window_width_hu = 150;  // brain and CSF are to be told apart; bone is white in any window
+    const auto slice = [&] {
+      return sheets.image([&volume, &shapes, &progress, params] {
+        progress.check();
+        return slice_overlay(volume, params, shapes);
+      });
+    };
+    Sheet sheet{std::string(names[p]) + ".png", {}};
+    for (int i = 0; i < slices; ++i) {
+      params.position_mm = from + (to - from) * (i + 1) / (slices + 1);
+      sheet.cells.push_back(slice());
+    }
+    params.position_mm = std::clamp(focus[axis], range[0], range[1]);
+    overview.cells.push_back(slice());
+    sheets.add(std::move(sheet));
+  }
+  sheets.add(std::move(overview));
+  return sheets.make(progress);
+}
+
+}  // namespace trephine

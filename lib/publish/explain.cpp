@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "publish/explain.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "base/text_table.h"
+
+namespace trephine {
+namespace {
+
+std::string joined(const std::vector<std::string>& parts, const char* between) {
+  std::string text;
+  for (const std::string& p : parts) text += (text.empty() ? "" : between) + p;
+  return text;
+}
+
+// What the executor will do, without doing it (executor.cpp, demand).
+class Forecast {
+ public:
+  Forecast(const Graph& graph, const std::vector<int>& wanted, const StageCache& cache)
+      : graph_(graph), entries_(graph.nodes.size()), needed_(graph.nodes.size(), false) {
+    for (std::size_t i = 0; i < graph.nodes.size(); ++i) entries_[i] = cache.look_up(graph.nodes[i].key);
+    for (const int w : wanted) demand(w);
+    for (std::size_t i = graph.nodes.size(); i-- > 0;)
+      if (!entries_[i].has_report) demand(static_cast<int>(i));
+  }
+
+  Explanation::Stage::State state(std::size_t i) const {
+    using State = Explanation::Stage::State;
+    if (!needed_[i]) return State::known;
+    return is_cached(i) ? State::cached : State::compute;
+  }
+  std::optional<double> seconds(std::size_t i) const { return entries_[i].seconds; }
+
+ private:
+  bool is_cached(std::size_t i) const {
+    return entries_[i].has_report && (entries_[i].has_data || graph_.nodes[i].output == DataKind::nothing);
+  }
+  void demand(int node) {
+    const auto i = static_cast<std::size_t>(node);
+    if (needed_[i]) return;
+    needed_[i] = true;
+    if (is_cached(i)) return;
+    for (const auto& [port, source] : graph_.nodes[i].sources) demand(source);
+  }
+
+  const Graph& graph_;
+  std::vector<StageCache::Entry> entries_;
+  std::vector<bool> needed_;
+};
+
+std::string why_needed(const Graph& graph, int node, bool pictured) {
+  std::vector<std::string> why, readers;
+  for (const Graph::Anatomy& a : graph.anatomies) {
+    if (a.surface == node) why.push_back("the surface of " + a.name + " that the scene shows");
+    if (a.measure == node) why.push_back("what decimation and smoothing did to " + a.name);
+  }
+  if (graph.haptic == node) why.emplace_back("the scene's haptic volume");
+  if (graph.mismatch == node) why.emplace_back("how far what is felt lies from what is seen");
+  if (graph.landmarks == node) why.emplace_back("landmarks that the scene, a burr hole or the gate needs");
+  if (graph.anatomy_gate == node) why.emplace_back("the gate over the anatomies that the scene shows");
+  if (graph.face_gate == node) why.emplace_back("the gate over the face");
+  if (pictured && graph.scan == node) why.emplace_back("the pictures");
+  for (const Node& reader : graph.nodes)
+    for (const auto& [port, source] : reader.sources)
+      if (source == node && std::find(readers.begin(), readers.end(), reader.name) == readers.end())
+        readers.push_back(reader.name);
+  if (!readers.empty()) why.push_back("read by " + joined(readers, ", "));
+  return joined(why, "; ");
+}
+
+const SceneShape* find_shape(const CaseConfig& config, const std::string& name) {
+  for (const SceneShape& s : config.haptic.shapes)
+    if (s.name == name) return &s;
+  return nullptr;
+}
+
+std::string why_pruned(const CaseConfig& config, const RecipeAnatomy& anatomy) {
+  const bool has_surface = std::any_of(config.scene.begin(), config.scene.end(),
+                                       [&](const SceneAnatomy& a) { return a.name == anatomy.name; });
+  if (has_surface) return "nothing of the scene reads it";  // no recipe of one chain has such a step
+  if (find_shape(config, anatomy.name)) return "the scene feels " + anatomy.name + " but has no surface of it";
+  return "the scene neither shows nor feels " + anatomy.name;
+}
+
+std::string why_scan_step_pruned(const CaseConfig& config, const std::string& step) {
+  if (step == resample_step) return "no spacing is set, the scan stays as it is";
+  if (step == landmarks_step) return "nothing in the scene needs a landmark";
+  if (step == deface_step)
+    return config.face.empty() ? "the scene has no face policy" : "the scene's face policy is " + config.face;
+  return "the scene shows too few of its anatomies";
+}
+
+const char* to_text(Explanation::Stage::State state) {
+  switch (state) {
+    case Explanation::Stage::State::compute:
+      return "compute";
+    case Explanation::Stage::State::cached:
+      return "cached";
+    case Explanation::Stage::State::known:
+      return "known";
+  }
+  return "";
+}
+
+}  // namespace
+
+Explanation explain(const CaseConfig& config, const Graph& graph, const std::vector<int>& wanted,
+                    const StageCache& cache) {
+  Explanation out;
+  out.trade = config.trade;
+  // Of those stages that will be; of a node that sees the original scan they are its stage's.
+  for (const ValueRow& row : config.values)
+    if (std::any_of(graph.nodes.begin(), graph.nodes.end(), [&](const Node& node) {
+          const std::string prefix = node.name == "haptic.voxelize" ? "haptic." : node.name + ".";
+          return row.path.rfind(prefix, 0) == 0;
+        }))
+      out.values.push_back(row);
+  const Forecast forecast(graph, wanted, cache);
+  const bool pictured = std::count(wanted.begin(), wanted.end(), graph.scan) > 0;
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i)
+    out.stages.push_back({graph.nodes[i].name, forecast.state(i), forecast.seconds(i),
+                          why_needed(graph, static_cast<int>(i), pictured)});
+  for (const RecipeStep& step : config.scan_steps)
+    if (graph.find(step.type->name) < 0)
+      out.pruned.push_back({step.type->name, why_scan_step_pruned(config, step.type->name)});
+  for (const RecipeAnatomy& anatomy : config.anatomies)
+    for (const RecipeStep& step : anatomy.steps)
+      if (const std::string name = anatomy.name + "." + step.type->name; graph.find(name) < 0)
+        out.pruned.push_back({name, why_pruned(config, anatomy)});
+  if (graph.haptic < 0) out.pruned.push_back({"haptic.voxelize", "the scene wants no haptic volume"});
+  return out;
+}
+
+namespace {
+
+// What is said somewhere, then how many values are the defaults.
+std::string values_table(const std::vector<ValueRow>& values) {
+  std::vector<std::vector<std::string>> cells = {{"parameter", "value", "from", "where"}};
+  std::size_t defaults = 0;
+  for (const ValueRow& row : values) {
+    defaults += row.origin.source == ValueSource::standard;
+    cells.push_back({row.path, row.value, to_text(row.origin.source), row.origin.where});
+  }
+  return text_table(cells, "llll") + fmt::format("{} parameters, {} at their defaults\n", values.size(), defaults);
+}
+
+}  // namespace
+
+std::string explanation_table(const Explanation& e) {
+  std::size_t width = 5;
+  for (const auto& s : e.stages) width = std::max(width, s.name.size());
+  for (const auto& p : e.pruned) width = std::max(width, p.name.size());
+  std::string text = fmt::format("{:<{}}  {:<8} {:>9}  why\n", "stage", width, "state", "seconds");
+  double to_compute = 0;
+  std::size_t computed = 0, unknown = 0;
+  for (const auto& s : e.stages) {
+    text += fmt::format("{:<{}}  {:<8} {:>9}  {}\n", s.name, width, to_text(s.state),
+                        s.seconds ? fmt::format("{:.2f}", *s.seconds) : "?", s.why);
+    if (s.state != Explanation::Stage::State::compute) continue;
+    ++computed;
+    unknown += !s.seconds;
+    to_compute += s.seconds.value_or(0);
+  }
+  for (const auto& p : e.pruned) text += fmt::format("{:<{}}  {:<8} {:>9}  {}\n", p.name, width, "pruned", "", p.why);
+  text += fmt::format("{} of {} stages to compute, {} pruned", computed, e.stages.size(), e.pruned.size());
+  if (computed > unknown)
+    text += fmt::format("; {:.1f} s when they were last computed{}", to_compute,
+                        unknown ? fmt::format(", without {} never seen", unknown) : "");
+  text += '\n';
+  text += "\n" + values_table(e.values);
+  if (!e.trade.rule.empty())
+    text += e.trade.rule.text() + ": point " + e.trade.choice.point.name + ", " + e.trade.choice.why + '\n';
+  return text;
+}
+
+std::string explanation_json(const Explanation& e) {
+  nlohmann::ordered_json json;
+  json["stages"] = nlohmann::ordered_json::array();
+  for (const auto& s : e.stages) {
+    nlohmann::ordered_json stage{{"name", s.name}, {"state", to_text(s.state)}, {"why", s.why}};
+    if (s.seconds) stage["seconds"] = *s.seconds;
+    json["stages"].push_back(std::move(stage));
+  }
+  json["pruned"] = nlohmann::ordered_json::array();
+  for (const auto& p : e.pruned) json["pruned"].push_back({{"name", p.name}, {"why", p.why}});
+  json["parameters"] = nlohmann::ordered_json::array();
+  for (const ValueRow& row : e.values)
+    json["parameters"].push_back(
+        {{"path", row.path}, {"value", row.value}, {"from", to_text(row.origin.source)}, {"where", row.origin.where}});
+  if (!e.trade.rule.empty())
+    json["trade"] = {{"rule", e.trade.rule.text()}, {"point", e.trade.choice.point.name}, {"why", e.trade.choice.why}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace trephine

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "boolean/cutter.h"
+#include "cases/case.h"
+#include "config/config.h"
+#include "voxel/haptic_volume.h"
+
+namespace trephine {
+
+/// The haptic part of a case.
+struct HapticContent {
+  CaseHaptic manifest;                 ///< without the files' names
+  std::vector<CaseAnatomy> anatomies;  ///< of shapes that have no surface of their own
+  std::string bytes, hardness_bytes;
+};
+
+/// `made` is the report of voxelize, `mismatch` that of mismatch.
+HapticContent make_haptic_content(const CaseConfig& config, const HapticVolume& volume, const Report& made,
+                                  const Report& mismatch);
+
+}  // namespace trephine

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "cases/case.h"
+#include "config/config.h"
+#include "pipeline/executor.h"
+#include "pipeline/graph.h"
+
+namespace trephine {
+
+/// What a case says of the head as a whole: landmarks (found, and those given), the foramina of Monro as targets, the
+/// figures of the anatomical gate, the face policy. Throws Error 80 where a landmark that the scene needs was not found
+/// or is less sure than the scene demands, naming how to give it.
+void add_head_content(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results,
+                      CaseManifest& manifest);
+
+}  // namespace trephine

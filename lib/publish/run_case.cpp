@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "publish/run_case.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <random>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/write_file.h"
+#include "cases/case.h"
+#include "head/anatomy_gate.h"
+#include "publish/case_content.h"
+#include "publish/case_lock.h"
+#include "publish/run_json.h"
+
+namespace trephine {
+namespace fs = std::filesystem;
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// From the system's entropy: a case's name is never derived from the patient (acceptance P3).
+std::string random_token() {
+  std::random_device source;
+  std::string token = "case-";
+  for (int i = 0; i < 10; ++i) token += "0123456789abcdefghijkmnpqrstuvwxyz"[source() % 34];
+  return token;
+}
+
+}  // namespace
+
+void require_face_policy(const CaseConfig& config) {
+  if (!config.face.empty()) return;
+  std::string shown;
+  for (const SceneAnatomy& wanted : config.scene)
+    if (config.find_anatomy(wanted.name)->shows_face) shown = wanted.name;
+  if (config.haptic.wanted && config.haptic.encoding() == HapticEncoding::hu) {
+    for (const RecipeAnatomy& a : config.anatomies)
+      if (a.shows_face) shown = "the haptic volume of raw HU";
+  } else {
+    for (const SceneShape& shape : config.haptic.shapes)
+      if (config.find_anatomy(shape.name)->shows_face) shown = shape.name + " in the haptic volume";
+  }
+  if (!shown.empty())
+    throw Error(ExitCode::privacy, "", "scene.face",
+                shown +
+                    " shows the patient's face; the scene must say face: {policy: deface}, {policy: crop} or "
+                    "{policy: keep, reason: ...}");
+}
+
+namespace {
+
+// A case folder in which nothing was ever published goes again where the run fails: nothing is left behind that looks
+// like a case. Made and destroyed under the case's lock, for only there it is certain that no other run publishes.
+struct UnpublishedFolder {
+  explicit UnpublishedFolder(const fs::path& f) : folder(f) {}
+  fs::path folder;
+  ~UnpublishedFolder() {
+    std::error_code ignored;
+    // Where the disk does not say whether there is a case, there may be one.
+    if (fs::symlink_status(folder / "case.json", ignored).type() != fs::file_type::not_found) return;
+    // Only what a run of ours makes; a file of somebody else's keeps the folder.
+    for (const char* ours : {"meshes", "report"}) fs::remove_all(folder / ours, ignored);
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+      if (entry.path().filename() != ".lock") return;
+    fs::remove(folder / ".lock", ignored);
+    fs::remove(folder, ignored);
+  }
+};
+
+// Folders that the run makes and leaves empty, for it failed, go again.
+class NewFolders {
+ public:
+  ~NewFolders() {
+    std::error_code ignored;
+    for (auto f = missing_.rbegin(); f != missing_.rend(); ++f)
+      fs::remove(*f, ignored);  // not where something is in it
+  }
+  // Before it is made.
+  void expect(const fs::path& folder) {
+    std::vector<fs::path> missing;
+    std::error_code error;
+    for (fs::path f = fs::absolute(folder).lexically_normal();
+         f.has_relative_path() && fs::status(f, error).type() == fs::file_type::not_found; f = f.parent_path())
+      missing.push_back(f);
+    missing_.insert(missing_.end(), missing.rbegin(), missing.rend());
+  }
+
+ private:
+  std::vector<fs::path> missing_;
+};
+
+// A case's folder holds the case and nothing else: what the user asks for beside it goes elsewhere.
+void require_outside(const fs::path& case_folder, const fs::path& output, const char* flag) {
+  if (output.empty()) return;
+  const fs::path inside =
+      fs::weakly_canonical(fs::absolute(output)).lexically_relative(fs::weakly_canonical(fs::absolute(case_folder)));
+  if (inside.empty() || *inside.begin() == "..") return;
+  throw Error(ExitCode::usage, output.string(), flag, "lies in the case's own folder, choose another");
+}
+
+// What a run's results are collected in on the way to the case.
+struct Run {
+  explicit Run(const RunRequest& r) : request(r) {}
+  const RunRequest& request;
+  CaseConfig config;
+  Graph graph;
+  std::vector<NodeResult> results;
+  Report folder;  // what else lay in the series' folder
+  std::vector<std::string> warnings;
+};
+
+std::string hash_input(Run& run, const Progress& cancelled) {
+  try {
+    return hash_of_series_input(run.config.series, run.config.import, cancelled, &run.folder);
+  } catch (const Error& e) {
+    if (e.code() != ExitCode::usage) throw;
+    throw Error(e.code(), e.file(), e.field(), std::string(e.what()) + "; --set import.series=s1 chooses the first");
+  }
+}
+
+// Of every stage that the case needs, published or not, and before anything is refused: they may say why it will be.
+void tell_warnings(Run& run) {
+  for (const std::string& w : run.folder.warnings) run.warnings.push_back("import: " + w);
+  for (std::size_t i = 0; i < run.graph.nodes.size(); ++i)
+    for (const std::string& w : run.results[i].report.warnings)
+      run.warnings.push_back(run.graph.nodes[i].name + ": " + w);
+  for (const std::string& w : run.warnings) log_warning(run.config.case_token + ": " + w);
+}
+
+// A budget of time cannot be kept by force: the case is done and good, only later.
+void tell_overrun(Run& run, double seconds) {
+  const double budget_s = run.config.trade.rule.seconds;
+  if (budget_s <= 0 || seconds <= budget_s) return;
+  run.warnings.push_back("took " + to_text(ParameterValue(std::round(10 * seconds) / 10)) + " s, the budget is " +
+                         to_text(ParameterValue(budget_s)) + " s: this machine or its load is not that of " +
+                         run.config.trade.front_names());
+  log_warning(run.config.case_token + ": " + run.warnings.back());
+}
+
+// Pictures of an older state of the case would be taken for this one's.
+void remove_other_pictures(const fs::path& folder, const std::vector<CasePicture>& pictures) {
+  std::error_code ignored;
+  std::vector<fs::path> others;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().extension() == ".png" && std::none_of(pictures.begin(), pictures.end(), [&](const CasePicture& p) {
+          return entry.path().filename() == p.name;
+        }))
+      others.push_back(entry.path());
+  for (const fs::path& f : others) fs::remove(f, ignored);
+}
+
+// Everything is made and may be published: from here on nothing but the disk can stop it. The pictures are not part of
+// the case's bytes; they are written last before case.json, so that both change at nearly the same moment.
+void publish(const Run& run, const fs::path& folder, const CaseContent& content) {
+  for (const CaseContent::File& f : content.files) write_case_file(folder, f.stem, f.extension, f.bytes);
+  for (const CasePicture& p : content.pictures) write_file(folder / "report" / p.name, p.png);
+  publish_case(folder, content.manifest);
+  remove_other_pictures(folder / "report", content.pictures);
+  try {
+    remove_unnamed_case_files(folder);
+  } catch (const std::exception& e) {  // the case is published, whatever is left beside it
+    log_warning(run.config.case_token + ": files of the older case are left: " + e.what());
+  }
+}
+
+// Beside the case's folder, in which there may be the last good case or nothing.
+constexpr const char* refusal_ending = ".refused.png";
+
+void show_refusal(const fs::path& file, const AnatomyError& e) {
+  if (e.picture_png.empty()) return;
+  try {
+    write_file(file, e.picture_png);
+    log_warning(e.case_token() + ": a picture of what is wrong: " + file.string());
+  } catch (const Error& failed) {  // what matters is why the case is refused
+    log_warning(e.case_token() + ": the picture of what is wrong could not be written: " + failed.what());
+  }
+}
+
+fs::path cache_folder_of(const RunRequest& request) {
+  if (!request.params.use_cache) return {};
+  return request.cache.empty() ? request.library / ".trephine-cache" : request.cache;
+}
+
+CaseConfig read_config(const RunRequest& request) {
+  ConfigOverrides overrides = request.overrides;
+  if (!request.params.case_token.empty()) {
+    validate_case_token(request.params.case_token, ExitCode::usage);
+    overrides.case_token = request.params.case_token;
+  }
+  overrides.profile = request.params.profile;
+  CaseConfig config = read_case_config(request.config, overrides);
+  if (config.series.empty())
+    throw Error(ExitCode::usage, request.config.string(), "series",
+                "the configuration names none, give --series FOLDER");
+  return config;
+}
+
+void tell_choice(const CaseConfig& config) {
+  if (!config.trade.rule.empty())
+    log_line(config.case_token + ": " + config.trade.rule.text() + ": point " + config.trade.choice.point.name +
+             " of " + config.trade.front_names() + ", " + config.trade.choice.why);
+}
+
+}  // namespace
+
+Explanation explain_case(const RunRequest& request) {
+  Run run(request);
+  run.config = read_config(request);
+  run.graph = make_graph(run.config, hash_input(run, Progress({}, &cancel_requested())));
+  std::error_code ignored;
+  const fs::path cache = cache_folder_of(request);
+  return explain(run.config, run.graph, wanted_nodes(run.graph, request.params.pictures),
+                 StageCache(fs::exists(cache, ignored) ? cache : fs::path()));
+}
+
+RunResult run_case(const RunRequest& request, RunObserver& observer) {
+  const auto start = Clock::now();
+  Run run(request);
+  run.config = read_config(request);
+  if (run.config.case_token.empty()) run.config.case_token = random_token();
+  const std::string token = run.config.case_token;
+  try {
+    const fs::path folder = request.library / token;
+    const fs::path cache_folder = cache_folder_of(request);
+    require_outside(folder, request.keep, "--keep");
+    require_outside(folder, request.cache, "--cache");
+    require_outside(folder, request.json, "--json");
+    require_face_policy(run.config);
+    tell_choice(run.config);
+
+    NewFolders new_folders;
+    for (const fs::path& f : {request.library, cache_folder, request.keep})
+      if (!f.empty()) new_folders.expect(f);
+    make_output_folder(request.library);
+    make_output_folder(folder);
+    const CaseLock lock(folder);
+    const UnpublishedFolder cleanup(folder);
+    make_output_folder(folder / "meshes");
+    if (request.params.pictures) make_output_folder(folder / "report");
+    for (const fs::path& f : {folder, folder / "meshes", folder / "report"}) remove_stale_temporaries(f);
+    if (!request.keep.empty()) make_output_folder(request.keep);
+    const StageCache cache(cache_folder);
+
+    const Progress cancelled({}, &cancel_requested());
+    ExecuteOptions execution;
+    const std::string input_sha256 = hash_input(run, cancelled);
+    execution.keep = request.keep;
+    execution.cache = &cache;
+    execution.cancel = &cancel_requested();
+    run.graph = make_graph(run.config, input_sha256);
+    run.results = execute(run.graph, wanted_nodes(run.graph, request.params.pictures), execution, observer);
+    tell_warnings(run);
+
+    const CaseContent content =
+        make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version, input_sha256,
+                          request.params.pictures, cancelled);
+    cancelled.check();
+    publish(run, folder, content);
+    std::error_code ignored;
+    fs::remove(request.library / (token + refusal_ending), ignored);
+    cache.shrink_to(static_cast<std::uint64_t>(request.params.cache_limit_mb) * 1'000'000);
+
+    RunResult result;
+    result.case_folder = folder;
+    result.case_token = token;
+    result.anatomies = content.anatomies;
+    result.table = case_table(content.anatomies);
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    tell_overrun(run, seconds);
+    result.warnings = run.warnings;
+    result.json = run_json(run.graph, run.results, run.folder, content.anatomies, run.warnings, seconds);
+    write_file(folder / "run.json", result.json);
+    return result;
+  } catch (AnatomyError& e) {
+    e.in_case(token);
+    show_refusal(request.library / (token + refusal_ending), e);
+    throw;
+  } catch (Error& e) {
+    e.in_case(token);
+    throw;
+  }
+}
+
+}  // namespace trephine

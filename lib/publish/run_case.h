@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/params.h"
+#include "config/config.h"
+#include "pipeline/executor.h"
+#include "publish/case_table.h"
+#include "publish/explain.h"
+
+namespace trephine {
+
+/// What `trephine run` takes besides files and folders.
+struct RunParams {
+  std::string case_token;
+  std::string profile;
+  bool use_cache = true;
+  std::int64_t cache_limit_mb = 8192;
+  bool pictures = true;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = RunParams;
+    v.text(&P::case_token, "case",
+           "Name of the case: a-z, 0-9, _ and -, never a patient's; overrides the configuration's; random where "
+           "neither gives one.");
+    v.text(&P::profile, "profile",
+           "draft, standard or fine, of the trade that the configuration names; instead of the rule that it holds.");
+    v.flag(&P::use_cache, "use_cache",
+           "Reuse and keep the outputs of stages whose inputs and parameters are the same.");
+    v.integer(&P::cache_limit_mb, "cache_limit_mb", Range{0, 1e9},
+              "What the cache may hold after the run, in MB; the oldest goes first.");
+    v.flag(&P::pictures, "pictures", "Make the pictures in the case's report folder.");
+  }
+};
+
+struct RunRequest {
+  std::filesystem::path config;
+  std::filesystem::path library;  ///< the case becomes <library>/<case>/
+  ConfigOverrides overrides;
+  RunParams params;
+  std::filesystem::path keep;   ///< intermediates of every stage go here as files; empty: not
+  std::filesystem::path cache;  ///< empty: <library>/.trephine-cache
+  std::filesystem::path json;   ///< where the caller will write RunResult::json; empty: nowhere
+  std::string program_version;
+};
+
+struct RunResult {
+  std::filesystem::path case_folder;
+  std::string case_token;
+  std::vector<AnatomyResult> anatomies;
+  std::vector<std::string> warnings;  ///< logged already
+  std::string json;                   ///< the same as run.json: stages with times and reports, memory, load
+  std::string table;                  ///< for a person
+};
+
+/// Skin of a head is a face, and so is a CT of it: throws 81 where the case would publish one and the scene does not
+/// say that it may, and why.
+void require_face_policy(const CaseConfig& config);
+
+/// Builds one case, idempotently: afterwards the library holds the old case or the new one. Before any work it reads
+/// the configuration, refuses outputs of its own inside the case's folder (64), checks the face policy (81), makes and
+/// checks the folders (73) and takes the case's lock (75 where another run builds the same case). Then it computes what
+/// the scene demands, logs every stage's warnings, holds the results against the scene's limits (80), and publishes.
+/// Pictures of the run before and files that case.json no longer names are removed afterwards: who is still reading the
+/// older case may get a 66 that names such a file, and reads case.json again.
+RunResult run_case(const RunRequest& request, RunObserver& observer);
+
+/// What run_case would compute, what from its cache, what not, and why. Reads the configuration and the series, writes
+/// and computes nothing; the library need not exist.
+Explanation explain_case(const RunRequest& request);
+
+}  // namespace trephine

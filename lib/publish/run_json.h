@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "pipeline/executor.h"
+#include "publish/case_table.h"
+
+namespace trephine {
+
+/// run.json: what differs between equal runs (times, peak memory of this process and its children, load, threads)
+/// beside each stage's report. Outside the case's checksummed files.
+/// `folder` is what else lay in the series' folder.
+std::string run_json(const Graph& graph, const std::vector<NodeResult>& results, const Report& folder,
+                     const std::vector<AnatomyResult>& anatomies, const std::vector<std::string>& warnings,
+                     double wall_s);
+
+}  // namespace trephine

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "segmentation/coarse_segment.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "base/parallel.h"
+#include "mask/coarse.h"
+
+namespace trephine::segmentation {
+namespace {
+
+/// The brightest voxel of each cell; no number where one is none.
+template <class T>
+Grid<T> brightest(const Grid<T>& fine, const CoarseRaster& raster, const Progress& progress) {
+  const auto& factor = raster.factor;
+  Grid<T> cells(raster.cells, std::numeric_limits<T>::lowest());
+  parallel_for(0, cells.size[2], 1, [&](std::int64_t first, std::int64_t last) {
+    progress.check();
+    for (int k = static_cast<int>(first) * factor[2]; k < std::min<std::int64_t>(last * factor[2], fine.size[2]); ++k)
+      for (int j = 0; j < fine.size[1]; ++j) {
+        const T* from = &fine.at(0, j, k);
+        T* to = &cells.at(0, j / factor[1], k / factor[2]);
+        for (int i = 0, c = 0; i < fine.size[0]; ++c)
+          for (const int end = std::min(i + factor[0], fine.size[0]); i < end; ++i)
+            if (!(from[i] <= to[c]) && to[c] == to[c]) to[c] = from[i];
+      }
+  });
+  return cells;
+}
+
+/// Each voxel with its cell's value, in the box that the field's cells cover.
+Field spread(const Field& field, const CoarseRaster& raster) {
+  const auto& factor = raster.factor;
+  const Box at = place_in(field, raster.cells);
+  Box box;
+  for (int a = 0; a < 3; ++a) {
+    box.begin[a] = at.begin[a] * factor[a];
+    box.end[a] = std::min(at.end[a] * factor[a], raster.fine.size[a]);
+  }
+  Field out(cropped(raster.fine, box));
+  parallel_for(0, out.size[2], 4, [&](std::int64_t from, std::int64_t to) {
+    for (int k = static_cast<int>(from); k < to; ++k)
+      for (int j = 0; j < out.size[1]; ++j) {
+        const float* cell = &field.at(0, j / factor[1], k / factor[2]);
+        float* voxel = &out.at(0, j, k);
+        for (int i = 0; i < out.size[0]; ++cell)
+          for (const int end = std::min(i + factor[0], out.size[0]); i < end; ++i) voxel[i] = *cell;
+      }
+  });
+  return out;
+}
+
+}  // namespace
+
+Field segment_coarsely(const HuVolume& volume, const SegmentParams& params, Report& report, const Progress& progress) {
+  const CoarseRaster raster = coarse_raster(lattice_of(volume), params.coarse_mm, true);
+  const HuVolume coarse =
+      std::visit([&](const auto& grid) { return HuVolume(brightest(grid, raster, progress)); }, volume);
+  // What the cells widened is no wider a bridge.
+  SegmentParams p = params;
+  p.coarse_mm = 0;
+  double widened_mm = 0;
+  for (int a = 0; a < 3; ++a) widened_mm = std::max(widened_mm, (raster.factor[a] - 1) * raster.fine.spacing_mm[a]);
+  if (p.open_mm > 0) p.open_mm += widened_mm;
+  const Field field = segment(coarse, {}, p, report, progress.part(0.1, 0.9));
+  return spread(field, raster);
+}
+
+}  // namespace trephine::segmentation

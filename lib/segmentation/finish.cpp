@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "segmentation/finish.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "mask/filters.h"
+#include "mask/surface_field.h"
+#include "segmentation/scan_edge.h"
+
+namespace trephine::segmentation {
+namespace {
+
+/// A fault of the shape found that names no parameter is the thresholds'.
+template <class F>
+auto of_thresholds(F&& f) {
+  try {
+    return f();
+  } catch (Error& e) {
+    if (e.field().empty()) e.in_field("lower_hu, upper_hu");
+    throw;
+  }
+}
+
+/// The field's surface moved by grow_mm, on a lattice with room for it.
+Field moved(const Field& field, const Lattice& volume, double grow_mm, const Progress& progress) {
+  Box box = place_in(field, volume);
+  for (int axis = 0; axis < 3; ++axis) {
+    const int margin = int(std::ceil(std::max(0.0, grow_mm) / volume.spacing_mm[axis])) + 1;
+    box.begin[axis] = std::max(0, box.begin[axis] - margin);
+    box.end[axis] = std::min(volume.size[axis], box.end[axis] + margin);
+  }
+  float lowest = -1;
+  for (float f : field.voxels) lowest = std::min(lowest, f);
+  Field out = signed_distance_mm(fit(field, cropped(volume, box), lowest), progress);
+  for (float& d : out.voxels) {
+    d += float(grow_mm);
+    if (std::abs(d) < 1e-4f) d = d > 0 ? 1e-4f : -1e-4f;
+  }
+  return out;
+}
+
+/// Whether the surface is one of a body.
+void check_scan_edge(const HuView& hu, const Field& field, const FinishParams& params, Report& report) {
+  const double ratio = scan_edge_ratio(hu, field);
+  report.add("scan_edge_ratio", ratio);
+  if (ratio > params.max_scan_edge_ratio)
+    throw Error(ExitCode::quality, "", "max_scan_edge_ratio",
+                fmt::format("{:.0f} % of its rim are the edge of the scanned field, at most {:.0f} %: leave it out of "
+                            "the scene, or take a scan with a wider field of view",
+                            100 * ratio, 100 * params.max_scan_edge_ratio));
+}
+
+/// The field cropped to its positive part and two voxels more.
+Field trimmed(Field field) {
+  const Box box = grown(positive(field, field).bounds(), 2, field);
+  const Lattice target = cropped(field, box);
+  if (target == field) return field;
+  return crop(field, box);
+}
+
+}  // namespace
+
+void check_thresholds(double lower_hu, double upper_hu) {
+  if (lower_hu > upper_hu)
+    throw Error(ExitCode::usage, "", "lower_hu", fmt::format("{} is above upper_hu, {}", lower_hu, upper_hu));
+}
+
+Field found_and_finished(const HuVolume& volume, const FinishParams& params,
+                         const std::function<Field(const HuView&)>& find, Report& report, const Progress& progress) {
+  const Lattice& lattice = lattice_of(volume);
+  const HuView hu(volume);
+  check_finite(volume);
+  Field field = of_thresholds([&] { return find(hu); });
+  if (params.grow_mm != 0) {
+    field = moved(field, lattice, params.grow_mm, progress);
+    report.add("grown_mm", params.grow_mm);
+  }
+  of_thresholds([&] { check_mask(positive(field, field), lattice.count(), report); });
+  field = trimmed(std::move(field));
+  if (params.max_scan_edge_ratio < 1) check_scan_edge(hu, field, params, report);
+  progress.report(1);
+  return field;
+}
+
+}  // namespace trephine::segmentation

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "mask/hu_view.h"
+#include "segmentation/segment.h"
+
+namespace trephine::segmentation {
+
+/// The part of segment() that finds the shape; its field is neither cropped nor checked yet.
+Field segment_threshold(const HuView& hu, const SegmentMasks& masks, const SegmentParams& params, Report& report,
+                        const Progress& progress);
+
+}  // namespace trephine::segmentation

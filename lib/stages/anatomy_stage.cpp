@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "head/anatomy_gate.h"
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType anatomy_stage() {
+  StageType s;
+  s.name = "anatomy";
+  s.version = 1;
+  s.place = StagePlace::scan;
+  s.summary = "checks a head's anatomies against each other and measures them";
+  s.description =
+      "Ventricles inside the brain, brain apart from the bone and inside the cranial cavity, skull inside the skin, "
+      "their surfaces apart, one connected brain: what is given of the four is checked, and exit code 80 says what is "
+      "wrong, by how much and where. Volumes, Evans' index and midline shift are measured, and the case is classed "
+      "normal, hydrocephalic, shifted or small.";
+  s.examples = {
+      "trephine anatomy --skin skin.nrrd --skull skull.nrrd --brain brain.nrrd --ventricles ventricles.nrrd "
+      "--landmarks landmarks.json",
+      "trephine anatomy --brain brain.nrrd --ventricles ventricles.nrrd --volume head.nrrd --picture "
+      "fault.png"};
+  s.ports = {{"skin", DataKind::field, false, "the skin"},
+             {"skull", DataKind::field, false, "the skull"},
+             {"brain", DataKind::field, false, "the brain"},
+             {"ventricles", DataKind::field, false, "the ventricles"},
+             {"landmarks", DataKind::landmarks, false, "landmarks and the midsagittal plane"},
+             {"volume", DataKind::volume, false, "CT volume, for a picture of what is wrong"}};
+  s.output = DataKind::nothing;
+  s.make_params = [] { return AnyParams::make<AnatomyGateParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    const HeadFields fields{in.get<Field>("skin"), in.get<Field>("skull"), in.get<Field>("brain"),
+                            in.get<Field>("ventricles")};
+    const AnatomyFindings findings =
+        examine_anatomy(fields, in.get<HeadLandmarks>("landmarks"), params.as<AnatomyGateParams>(), report, progress);
+    try {
+      require_anatomy(findings);
+    } catch (AnatomyError& e) {
+      if (const auto* volume = in.get<HuVolume>("volume"))
+        e.picture_png = anatomy_picture(*volume, fields, e.faults().front());
+      throw;
+    }
+    return {};
+  };
+  return s;
+}
+
+}  // namespace trephine

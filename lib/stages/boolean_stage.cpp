@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "boolean/cut_surface.h"
+
+#include "stages/cutters_of.h"
+
+namespace trephine {
+
+StageType boolean_stage() {
+  StageType s;
+  s.name = "boolean";
+  s.version = 2;
+  s.place = StagePlace::scene;
+  s.summary = "cuts burr holes and other solids out of a surface";
+  s.description =
+      "Exact corefinement in a bounded child process; operands and result are checked: closed, 2-manifold, free of "
+      "self-intersections. The removed volume is held against the exact one.";
+  s.examples = {"trephine boolean skull.vtp --cutters hole.json --output drilled.vtp",
+                "trephine boolean haptic.nrrd --cutters hole.json --shape skull --shape skin --output drilled.nrrd",
+                "trephine boolean skull.vtp --kind sphere --position-mm 10,-40,60 --radius-mm 8 --output cut.vtp"};
+  s.ports = {{"surface", DataKind::mesh, true, "closed surface"},
+             {"cutters.*", DataKind::cutters, true, "what is cut away"}};
+  s.output = DataKind::mesh;
+  s.make_params = [] { return AnyParams::make<CutSurfaceParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    return std::make_shared<const TriMesh>(
+        cut_surface(*in.get<TriMesh>("surface"), cutters_of(in), params.as<CutSurfaceParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

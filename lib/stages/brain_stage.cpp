@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "head/brain.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType brain_stage() {
+  StageType s;
+  s.name = "brain";
+  s.version = 1;
+  s.summary = "finds the brain inside the skull";
+  s.description =
+      "Gives a field on the volume's voxels, positive inside the brain with its sulci: the space in the skull by a "
+      "seeded watershed, in it the tissue that is brighter than CSF, as far as the scan's noise lets it be told. The "
+      "ventricles belong to it.";
+  s.examples = {"trephine brain head.nrrd --skull skull.nrrd --output brain.nrrd"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
+             {"skull", DataKind::field, false, "the skull that encloses it; else bone is what exceeds 226 HU"},
+             {"within", DataKind::field, false, "an anatomy to stay inside of"},
+             {"without", DataKind::field, false, "an anatomy to stay outside of"}};
+  s.output = DataKind::field;
+  s.make_params = [] { return AnyParams::make<BrainParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    const BrainMasks masks{in.get<Field>("skull"), in.get<Field>("within"), in.get<Field>("without")};
+    return std::make_shared<const Field>(
+        find_brain(*in.get<HuVolume>("volume"), masks, params.as<BrainParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+
+#include "base/error.h"
+#include "boolean/burr_hole_params.h"
+#include "stages/stage.h"
+
+namespace trephine {
+namespace {
+
+// Scalp and a careless hand; what lies further away is rather a mistake.
+constexpr double far_position_mm = 15;
+
+// Those that are sure enough, by name.
+std::map<std::string, Vec3> sure(const HeadLandmarks& known, double min_confidence) {
+  std::map<std::string, Vec3> out;
+  for (const CaseLandmark& l : known.landmarks)
+    if (l.confidence >= min_confidence) out[l.name] = l.position_mm;
+  return out;
+}
+
+bool were_looked_for(const HeadLandmarks* known) {
+  return known && std::any_of(known->landmarks.begin(), known->landmarks.end(),
+                              [](const CaseLandmark& l) { return l.source != "given"; });
+}
+
+[[noreturn]] void refuse_missing(const std::string& name, const HeadLandmarks* known, double min_confidence) {
+  const CaseLandmark* unsure = known ? known->find(name) : nullptr;
+  const auto text = [](double v) { return to_text(ParameterValue(std::round(v * 100) / 100)); };
+  throw Error(ExitCode::quality, "", "landmarks." + name,
+              (unsure ? "has a confidence of " + text(unsure->confidence) + ", below " + text(min_confidence)
+               : were_looked_for(known) ? "was not found"
+                                        : "is missing") +
+                  std::string(how_to_give_a_landmark));
+}
+
+}  // namespace
+
+StageType burrhole_stage() {
+  StageType s;
+  s.name = "burrhole";
+  s.version = 4;
+  s.place = StagePlace::scene;
+  s.summary = "places a burr hole on a head";
+  s.description =
+      "At Kocher's point, measured over the skin from landmarks, or at a position; its axis is given, points at a "
+      "landmark, or is perpendicular to the skull. The result is the cutter that `boolean` takes, for surfaces and "
+      "haptic volumes alike.";
+  s.examples = {
+      "trephine burrhole skull.vtp --over skin.vtp --landmark nasion=0,-95,10 --landmark inion=0,98,0 --output "
+      "hole.json",
+      "trephine burrhole skull.vtp --at position --position-mm -30,-40,70 --diameter-mm 12 --output hole.json"};
+  s.ports = {{"bone", DataKind::mesh, true, "surface of the bone, not decimated"},
+             {"over", DataKind::mesh, false, "surface of the skin, over which Kocher's point is measured"},
+             {"landmarks", DataKind::landmarks, false, "found landmarks, given ones among them"}};
+  s.output = DataKind::cutters;
+  s.make_params = [] { return AnyParams::make<BurrHoleParams>(); };
+  s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress&) -> StageData {
+    const auto& params = any.as<BurrHoleParams>();
+    const HeadLandmarks* known = in.get<HeadLandmarks>("landmarks");
+    const auto landmarks = known ? sure(*known, params.min_confidence) : std::map<std::string, Vec3>();
+    if (const std::string missing = missing_landmark(params, landmarks); !missing.empty())
+      refuse_missing(missing, known, params.min_confidence);
+    const BurrHoleRequest request = request_of(params, landmarks, ExitCode::bad_config);
+    const BurrHole hole =
+        place_burr_hole(request, landmarks, in.get<TriMesh>("over"), *in.get<TriMesh>("bone"), report);
+    if (request.at == BurrHoleRequest::At::position) {
+      const double moved_mm = norm(hole.position_mm - request.position_mm);
+      report.add("entry_from_position_mm", moved_mm);
+      if (moved_mm > far_position_mm)
+        report.warn("the bone lies " + to_text(ParameterValue(std::round(moved_mm))) + " mm from position_mm");
+    }
+    // Nothing cuts as far from the frame's origin as a surface can lie.
+    with_field(params.name, [&] { check_cutter(hole.cutter, ExitCode::bad_input); });
+    return std::make_shared<const std::vector<Cutter>>(std::vector<Cutter>{hole.cutter});
+  };
+  return s;
+}
+
+}  // namespace trephine

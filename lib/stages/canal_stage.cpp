@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "trunk/canal.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType canal_stage() {
+  StageType s;
+  s.name = "canal";
+  s.version = 1;
+  s.summary = "finds the spinal canal inside the bone of a spine";
+  s.description =
+      "Gives a field in mm, positive inside the space that the vertebrae's arches enclose slice by slice. Where bone "
+      "is missing (foramina, discs, between the arches) its wall is the smoothest one through the bone around the gap; "
+      "the report says how much of it is bone. It is the canal in the bone, not the dural sac, and a disc that bulges "
+      "into it is not seen.";
+  s.examples = {"trephine canal volume.nrrd --bone bone.nrrd --output canal.nrrd"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
+             {"bone", DataKind::field, true, "the spine's bone, filled"}};
+  s.output = DataKind::field;
+  s.make_params = [] { return AnyParams::make<CanalParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    return std::make_shared<const Field>(
+        find_canal(*in.get<HuVolume>("volume"), *in.get<Field>("bone"), params.as<CanalParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/contour.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType contour_stage() {
+  StageType s;
+  s.name = "contour";
+  s.version = 1;
+  s.summary = "makes the closed surface of a field, or of a volume at an isovalue";
+  s.description =
+      "Flying Edges on real values: the surface lies between the voxels where the field says. Where the anatomy is cut "
+      "by the edge of the volume the surface is capped. On a volume of whole numbers an isovalue that is one of them "
+      "is moved to a half, and the report says so.";
+  s.examples = {"trephine contour skull.nrrd --output skull.vtp",
+                "trephine contour head.nrrd --isovalue-hu 300 --output bone.vtp"};
+  s.ports = {{"field", DataKind::field, true, "field of the segment stage, or a CT volume", true}};
+  s.output = DataKind::mesh;
+  s.make_params = [] { return AnyParams::make<ContourParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    const auto& p = params.as<ContourParams>();
+    const Field* field = in.get<Field>("field");
+    return std::make_shared<const TriMesh>(field ? contour(*field, p, report, progress)
+                                                 : contour(*in.get<HuVolume>("field"), p, report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "boolean/cutter_use.h"
+#include "stages/stage.h"
+
+namespace trephine {
+
+/// The cutters of the ports "cutters.*", in the order of the ports' names; a name that occurs twice gets a number.
+inline std::vector<Cutter> cutters_of(const StageInputs& inputs) {
+  std::vector<Cutter> all;
+  for (const auto& [name, cutters] : inputs.all<std::vector<Cutter>>("cutters"))
+    all.insert(all.end(), cutters->begin(), cutters->end());
+  return with_unique_names(std::move(all));
+}
+
+}  // namespace trephine

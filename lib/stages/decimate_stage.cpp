@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/decimate.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType decimate_stage() {
+  StageType s;
+  s.name = "decimate";
+  s.version = 8;
+  s.summary = "reduces the triangles of a surface within a bound in mm";
+  s.description =
+      "Edge collapse that keeps the surface closed, 2-manifold and free of self-intersections. It stops at the count "
+      "asked for or where the bound would be passed, whichever comes first, and says which it was.";
+  s.examples = {"trephine decimate skull.vtp --target-triangles-count 80000 --output fewer.vtp",
+                "trephine decimate skull.vtp --max-deviation-mm 0.2 --output fewer.vtp"};
+  s.ports = {{"surface", DataKind::mesh, true, "closed surface"}};
+  s.output = DataKind::mesh;
+  s.make_params = [] { return AnyParams::make<DecimateParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    return std::make_shared<const TriMesh>(
+        decimate(*in.get<TriMesh>("surface"), params.as<DecimateParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "face/face_gate.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+namespace {
+
+StageData run_gate(const AnyParams&, const StageInputs& in, Report& report, const Progress& progress) {
+  std::vector<FaceSurface> surfaces;
+  for (const auto& [name, mesh] : in.all<TriMesh>("surface")) surfaces.push_back({name, mesh});
+  std::vector<FaceVolume> volumes;
+  if (const auto* haptic = in.get<HapticVolume>("haptic")) {
+    volumes.push_back(face_volume("the haptic volume", *haptic));
+    if (haptic->hardness.count() > 0) volumes.push_back(face_volume("the haptic volume's hardness", haptic->hardness));
+  }
+  check_face_removed(*in.get<Field>("skin"), face_region(*in.get<HeadLandmarks>("landmarks")), surfaces, volumes,
+                     report, progress);
+  return {};
+}
+
+}  // namespace
+
+/// Acceptance P4 over what a case is about to publish: its report says how near it comes to the face.
+StageType face_gate_stage() {
+  StageType s;
+  s.name = "face_gate";
+  s.version = 1;
+  s.place = StagePlace::scene;
+  s.summary = "refuses what still shows the face";
+  s.description = "Holds every surface and volume that is about to be published against the original skin.";
+  s.examples = {"trephine face-gate skin.nrrd --landmarks landmarks.json --surface skin=skin.vtp"};
+  s.ports = {{"skin", DataKind::field, true, "the skin of the scan as it came"},
+             {"landmarks", DataKind::landmarks, true, "nasion, tragus_left and tragus_right"},
+             {"surface.*", DataKind::mesh, false, "what is published"},
+             {"haptic", DataKind::haptic, false, "what is published to be felt"}};
+  s.output = DataKind::nothing;
+  s.make_params = [] { return AnyParams::make<NothingDeclared>(); };
+  s.run = run_gate;
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "dicom/import.h"
+
+namespace trephine {
+
+/// The import of a case: what `trephine import` takes, and the series.
+struct ImportStageParams : ImportParams {
+  std::string input;
+  template <class V>
+  static void describe(V& v) {
+    v.template all_of<ImportParams>();
+    v.text(&ImportStageParams::input, "input", "Folder, ZIP archive or file with the series.").names("file");
+  }
+};
+
+}  // namespace trephine

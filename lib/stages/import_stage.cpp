@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/error.h"
+#include "stages/import.h"
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType import_stage() {
+  StageType s;
+  s.name = "import";
+  s.version = 4;
+  s.place = StagePlace::scene;
+  s.summary = "reads a CT series from a DICOM folder or ZIP archive into a volume in HU";
+  s.output = DataKind::volume;
+  s.make_params = [] { return AnyParams::make<ImportStageParams>(); };
+  s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    const auto& params = any.as<ImportStageParams>();
+    ImportResult imported = import_series(params.input, params, progress);
+    // Under the key of what was there before it would be found for ever after.
+    const auto expected = in.file_sha256.find("input");
+    if (expected != in.file_sha256.end() && imported.input_sha256 != expected->second)
+      throw Error(ExitCode::bad_input, params.input, "", "the series changed while it was read");
+    report = std::move(imported.report);
+    return std::make_shared<const HuVolume>(std::move(imported.volume));
+  };
+  return s;
+}
+
+}  // namespace trephine

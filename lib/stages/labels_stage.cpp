@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "segmentation/labels.h"
+
+#include "base/error.h"
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType labels_stage() {
+  StageType s;
+  s.name = "labels";
+  s.version = 2;
+  s.summary = "takes one anatomy from labels that another program made";
+  s.description =
+      "Reads a label map or segmentation (NRRD, .seg.nrrd of 3D Slicer, NIfTI of ITK-SNAP or TotalSegmentator), takes "
+      "one label of it and gives what segment gives: a field on the volume's voxels, positive inside. Labels on the "
+      "volume's own voxels stay as they are, with their steps smoothed; others are resampled, their volume kept. A "
+      "label that lies outside of the volume or in air is refused.";
+  s.examples = {"trephine labels head.nrrd --file totalsegmentator.nii.gz --label 90 --output brain.nrrd",
+                "trephine labels head.nrrd --file Segmentation.seg.nrrd --label ventricles --output ventricles.nrrd"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};
+  s.output = DataKind::field;
+  s.make_params = [] { return AnyParams::make<LabelParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    const auto& p = params.as<LabelParams>();
+    if (p.file.empty()) throw Error(ExitCode::usage, "", "file", "is needed: the labels to read");
+    return std::make_shared<const Field>(with_file(
+        p.file, [&] { return label_field(*in.get<HuVolume>("volume"), read_labels(p.file), p, report, progress); }));
+  };
+  return s;
+}
+
+}  // namespace trephine

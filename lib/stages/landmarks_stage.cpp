@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "head/landmarks.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType landmarks_stage() {
+  StageType s;
+  s.name = "landmarks";
+  s.version = 4;
+  s.place = StagePlace::scan;
+  s.summary = "finds the landmarks of a head";
+  s.description =
+      "Midsagittal plane by symmetry; nasion, inion, tragi and vertex from the skin and the bone below it; Kocher's "
+      "points and an estimate of bregma by arcs over the skin; the foramina of Monro where the ventricles are known. "
+      "Each has a confidence from 0 to 1: below 0.5, look at it. What the scan does not show is left out, with the "
+      "reason. A landmark that is given wins, and what is measured from it follows it.";
+  s.examples = {
+      "trephine landmarks volume.nrrd --skin skin.nrrd --skull skull.nrrd --ventricles ventricles.nrrd --output "
+      "landmarks.json",
+      "trephine landmarks volume.nrrd --skin skin.nrrd --skull skull.nrrd --given points.mrk.json --output "
+      "landmarks.json"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
+             {"skin", DataKind::field, true, "the head's skin"},
+             {"skull", DataKind::field, true, "its bone"},
+             {"brain", DataKind::field, false, "its brain"},
+             {"ventricles", DataKind::field, false, "its ventricles, for the foramina of Monro"},
+             {"given", DataKind::landmarks, false, "landmarks that a person placed, which win over what is found"}};
+  s.output = DataKind::landmarks;
+  s.make_params = [] { return AnyParams::make<LandmarkParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    LandmarkInputs inputs;
+    inputs.skin = in.get<Field>("skin");
+    inputs.skull = in.get<Field>("skull");
+    inputs.brain = in.get<Field>("brain");
+    inputs.ventricles = in.get<Field>("ventricles");
+    if (const auto* given = in.get<HeadLandmarks>("given")) inputs.given = given->landmarks;
+    return std::make_shared<const HeadLandmarks>(
+        find_landmarks(*in.get<HuVolume>("volume"), inputs, params.as<LandmarkParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "metrics/measure.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType measure_stage() {
+  StageType s;
+  s.name = "measure";
+  s.version = 3;
+  s.place = StagePlace::scene;
+  s.summary = "measures a surface, also against a reference";
+  s.description =
+      "Validity (closed, 2-manifold, oriented, self-intersections; of each kind of fault how many and where the first "
+      "20 are), triangles, volume, area, components, genus; against another surface the two-sided deviation: largest, "
+      "99th percentile, RMS and mean, in mm.";
+  s.examples = {"trephine measure skull.vtp",
+                "trephine measure fewer.vtp --reference skull.vtp --report deviation.json",
+                "trephine measure fewer.vtp --reference skull.vtp --certify --picture deviation.png",
+                "trephine measure skull.vtp --truth head/truth/truth.json --anatomy skull",
+                "trephine measure ventricles.nrrd --truth head/truth/truth.json --anatomy ventricles"};
+  s.ports = {{"surface", DataKind::mesh, true, "surface to measure"},
+             {"reference", DataKind::mesh, false, "surface to compare with"}};
+  s.output = DataKind::nothing;
+  s.make_params = [] { return AnyParams::make<MeasureParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    MeasureReference reference;
+    if (const TriMesh* mesh = in.get<TriMesh>("reference")) reference = MeshReference{mesh};
+    report = measure_surface(*in.get<TriMesh>("surface"), reference, params.as<MeasureParams>(), progress);
+    return {};
+  };
+  return s;
+}
+
+}  // namespace trephine

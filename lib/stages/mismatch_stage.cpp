@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxel/mismatch.h"
+
+#include "base/error.h"
+#include "stages/results.h"
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType mismatch_stage() {
+  StageType s;
+  s.name = "mismatch";
+  s.version = 2;
+  s.place = StagePlace::scene;
+  s.summary = "measures how far what is felt lies from what is seen";
+  s.description = "Along the normals of the displayed surfaces, where the haptic volume's surface lies.";
+  s.examples = {"trephine mismatch haptic.nrrd --surface skull=skull.vtp"};
+  s.ports = {{"haptic", DataKind::haptic, true, "haptic volume"},
+             {"surface.*", DataKind::mesh, true, "displayed surfaces"}};
+  s.output = DataKind::nothing;
+  s.make_params = [] { return AnyParams::make<MismatchParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    const HapticVolume& volume = *in.get<HapticVolume>("haptic");
+    for (const auto& [name, mesh] : in.all<TriMesh>("surface")) {
+      const HapticShape* shape = volume.find_shape(name);
+      if (!shape) throw Error(ExitCode::usage, "", "surface", name + ", the volume has no such shape");
+      const Mismatch m = measure_mismatch(*mesh, volume, *shape, params.as<MismatchParams>(), progress);
+      add_result(
+          report,
+          MismatchResult{m.bias_mm, m.rms_mm, m.p99_mm, m.max_mm, m.missed_ratio, static_cast<std::int64_t>(m.samples)},
+          name + ".");
+    }
+    return {};
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/normals.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType normals_stage() {
+  StageType s;
+  s.name = "normals";
+  s.version = 1;
+  s.summary = "gives every point of a surface a normal";
+  s.description =
+      "Smooth normals, one a point. No point is split at a sharp edge, so a closed surface stays closed; an open one "
+      "is taken too.";
+  s.examples = {"trephine normals smooth.vtp --output skull.vtp"};
+  s.ports = {{"surface", DataKind::mesh, true, "surface"}};
+  s.output = DataKind::mesh;
+  s.make_params = [] { return AnyParams::make<NormalsParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    auto mesh = std::make_shared<TriMesh>(*in.get<TriMesh>("surface"));
+    compute_normals(*mesh, params.as<NormalsParams>(), report, progress);
+    return std::shared_ptr<const TriMesh>(mesh);
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/remesh.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType remesh_stage() {
+  StageType s;
+  s.name = "remesh";
+  s.version = 1;
+  s.summary = "makes a surface's triangles even, within a bound in mm";
+  s.description =
+      "Isotropic remeshing: near equilateral triangles with edges of one length, points on the input's surface. Where "
+      "the result is not valid or lies beyond the bound, shorter edges are tried.";
+  s.examples = {"trephine remesh skull.vtp --edge-mm 1.5 --output even.vtp"};
+  s.ports = {{"surface", DataKind::mesh, true, "closed surface"}};
+  s.output = DataKind::mesh;
+  s.make_params = [] { return AnyParams::make<RemeshParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    return std::make_shared<const TriMesh>(
+        remesh(*in.get<TriMesh>("surface"), params.as<RemeshParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

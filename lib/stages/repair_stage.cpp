@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/repair.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType repair_stage() {
+  StageType s;
+  s.name = "repair";
+  s.version = 1;
+  s.summary = "makes a closed, valid surface of a foreign mesh";
+  s.description =
+      "Merges points, turns triangles, takes apart what more than one sheet shares, fills holes, removes slivers, "
+      "duplicates and self-intersections, unites pieces that overlap; each is counted. Where that gives no closed "
+      "2-manifold free of self-intersections, a new surface is made through voxels, and the report says how far it "
+      "lies from the input.";
+  s.examples = {"trephine repair model.stl --output model.vtp",
+                "trephine repair model.obj --recontour-voxels-count 0 --output model.vtp"};
+  s.ports = {{"surface", DataKind::mesh, true, "triangles of any kind"}};
+  s.output = DataKind::mesh;
+  s.make_params = [] { return AnyParams::make<RepairParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    return std::make_shared<const TriMesh>(
+        repair(*in.get<TriMesh>("surface"), params.as<RepairParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

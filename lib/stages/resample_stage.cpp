@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "grid/resample.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType resample_stage() {
+  StageType s;
+  s.name = "resample";
+  s.version = 1;
+  s.place = StagePlace::scan;
+  s.summary = "puts a CT volume on voxels of another size";
+  s.description =
+      "Each value is the mean of what the new voxel covers, as a scanner with such voxels would have it; smaller "
+      "voxels than the scan's are interpolated. Larger voxels make everything that follows faster and coarser.";
+  s.examples = {"trephine resample head.nrrd --spacing-mm 1 1 1 --output coarse.nrrd"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};
+  s.output = DataKind::volume;
+  s.make_params = [] { return AnyParams::make<ResampleParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    return std::make_shared<const HuVolume>(
+        resample(*in.get<HuVolume>("volume"), params.as<ResampleParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

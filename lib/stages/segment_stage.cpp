@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "segmentation/segment.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType segment_stage() {
+  StageType s;
+  s.name = "segment";
+  s.version = 10;
+  s.summary = "finds one anatomy in a CT volume by thresholds";
+  s.description =
+      "Gives a field on the volume's voxels, positive inside the anatomy, whose zero crossing is its surface to a "
+      "fraction of a voxel: a window of HU with hysteresis, morphology in mm, components and filled cavities.";
+  s.examples = {"trephine segment head.nrrd --output skull.nrrd",
+                "trephine segment head.nrrd --lower-hu -475 --open-mm 3 --components largest --fill cavities_and_cut "
+                "--fill-close-mm 6 --output skin.nrrd"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
+             {"within", DataKind::field, false, "an anatomy to stay inside of"},
+             {"without", DataKind::field, false, "an anatomy to stay outside of"}};
+  s.output = DataKind::field;
+  s.make_params = [] { return AnyParams::make<SegmentParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    const SegmentMasks masks{in.get<Field>("within"), in.get<Field>("without")};
+    return std::make_shared<const Field>(
+        segment(*in.get<HuVolume>("volume"), masks, params.as<SegmentParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

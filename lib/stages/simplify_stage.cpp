@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mask/simplify_topology.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType simplify_stage() {
+  StageType s;
+  s.name = "simplify";
+  s.version = 1;
+  s.summary = "closes a field's small tunnels and cavities, for display";
+  s.description =
+      "Tunnels narrower than close_handles_mm are closed by membranes of one voxel and small cavities are filled; "
+      "everywhere else the surface stays as it is. So a surface with fewer triangles can be had of it: a decimation "
+      "that stays a 2-manifold keeps every tunnel. The report says what the topology was and is, and how far the new "
+      "surface lies from the old one.";
+  s.examples = {"trephine simplify skull.nrrd --close-handles-mm 2 --output display.nrrd"};
+  s.ports = {{"field", DataKind::field, true, "field of the segment stage"}};
+  s.output = DataKind::field;
+  s.make_params = [] { return AnyParams::make<SimplifyParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    return std::make_shared<const Field>(
+        simplify_topology(*in.get<Field>("field"), params.as<SimplifyParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "meshing/smooth.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType smooth_stage() {
+  StageType s;
+  s.name = "smooth";
+  s.version = 3;
+  s.summary = "smooths a surface within a bound in mm";
+  s.description =
+      "Windowed sinc, Laplacian or feature-keeping smoothing in which no point moves farther than the bound and the "
+      "volume stays; where it would make the surface intersect itself the points stay.";
+  s.examples = {"trephine smooth skull.vtp --max-displacement-mm 0.1 --output smooth.vtp"};
+  s.ports = {{"surface", DataKind::mesh, true, "closed surface"}};
+  s.output = DataKind::mesh;
+  s.make_params = [] { return AnyParams::make<SmoothParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    return std::make_shared<const TriMesh>(
+        smooth(*in.get<TriMesh>("surface"), params.as<SmoothParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "trunk/vein.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType vein_stage() {
+  StageType s;
+  s.name = "vein";
+  s.version = 1;
+  s.summary = "finds or estimates the subclavian veins below the clavicles";
+  s.description =
+      "Gives a field of about mm, positive inside the vein from the middle of the clavicle to behind the sternum. "
+      "Where contrast medium shows it, its surface lies at half the contrast. Where none does, it is a tube of a given "
+      "radius along the course that a vein usually takes behind and below the clavicle, away from bone and lung: the "
+      "report then says estimated, and warns. Such a vein is good to teach with; it is not where this patient's vein "
+      "was found.";
+  s.examples = {"trephine vein volume.nrrd --bone bone.nrrd --output vein.nrrd"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
+             {"bone", DataKind::field, true, "all bone of the chest, filled"}};
+  s.output = DataKind::field;
+  s.make_params = [] { return AnyParams::make<VeinParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    return std::make_shared<const Field>(
+        find_vein(*in.get<HuVolume>("volume"), *in.get<Field>("bone"), params.as<VeinParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "head/ventricles.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType ventricles_stage() {
+  StageType s;
+  s.name = "ventricles";
+  s.version = 1;
+  s.summary = "finds the ventricles inside the brain";
+  s.description =
+      "Gives a field on the volume's voxels, positive inside the lateral ventricles and the third: CSF deep in the "
+      "brain, parted from cisterns, fourth ventricle and sulci where the ways between them are narrowest; its edge is "
+      "fitted to the scan between the voxels.";
+  s.examples = {"trephine ventricles head.nrrd --brain brain.nrrd --output ventricles.nrrd"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
+             {"brain", DataKind::field, true, "the brain that holds them"},
+             {"without", DataKind::field, false, "an anatomy to stay outside of"}};
+  s.output = DataKind::field;
+  s.make_params = [] { return AnyParams::make<VentriclesParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    const VentriclesMasks masks{in.get<Field>("brain"), in.get<Field>("without")};
+    return std::make_shared<const Field>(
+        find_ventricles(*in.get<HuVolume>("volume"), masks, params.as<VentriclesParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

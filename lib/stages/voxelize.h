@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+#include "base/params.h"
+#include "voxel/voxelize.h"
+
+namespace trephine {
+
+/// What a scene says of one shape of its haptic volume.
+struct HapticShapeParams {
+  std::string clear_of;
+  double clear_mm = 0;
+  std::array<double, 2> window_hu{0, 0};
+
+  template <class V>
+  static void describe(V& v) {
+    using P = HapticShapeParams;
+    v.text(&P::clear_of, "clear_of", "Another anatomy: nothing of this shape within clear_mm of its surface.")
+        .names("anatomy");
+    v.number(&P::clear_mm, "clear_mm", Range{0.1, 100}, "How far the shape keeps away from clear_of.").none_at_zero();
+    v.numbers(&P::window_hu, "window_hu", Range{-32768, 32767},
+              "With encoding hu: the shape is what the scan shows within these HU, both included.");
+  }
+  std::string fault() const;
+};
+
+/// A shape that burr holes are cut from: its own share of the hole so much wider all around, as skin is folded back
+/// from where the bone is opened.
+struct DrillParams {
+  double widen_mm = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&DrillParams::widen_mm, "widen_mm", Range{0, 50}, "How much wider than the hole it is cut, all around.");
+  }
+};
+
+/// What the whole haptic volume is made with, besides its shapes.
+struct HapticVolumeParams : VoxelizeParams {
+  HapticEncoding encoding = HapticEncoding::occupancy;
+  std::string region_of;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = HapticVolumeParams;
+    v.template all_of<VoxelizeParams>();
+    v.choice(&P::encoding, "encoding", {{"occupancy", HapticEncoding::occupancy}, {"hu", HapticEncoding::hu}},
+             "occupancy: each voxel says which shape fills it and how much of it; hu: the scan's own HU, shapes are "
+             "windows of them.");
+    v.text(&P::region_of, "region_of",
+           "Anatomy whose box, with the margin, is the region; all shapes' where it is empty.")
+        .names("anatomy");
+  }
+};
+
+/// Parameters of the stage voxelize.
+struct VoxelizeStageParams : HapticVolumeParams {
+  Named<HapticShapeParams> shapes;
+  Named<DrillParams> drill;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = VoxelizeStageParams;
+    v.template all_of<HapticVolumeParams>();
+    v.map(&P::shapes, "shapes", "The shapes by name, in order of precedence: what one fills is not the next one's.")
+        .at_most(haptic_max_shapes);
+    v.map(&P::drill, "drill", "The shapes that the cutters cut.");
+  }
+};
+
+}  // namespace trephine

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stages/voxelize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "base/error.h"
+#include "stages/cutters_of.h"
+#include "surface/bounds.h"
+#include "voxel/cut.h"
+
+namespace trephine {
+namespace {
+
+// Air around what there is to feel: the surface's own ramp of occupancy must fit in.
+constexpr double rim_voxels = 3;
+
+Bounds grown(Bounds b, double by_mm) {
+  for (int i = 0; i < 3; ++i) {
+    b.min_mm[i] -= by_mm;
+    b.max_mm[i] += by_mm;
+  }
+  return b;
+}
+
+void intersect(Bounds& b, const Bounds& with) {
+  for (int i = 0; i < 3; ++i) {
+    b.min_mm[i] = std::max(b.min_mm[i], with.min_mm[i]);
+    b.max_mm[i] = std::min(b.max_mm[i], with.max_mm[i]);
+  }
+}
+
+Bounds bounds_of_scan(const Lattice& lattice) {
+  Bounds b;
+  for (int corner = 0; corner < 8; ++corner)
+    include(b,
+            lattice.to_world_mm({corner & 1 ? lattice.size[0] - 0.5 : -0.5, corner & 2 ? lattice.size[1] - 0.5 : -0.5,
+                                 corner & 4 ? lattice.size[2] - 0.5 : -0.5}));
+  return b;
+}
+
+// The box that the scene asks for, and no more than there is to feel.
+Lattice lattice_of_region(const VoxelizeStageParams& params, const StageInputs& in) {
+  const Lattice& scan = lattice_of(*in.get<HuVolume>("volume"));
+  Bounds all;
+  for (const auto& [name, mesh] : in.all<TriMesh>("shape")) include(all, bounds_of(*mesh));
+  if (params.encoding == HapticEncoding::hu) all = bounds_of_scan(scan);
+  Bounds region = all;
+  if (!params.region_of.empty()) {
+    const TriMesh* of = in.get<TriMesh>("shape." + params.region_of);
+    if (!of) of = in.get<TriMesh>("region");
+    if (!of) throw Error(ExitCode::bad_config, "", "region_of", params.region_of + ", has no surface");
+    region = bounds_of(*of);
+  }
+  region = grown(region, params.margin_mm);
+  const auto& [low, high] = std::tie(params.region_min_mm, params.region_max_mm);
+  intersect(region, {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}});
+  const double largest_mm = *std::max_element(params.spacing_mm.begin(), params.spacing_mm.end());
+  intersect(region, grown(all, rim_voxels * largest_mm));
+  for (int i = 0; i < 3; ++i)
+    if (!(region.min_mm[i] < region.max_mm[i]))
+      throw Error(ExitCode::quality, "", "region", "holds nothing of any shape");
+  return haptic_lattice(region, scan.direction, scan.origin_mm, params);
+}
+
+HapticVolume make_volume(const VoxelizeStageParams& params, const Lattice& lattice, const StageInputs& in,
+                         Report& report, const Progress& progress) {
+  if (params.encoding == HapticEncoding::hu) {
+    std::vector<HuWindow> windows;
+    for (const auto& [name, s] : params.shapes)
+      windows.push_back({name, static_cast<std::int16_t>(s.window_hu[0]), static_cast<std::int16_t>(s.window_hu[1])});
+    return voxelize_hu(*in.get<HuVolume>("volume"), lattice, windows, report, progress);
+  }
+  std::vector<VoxelizeShape> shapes;
+  for (const auto& [name, s] : params.shapes) {
+    VoxelizeShape shape;
+    shape.name = name;
+    shape.surface = in.get<TriMesh>("shape." + name);
+    if (!shape.surface) throw Error(ExitCode::usage, "", "shape", name + ", has no surface");
+    if (!s.clear_of.empty()) {
+      shape.clear_of = in.get<TriMesh>("shape." + s.clear_of);
+      if (!shape.clear_of) shape.clear_of = in.get<TriMesh>("clear." + s.clear_of);
+      shape.clear_mm = s.clear_mm;
+    }
+    shapes.push_back(shape);
+  }
+  return voxelize(lattice, shapes, report, progress);
+}
+
+void cut(HapticVolume& volume, const VoxelizeStageParams& params, const std::vector<Cutter>& cutters, Report& report,
+         const Progress& progress) {
+  for (const Cutter& cutter : cutters)
+    for (const auto& [name, shape] : params.shapes) {
+      const DrillParams* drill = find_item(params.drill, name);
+      if (!drill) continue;
+      const Cutter own = widened(cutter, drill->widen_mm);
+      Report one;
+      cut_volume(volume, distance_to(own), bounds_of(own), {volume.find_shape(name)->number}, one, progress);
+      add_of_cutter(report, cutter, one);
+      warn_of_thin(report, own, volume.voxels.spacing_mm);
+    }
+}
+
+void check_shapes(const VoxelizeStageParams& params) {
+  const bool hu = params.encoding == HapticEncoding::hu;
+  for (const auto& [name, s] : params.shapes) {
+    if (s.clear_of == name) throw Error(ExitCode::usage, "", "shapes." + name + ".clear_of", "is the shape itself");
+    if (hu && s.window_hu == HapticShapeParams().window_hu)
+      throw Error(ExitCode::usage, "", "shapes." + name + ".window_hu", "is missing: the encoding is hu");
+    if (hu && !s.clear_of.empty())
+      throw Error(ExitCode::usage, "", "shapes." + name + ".clear_of", "needs surfaces, and encoding hu has none");
+  }
+  for (const auto& [name, drill] : params.drill)
+    if (!find_item(params.shapes, name))
+      throw Error(ExitCode::usage, "", "drill." + name, "is no shape of the haptic volume");
+}
+
+}  // namespace
+
+std::string HapticShapeParams::fault() const {
+  if (clear_of.empty() != (clear_mm == 0)) return "clear_of: and clear_mm go together";
+  if (window_hu[0] > window_hu[1] || window_hu[0] != std::floor(window_hu[0]) ||
+      window_hu[1] != std::floor(window_hu[1]))
+    return "window_hu: must be two whole HU, the lower one first";
+  return "";
+}
+
+StageType voxelize_stage() {
+  StageType s;
+  s.name = "voxelize";
+  s.version = 3;
+  s.place = StagePlace::scene;
+  s.summary = "makes the haptic volume: what the hand feels";
+  s.description =
+      "Each voxel says which shape fills it and how much of it, so that one lookup serves any number of shapes and the "
+      "surface is felt to a fraction of a voxel. It is made of the same surfaces as what is displayed, before "
+      "decimation, and cut by the same cutters.";
+  s.examples = {
+      "trephine voxelize volume.nrrd --shape brain=brain.nrrd --shape skull=skull.nrrd --shape skin=skin.nrrd "
+      "--shapes skin:clear_of=brain,clear_mm=5 --output haptic.nrrd",
+      "trephine voxelize volume.nrrd --encoding hu --shapes bone:window_hu=300,3000 --spacing-mm 0.5,0.5,1 --output "
+      "haptic.nrrd"};
+  s.ports = {{"volume", DataKind::volume, true, "the scan"},
+             {"shape.*", DataKind::mesh, false, "surfaces of the shapes, or fields", false, true},
+             {"region", DataKind::mesh, false, "what the region is the box of"},
+             {"clear.*", DataKind::mesh, false, "what a shape keeps away from"},
+             {"cutters.*", DataKind::cutters, false, "what is cut away"}};
+  s.output = DataKind::haptic;
+  s.make_params = [] { return AnyParams::make<VoxelizeStageParams>(); };
+  s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    const auto& params = any.as<VoxelizeStageParams>();
+    check_shapes(params);
+    const Lattice lattice = lattice_of_region(params, in);
+    HapticVolume volume = make_volume(params, lattice, in, report, progress.part(0, 0.9));
+    if (params.hardness_high_hu > params.hardness_low_hu)
+      volume.hardness = haptic_hardness(*in.get<HuVolume>("volume"), lattice, params.hardness_low_hu,
+                                        params.hardness_high_hu, progress.part(0.9, 0.93));
+    cut(volume, params, cutters_of(in), report, progress.part(0.93, 1));
+    // What is reported is what is left.
+    for (const auto& [shape, drill] : params.drill)
+      for (auto& [name, value] : report.figures)
+        if (name == shape + ".volume_ml") value = shape_volume_mm3(volume, volume.find_shape(shape)->number) / 1000;
+    return std::make_shared<const HapticVolume>(std::move(volume));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "trunk/canal.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "mask/filters.h"
+#include "mask/hu_view.h"
+#include "trunk/canal_parts.h"
+
+namespace trephine {
+namespace segmentation {
+namespace {
+
+/// The box around the canal's slices, in the bone's indices: one slice more at ends that lie inside.
+Box box_of(const CanalCourse& course, const CanalWall& wall, const Lattice& l) {
+  Box box;
+  box.begin = {l.size[0], l.size[1], course.first_slice};
+  box.end = {0, 0, course.first_slice + int(course.points.size())};
+  for (std::size_t s = 0; s < course.points.size(); ++s) {
+    const float* r = &wall.radius_mm[s * CanalWall::directions];
+    const double most = *std::max_element(r, r + CanalWall::directions);
+    const double centre[2] = {course.points[s].i, course.points[s].j};
+    for (int a = 0; a < 2; ++a) {
+      box.begin[a] = std::min(box.begin[a], int(centre[a] - most / l.spacing_mm[a]));
+      box.end[a] = std::max(box.end[a], int(centre[a] + most / l.spacing_mm[a]) + 2);
+    }
+  }
+  return grown(box, 2, l);
+}
+
+/// The wall's distance minus the point's, in its slice; beyond the ends negative, so that it is closed half a slice on.
+Field inside_wall(const CanalCourse& course, const CanalWall& wall, const Lattice& l, const Box& box) {
+  Field field(cropped(l, box));
+  const int slices = int(course.points.size());
+  parallel_for(0, field.size[2], 2, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k) {
+      const int s = k + box.begin[2] - course.first_slice, near = std::clamp(s, 0, slices - 1);
+      const double beyond_mm = (std::abs(s - near) - 0.5) * l.spacing_mm.z;
+      const CanalPoint centre = course.points[near];
+      for (int j = 0; j < field.size[1]; ++j)
+        for (int i = 0; i < field.size[0]; ++i) {
+          const double x = (i + box.begin[0] - centre.i) * l.spacing_mm.x,
+                       y = (j + box.begin[1] - centre.j) * l.spacing_mm.y;
+          double f = wall.at(near, std::atan2(y, x)) - std::hypot(x, y);
+          if (s != near) f = std::min(f, -beyond_mm);
+          field.at(i, j, k) = float(f);
+        }
+    }
+  });
+  return field;
+}
+
+void report_figures(const HuView& hu, const Box& place, const Field& field, const CanalCourse& course,
+                    const CanalWall& wall, Report& report) {
+  const std::size_t slices = course.points.size();
+  std::vector<float> areas, content;
+  double least = 0, least_z = 0, walled = 0;
+  for (std::size_t s = 0; s < slices; ++s) {
+    const double area = wall.area_mm2(s);
+    areas.push_back(float(area));
+    walled += wall.walled_ratio(s) / double(slices);
+    if (wall.walled_ratio(s) < 0.5 || (least > 0 && area >= least)) continue;
+    least = area;
+    const double k = double(s) + course.first_slice + place.begin[2];
+    least_z = hu.lattice().to_world_mm({course.points[s].i + place.begin[0], course.points[s].j + place.begin[1], k}).z;
+  }
+  const Box at = place_in(field, hu.lattice());
+  for (int k = 0; k < field.size[2]; ++k)
+    for (int j = 0; j < field.size[1]; ++j)
+      for (int i = 0; i < field.size[0]; ++i)
+        if (field.at(i, j, k) > 2) content.push_back(hu(i + at.begin[0], j + at.begin[1], k + at.begin[2]));
+  const double middle = median(areas, 0), tissue = median(content, 0);
+  report.add("area_median_mm2", middle);
+  report.add("area_least_mm2", least);
+  report.add("area_least_z_mm", least_z);
+  report.add("walled_ratio", walled);
+  report.add("tissue_hu", tissue);
+  if (middle < 80 || middle > 700)
+    report.warn(fmt::format("its cross-section, {:.0f} mm^2, is not of the size of an adult's spinal canal", middle));
+  if (tissue < -60 || tissue > 100)
+    report.warn(fmt::format("it holds {:.0f} HU, which is no cord, root or liquor without contrast", tissue));
+}
+
+}  // namespace
+}  // namespace segmentation
+
+Field find_canal(const HuVolume& volume, const Field& bone, const CanalParams& params, Report& report,
+                 const Progress& progress) {
+  using namespace segmentation;
+  const HuView hu(volume);
+  const Lattice& l = bone;
+  if (std::abs(l.direction.column[2].z) < 0.7)
+    throw Error(ExitCode::quality, "", "canal", "the volume's slices are not axial");
+  const Box place = place_in(bone, hu.lattice());
+  for (int a = 0; a < 3; ++a)
+    if (place.begin[a] < 0 || place.end[a] > hu.lattice().size[a])
+      throw Error(ExitCode::bad_input, "", "bone", "the field reaches beyond the volume");
+  const BitMask mask = positive(bone, bone);
+  if (!mask.any())
+    throw Error(ExitCode::quality, "", "bone", fmt::format("the mask is empty: 0 of {} voxels", l.count()));
+
+  CanalCourse course = canal_course(mask, params, progress.part(0, 0.5));
+  const double length_mm = double(course.points.size()) * l.spacing_mm.z;
+  if (length_mm < params.min_length_mm)
+    throw Error(ExitCode::quality, "", "min_length_mm",
+                fmt::format("the longest space that bone encloses slice by slice is {:.0f} mm long, at least {:.0f} mm "
+                            "make a canal: is this a spine, and its bone complete?",
+                            length_mm, params.min_length_mm));
+  progress.report(0.5);
+  const CanalWall wall = canal_wall(bone, course, params, progress);
+  double walled = 0;
+  for (std::size_t s = 0; s < course.points.size(); ++s) walled += wall.walled_ratio(s) / double(course.points.size());
+  if (walled < params.min_walled_ratio)
+    throw Error(
+        ExitCode::quality, "", "min_walled_ratio",
+        fmt::format("{:.0f} % of its wall are bone, at least {:.0f} %", 100 * walled, 100 * params.min_walled_ratio));
+  progress.report(0.7);
+
+  const Box box = box_of(course, wall, l);
+  Field field = inside_wall(course, wall, l, box);
+  const Field inside_bone = signed_distance_mm(crop(bone, box), progress);
+  for (std::size_t v = 0; v < field.count(); ++v) {
+    float& f = field.voxels[v];
+    f = std::min(f, -inside_bone.voxels[v] - float(params.gap_mm));
+    if (std::abs(f) < 1e-3f) f = f > 0 ? 1e-3f : -1e-3f;
+  }
+  const BitMask whole = positive(field, field), kept = largest(components(whole));
+  for (int k = 0; k < field.size[2]; ++k)
+    for (int j = 0; j < field.size[1]; ++j)
+      for (int i = 0; i < field.size[0]; ++i)
+        if (whole.get(i, j, k) && !kept.get(i, j, k)) field.at(i, j, k) = -1e-3f;
+  report.add("length_mm", length_mm);
+  check_mask(kept, hu.lattice().count(), report);
+  report_figures(hu, place, field, course, wall, report);
+  progress.report(1);
+  return crop(field, grown(kept.bounds(), 2, field));
+}
+
+}  // namespace trephine

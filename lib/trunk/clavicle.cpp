@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "trunk/clavicle.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "mask/filters.h"
+#include "mask/hu_view.h"
+#include "mask/surface_field.h"
+#include "trunk/clavicle_parts.h"
+
+namespace trephine {
+namespace segmentation {
+namespace {
+
+constexpr double joint_reach_mm = 20;  ///< beyond a chain's ends its bone may go on so far
+constexpr double cut_sigma_mm = 1.0;
+constexpr double cut_scale_hu = 100;
+
+BitMask bone_mask(const Field& bone) {
+  if (std::abs(bone.direction.column[0].x) < 0.7 || std::abs(bone.direction.column[2].z) < 0.7)
+    throw Error(ExitCode::quality, "", "clavicle", "the volume's slices are not axial");
+  BitMask mask = positive(bone, bone);
+  if (!mask.any())
+    throw Error(ExitCode::quality, "", "bone", fmt::format("the mask is empty: 0 of {} voxels", bone.count()));
+  return mask;
+}
+
+const char* name_of(BodySide side) { return side == BodySide::right ? "right" : "left"; }
+
+bool wanted(BodySide side, BodySide found) { return side == BodySide::both || side == found; }
+
+std::vector<BlobChain> chains_of(const BitMask& bone, const ClavicleParams& p, const Progress& progress) {
+  const BitMask core = p.core_mm > 0 ? eroded(bone, p.core_mm, progress) : bone;
+  return clavicle_chains(core, p, progress);
+}
+
+/// 1 in the chain's blobs; 2 in all other bone that is not just beyond its ends, where the joints are.
+Mask seeds_of(const BitMask& bone, const BlobChain& chain) {
+  const Lattice& l = bone.lattice();
+  Mask seeds(l);
+  const int reach = int(std::lround(joint_reach_mm / l.spacing_mm.x));
+  const int from = chain.blobs.front().i, to = chain.blobs.back().i;
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i)
+        if ((i < from - reach || i > to + reach) && bone.get(i, j, k)) seeds.at(i, j, k) = 2;
+  for (const Blob& b : chain.blobs)
+    for (const Blob::Run& r : b.runs)
+      for (int j = r.begin; j < r.end; ++j) seeds.at(b.i, j, r.k) = 1;
+  return seeds;
+}
+
+/// And in what lies beside the chain in its planes, or beyond them and hangs together with it only by a narrower neck.
+void add_others(Mask& seeds, const BitMask& bone, const BlobChain& chain, double core_mm, const Progress& progress) {
+  const BitMask mine = make_mask(seeds, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < seeds.size[0]; ++i) row[i] = seeds.at(i, j, k) == 1;
+  });
+  for (int step = 0; step <= 3; ++step) {
+    const BitMask core = step == 0 ? bone : eroded(bone, step * core_mm, progress);
+    const Components pieces = components(core);
+    const BitMask hanging = select(pieces, touching(pieces, mine));
+    const bool in_planes = step == (core_mm > 0 ? 1 : 0);
+    for (int k = 0; k < seeds.size[2]; ++k)
+      for (int j = 0; j < seeds.size[1]; ++j)
+        for (int i = 0; i < seeds.size[0]; ++i)
+          if (seeds.at(i, j, k) == 0 && core.get(i, j, k)) {
+            const bool beside = i >= chain.blobs.front().i && i <= chain.blobs.back().i;
+            if (!hanging.get(i, j, k) || (in_planes && beside)) seeds.at(i, j, k) = 2;
+          }
+    if (core_mm == 0) break;
+  }
+}
+
+struct Parted {
+  BitMask mask;
+  double joint_mm2 = 0;
+};
+
+Parted parted(const BitMask& bone, const BlobChain& chain, const ClavicleParams& p, const Progress& progress) {
+  const Lattice& whole = bone.lattice();
+  // Only the bone around the chain takes part.
+  Box box;
+  box.begin = {whole.size[0], whole.size[1], whole.size[2]};
+  for (const Blob& b : chain.blobs)
+    for (const Blob::Run& r : b.runs) {
+      box.begin = {std::min(box.begin[0], b.i), std::min(box.begin[1], r.begin), std::min(box.begin[2], r.k)};
+      box.end = {std::max(box.end[0], b.i + 1), std::max(box.end[1], r.end), std::max(box.end[2], r.k + 1)};
+    }
+  for (int a = 0; a < 3; ++a) {
+    const int margin = int(std::lround(1.5 * joint_reach_mm / whole.spacing_mm[a]));
+    box.begin[a] = std::max(0, box.begin[a] - margin);
+    box.end[a] = std::min(whole.size[a], box.end[a] + margin);
+  }
+  const BitMask here = crop(bone, box);
+  const Lattice& l = here.lattice();
+  BlobChain moved = chain;
+  for (Blob& b : moved.blobs) {
+    b.i -= box.begin[0];
+    for (Blob::Run& r : b.runs) r.k -= box.begin[2], r.begin -= box.begin[1], r.end -= box.begin[1];
+  }
+  Mask seeds = seeds_of(here, moved);
+  add_others(seeds, here, moved, p.core_mm, progress);
+  BitMask air = here;
+  air.invert();
+  const Mask labels = flood(distance_mm(air, progress), here, seeds, progress);
+  BitMask mine = make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 1;
+  });
+  mine = largest(components(mine));
+  Parted out;
+  const double face[3] = {l.spacing_mm.y * l.spacing_mm.z, l.spacing_mm.x * l.spacing_mm.z,
+                          l.spacing_mm.x * l.spacing_mm.y};
+  // By axis and direction: a slanted plane's area is the length of this vector, not the sum of its steps.
+  std::array<double, 3> area{0, 0, 0};
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        if (!mine.get(i, j, k)) continue;
+        for (int a = 0; a < 3; ++a)
+          for (int side : {-1, 1}) {
+            const int x = i + (a == 0) * side, y = j + (a == 1) * side, z = k + (a == 2) * side;
+            if (here.at(x, y, z) && !mine.get(x, y, z)) area[a] += face[a];
+          }
+      }
+  out.joint_mm2 = std::sqrt(area[0] * area[0] + area[1] * area[1] + area[2] * area[2]);
+  out.mask = placed(mine, whole);
+  return out;
+}
+
+}  // namespace
+}  // namespace segmentation
+
+std::vector<ClavicleCourse> clavicle_courses(const Field& bone, const ClavicleParams& params,
+                                             const Progress& progress) {
+  using namespace segmentation;
+  std::vector<ClavicleCourse> courses;
+  for (const BlobChain& chain : chains_of(bone_mask(bone), params, progress)) {
+    if (!wanted(params.side, chain.side)) continue;
+    ClavicleCourse course;
+    course.side = chain.side;
+    std::vector<double> areas_mm2;
+    const int n = int(chain.blobs.size()), reach = std::max(1, int(std::lround(6 / bone.spacing_mm.x)));
+    for (int b = 0; b < n; ++b) {
+      const int around = std::min({reach, b, n - 1 - b});
+      Vec3 sum;
+      double area = 0;
+      for (int o = b - around; o <= b + around; ++o) {
+        sum += chain.blobs[o].middle;
+        area += chain.blobs[o].area_mm2;
+      }
+      course.points_mm.push_back(bone.to_world_mm(sum / (2 * around + 1)));
+      areas_mm2.push_back(area / (2 * around + 1));
+    }
+    for (int b = 0; b < n; ++b) {
+      const Vec3 along =
+          normalized(course.points_mm[std::min(b + reach, n - 1)] - course.points_mm[std::max(b - reach, 0)]);
+      const double across = std::abs(dot(along, bone.direction.column[0]));
+      course.radius_mm.push_back(std::sqrt(areas_mm2[b] * across / M_PI) + params.core_mm);
+    }
+    if (course.points_mm.front().y > course.points_mm.back().y) {
+      std::reverse(course.points_mm.begin(), course.points_mm.end());
+      std::reverse(course.radius_mm.begin(), course.radius_mm.end());
+    }
+    courses.push_back(std::move(course));
+  }
+  return courses;
+}
+
+Field find_clavicles(const Field& bone, const ClavicleParams& params, Report& report, const Progress& progress,
+                     const Field* without) {
+  using namespace segmentation;
+  const BitMask whole = bone_mask(bone);
+  const auto chains = chains_of(whole, params, progress);
+  progress.report(0.3);
+  BitMask all(bone);
+  double found[2] = {0, 0};
+  for (const BlobChain& chain : chains) {
+    if (!wanted(params.side, chain.side)) continue;
+    const Parted one = parted(whole, chain, params, progress);
+    const std::string name = name_of(chain.side);
+    const double ml = double(one.mask.count()) * bone.voxel_volume_mm3() / 1000;
+    found[chain.side == BodySide::left] = ml;
+    report.add(name + "_length_mm",
+               norm(bone.to_world_mm(chain.blobs.front().middle) - bone.to_world_mm(chain.blobs.back().middle)));
+    report.add(name + "_ml", ml);
+    report.add(name + "_joint_mm2", one.joint_mm2);
+    if (params.part == ClaviclePart::clavicle && one.joint_mm2 > params.max_joint_mm2)
+      report.warn(
+          fmt::format("the {} clavicle hangs on other bone over {:.0f} mm^2: it is cut from it where the bone is "
+                      "narrow, which may not be its joint",
+                      name, one.joint_mm2));
+    if (ml < 8 || ml > 80)
+      report.warn(
+          fmt::format("the {} clavicle has {:.0f} ml, which is not of the size of a whole adult one", name, ml));
+    all |= one.mask;
+  }
+  for (const BodySide side : {BodySide::right, BodySide::left})
+    if (found[side == BodySide::left] == 0 && wanted(params.side, side)) {
+      if (params.side == BodySide::both && all.any()) {
+        report.warn(fmt::format("no {} clavicle is found", name_of(side)));
+      } else if (params.side != BodySide::both || side == BodySide::left) {
+        throw Error(ExitCode::quality, "", "clavicle",
+                    fmt::format("nothing in front of the other bone is round and at least {:.0f} mm long from side to "
+                                "side: is this a chest with its shoulders? A scene without clavicles takes its bone "
+                                "whole",
+                                params.min_length_mm));
+      }
+    }
+  progress.report(0.8);
+  if (params.part == ClaviclePart::rest) {
+    BitMask rest = whole;
+    all = rest.remove(all);
+    if (without) all.remove(positive(*without, whole.lattice()));
+  }
+  check_mask(all, whole.lattice().count(), report);
+  const Box box = grown(all.bounds(), 2, bone);
+  Field field = trephine::crop(bone, box);
+  report.add("cut_voxels_count", place_surface(field, crop(all, box), cut_sigma_mm, cut_scale_hu, progress));
+  progress.report(1);
+  return field;
+}
+
+}  // namespace trephine

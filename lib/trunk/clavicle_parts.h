@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "mask/bits.h"
+#include "trunk/clavicle.h"
+
+namespace trephine::segmentation {
+
+/// A connected piece of bone in one sagittal plane (index i): runs along the rows (j) of that plane.
+struct Blob {
+  struct Run {
+    int k, begin, end;
+  };
+  int i = 0;
+  std::vector<Run> runs;
+  double area_mm2 = 0;
+  Vec3 middle;                            ///< continuous index
+  double thickness_mm = 0, width_mm = 0;  ///< full lengths of the ellipse of equal second moments
+};
+
+/// A chain of round blobs in planes side by side: a candidate.
+struct BlobChain {
+  BodySide side = BodySide::left;
+  std::vector<Blob> blobs;  ///< by rising i
+  double span_mm(const Lattice& l) const { return double(blobs.size()) * l.spacing_mm.x; }
+};
+
+/// At most one of a side, the right one first. `core` is the bone without thin bridges.
+std::vector<BlobChain> clavicle_chains(const BitMask& core, const ClavicleParams& params, const Progress& progress);
+
+}  // namespace trephine::segmentation

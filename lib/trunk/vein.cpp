@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "trunk/vein.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "mask/filters.h"
+#include "trunk/vein_parts.h"
+
+namespace trephine {
+namespace segmentation {
+namespace {
+
+constexpr double film_mm = 0.5;  ///< an estimated vein keeps this from bone and lung
+
+/// A tube of that radius, positive inside, in mm, that leaves bone and lung alone.
+Field tube(const VeinCourse& course, const HuView& hu, const Field& bone, const Box& box, double radius_mm,
+           const Progress& progress) {
+  Field field = distance_to(course, cropped(hu.lattice(), box), radius_mm + 3);
+  const Lattice& l = field;
+  const Grid<float> room = room_around(hu, bone, box, progress);
+  for (std::size_t v = 0; v < field.count(); ++v) {
+    float& f = field.voxels[v];
+    f = std::min(float(radius_mm) - f, room.voxels[v] - float(film_mm));
+    if (std::abs(f) < 1e-3f) f = f > 0 ? 1e-3f : -1e-3f;
+  }
+  const BitMask whole = positive(field, field), kept = largest(components(whole));
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i)
+        if (whole.get(i, j, k) && !kept.get(i, j, k)) field.at(i, j, k) = -1e-3f;
+  return field;
+}
+
+struct Vein {
+  Field field;
+  Box box;  ///< in the volume's indices
+};
+
+Vein vein_of(const ClavicleCourse& clavicle, const HuView& hu, const Field& all_bone, const VeinParams& p,
+             Report& report, const Progress& progress) {
+  const std::string name = clavicle.side == BodySide::right ? "right" : "left";
+  const Field bone = p.source == VeinSource::automatic ? without_dense_vein(all_bone, clavicle, p, progress) : all_bone;
+  const VeinCourse course = estimated_course(clavicle, hu, bone, p, progress);
+  Vein vein;
+  EnhancedVein enhanced;
+  if (p.source == VeinSource::automatic) enhanced = enhanced_vein(hu, positive(bone, bone), course, p, progress);
+  if (enhanced.found) {
+    vein.field = std::move(enhanced.field);
+  } else {
+    enhanced.length_mm = course.length_mm();
+    enhanced.radius_mm = p.radius_mm;
+    const Box box = box_around(course, hu.lattice(), p.radius_mm + 3);
+    if (box.empty()) throw Error(ExitCode::quality, "", "vein", "its course lies outside the volume: 0 voxels");
+    vein.field = tube(course, hu, bone, box, p.radius_mm, progress);
+  }
+  vein.box = place_in(vein.field, hu.lattice());
+  report.add(name + "_source", enhanced.found ? "contrast" : "estimated");
+  report.add(name + "_contrast_hu", enhanced.contrast_hu);
+  report.add(name + "_length_mm", enhanced.length_mm);
+  report.add(name + "_radius_mm", enhanced.radius_mm);
+  report.add(name + "_ml", double(positive(vein.field, vein.field).count()) * hu.lattice().voxel_volume_mm3() / 1000);
+  report.add(name + "_clearance_mm", course.clearance_mm);
+  if (!enhanced.found) {
+    report.warn(
+        fmt::format("the {} vein is estimated, not found: {}; a tube of {} mm radius where a vein usually runs "
+                    "below the clavicle",
+                    name, p.source == VeinSource::estimated ? "as asked" : "nothing along it is enhanced like a vessel",
+                    p.radius_mm));
+    if (course.clearance_mm < p.radius_mm)
+      report.warn(fmt::format("bone or lung leave {:.1f} mm around the {} vein's middle, less than its radius",
+                              course.clearance_mm, name));
+  }
+  return vein;
+}
+
+}  // namespace
+}  // namespace segmentation
+
+Field find_vein(const HuVolume& volume, const Field& bone, const VeinParams& params, Report& report,
+                const Progress& progress) {
+  using namespace segmentation;
+  const HuView hu(volume);
+  const Box place = place_in(bone, hu.lattice());
+  for (int a = 0; a < 3; ++a)
+    if (place.begin[a] < 0 || place.end[a] > hu.lattice().size[a])
+      throw Error(ExitCode::bad_input, "", "bone", "the field reaches beyond the volume");
+  ClavicleParams which;
+  which.side = params.side;
+  const auto clavicles = clavicle_courses(bone, which, progress);
+  if (clavicles.empty())
+    throw Error(ExitCode::quality, "", "vein", "no clavicle of that side is found that tells where it runs");
+  progress.report(0.3);
+  std::vector<Vein> veins;
+  for (const ClavicleCourse& c : clavicles) {
+    veins.push_back(vein_of(c, hu, bone, params, report, progress));
+    progress.report(0.3 + 0.6 * double(veins.size()) / double(clavicles.size()));
+  }
+  Box all = veins[0].box;
+  for (const Vein& v : veins)
+    for (int a = 0; a < 3; ++a) {
+      all.begin[a] = std::min(all.begin[a], v.box.begin[a]);
+      all.end[a] = std::max(all.end[a], v.box.end[a]);
+    }
+  const Lattice lattice = cropped(hu.lattice(), all);
+  Field field(lattice, -3.f);
+  for (const Vein& v : veins) {
+    const Field placed = fit(v.field, lattice, -3.f);
+    for (std::size_t n = 0; n < field.count(); ++n) field.voxels[n] = std::max(field.voxels[n], placed.voxels[n]);
+  }
+  const BitMask mask = positive(field, field);
+  check_mask(mask, hu.lattice().count(), report);
+  progress.report(1);
+  return crop(field, grown(mask.bounds(), 2, field));
+}
+
+}  // namespace trephine

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+#include "base/progress.h"
+#include "voxel/haptic_volume.h"
+
+namespace trephine {
+
+/// A cylinder that something shall pass: from position - above * direction to position + depth * direction.
+struct Bore {
+  Vec3 position_mm, direction;  ///< direction: unit
+  double radius_mm = 0, above_mm = 0, depth_mm = 0;
+};
+
+/// How much thinner than the hole is what must pass it.
+constexpr double hole_play_mm = 0.5;
+
+/// Nothing of the shape is felt within the bore, less the play on all sides. The volume must have the shape.
+bool hole_is_free(const HapticVolume& volume, const std::string& shape, const Bore& bore);
+
+/// A shape's trilinear occupancy less 1/2, on the volume's voxels: its contour at 0 is the surface that is felt.
+Field shape_field(const HapticVolume& volume, int number, const Progress& progress = {});
+
+}  // namespace trephine

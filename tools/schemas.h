@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace trephine {
+
+/// JSON schemas (draft 2020-12) of the files that a user writes, from their declarations, as pages of the reference:
+/// recipe.schema.json, scene.schema.json, case.schema.json, library.schema.json, materials.schema.json and
+/// trade.schema.json. Editors that know JSON schemas complete and check the keys with them.
+std::vector<std::pair<std::string, std::string>> file_schemas();
+
+}  // namespace trephine
