@@ -131,7 +131,9 @@ void check_declarations(const Program& program) {
       throw Error(ExitCode::internal, "", c.name, "declared without a summary or a function");
     const std::string group = group_of(c);
     if (!group.empty()) check_name(c.name, group);
-    check_name(c.name, group.empty() ? c.name : c.name.substr(group.size() + 1));
+    std::string own = group.empty() ? c.name : c.name.substr(group.size() + 1);
+    std::replace(own.begin(), own.end(), '-', '_');
+    check_name(c.name, own);
     for (const Command& other : program.commands)
       if (!group.empty() && other.name == group) throw Error(ExitCode::internal, "", group, "declared as a group too");
     std::set<std::string> flags = {"--help"};
