@@ -64,7 +64,7 @@ config += [f"docs_dir: {pages}", f"site_dir: {sys.argv[3]}", ""]
 (work / "mkdocs.yml").write_text("\n".join(config), encoding="utf-8")
 PY
 
-SOURCE_DATE_EPOCH=0 mkdocs build --quiet --strict --clean --config-file "$work/mkdocs.yml"
+SOURCE_DATE_EPOCH=0 mkdocs build --strict --clean --config-file "$work/mkdocs.yml" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
 rm -f "$out"/sitemap.xml "$out"/sitemap.xml.gz  # dates, and links of a server that there is not
 sed -i -z 's/<!--\nMkDocs version : [^\n]*\nBuild Date UTC : [^\n]*\n-->\n//' "$out/index.html"
 python3 "$root/tests/house/links.py" --site "$out"
