@@ -5,8 +5,8 @@
 # The configurations find each other, and the sample, below the installed trephine.root as they do below the source's.
 install(DIRECTORY pipelines configs sample_dicom DESTINATION ${CMAKE_INSTALL_DATADIR}/trephine COMPONENT programs)
 install(FILES trephine.root DESTINATION ${CMAKE_INSTALL_DATADIR}/trephine COMPONENT programs)
-install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
-install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
+install(FILES README.md LICENSE CONTRIBUTING.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs PATTERN "*.sh" EXCLUDE)
 install(DIRECTORY examples/case_reader examples/contact examples/udp_client DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/trephine-dev/examples
         COMPONENT development)
 

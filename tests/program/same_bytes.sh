@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # case.json and all that it names are the same bytes with 1 and 2 threads, in another folder, time zone and locale, and the
-# README's chain of single tools gives the surfaces of `run`, bit for bit.
+# chain of single tools in docs/single-tools.md gives the surfaces of `run`, bit for bit.
 . "$(dirname "$0")/common.sh"
 config=$SOURCE/configs/sample_drilled.yaml
 coarse=(--set "haptic.spacing_mm=[1.6,1.6,1.6]")
@@ -16,8 +16,8 @@ grep -aiE "$(hostname)|$work|TREPHINE\^PHANTOM" "$work/one/sample-drilled/case.j
 
 cd "$work"
 "$TREPHINE" import "$SOURCE/sample_dicom" --output volume.nrrd --quiet
-sed -n '/<!-- chain -->/,/<!-- end -->/p' "$SOURCE/README.md" | sed -n '/^```sh/,/^```$/p' | sed '/^```/d' >chain.sh
-grep -q 'trephine normals' chain.sh || fail "README.md holds no chain of single tools"
+sed -n '/<!-- chain -->/,/<!-- end -->/p' "$SOURCE/docs/single-tools.md" | sed -n '/^```sh/,/^```$/p' | sed '/^```/d' >chain.sh
+grep -q 'trephine normals' chain.sh || fail "docs/single-tools.md holds no chain of single tools"
 PATH=$(dirname "$TREPHINE"):$PATH bash -euo pipefail chain.sh
 cmp skull.vtp kept/skull.normals.vtp || fail "the chain's skull differs from run's"
 cmp drilled.vtp kept/skull.boolean.vtp || fail "the chain's drilled skull differs from run's"
