@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "felt_case.h"
+#include "session/felt_case.h"
 
 #include "base/error.h"
 

@@ -7,9 +7,9 @@
 #include "base/error.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands.h"
-#include "felt_case.h"
+#include "commands/commands.h"
 #include "haptics/recording.h"
+#include "session/felt_case.h"
 
 namespace trephine {
 namespace {

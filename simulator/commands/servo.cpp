@@ -15,14 +15,14 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands.h"
+#include "commands/commands.h"
 #include "device/hand_path.h"
 #include "device/simulated_hand.h"
 #include "device/trajectory.h"
 #include "device/udp_device.h"
-#include "felt_case.h"
 #include "haptics/recording.h"
 #include "haptics/servo.h"
+#include "session/felt_case.h"
 
 namespace trephine {
 namespace {
