@@ -88,7 +88,7 @@ Json json_of(const ServoStatistics& s, const Session& session, const Device& dev
   for (int n = 0; n < haptic_event::count; ++n) events[haptic_event::names[n]] = s.events[n];
   return {{"case", session.is.case_token},
           {"shape", session.is.felt_shape},
-          {"tool", tool_name(session.is.tool)},
+          {"tool", session.is.tool.tool},
           {"walk", choice_name(session.is.contact, "walk")},
           {"surface", choice_name(session.is.contact, "surface")},
           {"rate_hz", session.is.rate_hz},
@@ -190,7 +190,7 @@ ExitCode run_servo(const ParsedCommand& parsed) {
     std::cout << fmt::format("servo at {:g} Hz on {}: {}\n", params.rate_hz, device->name(),
                              grant_text(params, session.grant));
     if (proxy.tool_body())
-      std::cout << fmt::format("tool {}: {} points, {:g} mm in diameter, {:g} mm long\n", tool_name(tool),
+      std::cout << fmt::format("tool {}: {} points, {:g} mm in diameter, {:g} mm long\n", tool.tool,
                                proxy.tool_body()->count(), tool.tool_diameter_mm, tool.tool_length_mm);
     std::cout << std::flush;
     while (!done) {
