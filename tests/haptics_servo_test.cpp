@@ -12,7 +12,7 @@
 #include "base/write_file.h"
 #include "device/hand_path.h"
 #include "device/simulated_hand.h"
-#include "device/trajectory.h"
+#include "device/trajectory_device.h"
 #include "haptics/recording.h"
 #include "haptics/servo.h"
 #include "haptics_only_sleep.h"
@@ -54,7 +54,6 @@ class FailingDevice : public Device {
   int good = 100;
   Vec3 tip_mm{0, 0, -1};
   std::vector<Vec3> sent;
-  const char* name() const override { return "failing"; }
   double damping_n_s_per_mm() const override { return 0; }
   bool read(double, DeviceReading& out) override {
     out.tip_mm = tip_mm;

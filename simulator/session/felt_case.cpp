@@ -34,12 +34,4 @@ RecordingHeader FeltCase::header() const {
   return h;
 }
 
-std::string fault_names(std::uint32_t faults) {
-  static constexpr const char* names[] = {"pose", "time step", "force", "device lost"};
-  std::string out;
-  for (int n = 0; n < 4; ++n)
-    if (faults >> n & 1) out += (out.empty() ? "" : ", ") + std::string(names[n]);
-  return out;
-}
-
 }  // namespace trephine
