@@ -69,6 +69,7 @@ std::string encode_ply(const PreparedSurface& s) {
 
 }  // namespace
 
+// The normals are the facets'; no colour.
 ExportFormat stl_format() {
   ExportFormat f;
   f.name = "stl";
@@ -82,6 +83,7 @@ ExportFormat stl_format() {
   return f;
 }
 
+// Little endian; a colour and a normal a point.
 ExportFormat ply_format() {
   ExportFormat f;
   f.name = f.help = "ply";

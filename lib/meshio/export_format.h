@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "meshio/export_mesh.h"
-#include "meshio/foreign.h"
+#include "meshio/foreign_reader.h"
 
 namespace trephine {
 

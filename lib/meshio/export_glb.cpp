@@ -19,6 +19,7 @@ std::string encode(const PreparedSurface& s) {
 
 }  // namespace
 
+// One surface, without texture coordinates, for the case package needs none.
 ExportFormat glb_format() {
   ExportFormat f;
   f.name = f.help = "glb";

@@ -205,6 +205,7 @@ std::string encode_x3d(const std::vector<PreparedSurface>& all) {
 
 }  // namespace
 
+// A surface is a group, its colour and opacity a material in the .mtl beside it.
 ExportFormat obj_format() {
   ExportFormat f;
   f.name = "obj";
@@ -220,6 +221,7 @@ ExportFormat obj_format() {
   return f;
 }
 
+// A colour and a normal a point.
 ExportFormat vtk_format() {
   ExportFormat f;
   f.name = "vtk";
@@ -233,6 +235,7 @@ ExportFormat vtk_format() {
   return f;
 }
 
+// A surface is a shape with a material.
 ExportFormat wrl_format() {
   ExportFormat f;
   f.name = "wrl";
@@ -247,6 +250,7 @@ ExportFormat wrl_format() {
   return f;
 }
 
+// Version 3.3, in XML; a surface is a shape with a material, and its name that of the node about it.
 ExportFormat x3d_format() {
   ExportFormat f;
   f.name = f.help = "x3d";

@@ -29,6 +29,7 @@ std::string encode(const PreparedSurface& s) {
 
 }  // namespace
 
+// Doubles; a colour and a normal a point.
 ExportFormat vtp_format() {
   ExportFormat f;
   f.name = f.help = "vtp";

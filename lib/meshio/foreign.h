@@ -10,18 +10,9 @@
 #include "base/child.h"
 #include "base/progress.h"
 #include "base/vec3.h"
+#include "meshio/foreign_reader.h"
 
 namespace trephine {
-
-enum class ForeignProgram : std::uint32_t { assimp, vtk };
-inline const char* name_of(ForeignProgram program) { return program == ForeignProgram::vtk ? "VTK" : "assimp"; }
-
-/// Another program's reader for the files of one extension. assimp knows its own by it; VTK's are vtp, vtk and wrl.
-struct ForeignReader {
-  ForeignProgram program = ForeignProgram::assimp;
-  char extension[8] = "";  ///< without its dot; as it goes to the child
-  bool reads(std::string_view other) const { return other == extension; }
-};
 
 /// One mesh of a file as its reader gave it: finite points in the file's own coordinates (nodes' transforms applied),
 /// triangles with indices in range, polygons triangulated. Points may be repeated.
