@@ -105,7 +105,7 @@ void Session::write_frames() {
 }
 
 SessionResult Session::finish() {
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
   if (recording_) {
     drain();
     recording_->finish();

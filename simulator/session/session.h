@@ -60,7 +60,7 @@ class Session {
 
   /// Begins the loop, and returns when it is known what the system grants it.
   const RealtimeGrant& start();
-  bool running() const { return !done_; }
+  bool running() const { return thread_.joinable() && !done_; }
   /// Hands to the disk what was recorded since. Throws 74. Without a clock it does nothing: all frames wait for
   /// finish().
   void write_frames();
