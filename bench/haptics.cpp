@@ -211,12 +211,12 @@ void tools_over(const ContactVolume& contact, const Feels& feels) {
     run("ball of " + std::to_string(n) + ", swaying", ball(n), {{0, 0, 1}, 0.2});
     run("rod of " + std::to_string(n) + ", flat, swaying", rod(n), {{1, 0, 0}, 0.2});
   }
-  for (const auto kind : {ToolParams::Kind::needle, ToolParams::Kind::catheter, ToolParams::Kind::burr,
-                          ToolParams::Kind::craniotome, ToolParams::Kind::jamshidi}) {
+  for (const ToolKind& kind : all_tool_kinds()) {
+    if (!(kind.length_mm > 0)) continue;
     ToolParams p;
-    p.tool = kind;
+    p.tool = kind.name;
     const Tool tool = make_tool(p);
-    run(tool_name(p) + (", " + std::to_string(tool.points_mm.size()) + " points, swaying"), tool, {{0, 0, 1}, 0.2});
+    run(p.tool + (", " + std::to_string(tool.points_mm.size()) + " points, swaying"), tool, {{0, 0, 1}, 0.2});
   }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/command.h"
-#include "commands.h"
+#include "commands/commands.h"
 
 namespace trephine {
 namespace {

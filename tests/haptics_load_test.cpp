@@ -21,7 +21,6 @@ const std::atomic<bool> no_stop{false};
 // Goes on at 2 mm/s into the floor; its read takes 20 ms every 50th time.
 class SlowDevice : public Device {
  public:
-  const char* name() const override { return "slow"; }
   double damping_n_s_per_mm() const override { return 0; }
   bool read(double dt_s, DeviceReading& out) override {
     if (++reads_ % 50 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));

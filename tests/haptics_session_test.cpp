@@ -118,7 +118,7 @@ void episode(std::uint64_t seed, double seconds, Seen& seen) {
     feels[n].shaft_friction_n_per_mm = 0.01;
   }
   ToolParams tool_params;
-  tool_params.tool = ToolParams::Kind(rng() % 6);
+  tool_params.tool = all_tool_kinds()[rng() % all_tool_kinds().size()].name;
   ShaftParams shaft;
   shaft.shaft_length_mm = rng() % 2 ? 30 : 0;
   const ForceParams force;

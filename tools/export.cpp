@@ -11,7 +11,7 @@
 #include "cases/glb.h"
 #include "cli/progress_display.h"
 #include "commands.h"
-#include "meshio/export_mesh.h"
+#include "meshio/export_format.h"
 #include "meshio/label_map.h"
 #include "meshio/read_mesh.h"
 #include "stage_command.h"
@@ -22,7 +22,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* labels_format = "seg.nrrd";
+bool holds_several(const ExportFormat& f) { return f.several; }
+
+// Every name that --format takes.
+std::vector<std::string> format_choices() {
+  std::vector<std::string> names;
+  for (const ExportFormat& f : all_export_formats()) names.emplace_back(f.name);
+  for (const LabelFormat& f : all_label_formats()) names.emplace_back(f.name);
+  return names;
+}
+
+std::string with_commas(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
 
 struct ExportParams {
   std::string name;
@@ -35,7 +49,8 @@ struct ExportParams {
     v.text(&P::name, "name",
            "Name of a surface from a file, of the one file of --together, or of the labels; empty: the input's, or "
            "labels.");
-    v.flag(&P::together, "together", "All anatomies in one file (obj, wrl and x3d hold several).");
+    static const std::string together = "All anatomies in one file (" + format_names(holds_several) + " hold several).";
+    v.flag(&P::together, "together", together.c_str());
     v.numbers(&P::colour_rgb, "colour_rgb", Range{0, 1},
               "Colour (sRGB) of a surface from a file; a case knows its own.");
     v.number(&P::opacity, "opacity", Range{0, 1}, "Opacity of a surface from a file, where the format has one.");
@@ -60,9 +75,7 @@ std::vector<std::string> items_of(const ParsedCommand& parsed, const std::string
 
 [[noreturn]] void unknown(const std::string& field, const std::string& name, const std::vector<std::string>& known) {
   const std::string near = nearest_name(name, known);
-  std::string all;
-  for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
-  usage(field, name + (near.empty() ? ": must be one of " + all : ": did you mean " + near + "?"));
+  usage(field, name + (near.empty() ? ": must be one of " + with_commas(known) : ": did you mean " + near + "?"));
 }
 
 void check_name(const std::string& field, const std::string& name) {
@@ -74,23 +87,28 @@ void check_name(const std::string& field, const std::string& name) {
 }
 
 struct Formats {
-  std::vector<ExportFormat> surfaces;
-  bool labels = false;
+  std::vector<const ExportFormat*> surfaces;
+  std::vector<const LabelFormat*> labels;
 };
 
+template <class Format>
+void add_once(std::vector<const Format*>& formats, const Format& format) {
+  if (std::find(formats.begin(), formats.end(), &format) == formats.end()) formats.push_back(&format);
+}
+
 Formats formats_of(const ParsedCommand& parsed) {
-  std::vector<std::string> known;
-  for (const ExportFormat f : all_export_formats()) known.push_back(name_of(f));
-  known.push_back(labels_format);
+  const std::vector<LabelFormat>& all_labels = all_label_formats();
   Formats formats;
   for (const std::string& name : items_of(parsed, "format")) {
-    const auto found = find_export_format(name);
-    if (name == labels_format)
-      formats.labels = true;
-    else if (!found)
-      unknown("--format", name, known);
-    else if (std::find(formats.surfaces.begin(), formats.surfaces.end(), *found) == formats.surfaces.end())
-      formats.surfaces.push_back(*found);
+    const auto labels =
+        std::find_if(all_labels.begin(), all_labels.end(), [&](const LabelFormat& f) { return name == f.name; });
+    const ExportFormat* surface = find_export_format(name);
+    if (labels != all_labels.end())
+      add_once(formats.labels, *labels);
+    else if (surface)
+      add_once(formats.surfaces, *surface);
+    else
+      unknown("--format", name, format_choices());
   }
   return formats;
 }
@@ -160,8 +178,8 @@ struct Exported {
 };
 
 // Encodes, has another program read it, and keeps the bytes for the end: nothing is written before all is well.
-void export_one(ExportFormat format, const std::vector<ExportSurface>& surfaces, const std::string& stem, Exported& out,
-                Report& report, const Progress& progress) {
+void export_one(const ExportFormat& format, const std::vector<ExportSurface>& surfaces, const std::string& stem,
+                Exported& out, Report& report, const Progress& progress) {
   auto made = encode_surfaces(format, surfaces, stem, progress.part(0, 0.5));
   const ExportCheck check = verify_export(format, surfaces, made, progress.part(0.5, 1));
   const ExportFile& main = made.back();
@@ -182,8 +200,9 @@ void export_one(ExportFormat format, const std::vector<ExportSurface>& surfaces,
   for (ExportFile& f : made) out.files.push_back(std::move(f));
 }
 
-Exported export_surfaces(const Input& input, const std::vector<ExportFormat>& formats, const ExportParams& params,
-                         const std::string& together_name, Report& report, const Progress& progress) {
+Exported export_surfaces(const Input& input, const std::vector<const ExportFormat*>& formats,
+                         const ExportParams& params, const std::string& together_name, Report& report,
+                         const Progress& progress) {
   Exported out;
   const std::size_t groups = params.together ? 1 : input.surfaces.size(), all = groups * formats.size();
   for (std::size_t g = 0; g < groups; ++g)
@@ -191,9 +210,9 @@ Exported export_surfaces(const Input& input, const std::vector<ExportFormat>& fo
       const double done = double(g * formats.size() + f);
       const Progress part = progress.part(done / double(all), (done + 1) / double(all));
       if (params.together)
-        export_one(formats[f], input.surfaces, together_name, out, report, part);
+        export_one(*formats[f], input.surfaces, together_name, out, report, part);
       else
-        export_one(formats[f], {input.surfaces[g]}, input.surfaces[g].name, out, report, part);
+        export_one(*formats[f], {input.surfaces[g]}, input.surfaces[g].name, out, report, part);
     }
   return out;
 }
@@ -230,11 +249,15 @@ LabelMap label_map_of(const ParsedCommand& parsed, const Input& input, Report& r
 void check_combination(const ParsedCommand& parsed, const Formats& formats) {
   const auto& params = parsed.params<ExportParams>();
   if (!params.name.empty()) check_name("--name", params.name);
-  if (formats.labels != parsed.has("labels")) usage("--labels", "and --format seg.nrrd belong together");
+  if (formats.labels.empty() == parsed.has("labels")) {
+    std::vector<std::string> names;
+    for (const LabelFormat& f : all_label_formats()) names.emplace_back(f.name);
+    usage("--labels", "and --format " + with_commas(names) + " belong together");
+  }
   if (!formats.surfaces.empty() && !parsed.has("input")) usage("INPUT", "is needed for surfaces: a case or a file");
   if (params.together)
-    for (const ExportFormat f : formats.surfaces)
-      if (!holds_several_surfaces(f)) usage("--together", std::string(name_of(f)) + " holds one surface a file");
+    for (const ExportFormat* f : formats.surfaces)
+      if (!f->several) usage("--together", std::string(f->name) + " holds one surface a file");
 }
 
 // Fills the report (for --report) and returns what is printed.
@@ -256,13 +279,32 @@ std::string run_export(const ParsedCommand& parsed, Report& report, const Progre
   for (const std::string& line : exported.table) text += line + "\n";
   Report labels;
   LabelMap map;
-  if (formats.labels) map = label_map_of(parsed, input, labels, progress.part(0.8, 0.95));
+  if (!formats.labels.empty()) map = label_map_of(parsed, input, labels, progress.part(0.8, 0.95));
   make_output_folder(out);
   write_export(out, exported.files);
-  if (formats.labels)
-    write_label_map(out / ((params.name.empty() ? "labels" : params.name) + "." + labels_format), map);
+  for (const LabelFormat* f : formats.labels)
+    f->write(out / ((params.name.empty() ? "labels" : params.name) + "." + f->name), map);
   text += report_text(labels);
   for (const auto& f : labels.figures) report.figures.push_back(f);
+  return text;
+}
+
+// What the formats hold, as they say it themselves.
+std::string formats_text() {
+  std::vector<std::string> formats;
+  for (const ExportFormat& f : all_export_formats()) formats.emplace_back(f.help);
+  const auto says_space = [](const ExportFormat& f) { return f.says_space; };
+  const auto in_metres = [](const ExportFormat& f) { return f.metres_y_up; };
+  const auto rounds = [](const ExportFormat& f) { return f.precision == Precision::float32_world; };
+  const auto colourless = [](const ExportFormat& f) { return !f.read_back.colour; };
+  std::string text = with_commas(formats) + ". Coordinates are DICOM patient LPS in mm, which " +
+                     format_names(says_space) + " say as 3D Slicer reads it (SPACE=LPS); " + format_names(in_metres) +
+                     " is in metres, Y up. " + format_names(rounds) + " hold float32, " + format_names(colourless) +
+                     " no colour.\n\n"
+                     "Every surface is checked in its rounded coordinates (closed, 2-manifold, no "
+                     "self-intersections), and every file is read back by another program's reader and compared, "
+                     "triangle by triangle, before anything is written.";
+  for (const LabelFormat& f : all_label_formats()) text += "\n\nFormat " + std::string(f.name) + " is " + f.help;
   return text;
 }
 
@@ -274,19 +316,14 @@ Command export_command() {
   c.summary = "writes surfaces and labels in the formats of other programs";
   c.description =
       "From a case (a folder with case.json) or a surface file (.vtp .stl .ply .obj .vtk .glb), one file an anatomy "
-      "and format: stl (binary), ply, obj with its .mtl, vtp, vtk (legacy), wrl (VRML 2.0), x3d, glb. Coordinates are "
-      "DICOM patient LPS in mm, which stl, ply, obj, vtp and vtk say as 3D Slicer reads it (SPACE=LPS); glb is in "
-      "metres, Y up. stl and ply hold float32, stl no colour.\n\n"
-      "Every surface is checked in its rounded coordinates (closed, 2-manifold, no self-intersections), and every file "
-      "is read back by another program's reader and compared, triangle by triangle, before anything is written.\n\n"
-      "Format seg.nrrd is a segmentation for 3D Slicer, made of fields (of segment) on one raster, in one layer: "
-      "where shapes overlap the later one of --labels wins.";
+      "and format: " +
+      formats_text();
   c.examples = {"trephine export library/head-01 --format stl,ply --out exported",
                 "trephine export library/head-01 --format obj --anatomy skin --texture-coordinates skin --out exported",
                 "trephine export library/head-01 --format x3d --together --out exported",
                 "trephine export skull.vtp --format stl --out exported",
                 "trephine export --format seg.nrrd --labels skin=skin.nrrd,skull=skull.nrrd --out exported"};
-  const auto argument = [](const char* name, Argument::Kind kind, const char* help) {
+  const auto argument = [](const char* name, Argument::Kind kind, const std::string& help) {
     Argument a;
     a.name = name;
     a.kind = kind;
@@ -296,14 +333,14 @@ Command export_command() {
   Argument input = argument("input", Argument::Kind::in_path, "A case's folder, or a surface file.");
   input.positional = true;
   Argument format = argument("format", Argument::Kind::text,
-                             "Formats, with commas between them: stl, ply, obj, vtp, vtk, wrl, x3d, glb, seg.nrrd.");
+                             "Formats, with commas between them: " + with_commas(format_choices()) + ".");
   format.required = format.repeated = true;
   Argument out = argument("out", Argument::Kind::out_folder, "Folder for the files; those of the same name go.");
   out.required = true;
   Argument anatomy = argument("anatomy", Argument::Kind::text, "Anatomies of the case to export; all if not given.");
-  Argument texture =
-      argument("texture_coordinates", Argument::Kind::text,
-               "Surfaces that get spherical texture coordinates, where the format has them (not stl and glb).");
+  Argument texture = argument("texture_coordinates", Argument::Kind::text,
+                              "Surfaces that get spherical texture coordinates, where the format has them (not " +
+                                  format_names([](const ExportFormat& f) { return !f.texture; }) + ").");
   Argument labels = argument("labels", Argument::Kind::text, "Shapes of a segmentation: NAME=FIELD.nrrd, with commas.");
   anatomy.repeated = texture.repeated = labels.repeated = true;
   c.arguments = {input, format, out, anatomy, texture, labels, report_argument()};

@@ -21,8 +21,6 @@ void append(std::string& out, Vec3 v) {
   for (int c = 0; c < 3; ++c) append(out, float(v[c]) + 0.f);
 }
 
-}  // namespace
-
 std::string encode_stl(const PreparedSurface& s) {
   const auto& triangles = s.mesh().triangles;
   // A header that begins with "solid" is taken for the text form.
@@ -67,6 +65,36 @@ std::string encode_ply(const PreparedSurface& s) {
     for (const std::uint32_t i : t) append(out, std::int32_t(i));
   }
   return out;
+}
+
+}  // namespace
+
+// The normals are the facets'; no colour.
+ExportFormat stl_format() {
+  ExportFormat f;
+  f.name = "stl";
+  f.help = "stl (binary)";
+  f.says_space = true;
+  f.precision = Precision::float32_world;
+  f.encode = [](const std::vector<PreparedSurface>& all, const std::string& stem) {
+    return std::vector<ExportFile>{{stem + ".stl", encode_stl(all[0])}};
+  };
+  f.read_back.reader = {ForeignProgram::assimp, "stl"};
+  return f;
+}
+
+// Little endian; a colour and a normal a point.
+ExportFormat ply_format() {
+  ExportFormat f;
+  f.name = f.help = "ply";
+  f.texture = f.says_space = true;
+  f.precision = Precision::float32_world;
+  f.encode = [](const std::vector<PreparedSurface>& all, const std::string& stem) {
+    return std::vector<ExportFile>{{stem + ".ply", encode_ply(all[0])}};
+  };
+  f.read_back.reader = {ForeignProgram::assimp, "ply"};
+  f.read_back.colour = true;
+  return f;
 }
 
 }  // namespace trephine

@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Inside of meshio: the encoders behind meshio/export_mesh.h.
+// Inside of meshio: what the writers of the formats have in common.
 #include <array>
 #include <string>
 #include <vector>
 
-#include "meshio/export_mesh.h"
+#include "meshio/export_format.h"
 #include "meshio/texture.h"
 
 namespace trephine {
 
-enum class Precision {
-  float32_world,
-  float32_local,  ///< about the mesh's origin_mm
-  float64_world,
-};
-Precision precision_of(ExportFormat format);
+constexpr double float32_epsilon = 1.2e-7;
 
 /// A surface as a format holds it.
 struct PreparedSurface {
@@ -39,13 +34,5 @@ struct PlainSurface {
 PlainSurface plain_surface(const PreparedSurface& s);
 
 std::array<unsigned char, 3> colour_bytes(const std::array<double, 3>& rgb);
-
-std::string encode_stl(const PreparedSurface& s);
-std::string encode_ply(const PreparedSurface& s);
-std::string encode_legacy_vtk(const PreparedSurface& s);
-std::string encode_obj(const std::vector<PreparedSurface>& all, const std::string& material_file);
-std::string encode_mtl(const std::vector<PreparedSurface>& all);
-std::string encode_vrml(const std::vector<PreparedSurface>& all);
-std::string encode_x3d(const std::vector<PreparedSurface>& all);
 
 }  // namespace trephine

@@ -70,8 +70,6 @@ void append_faces(std::string& out, const std::vector<std::array<std::uint32_t, 
 
 void append_texture_point(std::string& out, const TexturePoint& p) { append_uv(out, p.u, p.v); }
 
-}  // namespace
-
 std::string encode_obj(const std::vector<PreparedSurface>& all, const std::string& material_file) {
   std::string out = "# trephine SPACE=LPS UNIT=mm\nmtllib " + material_file + "\n";
   std::size_t points = 1, textures = 1;  // OBJ counts from 1, through the whole file
@@ -203,6 +201,67 @@ std::string encode_x3d(const std::vector<PreparedSurface>& all) {
     out += "</IndexedFaceSet>\n</Shape>\n</Transform>\n";
   }
   return out + "</Scene>\n</X3D>\n";
+}
+
+}  // namespace
+
+// A surface is a group, its colour and opacity a material in the .mtl beside it.
+ExportFormat obj_format() {
+  ExportFormat f;
+  f.name = "obj";
+  f.help = "obj with its .mtl";
+  f.several = f.texture = f.says_space = true;
+  f.encode = [](const std::vector<PreparedSurface>& all, const std::string& stem) {
+    const std::string materials = stem + ".mtl";
+    return std::vector<ExportFile>{{materials, encode_mtl(all)}, {stem + ".obj", encode_obj(all, materials)}};
+  };
+  f.read_back.reader = {ForeignProgram::assimp, "obj"};
+  f.read_back.relative = 2 * float32_epsilon;
+  f.read_back.colour = f.read_back.opacity = f.read_back.names = true;
+  return f;
+}
+
+// A colour and a normal a point.
+ExportFormat vtk_format() {
+  ExportFormat f;
+  f.name = "vtk";
+  f.help = "vtk (legacy)";
+  f.texture = f.says_space = true;
+  f.encode = [](const std::vector<PreparedSurface>& all, const std::string& stem) {
+    return std::vector<ExportFile>{{stem + ".vtk", encode_legacy_vtk(all[0])}};
+  };
+  f.read_back.reader = {ForeignProgram::vtk, "vtk"};
+  f.read_back.colour = true;
+  return f;
+}
+
+// A surface is a shape with a material.
+ExportFormat wrl_format() {
+  ExportFormat f;
+  f.name = "wrl";
+  f.help = "wrl (VRML 2.0)";
+  f.several = f.texture = true;
+  f.encode = [](const std::vector<PreparedSurface>& all, const std::string& stem) {
+    return std::vector<ExportFile>{{stem + ".wrl", encode_vrml(all)}};
+  };
+  f.read_back.reader = {ForeignProgram::vtk, "wrl"};
+  f.read_back.relative = 2 * float32_epsilon;
+  f.read_back.colour = f.read_back.opacity = true;
+  return f;
+}
+
+// Version 3.3, in XML; a surface is a shape with a material, and its name that of the node about it.
+ExportFormat x3d_format() {
+  ExportFormat f;
+  f.name = f.help = "x3d";
+  f.several = f.texture = true;
+  f.encode = [](const std::vector<PreparedSurface>& all, const std::string& stem) {
+    return std::vector<ExportFile>{{stem + ".x3d", encode_x3d(all)}};
+  };
+  f.read_back.reader = {ForeignProgram::assimp, "x3d"};
+  f.read_back.relative = 2 * float32_epsilon;
+  f.read_back.colour = f.read_back.opacity = true;
+  return f;
 }
 
 }  // namespace trephine

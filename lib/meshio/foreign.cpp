@@ -103,15 +103,8 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
   const std::string_view bytes = in.text(), companion = in.text();
   std::vector<ForeignSurface> surfaces;
   try {
-    switch (reader) {
-      case ForeignReader::vtk_legacy:
-      case ForeignReader::vtk_xml:
-      case ForeignReader::vtk_vrml:
-        surfaces = read_with_vtk(reader, bytes);
-        break;
-      default:
-        surfaces = read_with_assimp(reader, bytes, companion);
-    }
+    surfaces = reader.program == ForeignProgram::vtk ? read_with_vtk(reader, bytes)
+                                                     : read_with_assimp(reader, bytes, companion);
   } catch (const std::exception& e) {
     // Whatever a reader throws, std::bad_alloc for a hostile count too, the bytes are at fault.
     if (const auto* known = dynamic_cast<const Error*>(&e)) throw *known;
@@ -126,8 +119,9 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
 
 }  // namespace
 
-std::vector<ForeignSurface> read_foreign(ForeignReader reader, std::string_view bytes, std::string_view companion,
-                                         const ChildLimits& limits, const Progress& progress) {
+std::vector<ForeignSurface> read_foreign(const ForeignReader& reader, std::string_view bytes,
+                                         std::string_view companion, const ChildLimits& limits,
+                                         const Progress& progress) {
   std::string request;
   request.reserve(bytes.size() + companion.size() + 32);
   put(request, reader);

@@ -10,19 +10,9 @@
 #include "base/child.h"
 #include "base/progress.h"
 #include "base/vec3.h"
+#include "meshio/foreign_reader.h"
 
 namespace trephine {
-
-enum class ForeignReader : std::uint32_t {
-  assimp_stl,
-  assimp_ply,
-  assimp_obj,
-  assimp_x3d,
-  assimp_glb,
-  vtk_legacy,
-  vtk_xml,
-  vtk_vrml,
-};
 
 /// One mesh of a file as its reader gave it: finite points in the file's own coordinates (nodes' transforms applied),
 /// triangles with indices in range, polygons triangulated. Points may be repeated.
@@ -38,14 +28,16 @@ struct ForeignSurface {
 
 /// Reads the bytes. `companion` stands for any .mtl that they name (empty: there is none); nothing else is opened.
 /// Throws Error 65 where the reader refuses them or gives nonsense; 70 where the child dies or exceeds the limits.
-std::vector<ForeignSurface> read_foreign(ForeignReader reader, std::string_view bytes, std::string_view companion,
-                                         const ChildLimits& limits, const Progress& progress = {});
+std::vector<ForeignSurface> read_foreign(const ForeignReader& reader, std::string_view bytes,
+                                         std::string_view companion, const ChildLimits& limits,
+                                         const Progress& progress = {});
 
 /// Limits for a file of that size.
 ChildLimits foreign_limits(std::size_t bytes);
 
 /// In the child only: they can crash or hang on damaged bytes. Throw Error 65.
-std::vector<ForeignSurface> read_with_assimp(ForeignReader reader, std::string_view bytes, std::string_view companion);
-std::vector<ForeignSurface> read_with_vtk(ForeignReader reader, std::string_view bytes);
+std::vector<ForeignSurface> read_with_assimp(const ForeignReader& reader, std::string_view bytes,
+                                             std::string_view companion);
+std::vector<ForeignSurface> read_with_vtk(const ForeignReader& reader, std::string_view bytes);
 
 }  // namespace trephine

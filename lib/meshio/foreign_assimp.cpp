@@ -94,7 +94,7 @@ bool mirrors(const Matrix& m) {
          0;
 }
 
-void take_colour(const aiScene& scene, const aiMesh& mesh, ForeignReader reader, ForeignSurface& s) {
+void take_colour(const aiScene& scene, const aiMesh& mesh, const ForeignReader& reader, ForeignSurface& s) {
   if (mesh.HasVertexColors(0) && mesh.mNumVertices > 0) {
     const aiColor4D first = mesh.mColors[0][0];
     s.has_colour = std::all_of(mesh.mColors[0], mesh.mColors[0] + mesh.mNumVertices,
@@ -105,9 +105,8 @@ void take_colour(const aiScene& scene, const aiMesh& mesh, ForeignReader reader,
   if (mesh.mMaterialIndex >= scene.mNumMaterials) return;
   const aiMaterial& material = *scene.mMaterials[mesh.mMaterialIndex];
   aiColor4D colour;
-  const bool found = reader == ForeignReader::assimp_glb
-                         ? material.Get(AI_MATKEY_BASE_COLOR, colour) == aiReturn_SUCCESS
-                         : material.Get(AI_MATKEY_COLOR_DIFFUSE, colour) == aiReturn_SUCCESS;
+  const bool found = reader.reads("glb") ? material.Get(AI_MATKEY_BASE_COLOR, colour) == aiReturn_SUCCESS
+                                         : material.Get(AI_MATKEY_COLOR_DIFFUSE, colour) == aiReturn_SUCCESS;
   if (found) {
     s.has_colour = true;
     s.colour = {colour.r, colour.g, colour.b};
@@ -117,7 +116,7 @@ void take_colour(const aiScene& scene, const aiMesh& mesh, ForeignReader reader,
   s.opacity = opacity;
 }
 
-void add_node(const aiScene& scene, const aiNode& node, const Matrix& outer, ForeignReader reader, int depth,
+void add_node(const aiScene& scene, const aiNode& node, const Matrix& outer, const ForeignReader& reader, int depth,
               std::vector<ForeignSurface>& out) {
   if (depth > 64 || out.size() > 100000) throw Error(ExitCode::bad_input, "", "", "damaged: nodes without an end");
   const Matrix m = outer * matrix_of(node.mTransformation);
@@ -125,7 +124,7 @@ void add_node(const aiScene& scene, const aiNode& node, const Matrix& outer, For
     if (node.mMeshes[i] >= scene.mNumMeshes) throw Error(ExitCode::bad_input, "", "", "damaged: a mesh is missing");
     const aiMesh& mesh = *scene.mMeshes[node.mMeshes[i]];
     ForeignSurface s;
-    s.name = mesh.mName.length > 0 && reader != ForeignReader::assimp_x3d ? mesh.mName.C_Str() : node.mName.C_Str();
+    s.name = mesh.mName.length > 0 && !reader.reads("x3d") ? mesh.mName.C_Str() : node.mName.C_Str();
     take_colour(scene, mesh, reader, s);
     s.texture_points = mesh.HasTextureCoords(0) ? mesh.mNumVertices : 0;
     s.points.reserve(mesh.mNumVertices);
@@ -146,25 +145,11 @@ void add_node(const aiScene& scene, const aiNode& node, const Matrix& outer, For
   for (unsigned i = 0; i < node.mNumChildren; ++i) add_node(scene, *node.mChildren[i], m, reader, depth + 1, out);
 }
 
-const char* extension_for(ForeignReader reader) {
-  switch (reader) {
-    case ForeignReader::assimp_stl:
-      return "stl";
-    case ForeignReader::assimp_ply:
-      return "ply";
-    case ForeignReader::assimp_obj:
-      return "obj";
-    case ForeignReader::assimp_x3d:
-      return "x3d";
-    default:
-      return "glb";
-  }
-}
-
 }  // namespace
 
-std::vector<ForeignSurface> read_with_assimp(ForeignReader reader, std::string_view bytes, std::string_view companion) {
-  const std::string name = std::string("mesh.") + extension_for(reader);
+std::vector<ForeignSurface> read_with_assimp(const ForeignReader& reader, std::string_view bytes,
+                                             std::string_view companion) {
+  const std::string name = std::string("mesh.") + reader.extension;
   Assimp::Importer importer;
   importer.SetIOHandler(new Files(name, bytes, companion));  // the importer deletes it
   const aiScene* scene = importer.ReadFile(name, aiProcess_ValidateDataStructure | aiProcess_Triangulate);

@@ -128,11 +128,11 @@ std::vector<ForeignSurface> read_vrml(std::string_view bytes) {
 
 }  // namespace
 
-std::vector<ForeignSurface> read_with_vtk(ForeignReader reader, std::string_view bytes) {
+std::vector<ForeignSurface> read_with_vtk(const ForeignReader& reader, std::string_view bytes) {
   vtkObject::GlobalWarningDisplayOff();
-  if (reader == ForeignReader::vtk_vrml) return read_vrml(bytes);
+  if (reader.reads("wrl")) return read_vrml(bytes);
   vtkSmartPointer<vtkPolyData> data;
-  if (reader == ForeignReader::vtk_xml) {
+  if (reader.reads("vtp")) {
     vtkNew<vtkXMLPolyDataReader> xml;
     xml->ReadFromInputStringOn();
     xml->SetInputString(std::string(bytes));

@@ -102,6 +102,15 @@ LabelMap make_label_map(const std::vector<LabelledField>& fields, Report& report
   return map;
 }
 
+const std::vector<LabelFormat>& all_label_formats() {
+  static const std::vector<LabelFormat> all = {{"seg.nrrd",
+                                                "a segmentation for 3D Slicer, made of fields (of segment) on one "
+                                                "raster, in one layer: where shapes overlap the "
+                                                "later one of --labels wins.",
+                                                write_label_map}};
+  return all;
+}
+
 void write_label_map(const std::filesystem::path& file, const LabelMap& map) {
   write_nrrd(file, map.labels, map.keys, NrrdEncoding::gzip);
   if (!std::filesystem::is_regular_file(file)) return;  // a device

@@ -37,6 +37,15 @@ struct LabelMap {
 /// empty or has more than 255.
 LabelMap make_label_map(const std::vector<LabelledField>& fields, Report& report, const Progress& progress = {});
 
+/// A format of segmentations, declared once, in label_map.cpp: --format, its help and the reference come from it.
+struct LabelFormat {
+  const char* name;  ///< "seg.nrrd": what --format takes, and the extension without its first dot
+  const char* help;  ///< ends the sentence "Format seg.nrrd is ..."
+  /// Writes the file and reads it back.
+  void (*write)(const std::filesystem::path& file, const LabelMap& map);
+};
+const std::vector<LabelFormat>& all_label_formats();
+
 /// Writes it gzip, LPS, and reads it back: the same labels, place and keys, else the file is removed and 74 thrown.
 /// Throws 73 and 74 as write_file does.
 void write_label_map(const std::filesystem::path& file, const LabelMap& map);

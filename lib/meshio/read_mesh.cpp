@@ -16,32 +16,27 @@
 namespace trephine {
 namespace {
 
-struct Extension {
-  const char* text;
-  ForeignReader reader;
-};
-constexpr Extension extensions[] = {
-    {".stl", ForeignReader::assimp_stl}, {".ply", ForeignReader::assimp_ply}, {".obj", ForeignReader::assimp_obj},
-    {".vtp", ForeignReader::vtk_xml},    {".vtk", ForeignReader::vtk_legacy}, {".glb", ForeignReader::assimp_glb},
-};
+constexpr ForeignReader readers[] = {{ForeignProgram::assimp, "stl"}, {ForeignProgram::assimp, "ply"},
+                                     {ForeignProgram::assimp, "obj"}, {ForeignProgram::vtk, "vtp"},
+                                     {ForeignProgram::vtk, "vtk"},    {ForeignProgram::assimp, "glb"}};
 
-ForeignReader reader_for(const std::filesystem::path& file) {
+const ForeignReader& reader_for(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
   std::string known;
-  for (const Extension& e : extensions) {
-    if (extension == e.text) return e.reader;
-    known += std::string(known.empty() ? "" : " ") + e.text;
+  for (const ForeignReader& reader : readers) {
+    if (extension == std::string(".") + reader.extension) return reader;
+    known += std::string(known.empty() ? "." : " .") + reader.extension;
   }
   throw Error(ExitCode::usage, file.string(), "", "no surface file known by its extension: " + known);
 }
 
 // What Slicer says in STL's header, PLY's and OBJ's comments and legacy VTK's title.
-bool says_ras(ForeignReader reader, std::string_view bytes) {
-  std::string_view head = bytes.substr(0, reader == ForeignReader::assimp_stl ? 80 : 4096);
-  if (reader == ForeignReader::assimp_ply) head = head.substr(0, head.find("end_header"));
-  if (reader == ForeignReader::vtk_legacy) head = head.substr(0, head.find("DATASET"));
-  if (reader == ForeignReader::assimp_obj) head = head.substr(0, head.find("\nv "));
+bool says_ras(const ForeignReader& reader, std::string_view bytes) {
+  std::string_view head = bytes.substr(0, reader.reads("stl") ? 80 : 4096);
+  if (reader.reads("ply")) head = head.substr(0, head.find("end_header"));
+  if (reader.reads("vtk")) head = head.substr(0, head.find("DATASET"));
+  if (reader.reads("obj")) head = head.substr(0, head.find("\nv "));
   return head.find("SPACE=RAS") != std::string_view::npos;
 }
 
@@ -99,7 +94,7 @@ std::optional<TriMesh> own_glb(std::string_view bytes) {
   }
 }
 
-TriMesh foreign_mesh(ForeignReader reader, std::string_view bytes, const ReadMeshLimits& limits,
+TriMesh foreign_mesh(const ForeignReader& reader, std::string_view bytes, const ReadMeshLimits& limits,
                      const Progress& progress) {
   ChildLimits child = foreign_limits(bytes.size());
   if (limits.max_s > 0) child.cpu_s = child.wall_s = limits.max_s;
@@ -111,7 +106,7 @@ TriMesh foreign_mesh(ForeignReader reader, std::string_view bytes, const ReadMes
     if (e.code() != ExitCode::internal) throw;
     throw Error(ExitCode::bad_input, "", "", std::string("damaged, or too much for its reader: ") + e.what());
   }
-  if (reader == ForeignReader::assimp_glb)
+  if (reader.reads("glb"))
     for (Vec3& p : mesh.points_mm) p = {1000 * p.x, -1000 * p.z, 1000 * p.y};
   if (says_ras(reader, bytes))
     for (Vec3& p : mesh.points_mm) p = {-p.x, -p.y, p.z};
@@ -123,7 +118,7 @@ TriMesh foreign_mesh(ForeignReader reader, std::string_view bytes, const ReadMes
 const std::vector<std::string>& readable_mesh_extensions() {
   static const std::vector<std::string> all = [] {
     std::vector<std::string> v;
-    for (const Extension& e : extensions) v.emplace_back(e.text);
+    for (const ForeignReader& r : readers) v.push_back(std::string(".") + r.extension);
     return v;
   }();
   return all;
@@ -132,10 +127,10 @@ const std::vector<std::string>& readable_mesh_extensions() {
 TriMesh read_mesh_file(const std::filesystem::path& file, Report& report, const ReadMeshLimits& limits,
                        const Progress& progress) {
   return with_file(file.string(), [&] {
-    const ForeignReader reader = reader_for(file);
+    const ForeignReader& reader = reader_for(file);
     TriMesh mesh;
     bool ours = false;
-    if (reader == ForeignReader::vtk_xml) {
+    if (reader.reads("vtp")) {
       std::error_code unknown;
       if (const auto size = std::filesystem::file_size(file, unknown); !unknown && size > limits.max_bytes)
         throw Error(ExitCode::bad_input, "", "", "has more than " + std::to_string(limits.max_bytes) + " bytes");
@@ -150,7 +145,7 @@ TriMesh read_mesh_file(const std::filesystem::path& file, Report& report, const 
       const std::string_view bytes(read.data(), read.size());
       if (bytes.empty()) throw Error(ExitCode::bad_input, "", "", "the file is empty");
       std::optional<TriMesh> own;
-      if (reader == ForeignReader::assimp_glb) own = own_glb(bytes);
+      if (reader.reads("glb")) own = own_glb(bytes);
       ours = own.has_value();
       mesh = ours ? std::move(*own) : foreign_mesh(reader, bytes, limits, progress);
     }
@@ -162,7 +157,7 @@ TriMesh read_mesh_file(const std::filesystem::path& file, Report& report, const 
     if (!ours) dropped = drop_sideless(mesh);
     if (mesh.triangles.empty()) throw Error(ExitCode::bad_input, "", "", "holds no triangle");
     drop_unused_points(mesh);
-    if (!ours && reader != ForeignReader::vtk_xml) centre_origin(mesh);
+    if (!ours && !reader.reads("vtp")) centre_origin(mesh);
     check_mesh(mesh);
     report.add("triangles_count", mesh.triangles.size());
     report.add("points_merged", merged);

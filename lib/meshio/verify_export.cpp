@@ -11,38 +11,6 @@
 namespace trephine {
 namespace {
 
-// Who reads a format, and what can be asked of the reader.
-struct Check {
-  ForeignReader reader;
-  const char* program;
-  double relative;  ///< of the largest coordinate: what the reader's own numbers lose
-  bool colour, opacity, names;
-};
-
-constexpr double float32_epsilon = 1.2e-7;
-
-Check check_of(ExportFormat format) {
-  switch (format) {
-    case ExportFormat::stl:
-      return {ForeignReader::assimp_stl, "assimp", 0, false, false, false};
-    case ExportFormat::ply:
-      return {ForeignReader::assimp_ply, "assimp", 0, true, false, false};
-    case ExportFormat::obj:
-      return {ForeignReader::assimp_obj, "assimp", 2 * float32_epsilon, true, true, true};
-    case ExportFormat::vtp:
-      return {ForeignReader::vtk_xml, "VTK", 0, true, false, false};
-    case ExportFormat::vtk:
-      return {ForeignReader::vtk_legacy, "VTK", 0, true, false, false};
-    case ExportFormat::wrl:
-      return {ForeignReader::vtk_vrml, "VTK", 2 * float32_epsilon, true, true, false};
-    case ExportFormat::x3d:
-      return {ForeignReader::assimp_x3d, "assimp", 2 * float32_epsilon, true, true, false};
-    case ExportFormat::glb:
-      return {ForeignReader::assimp_glb, "assimp", 4 * float32_epsilon, true, true, true};
-  }
-  throw Error(ExitCode::internal, "", "export", "unknown format");
-}
-
 // glTF's metres, Y up, about the origin, back to mm, LPS.
 void turn_back(ForeignSurface& s, Vec3 origin_mm) {
   for (Vec3& p : s.points) p = origin_mm + Vec3{1000 * p.x, -1000 * p.z, 1000 * p.y};
@@ -52,21 +20,20 @@ double linear_of_srgb(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s 
 
 [[noreturn]] void differs(const std::string& what) { throw Error(ExitCode::quality, "", "re-read", what); }
 
-void compare_colour(ExportFormat format, const Check& check, const ExportSurface& wanted, const ForeignSurface& got) {
+void compare_colour(const ExportFormat& format, const ExportSurface& wanted, const ForeignSurface& got) {
+  const ReadBack& check = format.read_back;
   if (check.colour) {
     if (!got.has_colour) differs("the reader found no colour");
-    // Colours a point are bytes.
-    const double tolerance = format == ExportFormat::ply || !check.opacity ? 0.51 / 255 : 1e-5;
-    for (int c = 0; c < 3; ++c) {
-      const double rgb = wanted.colour_rgb[std::size_t(c)],
-                   want = format == ExportFormat::glb ? linear_of_srgb(rgb) : rgb;
-      if (!(std::abs(got.colour[std::size_t(c)] - want) <= tolerance))
-        differs("colour " + to_text(got.colour[std::size_t(c)]) + " instead of " + to_text(want));
+    const double tolerance = check.opacity ? 1e-5 : 0.51 / 255;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double rgb = wanted.colour_rgb[c], want = format.metres_y_up ? linear_of_srgb(rgb) : rgb;
+      if (!(std::abs(got.colour[c] - want) <= tolerance))
+        differs("colour " + to_text(got.colour[c]) + " instead of " + to_text(want));
     }
   }
   if (check.opacity && got.has_opacity && !(std::abs(got.opacity - wanted.opacity) <= 1e-5))
     differs("opacity " + to_text(got.opacity) + " instead of " + to_text(wanted.opacity));
-  if (wanted.texture_coordinates && holds_texture_coordinates(format) && got.texture_points == 0)
+  if (wanted.texture_coordinates && format.texture && got.texture_points == 0)
     differs("the reader found no texture coordinates");
 }
 
@@ -95,9 +62,10 @@ void compare_surface(const std::vector<Vec3>& world, const ExportSurface& wanted
 
 }  // namespace
 
-ExportCheck verify_export(ExportFormat format, const std::vector<ExportSurface>& surfaces,
+ExportCheck verify_export(const ExportFormat& format, const std::vector<ExportSurface>& surfaces,
                           const std::vector<ExportFile>& files, const Progress& progress) {
-  const Check check = check_of(format);
+  const ReadBack& check = format.read_back;
+  const char* program = name_of(check.reader.program);
   const ExportFile& file = files.back();
   return with_file(file.name, [&] {
     std::vector<ForeignSurface> read;
@@ -105,20 +73,19 @@ ExportCheck verify_export(ExportFormat format, const std::vector<ExportSurface>&
       read = read_foreign(check.reader, file.bytes, files.size() > 1 ? std::string_view(files[0].bytes) : "",
                           foreign_limits(file.bytes.size()), progress);
     } catch (const Error& e) {
-      if (e.code() == ExitCode::bad_input) differs(std::string(check.program) + ": " + e.what());
+      if (e.code() == ExitCode::bad_input) differs(std::string(program) + ": " + e.what());
       throw;
     }
     if (read.size() != surfaces.size())
       differs(std::to_string(read.size()) + " surfaces instead of " + std::to_string(surfaces.size()));
     ExportCheck all;
-    all.read_by = check.program;
+    all.read_by = program;
     for (std::size_t i = 0; i < read.size(); ++i)
       with_field(surfaces[i].name, [&] {
-        if (format == ExportFormat::glb) turn_back(read[i], surfaces[i].mesh->origin_mm);
+        if (format.metres_y_up) turn_back(read[i], surfaces[i].mesh->origin_mm);
         if (check.names && read[i].name != surfaces[i].name) differs("it is named " + printable(read[i].name));
-        compare_surface(rounded_world(*surfaces[i].mesh, precision_of(format)), surfaces[i], read[i], check.relative,
-                        all);
-        compare_colour(format, check, surfaces[i], read[i]);
+        compare_surface(rounded_world(*surfaces[i].mesh, format.precision), surfaces[i], read[i], check.relative, all);
+        compare_colour(format, surfaces[i], read[i]);
       });
     return all;
   });

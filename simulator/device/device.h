@@ -28,7 +28,6 @@ struct DeviceNews {
 class Device {
  public:
   virtual ~Device() = default;
-  virtual const char* name() const = 0;
   /// Its own damping, which limits how stiff a wall may be (H2, H3).
   virtual double damping_n_s_per_mm() const = 0;
   /// The pose now, `dt_s` after the one before (0: the first). False where the device is lost.

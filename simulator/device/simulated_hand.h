@@ -32,7 +32,6 @@ class SimulatedHand : public Device {
  public:
   /// `path_mm`: at least one point; the aim goes along it and then along the part from `loop_from` again and again.
   SimulatedHand(const HandParams& params, std::vector<Vec3> path_mm, std::size_t loop_from = 0);
-  const char* name() const override { return "hand"; }
   double damping_n_s_per_mm() const override { return params_.device_damping_n_s_per_mm; }
   bool read(double dt_s, DeviceReading& out) override;
   void send(Vec3 force_n) override;

@@ -16,6 +16,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "device/device_type.h"
 
 namespace trephine {
 namespace {
@@ -198,6 +199,22 @@ void UdpDevice::serve() {
     net.answered = newest.answers;
     if (reply(newest, net.client)) ++answers_;
   }
+}
+
+DeviceType udp_device() {
+  DeviceType type;
+  type.name = "udp";
+  type.help = "one that sends its poses by UDP";
+  type.example = "--device udp --port 20517 --seconds 60";
+  type.groups = {ParameterGroup::of<UdpParams>("Device by UDP")};
+  type.lives = true;
+  type.make = [](const DeviceChoice& choice, const DeviceScene& scene) {
+    auto device = std::make_unique<UdpDevice>(choice.of<UdpParams>(), scene.realtime);
+    scene.say("waiting for a device on " + device->endpoint());
+    device->wait(scene.progress);
+    return device;
+  };
+  return type;
 }
 
 }  // namespace trephine

@@ -50,7 +50,6 @@ class UdpDevice : public Device {
   /// Until a client is there. Throws 66 after wait_s, Cancelled.
   void wait(const Progress& progress) const;
 
-  const char* name() const override { return "udp"; }
   double damping_n_s_per_mm() const override { return 0; }  ///< not known: none is counted on
   bool read(double dt_s, DeviceReading& out) override;
   void tell(const DeviceNews& news) override { answer_.news = news; }

@@ -15,6 +15,13 @@ bool usable(Vec3 p) { return std::abs(p.x) <= 1e6 && std::abs(p.y) <= 1e6 && std
 
 }  // namespace
 
+std::string fault_names(std::uint32_t faults) {
+  std::string out;
+  for (int n = 0; n < haptic_fault::count; ++n)
+    if (faults >> n & 1) out += (out.empty() ? "" : ", ") + std::string(haptic_fault::names[n]);
+  return out;
+}
+
 Proxy::Proxy(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft,
              const Tool& tool)
     : contact_(contact), feels_(feels), force_(force), shaft_(shaft), faces_(touchable_of(feels)), tool_(tool) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "base/vec3.h"
 #include "haptics/constraints.h"
@@ -28,7 +29,11 @@ constexpr int count = int(sizeof names / sizeof *names);
 /// What makes the force zero until reset().
 namespace haptic_fault {
 constexpr std::uint32_t pose = 1, time_step = 2, force = 4, device_lost = 8;
-}
+constexpr const char* names[] = {"pose", "time step", "force", "device lost"};  ///< by bit
+constexpr int count = int(sizeof names / sizeof *names);
+}  // namespace haptic_fault
+/// "pose, device lost"
+std::string fault_names(std::uint32_t faults);
 
 struct HapticState {
   Vec3 force_n;         ///< on the hand

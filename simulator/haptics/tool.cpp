@@ -10,20 +10,7 @@
 namespace trephine {
 namespace {
 
-using Kind = ToolParams::Kind;
 using Tip = ToolParams::Tip;
-
-struct Own {
-  Kind kind;
-  Tip tip;
-  double diameter_mm, length_mm, spacing_mm;
-};
-// docs/haptics.md says where they are from.
-constexpr Own owns[] = {{Kind::needle, Tip::cone, 1.27, 90, 2},
-                        {Kind::catheter, Tip::round, 2.5, 100, 2},
-                        {Kind::burr, Tip::ball, 5, 30, 1.2},
-                        {Kind::craniotome, Tip::flat, 2.3, 20, 1.2},
-                        {Kind::jamshidi, Tip::cone, 3.05, 100, 2}};
 
 constexpr double cone_lengths = 2;  // of a cone, in diameters
 constexpr double neck_ratio = 0.5;  // of the shaft behind a ball, of the ball's diameter
@@ -49,17 +36,13 @@ struct Outline {
 
 }  // namespace
 
-std::string tool_name(const ToolParams& params) { return choice_name(params, "tool"); }
-
 ToolParams own_tool(const ToolParams& params) {
+  const ToolKind& own = tool_kind(params.tool);
   ToolParams p = params;
-  for (const Own& o : owns) {
-    if (o.kind != p.tool) continue;
-    if (p.tool_tip == Tip::own) p.tool_tip = o.tip;
-    if (!(p.tool_diameter_mm > 0)) p.tool_diameter_mm = o.diameter_mm;
-    if (!(p.tool_length_mm > 0)) p.tool_length_mm = o.length_mm;
-    if (!(p.tool_spacing_mm > 0)) p.tool_spacing_mm = o.spacing_mm;
-  }
+  if (p.tool_tip == Tip::own) p.tool_tip = own.tip;
+  if (!(p.tool_diameter_mm > 0)) p.tool_diameter_mm = own.diameter_mm;
+  if (!(p.tool_length_mm > 0)) p.tool_length_mm = own.length_mm;
+  if (!(p.tool_spacing_mm > 0)) p.tool_spacing_mm = own.spacing_mm;
   return p;
 }
 
@@ -68,7 +51,7 @@ Tool make_tool(const ToolParams& params) {
   Tool tool;
   tool.search = p.tool_search;
   tool.lock_distance_mm = p.lock_distance_mm;
-  if (p.tool == Kind::point) return tool;
+  if (!(tool_kind(p.tool).length_mm > 0)) return tool;
   tool.length_mm = p.tool_length_mm;
   const double radius = 0.5 * p.tool_diameter_mm, length = p.tool_length_mm;
   const double neck = p.tool_tip == Tip::ball ? neck_ratio * radius : radius;

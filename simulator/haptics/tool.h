@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/params.h"
@@ -8,15 +9,18 @@
 
 namespace trephine {
 
-/// What the hand holds, as points on its outside (the dissertation, chapter 5). 0 and `own` stand for the tool's own,
-/// which own_tool() fills in; docs/haptics.md has the table.
+/// What --tool may be, and what its help says: from all_tool_kinds().
+std::vector<std::pair<std::string, std::string>> tool_choices();
+const char* tool_help();
+
+/// What the hand holds, as points on its outside (the dissertation, chapter 5). 0 and `own` stand for the values of the
+/// tool's kind, which own_tool() fills in.
 struct ToolParams {
-  enum class Kind { point, needle, catheter, burr, craniotome, jamshidi };
   enum class Tip { own, flat, round, cone, ball };
   /// both: the first point that collides from the tip and the first from the tail, their normals averaged (the
   /// dissertation's refinement, which alone can lock); else one of them.
   enum class Search { both, tip_to_tail, tail_to_tip };
-  Kind tool = Kind::point;
+  std::string tool = "point";  ///< the name of a ToolKind
   Tip tool_tip = Tip::own;
   double tool_diameter_mm = 0, tool_length_mm = 0, tool_spacing_mm = 0;
   Search tool_search = Search::both;
@@ -24,14 +28,7 @@ struct ToolParams {
   template <class V>
   static void describe(V& v) {
     using P = ToolParams;
-    v.choice(&P::tool, "tool",
-             {{"point", Kind::point},
-              {"needle", Kind::needle},
-              {"catheter", Kind::catheter},
-              {"burr", Kind::burr},
-              {"craniotome", Kind::craniotome},
-              {"jamshidi", Kind::jamshidi}},
-             "What the hand holds.");
+    v.choice(&P::tool, "tool", tool_choices(), tool_help());
     v.choice(&P::tool_tip, "tool_tip",
              {{"own", Tip::own}, {"flat", Tip::flat}, {"round", Tip::round}, {"cone", Tip::cone}, {"ball", Tip::ball}},
              "Shape of its tip; own: the tool's.");
@@ -53,10 +50,20 @@ template <class P>
 std::string choice_name(const P& params, const char* name) {
   return std::get<std::string>(parameters_of<P>().find(name)->get(&params));
 }
-/// "needle".
-std::string tool_name(const ToolParams& params);
 
-/// With the tool's own values for what is 0 or `own`.
+/// A kind of tool, declared once, in tool_kinds.cpp: choices and help come from there. docs/haptics.md says where the
+/// measures are from.
+struct ToolKind {
+  const char* name;
+  const char* help;  ///< what it is, in a few words
+  ToolParams::Tip tip = ToolParams::Tip::own;
+  double diameter_mm = 0, length_mm = 0, spacing_mm = 0;  ///< of no length: a point at the tip alone
+};
+const std::vector<ToolKind>& all_tool_kinds();
+/// Throws Error 78 where there is none of that name.
+const ToolKind& tool_kind(const std::string& name);
+
+/// With the values of the tool's kind for what is 0 or `own`.
 ToolParams own_tool(const ToolParams& params);
 
 /// A tool ready for the servo loop. Coordinates are its own: the tip at 0, the tail towards +z; points ascend from the

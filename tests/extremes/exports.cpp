@@ -4,14 +4,14 @@
 #include <cmath>
 
 #include "base/text.h"
-#include "meshio/export_mesh.h"
+#include "meshio/export_format.h"
 #include "outcome.h"
 #include "scenes.h"
 
 namespace trephine::extremes {
 namespace {
 
-std::string exported(ExportFormat format, const TriMesh& mesh) {
+std::string exported(const ExportFormat& format, const TriMesh& mesh) {
   const std::vector<ExportSurface> surfaces{{&mesh, "outer"}};
   const auto files = encode_surfaces(format, surfaces, "outer");
   const ExportCheck check = verify_export(format, surfaces, files);
@@ -21,10 +21,10 @@ std::string exported(ExportFormat format, const TriMesh& mesh) {
          (off < 1e-4 ? "less than 0.0001" : rounded(std::ceil(off * 1e3) / 1e3)) + " mm off";
 }
 
-std::vector<Case> cases_of(ExportFormat format) {
+std::vector<Case> cases_of(const ExportFormat& format) {
   std::vector<Case> cases;
   const auto add = [&](const std::string& extreme, const std::function<TriMesh()>& make) {
-    cases.push_back({std::string(name_of(format)) + ": " + extreme, [=] { return exported(format, make()); }});
+    cases.push_back({std::string(format.name) + ": " + extreme, [&format, make] { return exported(format, make()); }});
   };
   const auto of_scene = [&](const std::string& name) {
     for (const ExtremeScene& e : extreme_scenes(Body::balls))
@@ -47,7 +47,7 @@ std::vector<Case> cases_of(ExportFormat format) {
 std::vector<Section> export_sections() {
   return {{"export", "Export", "", [] {
              std::vector<Case> all;
-             for (const ExportFormat format : all_export_formats())
+             for (const ExportFormat& format : all_export_formats())
                for (Case& c : cases_of(format)) all.push_back(std::move(c));
              return all;
            }}};

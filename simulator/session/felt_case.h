@@ -22,7 +22,4 @@ struct FeltCase {
   RecordingHeader header() const;
 };
 
-/// "pose, device lost".
-std::string fault_names(std::uint32_t faults);
-
 }  // namespace trephine

@@ -7,9 +7,9 @@
 #include "base/error.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
-#include "commands.h"
-#include "felt_case.h"
+#include "commands/commands.h"
 #include "haptics/recording.h"
+#include "session/felt_case.h"
 
 namespace trephine {
 namespace {
@@ -88,7 +88,7 @@ ExitCode run_replay(const ParsedCommand& parsed) {
     if (!same_frame(replayed[n], recording.frames[n]) && different++ == 0) first = n;
 
   std::cout << fmt::format("{} frames at {:g} Hz of device {}, tool {}, case {}\n", replayed.size(), h.rate_hz,
-                           h.device, tool_name(h.tool), h.case_token);
+                           h.device, h.tool.tool, h.case_token);
   const std::uint64_t missing = missing_frames(recording.frames);
   if (missing > 0) std::cout << fmt::format("{} frames are missing: they were not recorded\n", missing);
   const ForceWindow window = force_window(recording.frames);

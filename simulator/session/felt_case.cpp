@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "felt_case.h"
+#include "session/felt_case.h"
 
 #include "base/error.h"
 
@@ -32,14 +32,6 @@ RecordingHeader FeltCase::header() const {
   h.feel_sha256 = feel_digest(feels);
   h.felt_shape = felt_shape;
   return h;
-}
-
-std::string fault_names(std::uint32_t faults) {
-  static constexpr const char* names[] = {"pose", "time step", "force", "device lost"};
-  std::string out;
-  for (int n = 0; n < 4; ++n)
-    if (faults >> n & 1) out += (out.empty() ? "" : ", ") + std::string(names[n]);
-  return out;
 }
 
 }  // namespace trephine

@@ -4,7 +4,7 @@
 
 namespace trephine {
 
-/// The simulator's commands, one a file in this folder.
+/// The commands of trephine-sim. Each stands in a source of this folder; main.cpp lists them.
 Command check_command();
 Command servo_command();
 Command replay_command();

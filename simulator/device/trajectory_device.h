@@ -18,7 +18,6 @@ class Trajectory : public Device {
  public:
   /// At least one point; times ascend.
   explicit Trajectory(std::vector<TrajectoryPoint> points) : points_(std::move(points)) {}
-  const char* name() const override { return "trajectory"; }
   double damping_n_s_per_mm() const override { return 0; }
   bool read(double dt_s, DeviceReading& out) override;
   void send(Vec3) override {}

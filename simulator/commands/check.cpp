@@ -7,7 +7,7 @@
 
 #include "base/text.h"
 #include "cases/load_case.h"
-#include "commands.h"
+#include "commands/commands.h"
 
 namespace trephine {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "device/trajectory.h"
+#include "device/trajectory_device.h"
 
 #include <algorithm>
 #include <charconv>
@@ -9,6 +9,8 @@
 
 #include "base/error.h"
 #include "base/write_file.h"
+#include "cli/argument.h"
+#include "device/device_type.h"
 
 namespace trephine {
 namespace {
@@ -77,6 +79,20 @@ std::vector<TrajectoryPoint> read_trajectory(const std::filesystem::path& file) 
   }
   if (points.empty()) throw Error(ExitCode::bad_input, file.string(), "", "holds no point");
   return points;
+}
+
+DeviceType trajectory_device() {
+  DeviceType type;
+  type.name = "trajectory";
+  type.help = "a trajectory from a file";
+  type.example = "--device trajectory --trajectory path.txt --seconds 2";
+  type.files = {
+      argument("trajectory", Argument::Kind::in_file,
+               "Lines of time_s x_mm y_mm z_mm [ax ay az [buttons]], LPS; the axis points from the tip to the tail.")};
+  type.make = [](const DeviceChoice& choice, const DeviceScene&) {
+    return std::make_unique<Trajectory>(read_trajectory(choice.files.at("trajectory")));
+  };
+  return type;
 }
 
 }  // namespace trephine

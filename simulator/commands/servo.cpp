@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "base/write_file.h"
+#include "cli/argument.h"
+#include "commands/commands.h"
+#include "session/session.h"
+
+namespace trephine {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct RunParams {
+  double seconds = 10;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&RunParams::seconds, "seconds", Range{0.001, 86400}, "How long it runs.");
+  }
+};
+
+Json times_of(const Histogram& h) {
+  const auto us = [](double ns) { return std::round(ns) / 1000; };
+  return {{"mean_us", us(h.mean_ns())},
+          {"p50_us", us(h.quantile_ns(0.5))},
+          {"p99_us", us(h.quantile_ns(0.99))},
+          {"p99_9_us", us(h.quantile_ns(0.999))},
+          {"max_us", us(h.max_ns())}};
+}
+
+Json json_of(const SessionResult& r) {
+  const ServoStatistics& s = r.statistics;
+  Json counts = Json::object();
+  for (const auto& [name, count] : r.device_counts) counts[name] = count;
+  Json events = Json::object();
+  for (int n = 0; n < haptic_event::count; ++n) events[haptic_event::names[n]] = s.events[n];
+  return {{"case", r.header.case_token},
+          {"shape", r.header.felt_shape},
+          {"tool", r.header.tool.tool},
+          {"walk", choice_name(r.header.contact, "walk")},
+          {"surface", choice_name(r.header.contact, "surface")},
+          {"rate_hz", r.header.rate_hz},
+          {"device", r.header.device},
+          {"device_counts", counts},
+          {"fifo", r.grant.fifo},
+          {"memory_locked", r.grant.locked},
+          {"ticks", s.ticks},
+          {"overruns", s.overruns},
+          {"frames_lost", r.frames_lost},
+          {"faults", s.faults},
+          {"fault_names", fault_names(s.faults)},
+          {"touching_ratio", s.ticks > 0 ? double(s.touching) / double(s.ticks) : 0},
+          {"events", events},
+          {"most_force_n", s.most_force_n},
+          {"most_force_step_n", s.most_force_step_n},
+          {"cpu_mean_us", std::round(1000 * r.cpu_us_a_tick()) / 1000},
+          {"tick", times_of(s.busy)},
+          {"late", times_of(s.late)}};
+}
+
+std::string grant_text(const ServoParams& params, const RealtimeGrant& g) {
+  if (!params.paced) return "as fast as it goes, in the device's own time";
+  if (!params.realtime) return "normal scheduling, no promise of lateness";
+  return fmt::format("{}, {}", g.fifo ? "SCHED_FIFO" : "no SCHED_FIFO (" + g.fifo_fault + "): no promise of lateness",
+                     g.locked ? "memory locked" : "memory not locked (" + g.lock_fault + ")");
+}
+
+void print_start(const Session& session, const ServoParams& params, const RealtimeGrant& grant) {
+  const RecordingHeader& is = session.header();
+  std::cout << fmt::format("servo at {:g} Hz on {}: {}\n", is.rate_hz, is.device, grant_text(params, grant));
+  if (session.tool_points() > 0)
+    std::cout << fmt::format("tool {}: {} points, {:g} mm in diameter, {:g} mm long\n", is.tool.tool,
+                             session.tool_points(), is.tool.tool_diameter_mm, is.tool.tool_length_mm);
+  std::cout << std::flush;
+}
+
+// Until the loop's end: says a fault when it happens, and writes what is recorded.
+void follow(Session& session) {
+  std::uint32_t told = 0;
+  while (session.running()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    if (const std::uint32_t faults = session.faults(); faults != told) {
+      told = faults;
+      std::cout << fmt::format("fault after {:.2f} s: {}; the force stays zero\n", session.time_s(),
+                               fault_names(faults))
+                << std::flush;
+    }
+    session.write_frames();
+  }
+}
+
+void print_times(const char* what, const Histogram& h) {
+  std::cout << fmt::format("{:<10} mean {:.2f}, p50 {:.2f}, p99 {:.2f}, p99.9 {:.2f}, max {:.2f} us\n", what,
+                           h.mean_ns() / 1e3, h.quantile_ns(0.5) / 1e3, h.quantile_ns(0.99) / 1e3,
+                           h.quantile_ns(0.999) / 1e3, h.max_ns() / 1e3);
+}
+
+void print_result(const SessionResult& r, bool paced) {
+  const ServoStatistics& s = r.statistics;
+  const double touching = s.ticks > 0 ? 100.0 * double(s.touching) / double(s.ticks) : 0;
+  std::cout << fmt::format("{} ticks, {} overruns, in contact {:.1f} %, faults {}\n", s.ticks, s.overruns, touching,
+                           s.faults == 0 ? "none" : fault_names(s.faults));
+  std::string events, counts;
+  for (int n = 0; n < haptic_event::count; ++n)
+    events += fmt::format("{} {} {}", events.empty() ? "" : ",", haptic_event::names[n], s.events[n]);
+  std::cout << "events:" << events << "\n";
+  std::cout << fmt::format("force at most {:.3f} N, {:.4f} N from tick to tick\n", s.most_force_n, s.most_force_step_n);
+  std::cout << fmt::format("CPU time   mean {:.2f} us a tick{}\n", r.cpu_us_a_tick(), paced ? ", with its sleep" : "");
+  print_times("tick time", s.busy);
+  if (paced) print_times("woken late", s.late);
+  if (r.frames_lost > 0) std::cout << fmt::format("{} frames were not recorded: the disk is too slow\n", r.frames_lost);
+  for (const auto& [name, count] : r.device_counts)
+    counts += fmt::format("{} {} {}", counts.empty() ? "" : ",", count, name);
+  if (!counts.empty()) std::cout << r.header.device << ":" << counts << "\n";
+}
+
+void refuse_one_file_twice(const ParsedCommand& parsed) {
+  if (parsed.has("record") && parsed.has("json") &&
+      std::filesystem::weakly_canonical(parsed.path("record")) ==
+          std::filesystem::weakly_canonical(parsed.path("json")))
+    throw Error(ExitCode::usage, parsed.text("json"), "--record, --json", "are the same file");
+}
+
+SessionOptions options_of(const ParsedCommand& parsed) {
+  SessionOptions o;
+  o.case_folder = parsed.path("case");
+  o.shape = parsed.text("shape");
+  if (parsed.has("device")) o.device.name = parsed.text("device");
+  o.device.params = parsed.groups;
+  for (const DeviceType& type : all_device_types())
+    for (const Argument& file : type.files)
+      if (parsed.has(file.name)) o.device.files[file.name] = parsed.path(file.name);
+  o.seconds = parsed.params<RunParams>().seconds;
+  o.servo = parsed.params<ServoParams>();
+  o.contact = parsed.params<ContactParams>();
+  o.force = parsed.params<ForceParams>();
+  o.tool = parsed.params<ToolParams>();
+  o.shaft = parsed.params<ShaftParams>();
+  o.record = parsed.path("record");
+  return o;
+}
+
+ExitCode run_servo(const ParsedCommand& parsed) {
+  refuse_one_file_twice(parsed);
+  const SessionOptions options = options_of(parsed);
+  Session session(options, cancel_requested(), [](const std::string& line) {
+    std::cout << line << "\n" << std::flush;
+  });
+  print_start(session, options.servo, session.start());
+  follow(session);
+  const SessionResult result = session.finish();
+  print_result(result, options.servo.paced);
+  if (parsed.has("json")) write_file(parsed.path("json"), json_of(result).dump(1) + "\n");
+  Progress({}, &cancel_requested()).check();
+  if (const std::uint32_t faults = result.statistics.faults; faults != 0)
+    throw Error(ExitCode::io, "", "device", fault_names(faults) + ": the force was zero from then on");
+  return ExitCode::ok;
+}
+
+// "a, b, or c": what --device may be, as the kinds say it themselves.
+std::string devices_text() {
+  const std::vector<DeviceType>& all = all_device_types();
+  std::string text;
+  for (const DeviceType& type : all) text += (text.empty() ? "" : &type == &all.back() ? ", or " : ", ") + type.help;
+  return text;
+}
+
+std::vector<Argument> servo_arguments() {
+  Argument folder = argument("case", Argument::Kind::in_folder, "Folder of the case.");
+  folder.positional = folder.required = true;
+  Argument device = argument("device", Argument::Kind::choice,
+                             "Who holds the tool; " + DeviceChoice().name + " where it is not given.");
+  std::vector<Argument> all = {folder, device};
+  for (const DeviceType& type : all_device_types()) {
+    all[1].choices.push_back(type.name);
+    all.insert(all.end(), type.files.begin(), type.files.end());
+  }
+  all.push_back(
+      argument("shape", Argument::Kind::text, "The one shape that is felt; all of the case where it is not given."));
+  all.push_back(argument("record", Argument::Kind::out_file, "Writes every tick to this file."));
+  all.push_back(argument("json", Argument::Kind::out_file, "Writes the statistics to this file."));
+  return all;
+}
+
+std::vector<ParameterGroup> servo_groups() {
+  std::vector<ParameterGroup> all = {
+      ParameterGroup::of<RunParams>("Parameters"),  ParameterGroup::of<ServoParams>("Servo loop"),
+      ParameterGroup::of<ContactParams>("Contact"), ParameterGroup::of<ForceParams>("Force"),
+      ParameterGroup::of<ToolParams>("Tool"),       ParameterGroup::of<ShaftParams>("Its shaft")};
+  for (const DeviceType& type : all_device_types()) all.insert(all.end(), type.groups.begin(), type.groups.end());
+  return all;
+}
+
+std::vector<std::string> servo_examples() {
+  std::vector<std::string> all = {
+      "trephine-sim servo library/sample --seconds 5",
+      "trephine-sim servo library/sample --shape skull --device hand --seconds 5 --record skull.servo",
+      "trephine-sim servo library/sample --tool burr --seconds 5"};
+  for (const DeviceType& type : all_device_types())
+    if (!type.example.empty()) all.push_back("trephine-sim servo library/sample " + type.example);
+  return all;
+}
+
+}  // namespace
+
+Command servo_command() {
+  Command c;
+  c.name = "servo";
+  c.summary = "runs the haptic loop on a case, without a window, and prints its statistics";
+  c.description =
+      "A thread of its own reads the device, moves the tool's proxy through the case's haptic volume and sends the "
+      "force, 1000 times a second or more. The device is " +
+      devices_text() +
+      ". docs/haptics.md describes contact, forces, and the recording, which `trephine-sim replay` reads. Ctrl-C ends "
+      "the session: what was recorded and counted until then is written, and the exit code is 130. A fault (a lost "
+      "device, a pose that is no number) is said when it happens, and the exit code is 74.\n\n"
+      "It says at the start what the system grants: SCHED_FIFO and locked memory need CAP_SYS_NICE and CAP_IPC_LOCK, "
+      "or limits (ulimit -r, -l) that allow them.";
+  c.arguments = servo_arguments();
+  c.groups = servo_groups();
+  c.examples = servo_examples();
+  c.run = run_servo;
+  return c;
+}
+
+}  // namespace trephine

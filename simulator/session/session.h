@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "device/device_type.h"
+#include "haptics/recording.h"
+#include "haptics/servo.h"
+#include "session/felt_case.h"
+
+namespace trephine {
+
+/// What a session is to be.
+struct SessionOptions {
+  std::filesystem::path case_folder;
+  std::string shape;  ///< the one that is felt; empty: all of the case
+  DeviceChoice device;
+  double seconds = 10;
+  ServoParams servo;
+  ContactParams contact;
+  ForceParams force;
+  ToolParams tool;
+  ShaftParams shaft;
+  std::filesystem::path record;  ///< every tick is written to this file; empty: to none
+};
+
+/// What a session was.
+struct SessionResult {
+  RecordingHeader header;  ///< case, shape, device, and the parameters
+  RealtimeGrant grant;
+  ServoStatistics statistics;
+  std::vector<std::pair<std::string, std::uint64_t>> device_counts;
+  std::uint64_t frames_lost = 0;  ///< that were not recorded, because the disk was too slow
+  double cpu_s = 0;               ///< of the servo thread, its sleeps' system calls included
+  double cpu_us_a_tick() const;
+};
+
+/// A hand in a case: what is felt, the device, the tool, and the servo loop in a thread of its own. Whoever has one
+/// constructs it, starts it, calls write_frames() now and then while it is running(), and finishes it; a command does
+/// so 50 times a second, a window between two pictures.
+class Session {
+ public:
+  /// Loads the case and makes the device, which may wait for somebody and says so, a line at a time. Throws as
+  /// FeltCase, make_device, make_tool and RecordingWriter do; 64 for a session without a clock that is too long to be
+  /// kept.
+  ///
+  /// `stop` ends a wait and the loop, and must outlive the session.
+  Session(const SessionOptions& options, const std::atomic<bool>& stop,
+          const std::function<void(const std::string&)>& say);
+  /// Waits for the loop's end. What was recorded is gone where finish() was not called.
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Begins the loop, and returns when it is known what the system grants it.
+  const RealtimeGrant& start();
+  bool running() const { return thread_.joinable() && !done_; }
+  /// Hands to the disk what was recorded since. Throws 74. Without a clock it does nothing: all frames wait for
+  /// finish().
+  void write_frames();
+  /// Waits for the loop's end, and completes the recording. A session that was stopped is a shorter one, whose
+  /// recording is kept. Throws 74.
+  SessionResult finish();
+
+  const RecordingHeader& header() const { return header_; }
+  int tool_points() const;  ///< 0: a point at the tip alone
+  /// While it runs, too: faults latched so far, and how long it has run.
+  std::uint32_t faults() const { return servo_.faults(); }
+  double time_s() const { return double(servo_.ticks_done()) / options_.servo.rate_hz; }
+
+ private:
+  RecordingHeader header_of(const SessionOptions& options) const;
+  std::size_t queue_size() const;
+  void drain();
+  void run();
+
+  const SessionOptions options_;
+  const std::atomic<bool>& stop_;
+  FeltCase felt_;
+  ContactVolume contact_;
+  std::unique_ptr<Device> device_;
+  RecordingHeader header_;
+  Proxy proxy_;
+  std::unique_ptr<RecordingWriter> recording_;
+  std::uint64_t ticks_;
+  FrameQueue queue_;
+  Servo servo_;
+  std::vector<ServoFrame> frames_;  // on their way from the queue to the disk
+  RealtimeGrant grant_;
+  double cpu_s_ = 0;
+  std::atomic<bool> done_{false};
+  std::thread thread_;
+};
+
+}  // namespace trephine

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Kinds of devices and tools as they are declared, and a session as a window would run one: without a command.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "base/error.h"
+#include "base/write_file.h"
+#include "case_samples.h"
+#include "device/hand_path.h"
+#include "haptics_scene.h"
+#include "scratch_folder.h"
+#include "session/session.h"
+
+using namespace trephine;
+using namespace trephine::scene;
+
+namespace {
+
+Error error_of(const std::function<void()>& what) {
+  try {
+    what();
+  } catch (const Error& e) {
+    return e;
+  }
+  return Error(ExitCode::ok, "", "", "");
+}
+
+SessionOptions short_session(const std::filesystem::path& case_folder) {
+  SessionOptions options;
+  options.case_folder = case_folder;
+  options.seconds = 0.5;
+  options.servo.paced = false;
+  HandPathParams task;
+  task.approach_mm = 0;
+  options.device.params = {AnyParams::make(task)};
+  return options;
+}
+
+const std::atomic<bool> never{false}, at_once{true};
+const auto silent = [](const std::string&) {};
+
+}  // namespace
+
+TEST(HapticsKinds, DevicesSayWhatTheyAre) {
+  std::set<std::string> names;
+  for (const DeviceType& type : all_device_types()) {
+    SCOPED_TRACE(type.name);
+    EXPECT_TRUE(names.insert(type.name).second) << "twice";
+    EXPECT_FALSE(type.help.empty());
+    EXPECT_TRUE(type.make);
+    EXPECT_TRUE(type.example.empty() || type.example.find("--device " + type.name) == 0) << type.example;
+    for (const Argument& file : type.files) EXPECT_EQ(file.kind, Argument::Kind::in_file) << file.name;
+  }
+  EXPECT_EQ(names.count(DeviceChoice().name), 1u) << "the default is one";
+}
+
+TEST(HapticsKinds, DevicesThatCannotBeAreRefused) {
+  HapticVolume v = empty(8, {1, 1, 1});
+  fill(v, 1, [](Vec3 p) { return -p.z; });
+  const ContactVolume contact(v);
+  const DeviceScene unpaced{contact, {}, false, false, silent, {}};
+  const auto refused = [&](const DeviceChoice& choice) { return error_of([&] { make_device(choice, unpaced); }); };
+  DeviceChoice choice;
+  choice.name = "mouse";
+  EXPECT_EQ(refused(choice).field(), "--device");
+  choice.name = "udp";
+  EXPECT_EQ(refused(choice).field(), "--no-paced") << "somebody is there";
+  choice.name = "trajectory";
+  EXPECT_EQ(refused(choice).field(), "--trajectory") << "without its file";
+  choice.name = "hand";
+  choice.files["trajectory"] = "path.txt";
+  EXPECT_EQ(refused(choice).field(), "--trajectory") << "the file of another";
+  EXPECT_EQ(refused(choice).code(), ExitCode::usage);
+}
+
+TEST(HapticsKinds, ToolsHaveAShape) {
+  std::set<std::string> names;
+  for (const ToolKind& kind : all_tool_kinds()) {
+    SCOPED_TRACE(kind.name);
+    EXPECT_TRUE(names.insert(kind.name).second) << "twice";
+    EXPECT_NE(std::string(tool_help()).find(std::string(kind.name) + " (" + kind.help + ")"), std::string::npos);
+    ToolParams params;
+    params.tool = kind.name;
+    EXPECT_EQ(make_tool(params).points_mm.empty(), !(kind.length_mm > 0));
+  }
+  EXPECT_EQ(names.count(ToolParams().tool), 1u) << "the default is one";
+  ToolParams params;
+  params.tool = "spoon";
+  EXPECT_EQ(error_of([&] { make_tool(params); }).code(), ExitCode::bad_config);
+}
+
+TEST(HapticsSession, EqualOptionsGiveEqualBytes) {
+  const ScratchFolder scratch;
+  case_samples::minimal_case().write(scratch.path() / "sample");
+  SessionOptions options = short_session(scratch.path() / "sample");
+  options.tool.tool = "burr";
+  for (const char* name : {"a", "b"}) {
+    options.record = scratch.path() / name;
+    Session session(options, never, silent);
+    EXPECT_GT(session.tool_points(), 0);
+    session.start();
+    const SessionResult result = session.finish();
+    EXPECT_FALSE(session.running());
+    EXPECT_EQ(result.statistics.ticks, 500u);
+    EXPECT_GT(result.statistics.touching, 0u);
+    EXPECT_EQ(result.frames_lost, 0u);
+    EXPECT_EQ(result.header.device, "hand");
+    EXPECT_EQ(result.header.tool.tool_diameter_mm, 5) << "the tool's own";
+  }
+  EXPECT_EQ(read_file(scratch.path() / "a"), read_file(scratch.path() / "b"));
+}
+
+TEST(HapticsSession, WhatIsNotFinishedLeavesNoFile) {
+  const ScratchFolder scratch;
+  case_samples::minimal_case().write(scratch.path() / "sample");
+  SessionOptions options = short_session(scratch.path() / "sample");
+  options.record = scratch.path() / "a";
+  { Session session(options, never, silent); }  // never started
+  {
+    Session session(options, never, silent);
+    session.start();
+  }
+  EXPECT_FALSE(std::filesystem::exists(options.record));
+  Session stopped(options, at_once, silent);
+  stopped.start();
+  EXPECT_EQ(stopped.finish().statistics.ticks, 0u);
+  EXPECT_TRUE(read_recording(options.record).frames.empty()) << "a shorter session is one";
+}
