@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "base/child.h"
+#include "base/disjoint_sets.h"
 #include "base/error.h"
 #include "meshing/mesh_message.h"
 
@@ -100,18 +101,10 @@ Pairs crossing(const Mesh& m) {
 std::int64_t unite(Mesh& m) {
   auto label = m.add_property_map<Face, std::size_t>("f:piece", 0).first;
   const std::size_t count = Pmp::connected_components(m, label);
-  std::vector<std::size_t> group(count);
-  for (std::size_t i = 0; i < count; ++i) group[i] = i;
-  const auto root = [&](std::size_t i) {
-    while (group[i] != i) i = group[i];
-    return i;
-  };
-  for (const auto& [a, b] : crossing(m)) {
-    const std::size_t x = root(label[a]), y = root(label[b]);
-    if (x != y) group[std::max(x, y)] = std::min(x, y);
-  }
+  DisjointSets groups(count);
+  for (const auto& [a, b] : crossing(m)) groups.unite(std::uint32_t(label[a]), std::uint32_t(label[b]));
   std::vector<std::vector<std::size_t>> members(count);
-  for (std::size_t i = 0; i < count; ++i) members[root(i)].push_back(i);
+  for (std::uint32_t i = 0; i < count; ++i) members[groups.find(i)].push_back(i);
   std::vector<Mesh> pieces(count);
   std::vector<std::map<std::uint32_t, Mesh::Vertex_index>> vertex(count);
   for (const auto f : m.faces()) {

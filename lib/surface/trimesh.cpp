@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "base/disjoint_sets.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "surface/bounds.h"
