@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "grid/nrrd.h"
 
 namespace trephine::extremes {
@@ -82,13 +83,7 @@ std::vector<Subject> subjects_of(const StageType& stage) {
 
 std::vector<std::string> items_of(const Parameter& parameter, const std::string& text) {
   if (parameter.kind != ParameterKind::numbers) return {text};
-  std::vector<std::string> items(1);
-  for (const char c : text)
-    if (c == ',')
-      items.emplace_back();
-    else
-      items.back() += c;
-  return items;
+  return split_at(text, ',');
 }
 
 void set(AnyParams& params, const std::string& name, const std::string& text) {
