@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "boolean/cutter_shape.h"
 #include "meshing/validity.h"
+#include "surface/bounds.h"
 
 namespace trephine {
 namespace {
@@ -56,12 +57,7 @@ void check_mesh_cutter(const Cutter& c, ExitCode code) {
   }
 }
 
-void add(Bounds& b, Vec3 centre, Vec3 half) {
-  for (int a = 0; a < 3; ++a) {
-    b.min_mm[a] = std::min(b.min_mm[a], centre[a] - half[a]);
-    b.max_mm[a] = std::max(b.max_mm[a], centre[a] + half[a]);
-  }
-}
+void add(Bounds& b, Vec3 centre, Vec3 half) { include(b, {centre - half, centre + half}); }
 
 /// Half the extent of a disc along each axis.
 Vec3 disc(Vec3 normal, double radius) {
