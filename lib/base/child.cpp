@@ -261,4 +261,8 @@ ChildResult run_child(const std::string& worker, std::string_view request, const
   return map_result(worker, result_file.get());
 }
 
+bool is_child_limit(const Error& e) {
+  return e.code() == ExitCode::internal && std::string_view(e.what()).find("limit ") != std::string_view::npos;
+}
+
 }  // namespace trephine
