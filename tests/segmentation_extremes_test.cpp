@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "head_recipe.h"
 #include "phantom/head.h"
 #include "phantom/scan.h"
 #include "segmentation/anatomy_gate.h"
@@ -27,31 +28,15 @@ Outcome through_recipe(const HuVolume& volume) {
   Outcome o;
   Report report;
   try {
-    SegmentParams p;
-    p.lower_hu = -475;
-    p.open_mm = 3;
-    p.components = SegmentComponents::largest;
-    p.fill = SegmentFill::cavities_and_cut;
-    p.fill_close_mm = 6;
-    with_field("skin.segment", [&] { o.skin = segment(volume, {}, p, report); });
-    p = {};
-    p.lower_hu = 226;
-    p.seed_lower_hu = 400;
-    p.edge = SegmentEdge::half_maximum;
-    p.min_component_ml = 1;
-    p.fill = SegmentFill::cavities;
-    p.fill_close_mm = 2;
-    p.fill_max_ml = 100;
-    with_field("skull.segment", [&] { o.skull = segment(volume, {&o.skin, nullptr, nullptr}, p, report); });
-    p = {};
-    p.method = SegmentMethod::brain;
-    p.lower_hu = 22.5;
-    p.edge = SegmentEdge::half_maximum;
-    with_field("brain.segment", [&] { o.brain = segment(volume, {nullptr, nullptr, &o.skull}, p, report); });
-    p.method = SegmentMethod::ventricles;
-    p.lower_hu = -15;
-    p.upper_hu = 18.5;
-    with_field("ventricles.segment", [&] { o.ventricles = segment(volume, {&o.brain, nullptr, nullptr}, p, report); });
+    const auto found = [&](const SegmentParams& p, const SegmentMasks& masks) {
+      return segment(volume, masks, p, report);
+    };
+    with_field("skin.segment", [&] { o.skin = found(head_recipe::skin(), {}); });
+    with_field("skull.segment", [&] { o.skull = found(head_recipe::skull(), {&o.skin, nullptr, nullptr}); });
+    with_field("brain.segment", [&] { o.brain = found(head_recipe::brain(), {nullptr, nullptr, &o.skull}); });
+    with_field("ventricles.segment", [&] {
+      o.ventricles = found(head_recipe::ventricles(), {&o.brain, nullptr, nullptr});
+    });
     LandmarkInputs in;
     in.skin = &o.skin;
     in.skull = &o.skull;
@@ -74,13 +59,7 @@ const phantom::Head& head() {
   return h;
 }
 
-HuVolume scanned(const phantom::ScanParams& how) {
-  phantom::Scan scan = phantom::scan(head(), how);
-  Grid<std::int16_t> volume;
-  static_cast<Lattice&>(volume) = phantom::lattice_of(scan);
-  volume.voxels = std::move(scan.hu);
-  return volume;
-}
+HuVolume scanned(const phantom::ScanParams& how) { return phantom::volume_of(phantom::scan(head(), how)); }
 
 phantom::ScanParams usual() {
   phantom::ScanParams how;
