@@ -10,7 +10,6 @@
 #include "base/parallel.h"
 #include "meshing/collapse_mesh.h"
 #include "meshing/contour.h"
-#include "meshing/known_valid.h"
 #include "meshing/triangle_tree.h"
 #include "meshing/validity.h"
 #include "meshing_shapes.h"
@@ -222,19 +221,6 @@ TEST(Decimate, SameBytesWithAnyThreads) {
   set_thread_count(0);
   EXPECT_TRUE(one.mesh.points_mm == two.mesh.points_mm && one.mesh.triangles == two.mesh.triangles);
   EXPECT_EQ(one.report.figures, two.report.figures);
-}
-
-TEST(KnownValid, OnlyTheSameMesh) {
-  TriMesh m = surface(sphere(14, 5));  // contour remembers what it has checked
-  EXPECT_TRUE(known_valid(m));
-  EXPECT_NO_THROW(require_valid(m));
-  std::swap(m.triangles[3][0], m.triangles[3][1]);
-  EXPECT_FALSE(known_valid(m));
-  EXPECT_THROW(require_valid(m), Error);
-  EXPECT_FALSE(known_valid(m));  // what failed is not remembered
-  std::swap(m.triangles[3][0], m.triangles[3][1]);
-  m.points_mm[5].x += 1e-3;
-  EXPECT_FALSE(known_valid(m));
 }
 
 TEST(CollapseMesh, UndoingRestoresTheMesh) {

@@ -49,8 +49,7 @@ void check_axis(const Cutter& c, ExitCode code) {
 void check_mesh_cutter(const Cutter& c, ExitCode code) {
   if (!c.mesh) refuse(code, "mesh", "none is given");
   try {
-    const Validity v = check_validity(*c.mesh);
-    if (!v.valid()) refuse(code, "mesh", v.text());
+    require_valid(*c.mesh);
   } catch (const Error& e) {
     if (e.field() == "mesh") throw;
     refuse(code, "mesh", (e.field().empty() ? "" : e.field() + ": ") + e.what());
