@@ -17,6 +17,7 @@
 
 #include "base/child.h"
 #include "base/error.h"
+#include "base/splitmix64.h"
 #include "boolean/cut_surface.h"
 #include "grid/nrrd.h"
 #include "meshing/contour.h"
@@ -31,13 +32,8 @@ namespace {
 
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-/// In [0, 1): SplitMix64 of the number.
-double random_of(std::uint64_t n) {
-  std::uint64_t z = n * 0x9e3779b97f4a7c15ull + 0x1234567;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return double((z ^ (z >> 31)) >> 11) / 9007199254740992.0;
-}
+/// In [0, 1): of the number.
+double random_of(std::uint64_t n) { return unit_of_bits(splitmix64_mixed(n * splitmix64_step + 0x1234567)); }
 
 /// Where the ray first meets the surface beyond `after`; Moeller and Trumbore.
 double first_hit(const TriMesh& m, Vec3 from, Vec3 along, double after) {

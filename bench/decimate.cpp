@@ -255,7 +255,7 @@ int main(int argc, char** argv) try {
     d.max_deviation_mm = bound;
     row(bound > 0 ? "ours, count and bound" : "ours, count", input, [&](double& s) {
       TriMesh out;
-      require_valid(input);  // as after contour, which has checked it: decimate does not check again (known_valid.h)
+      require_valid(input);  // as after contour, which has checked it: decimate does not check again
       s = timed([&] {
         Report r;
         out = decimate(input, d, r);

@@ -21,6 +21,7 @@
 #include <thread>
 
 #include "base/child.h"
+#include "base/child_message.h"
 #include "base/child_protocol.h"
 #include "base/error.h"
 #include "base/hash.h"
@@ -122,6 +123,35 @@ class Child : public testing::Test {
   }
   int descriptors_ = 0;
 };
+
+TEST(ChildMessage, ComesApartAsItWasPutTogether) {
+  MessageWriter out;
+  out.number(7);
+  out.text("seven");
+  out.array(std::vector<double>{0.5, -1});
+  out.array(std::vector<double>{});
+  out.value(true);
+  MessageReader in("w", out.bytes());
+  EXPECT_EQ(in.number(), 7u);
+  EXPECT_EQ(in.text(), "seven");
+  EXPECT_EQ(in.array<double>(), (std::vector<double>{0.5, -1}));
+  EXPECT_TRUE(in.array<double>().empty());
+  EXPECT_FALSE(in.empty());
+  EXPECT_TRUE(in.value<bool>());
+  EXPECT_TRUE(in.empty());
+  EXPECT_THROW(in.number(), Error);
+}
+
+TEST(ChildMessage, TrustsNoLength) {
+  for (const std::uint64_t length : {std::uint64_t{2}, std::uint64_t{1} << 61, ~std::uint64_t{0}}) {
+    MessageWriter out;
+    out.number(length);
+    out.value('x');
+    EXPECT_THROW(MessageReader("w", out.bytes()).text(), Error);
+    EXPECT_THROW(MessageReader("w", out.bytes()).array<double>(), Error);
+    EXPECT_THROW(MessageReader("w", std::string_view(out.bytes()).substr(0, 5)).text(), Error);
+  }
+}
 
 TEST_F(Child, CarriesRequestAndResult) {
   std::string request(100'000'000, '\0');

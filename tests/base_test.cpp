@@ -14,6 +14,13 @@
 namespace trephine {
 namespace {
 
+TEST(Text, IsSplitAtEverySeparator) {
+  using Pieces = std::vector<std::string>;
+  EXPECT_EQ(split_at("1,2,3", ','), (Pieces{"1", "2", "3"}));
+  EXPECT_EQ(split_at(",a,,", ','), (Pieces{"", "a", "", ""}));
+  EXPECT_EQ(split_at("", ','), Pieces{""});
+}
+
 TEST(Text, NumbersAreShortAndReadBack) {
   EXPECT_EQ(to_text(0.2), "0.2");
   EXPECT_EQ(to_text(80000.0), "80000");

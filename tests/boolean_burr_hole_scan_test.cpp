@@ -8,6 +8,7 @@
 
 #include "boolean/burr_hole.h"
 #include "dicom/import.h"
+#include "head_recipe.h"
 #include "meshing/contour.h"
 #include "phantom/phantom.h"
 #include "scratch_folder.h"
@@ -26,23 +27,10 @@ struct Surfaces {
 /// As pipelines/ventriculostomy.yaml does.
 Surfaces surfaces_of(const HuVolume& volume) {
   Report report;
-  SegmentParams skin, skull;
-  skin.lower_hu = -475;
-  skin.open_mm = 3;
-  skin.components = SegmentComponents::largest;
-  skin.fill = SegmentFill::cavities_and_cut;
-  skin.fill_close_mm = 6;
-  skull.lower_hu = 226;
-  skull.seed_lower_hu = 400;
-  skull.edge = SegmentEdge::half_maximum;
-  skull.min_component_ml = 1;
-  skull.fill = SegmentFill::cavities;
-  skull.fill_close_mm = 2;
-  skull.fill_max_ml = 100;
-  const Field outside = segment(volume, {}, skin, report);
+  const Field outside = segment(volume, {}, head_recipe::skin(), report);
   SegmentMasks masks;
   masks.within = &outside;
-  return {contour(outside, {}, report), contour(segment(volume, masks, skull, report), {}, report)};
+  return {contour(outside, {}, report), contour(segment(volume, masks, head_recipe::skull(), report), {}, report)};
 }
 
 void expect_kocher(const phantom::PhantomParams& params, const HuVolume& volume, const char* what) {

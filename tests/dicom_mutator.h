@@ -4,19 +4,17 @@
 #include <cstdint>
 #include <string>
 
+#include "base/splitmix64.h"
 #include "dicom_synthetic.h"
 
 namespace synthetic {
 
 class Dice {
  public:
-  explicit Dice(std::uint64_t seed) : state_(seed * 0x9e3779b97f4a7c15u + 1) {}
-  /// 0 to below - 1 (splitmix64, Steele et al. 2014).
+  explicit Dice(std::uint64_t seed) : state_(seed * trephine::splitmix64_step + 1) {}
+  /// 0 to below - 1.
   std::size_t roll(std::size_t below) {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return static_cast<std::size_t>((z ^ (z >> 31)) % below);
+    return static_cast<std::size_t>(trephine::splitmix64_mixed(state_ += trephine::splitmix64_step) % below);
   }
 
  private:

@@ -9,6 +9,7 @@
 #include "face/face_gate.h"
 #include "head/brain.h"
 #include "head/ventricles.h"
+#include "head_recipe.h"
 #include "phantom/head.h"
 #include "phantom/phantom.h"
 #include "segmentation/segment.h"
@@ -18,27 +19,6 @@ namespace {
 
 using phantom::Anatomy;
 using phantom::Head;
-
-SegmentParams skin_recipe() {
-  SegmentParams p;
-  p.lower_hu = -475;
-  p.open_mm = 3;
-  p.components = SegmentComponents::largest;
-  p.fill = SegmentFill::cavities_and_cut;
-  p.fill_close_mm = 6;
-  return p;
-}
-SegmentParams skull_recipe() {
-  SegmentParams p;
-  p.lower_hu = 226;
-  p.seed_lower_hu = 400;
-  p.edge = SegmentEdge::half_maximum;
-  p.min_component_ml = 1;
-  p.fill = SegmentFill::cavities;
-  p.fill_close_mm = 2;
-  p.fill_max_ml = 100;
-  return p;
-}
 
 HeadLandmarks truth_of(const Head& head) {
   HeadLandmarks l;
@@ -67,7 +47,7 @@ Scanned scanned(phantom::Level level, int pixels, int slices, double noise_hu) {
   Scanned s{Head(who), {}, {}, {}};
   s.volume = phantom::volume_of(phantom::scan(s.head, how));
   Report report;
-  s.skin = segment(s.volume, {}, skin_recipe(), report);
+  s.skin = segment(s.volume, {}, head_recipe::skin(), report);
   s.region = face_region(truth_of(s.head));
   return s;
 }
@@ -135,7 +115,7 @@ TEST(Deface, NothingIsLeftNearTheTrueSkin) {
     EXPECT_GE(figure(gate, "face_distance_mm"), face_clearance_mm);
     // The skin found again is closed over the cut, and one piece.
     Report again;
-    const Field skin = segment(out, {}, skin_recipe(), again);
+    const Field skin = segment(out, {}, head_recipe::skin(), again);
     EXPECT_NEAR(
         figure(again, "volume_ml"),
         figure(report, "face_removed_ml") * -1 +
@@ -208,7 +188,7 @@ TEST(Deface, WhereThereIsNoFace) {
   const Box top{{0, 0, g.size[2] - 20}, g.size};
   const HuVolume vertex = crop(g, top);
   Report report;
-  const Field skin = segment(vertex, {}, skin_recipe(), report);
+  const Field skin = segment(vertex, {}, head_recipe::skin(), report);
   const HuVolume out = deface(vertex, skin, s.region, {}, report);
   EXPECT_TRUE(out == vertex);
   ASSERT_EQ(report.warnings.size(), 1u);
@@ -239,32 +219,15 @@ double dice(const Field& a, const Field& b, const Lattice& l) {
   return 2 * both / sum;
 }
 
-struct Inner {
-  Field skull, brain, ventricles;
-};
-Inner inner_of(const HuVolume& volume, const Field& skin) {
-  Inner a;
-  Report report;
-  SegmentMasks masks;
-  masks.within = &skin;
-  a.skull = segment(volume, masks, skull_recipe(), report);
-  BrainParams brain;
-  brain.lower_hu = 24;
-  a.brain = find_brain(volume, {&a.skull, nullptr, nullptr}, brain, report);
-  a.ventricles = find_ventricles(volume, {&a.brain, nullptr}, {}, report);
-  return a;
-}
-
 TEST(LongDeface, BrainAndVentriclesAreFoundAsBefore) {
   const Scanned s = scanned(phantom::Level::clinical, 256, 96, 12);
-  const Inner before = inner_of(s.volume, s.skin);
+  const head_recipe::Fields before = head_recipe::fields_of(s.volume, 24);
   for (const FaceRemoval policy : {FaceRemoval::deface, FaceRemoval::crop}) {
     DefaceParams p;
     p.policy = policy;
     Report report;
     const HuVolume out = deface(s.volume, s.skin, s.region, p, report);
-    const Field skin = segment(out, {}, skin_recipe(), report);
-    const Inner after = inner_of(out, skin);
+    const head_recipe::Fields after = head_recipe::fields_of(out, 24);
     const Lattice& l = lattice_of(s.volume);
     const double of_brain = dice(before.brain, after.brain, l),
                  of_ventricles = dice(before.ventricles, after.ventricles, l);

@@ -6,16 +6,16 @@
 #include "head/brain.h"
 #include "head/landmarks.h"
 #include "head/ventricles.h"
+#include "head_recipe.h"
 #include "phantom/head.h"
 #include "phantom/scan.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
 
-struct LandmarkScene {
+struct LandmarkScene : head_recipe::Fields {
   phantom::Head head{phantom::HeadParams{}};
   HuVolume volume;
-  Field skin, skull, brain, ventricles;
 
   LandmarkInputs inputs() const {
     LandmarkInputs in;
@@ -27,39 +27,13 @@ struct LandmarkScene {
 };
 
 inline void segment_scene(LandmarkScene& s) {
-  Report report;
-  SegmentParams p;
-  p.lower_hu = -475;
-  p.open_mm = 3;
-  p.components = SegmentComponents::largest;
-  p.fill = SegmentFill::cavities_and_cut;
-  p.fill_close_mm = 6;
-  s.skin = segment(s.volume, {}, p, report);
-  SegmentMasks masks;
-  masks.within = &s.skin;
-  p = {};
-  p.lower_hu = 226;
-  p.seed_lower_hu = 400;
-  p.edge = SegmentEdge::half_maximum;
-  p.min_component_ml = 1;
-  p.fill = SegmentFill::cavities;
-  p.fill_close_mm = 2;
-  p.fill_max_ml = 100;
-  s.skull = segment(s.volume, masks, p, report);
-  BrainParams brain;
-  brain.lower_hu = 24;
-  s.brain = find_brain(s.volume, {&s.skull, nullptr, nullptr}, brain, report);
-  s.ventricles = find_ventricles(s.volume, {&s.brain, nullptr}, {}, report);
+  static_cast<head_recipe::Fields&>(s) = head_recipe::fields_of(s.volume, 24);
 }
 
 inline LandmarkScene make_scene(const phantom::HeadParams& who, const phantom::ScanParams& how) {
   LandmarkScene s;
   s.head = phantom::Head(who);
-  phantom::Scan scan = phantom::scan(s.head, how);
-  Grid<std::int16_t> volume;
-  static_cast<Lattice&>(volume) = phantom::lattice_of(scan);
-  volume.voxels = std::move(scan.hu);
-  s.volume = std::move(volume);
+  s.volume = phantom::volume_of(phantom::scan(s.head, how));
   segment_scene(s);
   return s;
 }

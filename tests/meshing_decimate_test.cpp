@@ -10,7 +10,6 @@
 #include "base/parallel.h"
 #include "meshing/collapse_mesh.h"
 #include "meshing/contour.h"
-#include "meshing/known_valid.h"
 #include "meshing/triangle_tree.h"
 #include "meshing/validity.h"
 #include "meshing_shapes.h"
@@ -19,13 +18,6 @@ namespace trephine {
 namespace {
 
 using namespace shapes;
-
-struct Result {
-  TriMesh mesh;
-  Report report;
-  double number(const char* name) const { return std::get<double>(*report.find(name)); }
-  std::string stopped_by() const { return std::get<std::string>(*report.find("stopped_by")); }
-};
 
 Result decimated(const TriMesh& m, std::int64_t count, double ratio, double deviation) {
   DecimateParams p;
@@ -73,7 +65,7 @@ TEST(Decimate, EveryLevel) {  // M8
   const auto n = static_cast<double>(m.triangles.size());
   for (const double keep : {0.5, 0.1, 0.05, 0.01, 0.001}) {
     const Result r = decimated(m, 0, keep, 0);
-    EXPECT_EQ(r.stopped_by(), "count") << keep;
+    EXPECT_EQ(r.text("stopped_by"), "count") << keep;
     EXPECT_LE(r.mesh.triangles.size(), std::max(4.0, keep * n + 1));
     EXPECT_GE(r.mesh.triangles.size() + 2.0, std::max(4.0, keep * n));
     EXPECT_NEAR(r.number("deviation_max_mm"), std::max(distance(m, r.mesh, 3), distance(r.mesh, m, 12)),
@@ -125,7 +117,7 @@ TEST(Decimate, BoundIsKeptBothWays) {
   for (const double bound : {0.1, 0.5})
     for (const TriMesh* m : {&ball, &thin}) {
       const Result r = holds(*m, bound);
-      EXPECT_EQ(r.stopped_by(), "deviation");
+      EXPECT_EQ(r.text("stopped_by"), "deviation");
       EXPECT_LT(r.mesh.triangles.size(), m->triangles.size() / (m == &ball ? 4.0 : bound < 0.2 ? 1 : 2));
     }
 }
@@ -149,10 +141,10 @@ TEST(LongDecimate, BoundHoldsForEveryShape) {
 
 TEST(Decimate, CountOrBoundWhicheverComesFirst) {
   const TriMesh m = surface(sphere(40, 20));
-  EXPECT_EQ(decimated(m, 2000, 0, 1.0).stopped_by(), "count");
+  EXPECT_EQ(decimated(m, 2000, 0, 1.0).text("stopped_by"), "count");
   EXPECT_LE(decimated(m, 2000, 0, 1.0).mesh.triangles.size(), 2000u);
   const Result bound = decimated(m, 50, 0, 0.05);
-  EXPECT_EQ(bound.stopped_by(), "deviation");
+  EXPECT_EQ(bound.text("stopped_by"), "deviation");
   EXPECT_GT(bound.mesh.triangles.size(), 50u);
   // The larger of the two counts holds.
   EXPECT_GE(decimated(m, 50, 0.25, 0).mesh.triangles.size() + 2.0, 0.25 * double(m.triangles.size()));
@@ -229,19 +221,6 @@ TEST(Decimate, SameBytesWithAnyThreads) {
   set_thread_count(0);
   EXPECT_TRUE(one.mesh.points_mm == two.mesh.points_mm && one.mesh.triangles == two.mesh.triangles);
   EXPECT_EQ(one.report.figures, two.report.figures);
-}
-
-TEST(KnownValid, OnlyTheSameMesh) {
-  TriMesh m = surface(sphere(14, 5));  // contour remembers what it has checked
-  EXPECT_TRUE(known_valid(m));
-  EXPECT_NO_THROW(require_valid(m));
-  std::swap(m.triangles[3][0], m.triangles[3][1]);
-  EXPECT_FALSE(known_valid(m));
-  EXPECT_THROW(require_valid(m), Error);
-  EXPECT_FALSE(known_valid(m));  // what failed is not remembered
-  std::swap(m.triangles[3][0], m.triangles[3][1]);
-  m.points_mm[5].x += 1e-3;
-  EXPECT_FALSE(known_valid(m));
 }
 
 TEST(CollapseMesh, UndoingRestoresTheMesh) {

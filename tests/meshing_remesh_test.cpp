@@ -14,12 +14,6 @@ namespace {
 
 using namespace shapes;
 
-struct Result {
-  TriMesh mesh;
-  Report report;
-  double number(const char* name) const { return std::get<double>(*report.find(name)); }
-};
-
 Result remeshed(const TriMesh& m, const RemeshParams& p) {
   Result r;
   r.mesh = remesh(m, p, r.report);

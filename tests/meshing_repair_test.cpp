@@ -23,14 +23,6 @@ namespace {
 
 using namespace shapes;
 
-struct Result {
-  TriMesh mesh;
-  Report report;
-  double number(const char* name) const { return std::get<double>(*report.find(name)); }
-  std::int64_t count(const char* name) const { return std::get<std::int64_t>(*report.find(name)); }
-  std::string method() const { return std::get<std::string>(*report.find("method")); }
-};
-
 Result repaired(const TriMesh& m, const RepairParams& p = {}) {
   Result r;
   r.mesh = repair(m, p, r.report);
@@ -149,7 +141,7 @@ TriMesh figure_of_eight() {
 TEST(Repair, AValidMeshStaysAsItIs) {
   const TriMesh m = torus();
   const Result r = repaired(m);
-  EXPECT_EQ(r.method(), "none");
+  EXPECT_EQ(r.text("method"), "none");
   EXPECT_TRUE(r.mesh.points_mm == m.points_mm && r.mesh.triangles == m.triangles);
   EXPECT_LT(r.number("to_input_max_mm"), 1e-12);
 }
@@ -183,7 +175,7 @@ TEST(Repair, OneFaultAtATime) {
   const auto check = [&](const char* what, const TriMesh& m, const char* counter, std::int64_t expected,
                          double tolerance = 1e-3) {
     const Result r = repaired(m);
-    EXPECT_EQ(r.method(), "mended") << what;
+    EXPECT_EQ(r.text("method"), "mended") << what;
     EXPECT_NEAR(volume_mm3(r.mesh) / volume, 1, tolerance) << what;
     EXPECT_EQ(topology_of(r.mesh).genus, 0) << what;
     if (expected < 0)
@@ -253,7 +245,7 @@ TEST(Repair, LastResort) {
   RepairParams p;
   p.recontour_voxels_count = 64;
   const Result r = repaired(m, p);
-  EXPECT_EQ(r.method(), "recontoured");
+  EXPECT_EQ(r.text("method"), "recontoured");
   EXPECT_EQ(topology_of(r.mesh).components, 1);
   EXPECT_EQ(topology_of(r.mesh).genus, 2);
   EXPECT_LT(r.number("to_input_max_mm"), r.number("voxel_mm"));
@@ -274,7 +266,7 @@ TEST(Repair, ScalesAndOffsets) {  // M6
     for (const double offset : {0.0, 1e6}) {
       if (offset > 0 && scale < 1) continue;  // a lattice origin in doubles has no digits left for it
       const Result r = repaired(soup(scale, offset));
-      EXPECT_EQ(r.method(), "mended");
+      EXPECT_EQ(r.text("method"), "mended");
       EXPECT_NEAR(volume_mm3(r.mesh) / (unit * scale * scale * scale), 1, 1e-5) << scale << " " << offset;
     }
 }
@@ -314,9 +306,9 @@ Corpus corpus(std::uint64_t from, std::uint64_t to) {
     p.recontour_voxels_count = 64;
     try {
       const Result r = repaired(m, p);
-      ++c.methods[r.method()];
-      EXPECT_NEAR(volume_mm3(r.mesh) / volume, 1, r.method() == "mended" && !holes ? 0.1 : 0.3)
-          << "seed " << seed << ", " << r.method();
+      ++c.methods[r.text("method")];
+      EXPECT_NEAR(volume_mm3(r.mesh) / volume, 1, r.text("method") == "mended" && !holes ? 0.1 : 0.3)
+          << "seed " << seed << ", " << r.text("method");
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::quality) << e.what();
       ++c.refused;
@@ -378,7 +370,7 @@ TEST(Repair, OthersMeshesWithHoles) {
     try {
       const Result r = repaired(m, p);
       const Bounds b = bounds_of(m);
-      std::printf("%s: %s, %d holes, %.2g of its size from the input\n", name, r.method().c_str(),
+      std::printf("%s: %s, %d holes, %.2g of its size from the input\n", name, r.text("method").c_str(),
                   int(r.count("holes_filled_count")), r.number("from_input_max_mm") / norm(b.max_mm - b.min_mm));
       EXPECT_LT(r.number("from_input_max_mm"), 0.02 * norm(b.max_mm - b.min_mm)) << name;
       ++repaired_count;
@@ -397,7 +389,7 @@ TEST(Repair, BeyondItsTimeTheLastResort) {  // M11
   RepairParams p;
   p.time_limit_s = 0.1;
   p.recontour_voxels_count = 32;
-  EXPECT_EQ(repaired(m, p).method(), "recontoured");
+  EXPECT_EQ(repaired(m, p).text("method"), "recontoured");
   p.recontour_voxels_count = 0;
   Report r;
   try {
@@ -424,7 +416,8 @@ TEST(Repair, SameBytesWithAnyThreads) {
     set_thread_count(2);
     const Result two = repaired(m, p);
     set_thread_count(0);
-    EXPECT_TRUE(one.mesh.points_mm == two.mesh.points_mm && one.mesh.triangles == two.mesh.triangles) << one.method();
+    EXPECT_TRUE(one.mesh.points_mm == two.mesh.points_mm && one.mesh.triangles == two.mesh.triangles)
+        << one.text("method");
   }
 }
 

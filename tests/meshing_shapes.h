@@ -4,12 +4,24 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <string>
+#include <variant>
 
 #include "grid/grid.h"
 #include "meshing/contour.h"
 #include "random.h"
+#include "sampled_grid.h"
 
 namespace trephine::shapes {
+
+/// What a step made, and what it says of it.
+struct Result {
+  TriMesh mesh;
+  Report report;
+  double number(const char* name) const { return std::get<double>(*report.find(name)); }
+  std::int64_t count(const char* name) const { return std::get<std::int64_t>(*report.find(name)); }
+  std::string text(const char* name) const { return std::get<std::string>(*report.find(name)); }
+};
 
 inline Lattice lattice(int nx, int ny, int nz, Vec3 spacing = {1, 1, 1}, Vec3 origin = {}) {
   Lattice l;
@@ -19,14 +31,7 @@ inline Lattice lattice(int nx, int ny, int nz, Vec3 spacing = {1, 1, 1}, Vec3 or
   return l;
 }
 
-inline Field sample(const Lattice& l, const std::function<double(Vec3)>& f) {
-  Field field(l);
-  for (int k = 0; k < l.size[2]; ++k)
-    for (int j = 0; j < l.size[1]; ++j)
-      for (int i = 0; i < l.size[0]; ++i)
-        field.at(i, j, k) = static_cast<float>(f(l.to_world_mm({double(i), double(j), double(k)})));
-  return field;
-}
+inline Field sample(const Lattice& l, const std::function<double(Vec3)>& f) { return sampled(l, f); }
 
 /// Signed distance to a sphere, positive inside, on a cube of n voxels around it.
 inline Field sphere(int n, double radius, Vec3 centre = {}, double scale = 1) {

@@ -20,12 +20,6 @@ namespace {
 
 using namespace shapes;
 
-struct Result {
-  TriMesh mesh;
-  Report report;
-  double number(const char* name) const { return std::get<double>(*report.find(name)); }
-};
-
 Result smoothed(const TriMesh& m, std::int64_t iterations, double bound, double band = 0.1,
                 SmoothMethod method = SmoothMethod::windowed_sinc) {
   SmoothParams p;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/splitmix64.h"
 #include "base/vec3.h"
 
 namespace trephine {
@@ -12,12 +13,7 @@ namespace trephine {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
-  double operator()() {  // 0 to 1
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ull);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) / 9007199254740992.0;
-  }
+  double operator()() { return unit_of_bits(splitmix64_mixed(state_ += splitmix64_step)); }  // 0 to 1
   double operator()(double from, double to) { return from + (to - from) * (*this)(); }
   Vec3 direction() {
     const double z = (*this)(-1, 1), a = (*this)(0, 6.283185307179586), s = std::sqrt(1 - z * z);

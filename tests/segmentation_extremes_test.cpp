@@ -8,6 +8,7 @@
 #include "head/brain.h"
 #include "head/landmarks.h"
 #include "head/ventricles.h"
+#include "head_recipe.h"
 #include "phantom/head.h"
 #include "phantom/scan.h"
 #include "segmentation/segment.h"
@@ -29,26 +30,12 @@ Outcome through_recipe(const HuVolume& volume) {
   Outcome o;
   Report report;
   try {
-    SegmentParams p;
-    p.lower_hu = -475;
-    p.open_mm = 3;
-    p.components = SegmentComponents::largest;
-    p.fill = SegmentFill::cavities_and_cut;
-    p.fill_close_mm = 6;
-    with_field("skin.segment", [&] { o.skin = segment(volume, {}, p, report); });
-    p = {};
-    p.lower_hu = 226;
-    p.seed_lower_hu = 400;
-    p.edge = SegmentEdge::half_maximum;
-    p.min_component_ml = 1;
-    p.fill = SegmentFill::cavities;
-    p.fill_close_mm = 2;
-    p.fill_max_ml = 100;
-    with_field("skull.segment", [&] { o.skull = segment(volume, {&o.skin, nullptr}, p, report); });
-    with_field("brain.brain", [&] { o.brain = find_brain(volume, {&o.skull, nullptr, nullptr}, {}, report); });
-    with_field("ventricles.ventricles", [&] {
-      o.ventricles = find_ventricles(volume, {&o.brain, nullptr}, {}, report);
-    });
+    with_field("skin.segment", [&] { o.skin = segment(volume, {}, head_recipe::skin(), report); });
+    with_field("skull.segment", [&] { o.skull = segment(volume, {&o.skin, nullptr}, head_recipe::skull(), report); });
+    with_field("brain.brain",
+               [&] { o.brain = find_brain(volume, {&o.skull, nullptr, nullptr}, head_recipe::brain(), report); });
+    with_field("ventricles.ventricles",
+               [&] { o.ventricles = find_ventricles(volume, {&o.brain, nullptr}, {}, report); });
     LandmarkInputs in;
     in.skin = &o.skin;
     in.skull = &o.skull;
@@ -71,13 +58,7 @@ const phantom::Head& head() {
   return h;
 }
 
-HuVolume scanned(const phantom::ScanParams& how) {
-  phantom::Scan scan = phantom::scan(head(), how);
-  Grid<std::int16_t> volume;
-  static_cast<Lattice&>(volume) = phantom::lattice_of(scan);
-  volume.voxels = std::move(scan.hu);
-  return volume;
-}
+HuVolume scanned(const phantom::ScanParams& how) { return phantom::volume_of(phantom::scan(head(), how)); }
 
 phantom::ScanParams usual() {
   phantom::ScanParams how;

@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "head/brain.h"
 #include "head/ventricles.h"
+#include "head_recipe.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -81,33 +82,19 @@ double dice(const Field& f, const Lattice& l, Truth&& truth) {
   return 2 * both / sum;
 }
 
-struct Anatomies {
-  Field skull, brain, ventricles;
-};
-
-Anatomies segment_head(const HuVolume& volume, const Progress& progress = {}) {
-  Anatomies a;
+head_recipe::Fields segment_head(const HuVolume& volume) {
+  head_recipe::Fields f;
   Report report;
-  SegmentParams p;
-  p.lower_hu = 226;
-  p.seed_lower_hu = 400;
-  p.edge = SegmentEdge::half_maximum;
-  p.min_component_ml = 1;
-  p.fill = SegmentFill::cavities;
-  p.fill_close_mm = 2;
-  p.fill_max_ml = 100;
-  a.skull = segment(volume, {}, p, report, progress);
-  BrainParams brain;
-  brain.lower_hu = 22;
-  a.brain = find_brain(volume, {&a.skull, nullptr, nullptr}, brain, report, progress);
-  a.ventricles = find_ventricles(volume, {&a.brain, nullptr}, {}, report, progress);
-  return a;
+  f.skull = segment(volume, {}, head_recipe::skull(), report);
+  f.brain = find_brain(volume, {&f.skull, nullptr, nullptr}, head_recipe::brain(22), report);
+  f.ventricles = find_ventricles(volume, {&f.brain, nullptr}, {}, report);
+  return f;
 }
 
 TEST(SegmentHead, BrainAndVentriclesOfNestedEllipsoids) {
   for (double shift : {0.0, -8.0}) {  // a scanner that is off by 8 HU
     const auto volume = head(6, shift);
-    const Anatomies a = segment_head(volume);
+    const head_recipe::Fields a = segment_head(volume);
     EXPECT_GT(dice(a.brain, volume, [](Vec3 p) { return in_brain(p); }), 0.97) << shift;
     EXPECT_GT(dice(a.ventricles, volume, [](Vec3 p) { return in_ventricles(p); }), 0.92) << shift;
     const Vec3 cord = a.brain.to_index({0, 20, -85});
@@ -154,15 +141,15 @@ TEST(SegmentHead, TheSameBitsWithOneAndTwoThreadsAndAtTheSameTime) {
   const HuVolume volume = head(6);
   const int before = thread_count();
   set_thread_count(1);
-  const Anatomies one = segment_head(volume);
+  const head_recipe::Fields one = segment_head(volume);
   set_thread_count(2);
-  const Anatomies two = segment_head(volume);
-  Anatomies beside;
+  const head_recipe::Fields two = segment_head(volume);
+  head_recipe::Fields beside;
   std::thread other([&] { beside = segment_head(volume); });
-  const Anatomies again = segment_head(volume);
+  const head_recipe::Fields again = segment_head(volume);
   other.join();
   set_thread_count(before);
-  for (const Anatomies* a : std::initializer_list<const Anatomies*>{&two, &beside, &again}) {
+  for (const head_recipe::Fields* a : std::initializer_list<const head_recipe::Fields*>{&two, &beside, &again}) {
     EXPECT_TRUE(a->skull.voxels == one.skull.voxels && a->skull.size == one.skull.size);
     EXPECT_TRUE(a->brain.voxels == one.brain.voxels && a->brain.size == one.brain.size);
     EXPECT_TRUE(a->ventricles.voxels == one.ventricles.voxels && a->ventricles.size == one.ventricles.size);

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "head/brain.h"
 #include "head/ventricles.h"
+#include "head_recipe.h"
 #include "phantom/head.h"
 #include "phantom/scan.h"
 #include "segmentation/segment.h"
@@ -26,52 +27,8 @@ struct Scene {
 
 Scene scanned(const phantom::HeadParams& who, const phantom::ScanParams& how) {
   Scene s{Head(who), {}};
-  phantom::Scan scan = phantom::scan(s.head, how);
-  static_cast<Lattice&>(s.volume) = phantom::lattice_of(scan);
-  s.volume.voxels = std::move(scan.hu);
+  s.volume = phantom::volume_of(phantom::scan(s.head, how));
   return s;
-}
-
-/// The values of pipelines/ventriculostomy.yaml.
-SegmentParams recipe(Anatomy anatomy) {
-  SegmentParams p;
-  switch (anatomy) {
-    case Anatomy::skin:
-      p.lower_hu = -475;
-      p.open_mm = 3;
-      p.components = SegmentComponents::largest;
-      p.fill = SegmentFill::cavities_and_cut;
-      p.fill_close_mm = 6;
-      break;
-    case Anatomy::skull:
-      p.lower_hu = 226;
-      p.seed_lower_hu = 400;
-      p.edge = SegmentEdge::half_maximum;
-      p.min_component_ml = 1;
-      p.fill = SegmentFill::cavities;
-      p.fill_close_mm = 2;
-      p.fill_max_ml = 100;
-      break;
-    default:
-      break;
-  }
-  return p;
-}
-
-struct Found {
-  Field skin, skull, brain, ventricles;
-};
-
-Found segment_all(const HuVolume& volume) {
-  Found f;
-  Report report;
-  f.skin = segment(volume, {}, recipe(Anatomy::skin), report);
-  SegmentMasks masks;
-  masks.within = &f.skin;
-  f.skull = segment(volume, masks, recipe(Anatomy::skull), report);
-  f.brain = find_brain(volume, {&f.skull, nullptr, nullptr}, {}, report);
-  f.ventricles = find_ventricles(volume, {&f.brain, nullptr}, {}, report);
-  return f;
 }
 
 double dice(const Head& head, Anatomy anatomy, const Field& field, const Lattice& l) {
@@ -142,7 +99,7 @@ TEST(SegmentPhantom, ClinicalScanOfHalfTheResolution) {
   how.slice_step_mm = how.slice_thickness_mm = 2;
   how.noise_hu = 8;
   const Scene s = scanned(who, how);
-  const Found f = segment_all(s.volume);
+  const head_recipe::Fields f = head_recipe::fields_of(s.volume);
   EXPECT_GT(dice(s.head, Anatomy::brain, f.brain, s.volume), 0.975) << "sulci are outside";
   EXPECT_GT(dice(s.head, Anatomy::ventricles, f.ventricles, s.volume), 0.91);
   EXPECT_LT(std::abs(deviation(s.head, Anatomy::ventricles, f.ventricles, s.volume, 2).mean), 0.15);
@@ -157,7 +114,7 @@ TEST(LongSegmentPhantom, CoarseScan) {
   how.slice_step_mm = how.slice_thickness_mm = 2;
   how.noise_hu = 5;
   const Scene s = scanned({}, how);
-  const Found f = segment_all(s.volume);
+  const head_recipe::Fields f = head_recipe::fields_of(s.volume);
   EXPECT_LT(deviation(s.head, Anatomy::skin, f.skin, s.volume, 4).rms, 0.25);
   EXPECT_LT(deviation(s.head, Anatomy::skull, f.skull, s.volume, 4).rms, 0.4);
   EXPECT_GT(dice(s.head, Anatomy::brain, f.brain, s.volume), 0.96);
@@ -166,7 +123,7 @@ TEST(LongSegmentPhantom, CoarseScan) {
 
 TEST(LongSegmentPhantom, FullScan) {
   const Scene s = scanned({}, {});  // 512 x 512 x 192, 0.47 x 0.47 x 1.0 mm, noise 12 HU, simple level
-  const Found f = segment_all(s.volume);
+  const head_recipe::Fields f = head_recipe::fields_of(s.volume);
   const auto skin = deviation(s.head, Anatomy::skin, f.skin, s.volume, 10);
   EXPECT_LT(skin.rms, 0.1);
   EXPECT_LT(skin.p99, 0.3);
@@ -190,7 +147,7 @@ TEST(LongSegmentPhantom, OtherVentricles) {
     who.variant = c.variant;
     who.seed = c.seed;
     const Scene s = scanned(who, {});
-    const Found f = segment_all(s.volume);
+    const head_recipe::Fields f = head_recipe::fields_of(s.volume);
     EXPECT_GT(dice(s.head, Anatomy::brain, f.brain, s.volume), 0.97) << int(c.variant);
     EXPECT_GT(dice(s.head, Anatomy::ventricles, f.ventricles, s.volume), c.least) << int(c.variant);
   }

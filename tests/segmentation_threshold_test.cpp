@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "sampled_grid.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -20,15 +21,7 @@ Lattice lattice(int nx, int ny, int nz, Vec3 spacing = {0.5, 0.5, 1.0}) {
   return l;
 }
 
-/// A volume sampled from f(world), float or rounded to int16.
-template <class F>
-Grid<float> sampled(const Lattice& l, F&& f) {
-  Grid<float> g(l);
-  for (int k = 0; k < l.size[2]; ++k)
-    for (int j = 0; j < l.size[1]; ++j)
-      for (int i = 0; i < l.size[0]; ++i) g.at(i, j, k) = float(f(l.to_world_mm({double(i), double(j), double(k)})));
-  return g;
-}
+/// Rounded to int16.
 Grid<std::int16_t> rounded(const Grid<float>& g) {
   Grid<std::int16_t> out(g);
   for (std::size_t v = 0; v < g.count(); ++v) out.voxels[v] = std::int16_t(std::lround(g.voxels[v]));

@@ -7,6 +7,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 #include "random.h"
+#include "sampled_grid.h"
 
 // Grids sampled from closed forms, and how far a field's surface lies from one.
 namespace trephine::snake_test {
@@ -17,15 +18,6 @@ inline Lattice lattice(Vec3 extent_mm, Vec3 spacing) {
   l.spacing_mm = spacing;
   for (int a = 0; a < 3; ++a) l.origin_mm[a] = -0.5 * (l.size[a] - 1) * spacing[a];
   return l;
-}
-
-template <class F>
-Grid<float> sampled(const Lattice& l, F&& f) {
-  Grid<float> g(l);
-  for (int k = 0; k < l.size[2]; ++k)
-    for (int j = 0; j < l.size[1]; ++j)
-      for (int i = 0; i < l.size[0]; ++i) g.at(i, j, k) = float(f(l.to_world_mm({double(i), double(j), double(k)})));
-  return g;
 }
 
 /// Gaussian noise that is the same everywhere (Box and Muller).

@@ -4,9 +4,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,7 +15,6 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
-#include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -26,9 +23,8 @@
 #include "base/error.h"
 #include "base/file_descriptor.h"
 #include "base/parallel.h"
+#include "base/spawn.h"
 #include "base/text.h"
-
-extern char** environ;
 
 namespace trephine {
 namespace {
@@ -105,81 +101,30 @@ class Process {
   int status_ = 0;
 };
 
-struct SpawnSettings {
-  posix_spawn_file_actions_t actions;
-  posix_spawnattr_t attributes;
-  SpawnSettings() {
-    posix_spawn_file_actions_init(&actions);
-    posix_spawnattr_init(&attributes);
-  }
-  ~SpawnSettings() {
-    posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
-  }
-};
-
-// The child sets its own limits, but only once it runs: what kills it while its libraries are loaded must leave no core
-// file either, so it is born without the right to.
-class NoCoreFile {
- public:
-  NoCoreFile() : lock_(mutex()) {
-    known_ = ::getrlimit(RLIMIT_CORE, &before_) == 0;
-    const rlimit none{0, before_.rlim_max};
-    if (known_) ::setrlimit(RLIMIT_CORE, &none);
-  }
-  ~NoCoreFile() {
-    if (known_) ::setrlimit(RLIMIT_CORE, &before_);
-  }
-
- private:
-  // Spawns from several threads would restore each other's limit.
-  static std::mutex& mutex() {
-    static std::mutex m;
-    return m;
-  }
-  std::lock_guard<std::mutex> lock_;
-  rlimit before_{};
-  bool known_ = false;
-};
-
-pid_t spawn(const std::string& worker, const ChildLimits& limits, int request, int result, int pipe) {
-  SpawnSettings s;
-  int error = 0;
-  const auto also = [&error](int e) { error = error ? error : e; };
-  also(posix_spawn_file_actions_addopen(&s.actions, 0, "/dev/null", O_RDONLY, 0));
-  also(posix_spawn_file_actions_addopen(&s.actions, 1, "/dev/null", O_WRONLY, 0));
+pid_t start(const std::string& worker, const ChildLimits& limits, int request, int result, int pipe) {
+  static_assert(child_request_fd == 3 && child_result_fd == 4 && child_pipe_fd == 5);
+  SpawnRequest s;
+  s.program = "/proc/self/exe";
+  s.argv = {"trephine",
+            child_argument,
+            worker,
+            std::to_string(limits.memory_bytes),
+            std::to_string(static_cast<long long>(std::ceil(std::max(1.0, limits.cpu_s)))),
+            std::to_string(::getpid()),
+            std::to_string(thread_count())};
+  s.descriptors = {request, result, pipe};
   // What libraries say may hold a patient's data; only a sanitizer's report has to be seen.
-  if (!built_with_sanitizer) also(posix_spawn_file_actions_addopen(&s.actions, 2, "/dev/null", O_WRONLY, 0));
-  also(posix_spawn_file_actions_adddup2(&s.actions, request, child_request_fd));
-  also(posix_spawn_file_actions_adddup2(&s.actions, result, child_result_fd));
-  also(posix_spawn_file_actions_adddup2(&s.actions, pipe, child_pipe_fd));
-  also(posix_spawn_file_actions_addclosefrom_np(&s.actions, child_pipe_fd + 1));
-
-  sigset_t all, none;
-  sigfillset(&all);
-  sigemptyset(&none);
-  also(posix_spawnattr_setsigdefault(&s.attributes, &all));
-  also(posix_spawnattr_setsigmask(&s.attributes, &none));
+  s.shares_stderr = built_with_sanitizer;
   // A group of its own: Ctrl-C reaches the parent alone, which then kills the child.
-  also(posix_spawnattr_setpgroup(&s.attributes, 0));
-  also(posix_spawnattr_setflags(&s.attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP));
-
-  std::vector<std::string> words = {"trephine",
-                                    child_argument,
-                                    worker,
-                                    std::to_string(limits.memory_bytes),
-                                    std::to_string(static_cast<long long>(std::ceil(std::max(1.0, limits.cpu_s)))),
-                                    std::to_string(::getpid()),
-                                    std::to_string(thread_count())};
-  std::vector<char*> arguments;
-  for (auto& w : words) arguments.push_back(w.data());
-  arguments.push_back(nullptr);
-  pid_t pid = -1;
-  const NoCoreFile none_while_spawning;
-  also(error ? error : posix_spawn(&pid, "/proc/self/exe", &s.actions, &s.attributes, arguments.data(), environ));
-  errno = error;
-  check(worker, error == 0, "spawn");
-  return pid;
+  s.own_group = true;
+  // The child sets its own limits, but only once it runs: what kills it while its libraries are loaded must leave no
+  // core file either, so it is born without the right to.
+  s.core_file = false;
+  try {
+    return spawn(s);
+  } catch (const Error& e) {
+    fail(worker, std::string("the child process ") + e.what());
+  }
 }
 
 // Takes what the pipe holds apart. The child may have lost its mind: nothing of it is trusted.
@@ -282,7 +227,7 @@ ChildResult run_child(const std::string& worker, std::string_view request, const
   check(worker, ::fcntl(read_end.get(), F_SETFL, O_NONBLOCK) == 0, "pipe");
 
   const auto deadline = Clock::now() + std::chrono::duration<double>(limits.wall_s);
-  Process process(spawn(worker, limits, request_file.get(), result_file.get(), write_end.get()));
+  Process process(start(worker, limits, request_file.get(), result_file.get(), write_end.get()));
   write_end.reset();
 
   Messages messages;
@@ -314,6 +259,10 @@ ChildResult run_child(const std::string& worker, std::string_view request, const
   if (messages.parts.size() == 5) throw_child_error(worker, messages.parts);
   if (!messages.done || !WIFEXITED(status) || WEXITSTATUS(status) != 0) fail(worker, how_it_died(status, limits));
   return map_result(worker, result_file.get());
+}
+
+bool is_child_limit(const Error& e) {
+  return e.code() == ExitCode::internal && std::string_view(e.what()).find("limit ") != std::string_view::npos;
 }
 
 }  // namespace trephine

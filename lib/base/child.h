@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/error.h"
 #include "base/progress.h"
 
 namespace trephine {
@@ -32,7 +33,8 @@ class ChildRequest {
   virtual ~ChildRequest() = default;
   virtual std::string_view request() const = 0;
   virtual void write(const void* data, std::size_t size) = 0;  ///< appends to the result
-  virtual void report(double fraction) = 0;                    ///< also shows that the worker is alive
+  void write(std::string_view bytes) { write(bytes.data(), bytes.size()); }
+  virtual void report(double fraction) = 0;  ///< also shows that the worker is alive
 };
 
 struct ChildWorker {
@@ -60,6 +62,9 @@ class ChildResult {
 /// parent (PR_SET_PDEATHSIG).
 ChildResult run_child(const std::string& worker, std::string_view request, const ChildLimits& limits,
                       const Progress& progress = {});
+
+/// Whether run_child threw because the child reached a limit of its own (time, memory), not because it refused or died.
+bool is_child_limit(const Error& e);
 
 /// In the child: runs the worker and ends the process. In the parent: returns.
 void run_child_if_asked(int argc, char** argv);

@@ -68,6 +68,7 @@ class Request final : public ChildRequest {
   }
   std::string_view request() const override { return {data_, size_}; }
 
+  using ChildRequest::write;
   void write(const void* data, std::size_t size) override {
     const std::lock_guard<std::mutex> lock(mutex_);
     // Pages of the result are not address space of this process; the limit is kept by hand.

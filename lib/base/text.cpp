@@ -91,6 +91,16 @@ std::optional<long long> parse_integer(std::string_view text) {
   return convert<long long>(text);
 }
 
+std::vector<std::string> split_at(std::string_view text, char separator) {
+  std::vector<std::string> pieces(1);
+  for (const char c : text)
+    if (c == separator)
+      pieces.emplace_back();
+    else
+      pieces.back() += c;
+  return pieces;
+}
+
 std::string printable(std::string_view text) {
   std::string out(text);
   for (std::size_t i = 0; i < out.size(); ++i) {

@@ -16,6 +16,9 @@ std::string grouped_text(long long number);
 std::optional<double> parse_number(std::string_view text);
 std::optional<long long> parse_integer(std::string_view text);
 
+/// What stands between the separators: n of them part the text into n + 1 pieces, which may be empty.
+std::vector<std::string> split_at(std::string_view text, char separator);
+
 /// The text with every control character (C0, DEL, C1) as '?', so that it stays one line and commands no terminal.
 std::string printable(std::string_view text);
 

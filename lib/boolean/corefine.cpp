@@ -8,14 +8,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <map>
 #include <numeric>
-#include <string_view>
 
 #include "base/child.h"
+#include "base/child_message.h"
 #include "base/error.h"
-#include "meshing/mesh_message.h"
 
 namespace trephine {
 namespace {
@@ -26,28 +24,6 @@ namespace Pmp = CGAL::Polygon_mesh_processing;
 
 constexpr const char* worker_name = "boolean-corefine";
 using Triangle = std::array<std::uint32_t, 3>;
-
-// Messages: counts as 8 bytes, then arrays of points, triangles and marks as they lie in memory.
-template <class T>
-void put(std::string& bytes, const std::vector<T>& v) {
-  const std::uint64_t n = v.size();
-  bytes.append(reinterpret_cast<const char*>(&n), sizeof n);
-  if (n > 0) bytes.append(reinterpret_cast<const char*>(v.data()), n * sizeof(T));
-}
-
-template <class T>
-std::vector<T> take(std::string_view& bytes) {
-  std::uint64_t n = 0;
-  const auto refuse = [] { throw Error(ExitCode::internal, "", worker_name, "a child's message is cut short"); };
-  if (bytes.size() < sizeof n) refuse();
-  std::memcpy(&n, bytes.data(), sizeof n);
-  bytes.remove_prefix(sizeof n);
-  if (n > bytes.size() / sizeof(T)) refuse();
-  std::vector<T> v(n);
-  if (n > 0) std::memcpy(v.data(), bytes.data(), n * sizeof(T));
-  bytes.remove_prefix(n * sizeof(T));
-  return v;
-}
 
 Mesh to_cgal(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles) {
   Mesh m;
@@ -66,11 +42,11 @@ Triangle rotated(Triangle t) {
 }
 
 const ChildWorker worker(worker_name, [](ChildRequest& request) {
-  std::string_view in = request.request();
-  const auto points = take<Vec3>(in);
-  const auto triangles = take<Triangle>(in);
-  const auto solid_points = take<Vec3>(in);
-  const auto solid_triangles = take<Triangle>(in);
+  MessageReader in(worker_name, request.request());
+  const auto points = in.array<Vec3>();
+  const auto triangles = in.array<Triangle>();
+  const auto solid_points = in.array<Vec3>();
+  const auto solid_triangles = in.array<Triangle>();
   Mesh surface = to_cgal(points, triangles), solid = to_cgal(solid_points, solid_triangles);
   if (!Pmp::corefine_and_compute_difference(surface, solid, surface,
                                             CGAL::parameters::throw_on_self_intersection(true)))
@@ -98,12 +74,12 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
     out_triangles.push_back(t);
     old_triangle.push_back(same ? std::uint32_t(f) : Difference::none);
   }
-  std::string out;
-  put(out, out_points);
-  put(out, old_point);
-  put(out, out_triangles);
-  put(out, old_triangle);
-  request.write(out.data(), out.size());
+  MessageWriter out;
+  out.array(out_points);
+  out.array(old_point);
+  out.array(out_triangles);
+  out.array(old_triangle);
+  request.write(out.bytes());
 });
 
 bool before(Vec3 a, Vec3 b) { return std::array{a.x, a.y, a.z} < std::array{b.x, b.y, b.z}; }
@@ -152,23 +128,23 @@ Difference corefine_difference(const TriMesh& surface, const TriMesh& solid, dou
   std::vector<Vec3> solid_points;
   for (std::size_t i = 0; i < solid.points_mm.size(); ++i)
     solid_points.push_back(solid.points_mm[i] + (solid.origin_mm - surface.origin_mm));
-  std::string request;
-  put(request, surface.points_mm);
-  put(request, surface.triangles);
-  put(request, solid_points);
-  put(request, solid.triangles);
+  MessageWriter request;
+  request.array(surface.points_mm);
+  request.array(surface.triangles);
+  request.array(solid_points);
+  request.array(solid.triangles);
 
   ChildLimits limits;
   limits.memory_bytes = (std::uint64_t{3} << 30) + 4096 * (surface.triangles.size() + solid.triangles.size());
   limits.wall_s = time_limit_s;
   limits.cpu_s = 16 * time_limit_s + 10;
   try {
-    const ChildResult result = run_child(worker_name, request, limits, progress);
-    std::string_view in = result.bytes();
-    const auto points = take<Vec3>(in);
-    const auto old_point = take<std::uint32_t>(in);
-    const auto triangles = take<Triangle>(in);
-    const auto old_triangle = take<std::uint32_t>(in);
+    const ChildResult result = run_child(worker_name, request.bytes(), limits, progress);
+    MessageReader in(worker_name, result.bytes());
+    const auto points = in.array<Vec3>();
+    const auto old_point = in.array<std::uint32_t>();
+    const auto triangles = in.array<Triangle>();
+    const auto old_triangle = in.array<std::uint32_t>();
     if (old_point.size() != points.size() || old_triangle.size() != triangles.size())
       throw Error(ExitCode::internal, "", worker_name, "the child's result contradicts itself");
     Difference d = ordered(points, old_point, triangles, old_triangle);

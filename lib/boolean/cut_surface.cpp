@@ -254,8 +254,7 @@ TriMesh checked(const TriMesh& surface, const Progress& progress) {
   TriMesh mesh = surface;
   mesh.normals.clear();
   snap_to_float32(mesh);
-  const Validity v = check_validity(mesh, progress);
-  if (!v.valid()) throw Error(ExitCode::quality, "", "surface", v.text());
+  with_field("surface", [&] { require_valid(mesh, progress); });
   drop_unused_points(mesh);
   return mesh;
 }

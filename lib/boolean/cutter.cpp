@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "boolean/cutter_shape.h"
 #include "meshing/validity.h"
+#include "surface/bounds.h"
 
 namespace trephine {
 namespace {
@@ -48,20 +49,14 @@ void check_axis(const Cutter& c, ExitCode code) {
 void check_mesh_cutter(const Cutter& c, ExitCode code) {
   if (!c.mesh) refuse(code, "mesh", "none is given");
   try {
-    const Validity v = check_validity(*c.mesh);
-    if (!v.valid()) refuse(code, "mesh", v.text());
+    require_valid(*c.mesh);
   } catch (const Error& e) {
     if (e.field() == "mesh") throw;
     refuse(code, "mesh", (e.field().empty() ? "" : e.field() + ": ") + e.what());
   }
 }
 
-void add(Bounds& b, Vec3 centre, Vec3 half) {
-  for (int a = 0; a < 3; ++a) {
-    b.min_mm[a] = std::min(b.min_mm[a], centre[a] - half[a]);
-    b.max_mm[a] = std::max(b.max_mm[a], centre[a] + half[a]);
-  }
-}
+void add(Bounds& b, Vec3 centre, Vec3 half) { include(b, {centre - half, centre + half}); }
 
 /// Half the extent of a disc along each axis.
 Vec3 disc(Vec3 normal, double radius) {

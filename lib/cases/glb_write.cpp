@@ -9,26 +9,13 @@
 #include "base/text.h"
 #include "cases/glb.h"
 #include "cases/glb_layout.h"
+#include "surface/vertex_normals.h"
 
 namespace trephine {
 namespace {
 
 using Json = nlohmann::json;
 using Float3 = std::array<float, 3>;
-
-// Weights of N. Max, "Weights for computing vertex normals from facet normals" (1999): exact on a sphere, and without
-// the arc cosine of angle weights, whose last bit differs between C libraries.
-std::vector<Vec3> vertex_normals(const TriMesh& mesh) {
-  std::vector<Vec3> n(mesh.points_mm.size());
-  for (const auto& t : mesh.triangles)
-    for (int c = 0; c < 3; ++c) {
-      const Vec3 a = mesh.points_mm[t[c]];
-      const Vec3 u = mesh.points_mm[t[(c + 1) % 3]] - a, v = mesh.points_mm[t[(c + 2) % 3]] - a;
-      const double weight = dot(u, u) * dot(v, v);
-      if (weight > 0) n[t[c]] += cross(u, v) / weight;
-    }
-  return n;
-}
 
 Float3 to_unit_float(Vec3 v) {
   v = normalized(v);

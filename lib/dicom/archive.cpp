@@ -12,9 +12,9 @@
 #include <cstring>
 #include <memory>
 
+#include "base/child_message.h"
 #include "base/error.h"
 #include "dicom/elements.h"
-#include "dicom/packing.h"
 
 namespace trephine::dicom {
 namespace {
@@ -164,11 +164,11 @@ class Unzipper {
   }
 
   void put(Kind kind, const std::string& name, std::uint64_t size) {
-    Packer p;
+    MessageWriter p;
     p.number(static_cast<std::uint64_t>(kind));
     p.text(name);
     p.number(size);
-    request_.write(p.bytes().data(), p.bytes().size());
+    request_.write(p.bytes());
   }
 
   ChildRequest& request_;
@@ -178,7 +178,7 @@ class Unzipper {
 };
 
 const ChildWorker worker(worker_name, [](ChildRequest& request) {
-  Unpacker in(request.request());
+  MessageReader in(worker_name, request.request());
   const std::string file(in.text());
   ArchiveLimits limits;
   for (std::uint64_t* v : {&limits.members, &limits.member_bytes, &limits.bytes, &limits.ratio, &limits.free_of_ratio})
@@ -204,7 +204,7 @@ Archive read_archive(const std::filesystem::path& file, const Progress& progress
   struct sysinfo memory {};
   if (::sysinfo(&memory) == 0)  // what is taken lies in memory, beside the volume made of it
     limits.bytes = std::min<std::uint64_t>(limits.bytes, std::uint64_t{memory.totalram} * memory.mem_unit / 2);
-  Packer request;
+  MessageWriter request;
   request.text(std::filesystem::absolute(file).string());
   for (const std::uint64_t v : {limits.members, limits.member_bytes, limits.bytes, limits.ratio, limits.free_of_ratio})
     request.number(v);
@@ -215,7 +215,7 @@ Archive read_archive(const std::filesystem::path& file, const Progress& progress
 
   Archive archive;
   archive.memory = run_child(worker_name, request.bytes(), bounds, progress);
-  Unpacker in(archive.memory.bytes());
+  MessageReader in(worker_name, archive.memory.bytes());
   while (!in.empty()) {
     const auto kind = static_cast<Kind>(in.number());
     Archive::Member m;

@@ -12,9 +12,9 @@
 #include <system_error>
 
 #include "base/child.h"
+#include "base/child_message.h"
 #include "base/error.h"
 #include "dicom/decode.h"
-#include "dicom/packing.h"
 
 namespace trephine::dicom {
 namespace {
@@ -31,7 +31,7 @@ struct Job {
   std::string stream;  ///< where file is empty
 };
 
-void pack(const FrameRef& ref, Packer& p) {
+void pack(const FrameRef& ref, MessageWriter& p) {
   const FileHeader& h = *ref.header;
   p.text(h.name);
   p.text(h.syntax->uid);
@@ -51,7 +51,7 @@ void pack(const FrameRef& ref, Packer& p) {
   }
 }
 
-Job unpack(Unpacker& u) {
+Job unpack(MessageReader& u) {
   Job j;
   j.name = std::string(u.text());
   j.syntax = std::string(u.text());
@@ -137,7 +137,7 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
   gdcm::Trace::DebugOff();
   gdcm::Trace::WarningOff();
   gdcm::Trace::ErrorOff();
-  Unpacker in(request.request());
+  MessageReader in(worker_name, request.request());
   const std::uint64_t count = in.number();
   for (std::uint64_t i = 0; i < count; ++i) {
     request.report(static_cast<double>(i) / static_cast<double>(count));
@@ -148,7 +148,7 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
 });
 
 ChildResult run(const std::vector<FrameRef>& frames, const Progress& progress) {
-  Packer request;
+  MessageWriter request;
   request.number(frames.size());
   std::uint64_t bytes = 0, largest = 0;
   for (const FrameRef& f : frames) {

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "head/landmarks_parts.h"
 #include "mask/filters.h"
+#include "surface/bounds.h"
 
 namespace trephine::segmentation {
 namespace {
@@ -32,10 +33,8 @@ struct Local {
 Local local_distance(const FieldView& view, const HeadFrame& head) {
   const Lattice& l = view.field();
   Vec3 low{1e30, 1e30, 1e30}, high = -low;
-  for (int c = 0; c < 8; ++c) {
-    const Vec3 d =
-        l.to_world_mm({c & 1 ? l.size[0] - 1.0 : 0, c & 2 ? l.size[1] - 1.0 : 0, c & 4 ? l.size[2] - 1.0 : 0}) -
-        head.origin_mm;
+  for (const Vec3 corner : corners_of(l)) {
+    const Vec3 d = corner - head.origin_mm;
     const Vec3 p{dot(d, head.left), dot(d, head.back), dot(d, head.up)};
     for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
   }

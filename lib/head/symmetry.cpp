@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "head/landmarks_parts.h"
 #include "mask/filters.h"
+#include "surface/bounds.h"
 
 namespace trephine::segmentation {
 namespace {
@@ -23,12 +24,7 @@ struct Shape {
 };
 
 Lattice coarse_lattice(const Lattice& field) {
-  Vec3 low{1e30, 1e30, 1e30}, high = -low;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p = field.to_world_mm({corner & 1 ? field.size[0] - 1.0 : 0, corner & 2 ? field.size[1] - 1.0 : 0,
-                                      corner & 4 ? field.size[2] - 1.0 : 0});
-    for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
-  }
+  const auto [low, high] = bounds_of(field);
   Lattice l;
   l.spacing_mm = {raster_mm, raster_mm, raster_mm};
   l.origin_mm = low - Vec3{1, 1, 1} * (2 * raster_mm);

@@ -16,10 +16,10 @@
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "base/spawn.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "library/series_state.h"
-#include "library/spawn.h"
 
 namespace trephine {
 namespace fs = std::filesystem;

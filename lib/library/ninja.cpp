@@ -15,9 +15,9 @@
 #include "base/error.h"
 #include "base/file_descriptor.h"
 #include "base/progress.h"
+#include "base/spawn.h"
 #include "base/text.h"
 #include "base/write_file.h"
-#include "library/spawn.h"
 
 namespace trephine {
 namespace fs = std::filesystem;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <numeric>
 
+#include "base/disjoint_sets.h"
 #include "mask/bits.h"
 
 namespace trephine::segmentation {
@@ -33,26 +33,7 @@ void for_runs(const Word* row, int size, F&& f) {
   }
 }
 
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t a) {
-    while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
-    return a;
-  }
-  /// The smaller index becomes the root, so that numbering does not depend on the order of unions.
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a < b) parent_[b] = a;
-    if (b < a) parent_[a] = b;
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
-void unite_rows(const Components& c, UnionFind& sets, std::size_t row_a, std::size_t row_b, int reach) {
+void unite_rows(const Components& c, DisjointSets& sets, std::size_t row_a, std::size_t row_b, int reach) {
   std::size_t a = c.row_start[row_a], b = c.row_start[row_b];
   const std::size_t a_end = c.row_start[row_a + 1], b_end = c.row_start[row_b + 1];
   while (a < a_end && b < b_end) {
@@ -79,7 +60,7 @@ Components components(const BitMask& mask, bool diagonal) {
     }
   c.row_start.push_back(c.runs.size());
 
-  UnionFind sets(c.runs.size());
+  DisjointSets sets(c.runs.size());
   const int reach = diagonal ? 1 : 0;
   for (int k = 0; k < nz; ++k)
     for (int j = 0; j < ny; ++j) {

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "meshing/edge_collapse.h"
+#include "surface/bounds.h"
 
 namespace trephine {
 namespace {
@@ -67,14 +68,9 @@ EdgeCollapse::Cells EdgeCollapse::cut(std::size_t round) {
                                     [this](std::uint32_t v) { return !mesh_.live_point(v); }),
                      live_points_.end());
   const auto count = static_cast<std::int64_t>(live_points_.size());
-  Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-  for (const std::uint32_t v : live_points_) {
-    const Vec3 p = mesh_.point_mm(v);
-    for (int a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], p[a]);
-      high[a] = std::max(high[a], p[a]);
-    }
-  }
+  Bounds box;
+  for (const std::uint32_t v : live_points_) include(box, mesh_.point_mm(v));
+  const Vec3 low = box.min_mm, high = box.max_mm;
   const double per_point = 2 * area_ / static_cast<double>(mesh_.live_triangles());
   const double extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
   const double side = std::max(std::sqrt(points_per_cell * per_point), extent / (most_cells - 1));

@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "meshing/enclosed.h"
-#include "meshing/known_valid.h"
 #include "meshing/marching_cubes.h"
 #include "meshing/validity.h"
 #include "surface/incidence.h"
@@ -90,10 +89,7 @@ Validity make_valid(TriMesh& mesh, const Lattice& lattice, std::size_t& moved, c
     progress.check();
     snap_to_float32(mesh);
     const Validity v = check_validity(mesh, progress);
-    if (v.valid()) {
-      remember_valid(mesh);
-      return v;
-    }
+    if (v.valid()) return v;
     margin = std::min(2.5 * margin, 1.0);
     std::vector<std::uint32_t> faults = degenerate_triangles(mesh);
     for (const auto& pair : self_intersections(mesh, progress)) faults.insert(faults.end(), pair.begin(), pair.end());

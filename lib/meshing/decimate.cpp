@@ -11,7 +11,6 @@
 #include "meshing/edge_collapse.h"
 #include "meshing/exact.h"
 #include "meshing/float32_raster.h"
-#include "meshing/known_valid.h"
 #include "meshing/measure_deviation.h"
 #include "meshing/validity.h"
 #include "surface/incidence.h"
@@ -188,9 +187,7 @@ TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& repo
   } else {
     o.mesh = input;
   }
-  const Validity v = check_validity(o.mesh, progress.part(0.9, 1));
-  if (!v.valid()) throw Error(ExitCode::quality, "", "decimate", v.text());
-  remember_valid(o.mesh);
+  with_field("decimate", [&] { require_valid(o.mesh, progress.part(0.9, 1)); });
 
   report.add("triangles_before_count", input.triangles.size());
   report.add("triangles_count", o.mesh.triangles.size());
@@ -200,7 +197,7 @@ TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& repo
   report.add("deviation_p99_mm", o.deviation.p99_mm);
   report.add("deviation_rms_mm", o.deviation.rms_mm);
   if (collapsed && params.max_deviation_mm > 0) report.add("deviation_proven_mm", params.max_deviation_mm);
-  report.add("volume_change_percent", 100 * (v.volume_mm3 / volume - 1));
+  report.add("volume_change_percent", 100 * (volume_mm3(o.mesh) / volume - 1));
   report.add("collapses_undone_count", o.undone);
   report.add("collapses_undone_for_validity_count", o.undone_for_validity);
   progress.report(1);

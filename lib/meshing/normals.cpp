@@ -12,7 +12,8 @@ namespace trephine {
 void compute_normals(TriMesh& mesh, const NormalsParams& params, Report& report, const Progress& progress) {
   mesh.normals.clear();
   check_mesh(mesh);
-  const Incidence incidence(mesh);
+  const TriMesh& in = mesh;
+  const Incidence incidence(in);
   progress.report(0.3);
   std::vector<Vec3> normals(mesh.points_mm.size());
   std::vector<char> replaced(mesh.points_mm.size(), 0);
@@ -23,10 +24,10 @@ void compute_normals(TriMesh& mesh, const NormalsParams& params, Report& report,
       double total = 0;
       for (std::uint32_t n = incidence.begin[p]; n < incidence.begin[p + 1]; ++n) {
         const std::uint32_t t = incidence.triangle[n];
-        const auto& v = mesh.triangles[t];
+        const auto& v = in.triangles[t];
         const int c = v[0] == p ? 0 : v[1] == p ? 1 : 2;
-        const Vec3 a = mesh.points_mm[v[(c + 1) % 3]] - mesh.points_mm[p];
-        const Vec3 b = mesh.points_mm[v[(c + 2) % 3]] - mesh.points_mm[p];
+        const Vec3 a = in.points_mm[v[(c + 1) % 3]] - in.points_mm[p];
+        const Vec3 b = in.points_mm[v[(c + 2) % 3]] - in.points_mm[p];
         const Vec3 twice_area = cross(a, b);
         const double weight =
             params.weight == NormalWeight::area ? norm(twice_area) : std::atan2(norm(twice_area), dot(a, b));

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "base/child.h"
+#include "base/child_message.h"
 #include "base/error.h"
-#include "meshing/mesh_message.h"
 
 namespace trephine {
 namespace {
@@ -25,10 +25,10 @@ using Triangle = std::array<std::uint32_t, 3>;
 constexpr const char* worker_name = "meshing-remesh";
 
 const ChildWorker worker(worker_name, [](ChildRequest& request) {
-  std::string_view in = request.request();
-  const auto points = take_array<Vec3>(in);
-  const auto triangles = take_array<Triangle>(in);
-  const auto numbers = take_array<double>(in);
+  MessageReader in(worker_name, request.request());
+  const auto points = in.array<Vec3>();
+  const auto triangles = in.array<Triangle>();
+  const auto numbers = in.array<double>();
   const double edge = numbers.at(0), angle = numbers.at(2);
   const auto iterations = static_cast<unsigned>(numbers.at(1));
   Mesh m;
@@ -52,30 +52,30 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
     for (const auto v : m.vertices_around_face(m.halfedge(f))) t[c++] = std::uint32_t(v);
     out_triangles.push_back(t);
   }
-  std::string out;
-  put_array(out, out_points);
-  put_array(out, out_triangles);
-  request.write(out.data(), out.size());
+  MessageWriter out;
+  out.array(out_points);
+  out.array(out_triangles);
+  request.write(out.bytes());
 });
 
 }  // namespace
 
 TriMesh remesh_evenly(const TriMesh& mesh, double edge_mm, std::int64_t iterations, double feature_angle_deg,
                       double time_limit_s, const Progress& progress) {
-  std::string request;
-  put_array(request, mesh.points_mm);
-  put_array(request, mesh.triangles);
-  put_array(request, std::vector<double>{edge_mm, double(iterations), feature_angle_deg});
+  MessageWriter request;
+  request.array(mesh.points_mm);
+  request.array(mesh.triangles);
+  request.array(std::vector<double>{edge_mm, double(iterations), feature_angle_deg});
   ChildLimits limits;
   limits.memory_bytes = std::uint64_t{16} << 30;
   limits.wall_s = time_limit_s;
   limits.cpu_s = 4 * time_limit_s + 10;
-  const ChildResult result = run_child(worker_name, request, limits, progress);
-  std::string_view in = result.bytes();
+  const ChildResult result = run_child(worker_name, request.bytes(), limits, progress);
+  MessageReader in(worker_name, result.bytes());
   TriMesh out;
   out.origin_mm = mesh.origin_mm;
-  out.points_mm = take_array<Vec3>(in);
-  out.triangles = take_array<Triangle>(in);
+  out.points_mm = in.array<Vec3>();
+  out.triangles = in.array<Triangle>();
   check_mesh(out);
   return out;
 }

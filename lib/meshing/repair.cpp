@@ -117,7 +117,7 @@ TriMesh repair(const TriMesh& input, const RepairParams& params, Report& report,
   drop_unused_points(r.mesh);
   const TriMesh before = r.mesh;
   const char* method = "none";
-  if (!check_validity(r.mesh, progress.part(0, 0.1)).valid()) {
+  if (!r.mesh.proven_valid() && !check_validity(r.mesh, progress.part(0, 0.1)).valid()) {
     TriMesh cleaned;
     method = "mended";
     if (!mend_in_place(before, params, r, cleaned, progress.part(0.1, 0.5))) {
@@ -133,8 +133,7 @@ TriMesh repair(const TriMesh& input, const RepairParams& params, Report& report,
     }
   }
   const int dropped = params.min_component_mm3 > 0 ? keep_large_components(r.mesh, params.min_component_mm3) : 0;
-  const Validity v = check_validity(r.mesh, progress.part(0.9, 0.95));
-  if (!v.valid()) throw Error(ExitCode::quality, "", "repair", v.text());
+  with_field("repair", [&] { require_valid(r.mesh, progress.part(0.9, 0.95)); });
 
   report.add("method", method);
   report.add("triangles_count", r.mesh.triangles.size());
@@ -151,7 +150,7 @@ TriMesh repair(const TriMesh& input, const RepairParams& params, Report& report,
   report.add("united_count", r.mended.united);
   report.add("components_dropped_count", dropped);
   report.add("voxel_mm", r.voxel_mm);
-  report.add("volume_ml", v.volume_mm3 / 1000);
+  report.add("volume_ml", volume_mm3(r.mesh) / 1000);
   report.add("to_input_max_mm", reach_mm(r.mesh, PointToMesh(before), progress));
   report.add("from_input_max_mm", reach_mm(before, PointToMesh(r.mesh), progress));
   progress.report(1);

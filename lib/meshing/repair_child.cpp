@@ -20,8 +20,9 @@
 #include <vector>
 
 #include "base/child.h"
+#include "base/child_message.h"
+#include "base/disjoint_sets.h"
 #include "base/error.h"
-#include "meshing/mesh_message.h"
 
 namespace trephine {
 namespace {
@@ -100,18 +101,10 @@ Pairs crossing(const Mesh& m) {
 std::int64_t unite(Mesh& m) {
   auto label = m.add_property_map<Face, std::size_t>("f:piece", 0).first;
   const std::size_t count = Pmp::connected_components(m, label);
-  std::vector<std::size_t> group(count);
-  for (std::size_t i = 0; i < count; ++i) group[i] = i;
-  const auto root = [&](std::size_t i) {
-    while (group[i] != i) i = group[i];
-    return i;
-  };
-  for (const auto& [a, b] : crossing(m)) {
-    const std::size_t x = root(label[a]), y = root(label[b]);
-    if (x != y) group[std::max(x, y)] = std::min(x, y);
-  }
+  DisjointSets groups(count);
+  for (const auto& [a, b] : crossing(m)) groups.unite(std::uint32_t(label[a]), std::uint32_t(label[b]));
   std::vector<std::vector<std::size_t>> members(count);
-  for (std::size_t i = 0; i < count; ++i) members[root(i)].push_back(i);
+  for (std::uint32_t i = 0; i < count; ++i) members[groups.find(i)].push_back(i);
   std::vector<Mesh> pieces(count);
   std::vector<std::map<std::uint32_t, Mesh::Vertex_index>> vertex(count);
   for (const auto f : m.faces()) {
@@ -143,10 +136,10 @@ std::int64_t unite(Mesh& m) {
 }
 
 const ChildWorker worker(worker_name, [](ChildRequest& request) {
-  std::string_view in = request.request();
-  const auto points = take_array<Vec3>(in);
-  const auto triangles = take_array<Triangle>(in);
-  const double flattest = take_array<double>(in).at(0);
+  MessageReader in(worker_name, request.request());
+  const auto points = in.array<Vec3>();
+  const auto triangles = in.array<Triangle>();
+  const double flattest = in.array<double>().at(0);
   Mesh m = to_cgal(points, triangles);
   std::vector<std::int64_t> counts(4, 0);
   auto &holes = counts[0], &degenerate = counts[1], &crossings = counts[2], &united = counts[3];
@@ -176,20 +169,20 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
   std::vector<Triangle> out_triangles;
   m.collect_garbage();
   from_cgal(m, out_points, out_triangles);
-  std::string out;
-  put_array(out, out_points);
-  put_array(out, out_triangles);
-  put_array(out, counts);
-  request.write(out.data(), out.size());
+  MessageWriter out;
+  out.array(out_points);
+  out.array(out_triangles);
+  out.array(counts);
+  request.write(out.bytes());
 });
 
 }  // namespace
 
 Mended mend(const TriMesh& mesh, double flattest_mm, double time_limit_s, const Progress& progress) {
-  std::string request;
-  put_array(request, mesh.points_mm);
-  put_array(request, mesh.triangles);
-  put_array(request, std::vector<double>{flattest_mm});
+  MessageWriter request;
+  request.array(mesh.points_mm);
+  request.array(mesh.triangles);
+  request.array(std::vector<double>{flattest_mm});
   ChildLimits limits;
   limits.memory_bytes = (std::uint64_t{3} << 30) + 8192 * mesh.triangles.size();
   limits.wall_s = time_limit_s;
@@ -197,11 +190,11 @@ Mended mend(const TriMesh& mesh, double flattest_mm, double time_limit_s, const 
   Mended mended;
   mended.mesh.origin_mm = mesh.origin_mm;
   try {
-    const ChildResult result = run_child(worker_name, request, limits, progress);
-    std::string_view in = result.bytes();
-    mended.mesh.points_mm = take_array<Vec3>(in);
-    mended.mesh.triangles = take_array<Triangle>(in);
-    const auto counts = take_array<std::int64_t>(in);
+    const ChildResult result = run_child(worker_name, request.bytes(), limits, progress);
+    MessageReader in(worker_name, result.bytes());
+    mended.mesh.points_mm = in.array<Vec3>();
+    mended.mesh.triangles = in.array<Triangle>();
+    const auto counts = in.array<std::int64_t>();
     mended.holes = counts.at(0);
     mended.degenerate = counts.at(1);
     mended.self_intersections = counts.at(2);

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <vector>
 
+#include "base/disjoint_sets.h"
 #include "meshing/repair_winding.h"
 #include "meshing/validity.h"
 #include "surface/incidence.h"

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "meshing/contour.h"
+#include "surface/bounds.h"
 #include "surface/point_to_mesh.h"
 
 namespace trephine {
@@ -31,13 +32,10 @@ constexpr double free_slope = 10;  // voxels a unit of winding number where ther
 class Recontour {
  public:
   Recontour(const TriMesh& mesh, int voxels_count) : mesh_(mesh), winding_(mesh), distance_(mesh) {
-    Vec3 lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
+    Bounds box;
     for (const auto& t : mesh.triangles)
-      for (const std::uint32_t v : t)
-        for (int a = 0; a < 3; ++a) {
-          lo[a] = std::min(lo[a], mesh.points_mm[v][a]);
-          hi[a] = std::max(hi[a], mesh.points_mm[v][a]);
-        }
+      for (const std::uint32_t v : t) include(box, mesh.points_mm[v]);
+    const Vec3 lo = box.min_mm, hi = box.max_mm;
     side_ = std::max({hi.x - lo.x, hi.y - lo.y, hi.z - lo.z}) / voxels_count;
     // The raster's place has nothing to do with the surface's: facets that lie on one do no harm.
     lo_ = lo - Vec3{3.37, 3.41, 3.29} * side_;
@@ -171,7 +169,7 @@ std::uint32_t WindingNumber::build(std::uint32_t begin, std::uint32_t end) {
   Node node;
   node.begin = begin;
   node.end = end;
-  Vec3 lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
+  Bounds box;
   double total = 0;
   for (std::uint32_t n = begin; n < end; ++n) {
     const Vec3 normal = triangle_normal(mesh_, order_[n]) / 2;
@@ -179,11 +177,9 @@ std::uint32_t WindingNumber::build(std::uint32_t begin, std::uint32_t end) {
     node.area_normal += normal;
     node.centre += middle_[order_[n]] * area;
     total += area;
-    for (int a = 0; a < 3; ++a) {
-      lo[a] = std::min(lo[a], middle_[order_[n]][a]);
-      hi[a] = std::max(hi[a], middle_[order_[n]][a]);
-    }
+    include(box, middle_[order_[n]]);
   }
+  const Vec3 lo = box.min_mm, hi = box.max_mm;
   node.centre = total > 0 ? node.centre / total : (lo + hi) / 2;
   for (std::uint32_t n = begin; n < end; ++n)
     for (const std::uint32_t v : mesh_.triangles[order_[n]])

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "surface/point_triangle.h"
 #include "surface/trimesh.h"
 
 namespace trephine {
@@ -20,55 +21,6 @@ struct FloatBox {
   /// Squared distance from the point, 0 inside.
   double squared_distance(Vec3 p) const;
 };
-
-/// Closest point of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-inline Vec3 closest_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
-  const Vec3 ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
-  if (d1 <= 0 && d2 <= 0) return a;
-  const Vec3 bp = p - b;
-  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
-  if (d3 >= 0 && d4 <= d3) return b;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + ab * (d1 / (d1 - d3));
-  const Vec3 cp = p - c;
-  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + ac * (d2 / (d2 - d6));
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-  const double s = 1 / (va + vb + vc);
-  return a + ab * (vb * s) + ac * (vc * s);
-}
-
-/// Squared distance to a triangle, and whether its closest point lies on the side across from a (or at one of that
-/// side's ends): then `across` is 1 where that is nearer to b, 2 where to c; else 0.
-inline double squared_from_corner(Vec3 p, Vec3 a, Vec3 b, Vec3 c, int& across) {
-  const Vec3 ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
-  const auto squared = [](Vec3 v) { return dot(v, v); };
-  across = 0;
-  if (d1 <= 0 && d2 <= 0) return squared(ap);
-  const Vec3 bp = p - b;
-  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
-  if (d3 >= 0 && d4 <= d3) return across = 1, squared(bp);
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return squared(ap - ab * (d1 / (d1 - d3)));
-  const Vec3 cp = p - c;
-  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
-  if (d6 >= 0 && d5 <= d6) return across = 2, squared(cp);
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return squared(ap - ac * (d2 / (d2 - d6)));
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    across = t < 0.5 ? 1 : 2;
-    return squared(bp - (c - b) * t);
-  }
-  const double s = 1 / (va + vb + vc);
-  return squared(ap - ab * (vb * s) - ac * (vc * s));
-}
 
 /// Boxes over a mesh's triangles, sorted along a Morton curve, four to a leaf and four children to a node. Refers to
 /// the mesh: it must not change meanwhile. Coordinates are points_mm, without the origin.

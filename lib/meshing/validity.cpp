@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include "base/error.h"
@@ -10,7 +11,7 @@
 #include "base/params.h"
 #include "meshing/exact.h"
 #include "meshing/float32_raster.h"
-#include "meshing/known_valid.h"
+#include "surface/bounds.h"
 
 namespace trephine {
 
@@ -74,6 +75,16 @@ void look_at_each(const TriMesh& mesh, Validity& v) {
 
 }  // namespace
 
+class ProofOfValidity {
+ public:
+  static void give(const TriMesh& mesh) {
+    static std::atomic<std::uint64_t> last{0};
+    const std::uint64_t number = ++last;
+    mesh.points_mm.proof_ = number;
+    mesh.triangles.proof_ = number;
+  }
+};
+
 Validity check_validity(const TriMesh& mesh, const Progress& progress) {
   check_mesh(mesh);
   Validity v;
@@ -88,6 +99,7 @@ Validity check_validity(const TriMesh& mesh, const Progress& progress) {
   v.self_intersections = pairs.size();
   for (std::size_t i = 0; i < std::min(pairs.size(), FaultPlaces::limit); ++i)
     v.places.self_intersections.push_back(place_of_intersection_mm(mesh, pairs[i][0], pairs[i][1]));
+  if (v.valid()) ProofOfValidity::give(mesh);
   progress.report(1);
   return v;
 }
@@ -107,12 +119,9 @@ namespace {
 /// to a small mesh.
 bool shift_of_origin(const TriMesh& mesh, Vec3& shift) {
   if (mesh.points_mm.empty()) return false;
-  Vec3 low = mesh.points_mm.front(), high = low;
-  for (const Vec3 p : mesh.points_mm)
-    for (int a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], p[a]);
-      high[a] = std::max(high[a], p[a]);
-    }
+  Bounds box;
+  for (const Vec3 p : mesh.points_mm) include(box, p);
+  const Vec3 low = box.min_mm, high = box.max_mm;
   const Vec3 centre = (low + high) / 2;
   const double half = norm(high - low) / 2;
   if (norm(centre) <= half || !(half > 0)) return false;
@@ -126,7 +135,7 @@ bool shift_of_origin(const TriMesh& mesh, Vec3& shift) {
 
 void centre_origin(TriMesh& mesh) {
   Vec3 shift;
-  if (!shift_of_origin(mesh, shift)) return;
+  if (!shift_of_origin(mesh, shift) || shift == Vec3{}) return;
   for (Vec3& p : mesh.points_mm) p = p - shift;
   mesh.origin_mm += shift;
 }
@@ -142,6 +151,7 @@ bool on_float32_raster(const TriMesh& mesh) {
 }
 
 void snap_to_float32(TriMesh& mesh) {
+  if (on_float32_raster(mesh)) return;
   centre_origin(mesh);
   const double step = float32_step_mm(mesh);
   parallel_for(0, static_cast<std::int64_t>(mesh.points_mm.size()), 65536, [&](std::int64_t from, std::int64_t to) {
@@ -153,10 +163,9 @@ void snap_to_float32(TriMesh& mesh) {
 }
 
 void require_valid(const TriMesh& mesh, const Progress& progress) {
-  if (known_valid(mesh)) return;
+  if (mesh.proven_valid()) return;
   const Validity v = check_validity(mesh, progress);
   if (!v.valid()) throw Error(ExitCode::quality, "", "", v.text());
-  remember_valid(mesh);
 }
 
 }  // namespace trephine

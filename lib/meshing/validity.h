@@ -30,9 +30,9 @@ struct Validity {
   std::string text() const;
 };
 
-/// Exact predicates on the double coordinates; parallel, the same answer whatever the thread count. Of a mesh whose
-/// points are on float32's raster (see snap_to_float32) it holds for the exported float32 mesh as well. Throws as
-/// check_mesh does.
+/// A mesh that it finds valid is proven_valid() from then on. Exact predicates on the double coordinates; parallel, the
+/// same answer whatever the thread count. Of a mesh whose points are on float32's raster (see snap_to_float32) it holds
+/// for the exported float32 mesh as well. Throws as check_mesh does.
 Validity check_validity(const TriMesh& mesh, const Progress& progress = {});
 
 /// The pairs of triangles (lower index first, ascending) that intersect: they share no point and touch, or share points
@@ -49,7 +49,7 @@ std::vector<std::uint32_t> degenerate_triangles(const TriMesh& mesh);
 /// Moves each point to the nearest multiple of a power of two of mm that float32 holds exactly: 2^-14 mm (0.06 um) for
 /// what lies within 512 mm of its origin and is not tiny. Such points stay exact in float32 under every shift of the
 /// origin by such multiples (whole mm, for instance) that leaves them within 1,024 mm. Every stage ends with it, so
-/// that what was checked is what is exported.
+/// that what was checked is what is exported. A mesh that is there already keeps its proof.
 void snap_to_float32(TriMesh& mesh);
 /// Moves the origin to about the centre of the bounds (whole mm; finer for a tiny mesh) where it lies outside them; the
 /// surface stays where it is, to the last digits.
@@ -57,8 +57,7 @@ void centre_origin(TriMesh& mesh);
 /// The step that snap_to_float32 uses for that mesh.
 double float32_step_mm(const TriMesh& mesh);
 
-/// Throws Error 80 with the fault where the mesh is not valid. What passed a short while ago is not checked again
-/// (known_valid.h).
+/// Throws Error 80 with the fault where the mesh is not valid. One that is proven_valid() is not checked again.
 void require_valid(const TriMesh& mesh, const Progress& progress = {});
 
 }  // namespace trephine

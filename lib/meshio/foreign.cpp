@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "meshio/foreign.h"
 
-#include <cstring>
-
+#include "base/child_message.h"
 #include "base/error.h"
 
 namespace trephine {
@@ -10,80 +9,27 @@ namespace {
 
 constexpr const char* worker_name = "mesh-read";
 
-template <class T>
-void put(std::string& out, const T& v) {
-  out.append(reinterpret_cast<const char*>(&v), sizeof v);
+void pack(const ForeignSurface& s, MessageWriter& out) {
+  out.text(s.name);
+  out.value(std::uint8_t(s.has_colour));
+  out.value(std::uint8_t(s.has_opacity));
+  out.value(s.colour);
+  out.value(s.opacity);
+  out.value(s.texture_points);
+  out.array(s.points);
+  out.array(s.triangles);
 }
 
-void put_text(std::string& out, std::string_view s) {
-  put(out, std::uint64_t(s.size()));
-  out.append(s);
-}
-
-template <class Item>
-void put_items(std::string& out, const std::vector<Item>& items) {
-  put(out, std::uint64_t(items.size()));
-  out.append(reinterpret_cast<const char*>(items.data()), items.size() * sizeof(Item));
-}
-
-// What one side packed; the other trusts no length of it.
-class Unpacker {
- public:
-  explicit Unpacker(std::string_view bytes) : rest_(bytes) {}
-  bool done() const { return rest_.empty(); }
-  template <class T>
-  T take() {
-    T v;
-    std::memcpy(&v, piece(sizeof v).data(), sizeof v);
-    return v;
-  }
-  std::string_view text() { return piece(take<std::uint64_t>()); }
-  template <class Item>
-  std::vector<Item> items() {
-    const auto count = take<std::uint64_t>();
-    if (count > rest_.size() / sizeof(Item)) too_short();
-    std::vector<Item> v(count);
-    const std::string_view from = piece(count * sizeof(Item));
-    if (count) std::memcpy(v.data(), from.data(), from.size());
-    return v;
-  }
-
- private:
-  [[noreturn]] static void too_short() {
-    throw Error(ExitCode::internal, "", worker_name, "what parent and child handed over is too short");
-  }
-  std::string_view piece(std::uint64_t size) {
-    if (size > rest_.size()) too_short();
-    const std::string_view p = rest_.substr(0, size);
-    rest_.remove_prefix(size);
-    return p;
-  }
-  std::string_view rest_;
-};
-
-std::string packed(const ForeignSurface& s) {
-  std::string out;
-  put_text(out, s.name);
-  put(out, std::uint8_t(s.has_colour));
-  put(out, std::uint8_t(s.has_opacity));
-  put(out, s.colour);
-  put(out, s.opacity);
-  put(out, s.texture_points);
-  put_items(out, s.points);
-  put_items(out, s.triangles);
-  return out;
-}
-
-ForeignSurface unpacked(Unpacker& in) {
+ForeignSurface unpacked(MessageReader& in) {
   ForeignSurface s;
   s.name = in.text();
-  s.has_colour = in.take<std::uint8_t>() != 0;
-  s.has_opacity = in.take<std::uint8_t>() != 0;
-  s.colour = in.take<std::array<double, 3>>();
-  s.opacity = in.take<double>();
-  s.texture_points = in.take<std::uint64_t>();
-  s.points = in.items<Vec3>();
-  s.triangles = in.items<std::array<std::uint32_t, 3>>();
+  s.has_colour = in.value<std::uint8_t>() != 0;
+  s.has_opacity = in.value<std::uint8_t>() != 0;
+  s.colour = in.value<std::array<double, 3>>();
+  s.opacity = in.value<double>();
+  s.texture_points = in.value<std::uint64_t>();
+  s.points = in.array<Vec3>();
+  s.triangles = in.array<std::array<std::uint32_t, 3>>();
   return s;
 }
 
@@ -98,8 +44,8 @@ void check(const ForeignSurface& s) {
 }
 
 const ChildWorker worker(worker_name, [](ChildRequest& request) {
-  Unpacker in(request.request());
-  const auto reader = in.take<ForeignReader>();
+  MessageReader in(worker_name, request.request());
+  const auto reader = in.value<ForeignReader>();
   const std::string_view bytes = in.text(), companion = in.text();
   std::vector<ForeignSurface> surfaces;
   try {
@@ -112,8 +58,9 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
   }
   for (const ForeignSurface& s : surfaces) {
     check(s);
-    const std::string out = packed(s);
-    request.write(out.data(), out.size());
+    MessageWriter out;
+    pack(s, out);
+    request.write(out.bytes());
   }
 });
 
@@ -122,14 +69,14 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
 std::vector<ForeignSurface> read_foreign(const ForeignReader& reader, std::string_view bytes,
                                          std::string_view companion, const ChildLimits& limits,
                                          const Progress& progress) {
-  std::string request;
+  MessageWriter request;
   request.reserve(bytes.size() + companion.size() + 32);
-  put(request, reader);
-  put_text(request, bytes);
-  put_text(request, companion);
-  const ChildResult result = run_child(worker_name, request, limits, progress);
+  request.value(reader);
+  request.text(bytes);
+  request.text(companion);
+  const ChildResult result = run_child(worker_name, request.bytes(), limits, progress);
   std::vector<ForeignSurface> surfaces;
-  for (Unpacker in(result.bytes()); !in.done();) {
+  for (MessageReader in(worker_name, result.bytes()); !in.empty();) {
     surfaces.push_back(unpacked(in));
     check(surfaces.back());
   }

@@ -16,11 +16,13 @@
 #include <vtkUnsignedCharArray.h>
 #include <vtkXMLPolyDataWriter.h>
 
+#include <array>
 #include <cstring>
 #include <string>
 #include <string_view>
 
 #include "base/child.h"
+#include "base/child_message.h"
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/write_file.h"
@@ -108,41 +110,29 @@ void add_extras(vtkPolyData* data, const VtpExtras& extras) {
   }
 }
 
-// A mesh as plain bytes, from the child to its parent.
-struct MeshSizes {
-  Vec3 origin_mm;
-  std::uint64_t points = 0, triangles = 0, normals = 0;
-};
-
 const ChildWorker parse_worker("vtp-parse", [](ChildRequest& request) {
   const TriMesh mesh = parse_vtp(std::string(request.request()));
-  const MeshSizes sizes{mesh.origin_mm, mesh.points_mm.size(), mesh.triangles.size(), mesh.normals.size()};
-  request.write(&sizes, sizeof sizes);
-  request.write(mesh.points_mm.data(), mesh.points_mm.size() * sizeof(Vec3));
-  request.write(mesh.triangles.data(), mesh.triangles.size() * sizeof mesh.triangles[0]);
-  request.write(mesh.normals.data(), mesh.normals.size() * sizeof(Vec3));
+  const auto send = [&](const auto& array) {  // one after the other: there is a copy of one only
+    MessageWriter out;
+    out.array(array);
+    request.write(out.bytes());
+  };
+  send(std::array<Vec3, 1>{mesh.origin_mm});
+  send(mesh.points_mm);
+  send(mesh.triangles);
+  send(mesh.normals);
 });
 
 TriMesh parse_in_child(std::string_view bytes) {
   ChildLimits limits;
   limits.memory_bytes = (std::uint64_t{1} << 30) + 16 * std::uint64_t(bytes.size());
   const ChildResult result = run_child("vtp-parse", bytes, limits);
-  std::string_view rest = result.bytes();
-  const auto take = [&](void* to, std::size_t size) {
-    if (rest.size() < size) throw Error(ExitCode::internal, "", "", "the reading child's result is too short");
-    if (size) std::memcpy(to, rest.data(), size);
-    rest.remove_prefix(size);
-  };
-  MeshSizes sizes;
-  take(&sizes, sizeof sizes);
+  MessageReader in("vtp-parse", result.bytes());
   TriMesh mesh;
-  mesh.origin_mm = sizes.origin_mm;
-  mesh.points_mm.resize(sizes.points);
-  mesh.triangles.resize(sizes.triangles);
-  mesh.normals.resize(sizes.normals);
-  take(mesh.points_mm.data(), sizes.points * sizeof(Vec3));
-  take(mesh.triangles.data(), sizes.triangles * sizeof mesh.triangles[0]);
-  take(mesh.normals.data(), sizes.normals * sizeof(Vec3));
+  mesh.origin_mm = in.array<Vec3>().at(0);
+  mesh.points_mm = in.array<Vec3>();
+  mesh.triangles = in.array<std::array<std::uint32_t, 3>>();
+  mesh.normals = in.array<Vec3>();
   return mesh;
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/splitmix64.h"
 #include "surface/point_to_mesh.h"
 
 namespace trephine {
@@ -15,12 +16,9 @@ namespace {
 
 constexpr std::int64_t piece = 2048;
 
-// SplitMix64's finalizer (Steele, Lea, Flood 2014) of a counter: number `which` of sample i, in [0, 1).
+// Number `which` of sample i, in [0, 1).
 double hashed(std::uint64_t i, std::uint64_t which) {
-  std::uint64_t z = (4 * i + which + 1) * 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return double((z ^ (z >> 31)) >> 11) * 0x1p-53;
+  return unit_of_bits(splitmix64_mixed((4 * i + which + 1) * splitmix64_step));
 }
 
 std::vector<Vec3> used_points(const TriMesh& mesh) {

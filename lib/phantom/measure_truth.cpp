@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "metrics/field.h"
+#include "surface/bounds.h"
 
 namespace trephine::phantom {
 namespace {
@@ -50,15 +51,11 @@ Mask solid_of(const Truth& truth, Anatomy anatomy, const Lattice& lattice, const
 
 // The field's raster, over all of it and of the box.
 Lattice raster_over(const Field& field, const Bounds& box_mm) {
+  const auto [low, high] = index_bounds(field, box_mm);
   Box box{{0, 0, 0}, {0, 0, 0}};
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p =
-        field.to_index({corner & 1 ? box_mm.max_mm.x : box_mm.min_mm.x, corner & 2 ? box_mm.max_mm.y : box_mm.min_mm.y,
-                        corner & 4 ? box_mm.max_mm.z : box_mm.min_mm.z});
-    for (int a = 0; a < 3; ++a) {
-      box.begin[a] = std::min(box.begin[a], int(std::ceil(p[a] - 1e-3)));
-      box.end[a] = std::max(box.end[a], int(std::floor(p[a] + 1e-3)) + 1);
-    }
+  for (int a = 0; a < 3; ++a) {
+    box.begin[a] = std::min(box.begin[a], int(std::ceil(low[a] - 1e-3)));
+    box.end[a] = std::max(box.end[a], int(std::floor(high[a] + 1e-3)) + 1);
   }
   Lattice lattice = field;
   lattice.origin_mm = field.to_world_mm({double(box.begin[0]), double(box.begin[1]), double(box.begin[2])});

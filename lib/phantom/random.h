@@ -3,16 +3,13 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/splitmix64.h"
+
 namespace trephine::phantom {
 
 /// Random numbers as a function of (seed, stream, index): the same whatever the order or the thread that asks.
-/// The mixer is SplitMix64's (Steele, Lea, Flood 2014), applied once per word.
-inline std::uint64_t mixed(std::uint64_t z) {
-  z += 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
+/// The mixer is SplitMix64's, applied once per word.
+inline std::uint64_t mixed(std::uint64_t z) { return splitmix64_mixed(z + splitmix64_step); }
 inline std::uint64_t random_bits(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {
   return mixed(mixed(mixed(seed) + stream) + index);
 }

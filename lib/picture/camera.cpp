@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "picture/stroke.h"
+#include "surface/bounds.h"
 
 namespace trephine::detail {
 namespace {
@@ -48,10 +49,7 @@ void for_each_point(const std::vector<SurfaceView>& surfaces, const RenderParams
       for (std::size_t i = 0; i < s.mesh->points_mm.size(); ++i) f(s.mesh->world_mm(i));
     return;
   }
-  const Bounds& b = *params.frame;
-  for (int corner = 0; corner < 8; ++corner)
-    f(Vec3{corner & 1 ? b.max_mm.x : b.min_mm.x, corner & 2 ? b.max_mm.y : b.min_mm.y,
-           corner & 4 ? b.max_mm.z : b.min_mm.z});
+  for (const Vec3 corner : corners_of(*params.frame)) f(corner);
 }
 
 // The letter of the patient's side that a direction points to.
@@ -94,10 +92,7 @@ Camera camera_for(const std::vector<SurfaceView>& surfaces, const RenderParams& 
   bool any = false;
   for_each_point(surfaces, params, [&](Vec3 p) {
     any = true;
-    for (int a = 0; a < 3; ++a) {
-      b.min_mm[a] = std::min(b.min_mm[a], p[a]);
-      b.max_mm[a] = std::max(b.max_mm[a], p[a]);
-    }
+    include(b, p);
   });
   if (!any) b = {{-1, -1, -1}, {1, 1, 1}};
   if (!is_finite(b.min_mm) || !is_finite(b.max_mm)) throw Error(ExitCode::bad_input, "", "frame", "is not finite");

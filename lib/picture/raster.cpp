@@ -6,24 +6,12 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "surface/vertex_normals.h"
 
 namespace trephine::detail {
 namespace {
 
 constexpr int sub = 256;  // steps of a sample
-
-// N. Max, "Weights for computing vertex normals from facet normals" (1999).
-std::vector<Vec3> computed_normals(const TriMesh& mesh) {
-  std::vector<Vec3> n(mesh.points_mm.size());
-  for (const auto& t : mesh.triangles)
-    for (int c = 0; c < 3; ++c) {
-      const Vec3 a = mesh.points_mm[t[c]];
-      const Vec3 u = mesh.points_mm[t[(c + 1) % 3]] - a, v = mesh.points_mm[t[(c + 2) % 3]] - a;
-      const double weight = dot(u, u) * dot(v, v);
-      if (weight > 0) n[t[c]] += cross(u, v) / weight;
-    }
-  return n;
-}
 
 // Twice the signed area of a, b, p.
 std::int64_t side(std::int64_t ax, std::int64_t ay, std::int64_t bx, std::int64_t by, std::int64_t px,
@@ -133,7 +121,7 @@ Projected project(const TriMesh& mesh, const Camera& camera, int samples, int ro
   out.points.resize(mesh.points_mm.size());
   out.normals.resize(mesh.points_mm.size());
   std::vector<Vec3> own;
-  if (mesh.normals.empty()) own = computed_normals(mesh);
+  if (mesh.normals.empty()) own = vertex_normals(mesh);
   const auto& normals = mesh.normals.empty() ? own : mesh.normals;
   parallel_for(0, static_cast<std::int64_t>(mesh.points_mm.size()), grain, [&](std::int64_t from, std::int64_t to) {
     for (std::int64_t i = from; i < to; ++i) {

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "picture/stroke.h"
+#include "surface/bounds.h"
 
 namespace trephine {
 namespace {
@@ -26,20 +27,6 @@ const PlaneAxes& axes_of(SlicePlane plane) {
   static const PlaneAxes coronal{1, {1, 0, 0}, {0, 0, -1}, "coronal", "y", "R", "L", "S", "I"};
   static const PlaneAxes sagittal{0, {0, 1, 0}, {0, 0, -1}, "sagittal", "x", "A", "P", "S", "I"};
   return plane == SlicePlane::axial ? axial : plane == SlicePlane::coronal ? coronal : sagittal;
-}
-
-// World bounds of the voxels, not only of their centres.
-Bounds bounds_of_voxels(const Lattice& l) {
-  Bounds b;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p = l.to_world_mm({corner & 1 ? l.size[0] - 0.5 : -0.5, corner & 2 ? l.size[1] - 0.5 : -0.5,
-                                  corner & 4 ? l.size[2] - 0.5 : -0.5});
-    for (int a = 0; a < 3; ++a) {
-      b.min_mm[a] = std::min(b.min_mm[a], p[a]);
-      b.max_mm[a] = std::max(b.max_mm[a], p[a]);
-    }
-  }
-  return b;
 }
 
 // Trilinear; up to half a voxel beyond the outermost centres their values hold. False outside.
@@ -205,14 +192,14 @@ void draw_marks(Image& image, const SliceGeometry& g, const SliceParams& p, cons
 }  // namespace
 
 std::array<double, 2> slice_range_mm(const Lattice& volume, SlicePlane plane) {
-  const Bounds b = bounds_of_voxels(volume);
+  const Bounds b = bounds_of(volume, 0.5);
   const int n = axes_of(plane).normal;
   return {b.min_mm[n], b.max_mm[n]};
 }
 
 SliceGeometry slice_geometry(const Lattice& volume, const SliceParams& params) {
   const PlaneAxes& axes = axes_of(params.plane);
-  const Bounds b = bounds_of_voxels(volume);
+  const Bounds b = bounds_of(volume, 0.5);
   const int n = axes.normal;
   if (!(params.position_mm >= b.min_mm[n] && params.position_mm <= b.max_mm[n]))
     throw Error(ExitCode::bad_input, "", "position_mm",

@@ -38,11 +38,7 @@ std::string described(const Bubble& b) {
 
 /// "x -80 to 75, y -100 to 90, z 0 to 120 mm": where the lattice's voxels lie.
 std::string reach_of(const Lattice& l) {
-  Bounds b;
-  for (int corner = 0; corner < 8; ++corner)
-    include(b, l.to_world_mm({corner & 1 ? l.size[0] - 1.0 : 0, corner & 2 ? l.size[1] - 1.0 : 0,
-                              corner & 4 ? l.size[2] - 1.0 : 0}));
-  const Vec3 low = b.min_mm, high = b.max_mm;
+  const auto [low, high] = bounds_of(l);
   return fmt::format("x {:.0f} to {:.0f}, y {:.0f} to {:.0f}, z {:.0f} to {:.0f} mm", low.x, high.x, low.y, high.y,
                      low.z, high.z);
 }

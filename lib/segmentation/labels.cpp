@@ -12,6 +12,7 @@
 #include "mask/filters.h"
 #include "mask/hu_view.h"
 #include "mask/surface_field.h"
+#include "surface/bounds.h"
 
 namespace trephine {
 namespace {
@@ -200,10 +201,8 @@ Field resampled(const Mask& label, const Lattice& volume, double sigma_mm, const
   Field distance =
       segmentation::signed_distance_mm(smooth_field(segmentation::placed(all, own), sigma_mm, progress), progress);
   Box box{volume.size, {0, 0, 0}};
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p =
-        volume.to_index(own.to_world_mm({corner & 1 ? own.size[0] - 1.0 : 0.0, corner & 2 ? own.size[1] - 1.0 : 0.0,
-                                         corner & 4 ? own.size[2] - 1.0 : 0.0}));
+  for (const Vec3 corner : corners_of(own)) {
+    const Vec3 p = volume.to_index(corner);
     for (int a = 0; a < 3; ++a) {
       box.begin[a] = std::min(box.begin[a], int(std::clamp(std::floor(p[a]), 0.0, double(volume.size[a]))));
       box.end[a] = std::max(box.end[a], int(std::clamp(std::ceil(p[a]) + 1, 0.0, double(volume.size[a]))));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <algorithm>
+#include <array>
 
+#include "grid/grid.h"
 #include "surface/trimesh.h"
 
 namespace trephine {
@@ -14,5 +16,19 @@ inline void include(Bounds& all, const Bounds& more) {
   }
 }
 inline void include(Bounds& all, Vec3 point_mm) { include(all, Bounds{point_mm, point_mm}); }
+
+/// The corners of a box; x runs fastest: the first is the least, the last the largest.
+std::array<Vec3, 8> corners_of(const Bounds& b);
+/// The corners of the box of the lattice's voxels, in the world: of their centres, or, with beyond_voxels = 0.5, of all
+/// that they fill; i runs fastest.
+std::array<Vec3, 8> corners_of(const Lattice& lattice, double beyond_voxels = 0);
+/// World bounds of the same.
+Bounds bounds_of(const Lattice& lattice, double beyond_voxels = 0);
+
+/// Least and largest continuous index of a world box's corners, on the lattice and beyond it.
+struct IndexBounds {
+  Vec3 low, high;
+};
+IndexBounds index_bounds(const Lattice& lattice, const Bounds& bounds_mm);
 
 }  // namespace trephine

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "surface/bounds.h"
 
 namespace trephine {
 namespace {
@@ -217,13 +218,10 @@ std::uint32_t merge(const std::vector<BinaryNode>& binary, std::uint32_t b, std:
 }  // namespace
 
 Bvh::Bvh(const TriMesh& mesh, const Progress& progress) : mesh_(mesh) {
-  Vec3 lo{1e300, 1e300, 1e300}, hi{-1e300, -1e300, -1e300};
+  Bounds box;
   for (const auto& t : mesh.triangles)
-    for (const std::uint32_t v : t)
-      for (int k = 0; k < 3; ++k) {
-        lo[k] = std::min(lo[k], mesh.points_mm[v][k]);
-        hi[k] = std::max(hi[k], mesh.points_mm[v][k]);
-      }
+    for (const std::uint32_t v : t) include(box, mesh.points_mm[v]);
+  const Vec3 lo = box.min_mm, hi = box.max_mm;
   centre_ = (lo + hi) / 2;
   for (int k = 0; k < 3; ++k) radius_ = std::max(radius_, hi[k] - centre_[k]);
 

@@ -76,25 +76,4 @@ void for_each_edge(const TriMesh& mesh, const Incidence& incidence, Visit&& visi
 int label_fan_components(const TriMesh& mesh, std::vector<int>& component_of_triangle);
 int keep_large_fan_components(TriMesh& mesh, double min_volume_mm3);
 
-/// Disjoint sets over 0..n-1 with path halving; the representative is the lowest member.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t n) : parent_(n) {
-    for (std::size_t i = 0; i < n; ++i) parent_[i] = static_cast<std::uint32_t>(i);
-  }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a < b) parent_[b] = a;
-    if (b < a) parent_[a] = b;
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
 }  // namespace trephine

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/disjoint_sets.h"
 #include "base/parallel.h"
 #include "surface/incidence.h"
 #include "surface/trimesh.h"

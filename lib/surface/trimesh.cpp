@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
+#include "base/disjoint_sets.h"
 #include "base/error.h"
 #include "base/text.h"
 #include "surface/bounds.h"
@@ -65,8 +67,9 @@ double volume_mm3(const TriMesh& mesh) {
 void drop_unused_points(TriMesh& mesh) {
   constexpr std::uint32_t unused = 0xffffffffu;
   std::vector<std::uint32_t> where(mesh.points_mm.size(), unused);
-  for (const auto& t : mesh.triangles)
+  for (const auto& t : std::as_const(mesh).triangles)
     for (const std::uint32_t v : t) where[v] = 0;
+  if (std::find(where.begin(), where.end(), unused) == where.end()) return;
   std::uint32_t count = 0;
   for (std::size_t i = 0; i < where.size(); ++i) {
     if (where[i] == unused) continue;

@@ -5,19 +5,26 @@
 #include <vector>
 
 #include "base/vec3.h"
+#include "surface/mesh_array.h"
 
 namespace trephine {
 
 /// The plain indexed triangle mesh. Point i lies at origin_mm + points_mm[i] (DICOM patient LPS, mm): a local origin
 /// keeps the doubles, and float32 on export, precise far from the frame's. Triangles are counter-clockwise seen from
 /// outside.
+///
+/// A mesh carries the proof of its own validity: where check_validity (meshing/validity.h), and nothing else, has found
+/// its points and triangles valid, proven_valid() is true of it and of its copies until a point or a triangle can have
+/// changed (mesh_array.h says how that is known). Origin and normals are no part of it. So a step that needs a valid
+/// mesh asks the mesh, and none is checked twice on its way from step to step; nothing is remembered elsewhere.
 struct TriMesh {
   Vec3 origin_mm;
-  std::vector<Vec3> points_mm;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
+  MeshArray<Vec3> points_mm;
+  MeshArray<std::array<std::uint32_t, 3>> triangles;
   std::vector<Vec3> normals;  ///< empty, or one unit vector a point
 
   Vec3 world_mm(std::size_t i) const { return origin_mm + points_mm[i]; }
+  bool proven_valid() const { return points_mm.proof() != 0 && points_mm.proof() == triangles.proof(); }
 };
 
 struct Bounds {
@@ -56,7 +63,7 @@ double area_mm2(const TriMesh& mesh);
 double volume_mm3(const TriMesh& mesh);
 Vec3 triangle_normal(const TriMesh& mesh, std::size_t triangle);  ///< not normalized: twice the area long
 
-/// Removes points that no triangle uses, keeping the order.
+/// Removes points that no triangle uses, keeping the order. Where all are used, the mesh keeps its proof.
 void drop_unused_points(TriMesh& mesh);
 /// For each triangle the number of its edge-connected component, 0 based in order of the first triangle; returns the
 /// count.

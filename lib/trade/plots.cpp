@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <set>
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/spawn.h"
 #include "base/write_file.h"
 #include "trade/trade.h"
-
-extern char** environ;
 
 namespace trephine {
 namespace fs = std::filesystem;
@@ -88,15 +83,10 @@ std::string script_of(const TradeResult& result, const Axis& axis, const std::st
 
 // Throws 70 where it fails or there is none.
 void run_gnuplot(const fs::path& script) {
-  const std::string path = script.string();
-  const char* arguments[] = {"gnuplot", path.c_str(), nullptr};
-  pid_t child = 0;
-  const int failed = posix_spawnp(&child, "gnuplot", nullptr, nullptr, const_cast<char**>(arguments), environ);
-  if (failed) throw Error(ExitCode::internal, "gnuplot", "", std::strerror(failed));
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) throw Error(ExitCode::internal, "gnuplot", "", std::strerror(errno));
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+  SpawnRequest gnuplot;
+  gnuplot.argv = {"gnuplot", script.string()};
+  gnuplot.shares_stdout = gnuplot.shares_stderr = true;
+  if (wait_for(spawn(gnuplot), until_it_ends_s).code != 0)
     throw Error(ExitCode::internal, "gnuplot", "", "failed on " + script.string());
 }
 

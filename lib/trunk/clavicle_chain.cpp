@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/disjoint_sets.h"
 #include "base/parallel.h"
 #include "trunk/clavicle_parts.h"
 
@@ -34,23 +35,15 @@ std::vector<Blob> blobs_of(const BitMask& mask, int i) {
     }
   }
   row_start.push_back(runs.size());
-  std::vector<int> parent(runs.size());
-  for (std::size_t r = 0; r < runs.size(); ++r) parent[r] = int(r);
-  const auto root = [&](int r) {
-    while (parent[r] != r) r = parent[r] = parent[parent[r]];
-    return r;
-  };
+  DisjointSets sets(runs.size());
   for (int k = 1; k < nz; ++k)
     for (std::size_t a = row_start[k - 1]; a < row_start[k]; ++a)
       for (std::size_t b = row_start[k]; b < row_start[k + 1]; ++b)
-        if (runs[a].begin < runs[b].end && runs[b].begin < runs[a].end) {
-          const int x = root(int(a)), y = root(int(b));
-          parent[std::max(x, y)] = std::min(x, y);
-        }
+        if (runs[a].begin < runs[b].end && runs[b].begin < runs[a].end) sets.unite(std::uint32_t(a), std::uint32_t(b));
   std::vector<Blob> blobs;
   std::vector<int> number(runs.size(), -1);
   for (std::size_t r = 0; r < runs.size(); ++r) {
-    const int first = root(int(r));
+    const std::uint32_t first = sets.find(std::uint32_t(r));
     if (number[first] < 0) {
       number[first] = int(blobs.size());
       blobs.push_back({});

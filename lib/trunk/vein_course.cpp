@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "mask/filters.h"
+#include "surface/bounds.h"
 #include "trunk/vein_parts.h"
 
 namespace trephine::segmentation {
@@ -100,11 +101,9 @@ double VeinCourse::length_mm() const {
 }
 
 Box box_around(const VeinCourse& course, const Lattice& l, double margin_mm) {
-  Vec3 least{1e300, 1e300, 1e300}, most{-1e300, -1e300, -1e300};
-  for (const Vec3& p : course.points_mm) {
-    const Vec3 q = l.to_index(p);
-    for (int a = 0; a < 3; ++a) least[a] = std::min(least[a], q[a]), most[a] = std::max(most[a], q[a]);
-  }
+  Bounds indices;
+  for (const Vec3& p : course.points_mm) include(indices, l.to_index(p));
+  const auto [least, most] = indices;
   Box box;
   for (int a = 0; a < 3; ++a) {
     const double margin = margin_mm / l.spacing_mm[a];

@@ -9,20 +9,6 @@
 
 namespace trephine::detail {
 
-IndexBounds index_bounds(const Lattice& lattice, const Bounds& bounds_mm) {
-  Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-  for (int c = 0; c < 8; ++c) {
-    const Vec3 corner{c & 1 ? bounds_mm.max_mm.x : bounds_mm.min_mm.x, c & 2 ? bounds_mm.max_mm.y : bounds_mm.min_mm.y,
-                      c & 4 ? bounds_mm.max_mm.z : bounds_mm.min_mm.z};
-    const Vec3 index = lattice.to_index(corner);
-    for (int a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], index[a]);
-      high[a] = std::max(high[a], index[a]);
-    }
-  }
-  return {low, high};
-}
-
 Box box_of(const Lattice& lattice, const Bounds& bounds_mm, Vec3 margin_voxels) {
   const auto [low, high] = index_bounds(lattice, bounds_mm);
   Box box;

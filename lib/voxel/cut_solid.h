@@ -2,16 +2,11 @@
 #pragma once
 // What a solid leaves of a lattice's voxels; for the sources of this module.
 #include "grid/grid.h"
+#include "surface/bounds.h"
 #include "surface/distance_function.h"
 #include "surface/trimesh.h"
 
 namespace trephine::detail {
-
-/// Least and largest continuous index of the box's corners, on the lattice and beyond.
-struct IndexBounds {
-  Vec3 low, high;
-};
-IndexBounds index_bounds(const Lattice& lattice, const Bounds& bounds_mm);
 
 /// The voxels within `margin_voxels` of the solid's bounds, on the lattice.
 Box box_of(const Lattice& lattice, const Bounds& bounds_mm, Vec3 margin_voxels);

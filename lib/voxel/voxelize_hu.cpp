@@ -81,7 +81,7 @@ Lattice haptic_lattice(const Bounds& region_mm, const Mat3& direction, Vec3 anch
   lattice.direction = direction;
   for (int a = 0; a < 3; ++a) lattice.spacing_mm[a] = params.spacing_mm[std::size_t(a)];
   lattice.origin_mm = anchor_mm;
-  const auto [low, high] = detail::index_bounds(lattice, region_mm);
+  const auto [low, high] = index_bounds(lattice, region_mm);
   Vec3 first;
   double voxels = 1;
   double size[3];

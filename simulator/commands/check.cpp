@@ -8,6 +8,7 @@
 #include "base/text.h"
 #include "cases/load_case.h"
 #include "commands/commands.h"
+#include "surface/bounds.h"
 
 namespace trephine {
 namespace {
@@ -27,13 +28,7 @@ std::string point_text(Vec3 p) { return fmt::format("{:.1f}, {:.1f}, {:.1f}", p.
 
 Bounds bounds_of_all(const LoadedCase& c) {
   Bounds all;
-  for (const TriMesh& mesh : c.surfaces) {
-    const Bounds b = bounds_of(mesh);
-    for (int i = 0; i < 3; ++i) {
-      all.min_mm[i] = std::min(all.min_mm[i], b.min_mm[i]);
-      all.max_mm[i] = std::max(all.max_mm[i], b.max_mm[i]);
-    }
-  }
+  for (const TriMesh& mesh : c.surfaces) include(all, bounds_of(mesh));
   return all;
 }
 

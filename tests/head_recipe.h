@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// The values of pipelines/ventriculostomy.yaml, and scans of the phantom made into volumes and fields by them.
+#include "head/brain.h"
+#include "head/ventricles.h"
+#include "phantom/head.h"
+#include "phantom/phantom.h"
+#include "segmentation/segment.h"
+
+namespace trephine::head_recipe {
+
+inline SegmentParams skin() {
+  SegmentParams p;
+  p.lower_hu = -475;
+  p.open_mm = 3;
+  p.components = SegmentComponents::largest;
+  p.fill = SegmentFill::cavities_and_cut;
+  p.fill_close_mm = 6;
+  return p;
+}
+
+inline SegmentParams skull() {
+  SegmentParams p;
+  p.lower_hu = 226;
+  p.seed_lower_hu = 400;
+  p.edge = SegmentEdge::half_maximum;
+  p.min_component_ml = 1;
+  p.fill = SegmentFill::cavities;
+  p.fill_close_mm = 2;
+  p.fill_max_ml = 100;
+  return p;
+}
+
+inline BrainParams brain(double lower_hu = 22.5) {
+  BrainParams p;
+  p.lower_hu = lower_hu;
+  return p;
+}
+
+/// Each from those before it, as the recipe does.
+struct Fields {
+  Field skin, skull, brain, ventricles;
+};
+inline Fields fields_of(const HuVolume& volume, double brain_lower_hu = 22.5) {
+  Fields f;
+  Report report;
+  f.skin = segment(volume, {}, skin(), report);
+  SegmentMasks masks;
+  masks.within = &f.skin;
+  f.skull = segment(volume, masks, skull(), report);
+  f.brain = find_brain(volume, {&f.skull, nullptr, nullptr}, brain(brain_lower_hu), report);
+  f.ventricles = find_ventricles(volume, {&f.brain, nullptr}, {}, report);
+  return f;
+}
+
+}  // namespace trephine::head_recipe
