@@ -30,8 +30,8 @@ while read -r name variant seed noise slice slices tilt; do
     --fill-max-ml 1000
   segment skull --lower-hu 226 --seed-lower-hu 400 --edge half_maximum --min-component-ml 1 --fill cavities \
     --fill-close-mm 2 --fill-max-ml 100 --within "$at/skin.nrrd"
-  segment brain --method brain --lower-hu 22.5 --edge half_maximum --skull "$at/skull.nrrd"
-  segment ventricles --method ventricles --lower-hu -15 --upper-hu 18.5 --edge half_maximum --within "$at/brain.nrrd"
+  "$trephine" brain "$at/volume.nrrd" --skull "$at/skull.nrrd" --output "$at/brain.nrrd" --quiet
+  "$trephine" ventricles "$at/volume.nrrd" --brain "$at/brain.nrrd" --output "$at/ventricles.nrrd" --quiet
   seconds=$(($(date +%s) - start))
   for anatomy in skull brain ventricles; do
     "$trephine" measure "$at/$anatomy.nrrd" --truth "$at/truth/truth.json" --anatomy $anatomy --sample-count 5000 \

@@ -32,10 +32,12 @@ Outcome through_recipe(const HuVolume& volume) {
   try {
     with_field("skin.segment", [&] { o.skin = segment(volume, {}, head_recipe::skin(), report); });
     with_field("skull.segment", [&] { o.skull = segment(volume, {&o.skin, nullptr}, head_recipe::skull(), report); });
-    with_field("brain.brain",
-               [&] { o.brain = find_brain(volume, {&o.skull, nullptr, nullptr}, head_recipe::brain(), report); });
-    with_field("ventricles.ventricles",
-               [&] { o.ventricles = find_ventricles(volume, {&o.brain, nullptr}, {}, report); });
+    with_field("brain.brain", [&] {
+      o.brain = find_brain(volume, {&o.skull, nullptr, nullptr}, head_recipe::brain(), report);
+    });
+    with_field("ventricles.ventricles", [&] {
+      o.ventricles = find_ventricles(volume, {&o.brain, nullptr}, {}, report);
+    });
     LandmarkInputs in;
     in.skin = &o.skin;
     in.skull = &o.skull;

@@ -11,35 +11,34 @@
 namespace trephine {
 namespace {
 
-// The parameters, in which each surface that was given is a shape, and what is said of shapes fits them.
-AnyParams shapes_of(const ParsedCommand& parsed, const StageInputs& inputs) {
+// The parameters, in which each surface that is given is a shape, and what is said of shapes fits them. In the order of
+// the command line: the first has precedence.
+AnyParams shapes_of(const ParsedCommand& parsed) {
   VoxelizeStageParams params = parsed.params<VoxelizeStageParams>();
   const bool hu = params.encoding == HapticEncoding::hu;
-  const auto surfaces = inputs.all<TriMesh>("shape");
-  if (hu != surfaces.empty())
+  if (hu == parsed.has("shape") || (hu && params.shapes.empty()))
     throw Error(ExitCode::usage, "", "--shape, --encoding", "give shapes as surfaces, or as windows of HU");
-  // In the order of the command line: the first has precedence.
-  Named<HapticShapeParams> ordered;
+  Named<HapticShapeParams> surfaces;
   for (const std::string& text : parsed.all("shape")) {
     const std::string name = text.substr(0, text.find('='));
     const HapticShapeParams* said = find_item(params.shapes, name);
-    ordered.emplace_back(name, said ? *said : HapticShapeParams());
+    surfaces.emplace_back(name, said ? *said : HapticShapeParams());
   }
+  const auto require_surface = [&](const char* flag, const std::string& name) {
+    if (!name.empty() && !find_item(surfaces, name))
+      throw Error(ExitCode::usage, "", flag, name + ", no such --shape is given");
+  };
   for (const auto& [name, shape] : params.shapes) {
-    if (!hu && !surfaces.count(name)) throw Error(ExitCode::usage, "", "--shapes", name + ", no such --shape is given");
-    if (!shape.clear_of.empty() && !surfaces.count(shape.clear_of))
-      throw Error(ExitCode::usage, "", "--shapes", shape.clear_of + ", no such --shape is given");
-    if (const std::string fault = shape.fault(); !fault.empty())
-      throw Error(ExitCode::usage, "", "--shapes", name + ", " + fault);
+    if (!hu) require_surface("--shapes", name);
+    require_surface("--shapes", shape.clear_of);
   }
-  if (!hu) params.shapes = ordered;
+  require_surface("--region-of", params.region_of);
+  if (!hu) params.shapes = surfaces;
   for (const auto& [name, shape] : params.shapes)
     if (!is_plain_name(name))
       throw Error(ExitCode::usage, "", "--shape", name + ", a name has letters a-z, digits and _ only");
   for (const auto& [name, drill] : params.drill)
     if (!find_item(params.shapes, name)) throw Error(ExitCode::usage, "", "--drill", name + ", is none of the shapes");
-  if (!params.region_of.empty() && !surfaces.count(params.region_of))
-    throw Error(ExitCode::usage, "", "--region-of", params.region_of + ", no such --shape is given");
   return AnyParams::make(params);
 }
 
@@ -70,10 +69,11 @@ Command voxelize_command() {
   c.arguments.push_back(hardness);
   c.run = [&stage](const ParsedCommand& parsed) {
     check_flags(parsed);
+    const AnyParams params = shapes_of(parsed);
     run_with_report(parsed, [&](const Progress& progress) {
       const StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.2));
       Report report;
-      const StageData data = stage.run(shapes_of(parsed, inputs), inputs, report, progress.part(0.2, 1));
+      const StageData data = stage.run(params, inputs, report, progress.part(0.2, 1));
       const HapticVolume& made = *std::get<std::shared_ptr<const HapticVolume>>(data);
       if (parsed.has("hardness")) write_file(parsed.path("hardness"), encode_hardness(made));
       write_haptic(parsed.path("output"), made);

@@ -22,9 +22,6 @@ std::vector<std::string> split_at(std::string_view text, char separator);
 /// The text with every control character (C0, DEL, C1) as '?', so that it stays one line and commands no terminal.
 std::string printable(std::string_view text);
 
-/// The parts between the separators: "a,,b" has three, "" one that is empty.
-std::vector<std::string> split_at(std::string_view text, char separator);
-
 /// The name nearest to `name` by edit distance, or empty where none is near enough to be a slip of the finger.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& known);
 

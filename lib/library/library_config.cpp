@@ -144,7 +144,7 @@ class Reader {
   }
 
   void find_series(std::size_t i) {
-    const std::string where = "series[" + std::to_string(i) + "]", text = said_.series[i].path;
+    const std::string where = "series[" + std::to_string(i) + "]", text = said_.series[i].text;
     const YamlNode& node = item(tree_.find("series"), i);
     const fs::path pattern(text);
     const std::string last = pattern.filename().string();

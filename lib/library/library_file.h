@@ -69,7 +69,7 @@ struct LibraryFileParams : VersionParams {
   Named<SaidPath> configs;
   Named<SaidValue> set;
   std::vector<LibraryCaseParams> cases;
-  std::vector<SaidPath> series;
+  std::vector<SaidValue> series;
   std::optional<LibraryPhantomsParams> phantoms;
   template <class V>
   static void describe(V& v) {

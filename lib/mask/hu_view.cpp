@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "mask/filters.h"
+#include "surface/bounds.h"
 
 namespace trephine::segmentation {
 
@@ -37,16 +38,11 @@ Box region_of_interest(const Lattice& lattice, const std::array<double, 3>& roi_
                   fmt::format("{} to {} mm along {}: the lower corner must not be beyond the upper", lo[axis], hi[axis],
                               "xyz"[axis]));
   // The box of indices around the eight corners: exact for volumes along the axes, the enclosing box for oblique ones.
+  const auto [least, most] = index_bounds(lattice, {lo, hi});
   Box box = whole_box(lattice);
   for (int axis = 0; axis < 3; ++axis) {
-    double least = 1e300, most = -1e300;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 p = lattice.to_index({corner & 1 ? hi.x : lo.x, corner & 2 ? hi.y : lo.y, corner & 4 ? hi.z : lo.z});
-      least = std::min(least, p[axis]);
-      most = std::max(most, p[axis]);
-    }
-    box.begin[axis] = int(std::clamp(std::ceil(least - 1e-6), 0.0, double(lattice.size[axis])));
-    box.end[axis] = int(std::clamp(std::floor(most + 1e-6) + 1, 0.0, double(lattice.size[axis])));
+    box.begin[axis] = int(std::clamp(std::ceil(least[axis] - 1e-6), 0.0, double(lattice.size[axis])));
+    box.end[axis] = int(std::clamp(std::floor(most[axis] + 1e-6) + 1, 0.0, double(lattice.size[axis])));
   }
   if (box.empty())
     throw Error(ExitCode::quality, "", "roi_min_mm, roi_max_mm", "0 voxels of the volume lie between them");

@@ -147,8 +147,11 @@ void read_triangles(vtkPolyData* data, TriMesh& mesh) {
 
 void turn_to_lps(TriMesh& mesh) {
   mesh.origin_mm = {-mesh.origin_mm.x, -mesh.origin_mm.y, mesh.origin_mm.z};
-  for (auto* v : {&mesh.points_mm, &mesh.normals})
-    for (Vec3& p : *v) p = {-p.x, -p.y, p.z};
+  const auto turn = [](auto& vectors) {
+    for (Vec3& p : vectors) p = {-p.x, -p.y, p.z};
+  };
+  turn(mesh.points_mm);
+  turn(mesh.normals);
 }
 
 }  // namespace
@@ -168,8 +171,8 @@ TriMesh parse_vtp(std::string&& bytes) {
   vtkPointData* arrays = data->GetPointData();
   if (vtkDataArray* local = arrays->GetArray(vtp_local_name)) {
     mesh.points_mm = read_vectors(local, count, vtp_local_name);
-    const std::vector<Vec3> world =
-        count ? read_vectors(data->GetPoints()->GetData(), count, "Points") : mesh.points_mm;
+    std::vector<Vec3> world;
+    if (count > 0) world = read_vectors(data->GetPoints()->GetData(), count, "Points");
     for (std::size_t i = 0; i < count; ++i)
       if (mesh.world_mm(i) != world[i]) damaged(vtp_local_name, altered);
   } else if (count > 0) {

@@ -31,21 +31,12 @@ void intersect(Bounds& b, const Bounds& with) {
   }
 }
 
-Bounds bounds_of_scan(const Lattice& lattice) {
-  Bounds b;
-  for (int corner = 0; corner < 8; ++corner)
-    include(b,
-            lattice.to_world_mm({corner & 1 ? lattice.size[0] - 0.5 : -0.5, corner & 2 ? lattice.size[1] - 0.5 : -0.5,
-                                 corner & 4 ? lattice.size[2] - 0.5 : -0.5}));
-  return b;
-}
-
 // The box that the scene asks for, and no more than there is to feel.
 Lattice lattice_of_region(const VoxelizeStageParams& params, const StageInputs& in) {
   const Lattice& scan = lattice_of(*in.get<HuVolume>("volume"));
   Bounds all;
   for (const auto& [name, mesh] : in.all<TriMesh>("shape")) include(all, bounds_of(*mesh));
-  if (params.encoding == HapticEncoding::hu) all = bounds_of_scan(scan);
+  if (params.encoding == HapticEncoding::hu) all = bounds_of(scan, 0.5);
   Bounds region = all;
   if (!params.region_of.empty()) {
     const TriMesh* of = in.get<TriMesh>("shape." + params.region_of);

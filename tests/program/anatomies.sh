@@ -31,8 +31,8 @@ overlap() { python3 "$here/overlap.py" "$@" || fail "$1 and $2 differ"; }
 
 # Every method by its own thresholds; the snake by those that the reference shows.
 example segment 'skull.nrrd'
-example segment '--method brain' && silent brain && figure volume_ml 1100 1180
-example segment '--method ventricles' && silent ventricles && figure volume_ml 20 21.2
+example brain '--skull' && silent brain && figure volume_ml 1100 1180
+example ventricles '--brain' && silent ventricles && figure volume_ml 20 21.2
 cp ventricles.nrrd segment.nrrd
 example presegment '--lower-hu' && silent presegment
 example snake '--bubbles-count' && silent snake && figure volume_ml 20 22.5
@@ -84,14 +84,14 @@ head = ["encoding: raw" if line.startswith("encoding:") else line for line in he
 assert "type: int16" in head or "type: short" in head, head
 open("constant.nrrd", "wb").write("\n".join(head).encode() + b"\n\n" + (40).to_bytes(2, "little") * size)
 PY
-expect 80 'segment: volume: every voxel is 40 HU' trephine segment constant.nrrd --method brain --skull skull.nrrd \
+expect 80 'brain: volume: every voxel is 40 HU' trephine brain constant.nrrd --skull skull.nrrd \
   --output none.nrrd --quiet
 expect 80 'landmarks: volume: every voxel is 40 HU' trephine landmarks constant.nrrd --skin skin.nrrd --skull skull.nrrd \
   --output none.json --quiet
 expect 80 'deface: volume: every voxel is 40 HU' trephine deface constant.nrrd --skin skin.nrrd \
   --landmarks landmarks.json --output none.nrrd --quiet
-expect 64 'segment: lower_hu: 20 is above upper_hu, 18.5' trephine segment head.nrrd --method ventricles --lower-hu 20 \
-  --within brain.nrrd --output none.nrrd --quiet
+expect 64 'ventricles: lower_hu: 20 is above upper_hu, 18.5' trephine ventricles head.nrrd --lower-hu 20 \
+  --brain brain.nrrd --output none.nrrd --quiet
 expect 64 'roi_min_mm, roi_max_mm: 5 to 4 mm along y' trephine segment head.nrrd --roi-min-mm 0,5,0 --roi-max-mm 9,4,9 \
   --output none.nrrd --quiet
 expect 80 'lower_hu, upper_hu: the mask is empty' trephine segment head.nrrd --lower-hu 30000 --output none.nrrd --quiet

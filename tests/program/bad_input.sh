@@ -76,12 +76,15 @@ expect 78 't.yaml:[0-9:]*: haptic.shapes.skull.material: bon, no such material, 
 # Single tools: flags that contradict each other, or that would be overlooked.
 echo >"$work/v.nrrd" && echo >"$work/h.json"
 felt=("$TREPHINE" voxelize "$work/v.nrrd" --output "$work/felt.nrrd")
-expect 64 '--shape, --window: give shapes' "${felt[@]}"
-expect 64 '--clear, --region-of: need surfaces' "${felt[@]}" --window bone=300,3000 --region-of bone
-expect 64 '--window: .*lower HU' "${felt[@]}" --window bone=3000,300
-expect 64 '--window: Bone, a name has' "${felt[@]}" --window Bone=300,3000
+expect 64 '--shape, --encoding: give shapes' "${felt[@]}"
+expect 64 '--region-of: bone, no such --shape' "${felt[@]}" --encoding hu --shapes bone:window_hu=300,3000 --region-of bone
+expect 64 '--shapes: .*lower one first' "${felt[@]}" --encoding hu --shapes bone:window_hu=3000,300
+expect 64 '--shapes: .*did you mean window_hu' "${felt[@]}" --encoding hu --shapes bone:window=300,3000
+expect 64 '--shape: Bone, a name has' "${felt[@]}" --encoding hu --shapes Bone:window_hu=300,3000
+expect 64 '--shapes: .*clear_of: and clear_mm go together' "${felt[@]}" --shape "a=$work/v.nrrd" --shapes a:clear_of=a
 expect 64 '--cutters, --drill: go together' "${felt[@]}" --shape "a=$work/v.nrrd" --cutters "$work/h.json"
-expect 64 '--drill: -1, must be from 0 to 50' "${felt[@]}" --shape "a=$work/v.nrrd" --cutters "$work/h.json" --drill a=-1
+expect 64 '--drill: .*widen_mm, must be a number from 0 to 50' "${felt[@]}" --shape "a=$work/v.nrrd" --cutters "$work/h.json" \
+  --drill a:widen_mm=-1
 expect 64 '--kind: nothing to cut with' "$TREPHINE" boolean "$work/v.nrrd" --output "$work/o.nrrd"
 expect 65 'h.json' "$TREPHINE" boolean "$work/v.nrrd" --cutters "$work/h.json" --output "$work/o.nrrd"
 [[ ! -e $work/felt.nrrd && ! -e $work/o.nrrd ]] || fail "a refused tool left an output"
