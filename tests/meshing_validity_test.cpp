@@ -403,7 +403,7 @@ TEST(Proof, EndsWithEveryWayToChangeTheMesh) {
 }
 
 TEST(Proof, StaysWhereThereIsNothingToDo) {
-  TriMesh m = surface(sphere(14, 5));
+  TriMesh m = shapes::surface(shapes::sphere(14, 5));
   EXPECT_TRUE(m.proven_valid()) << "contour checks what it makes";
   snap_to_float32(m);
   centre_origin(m);

@@ -60,9 +60,9 @@ TriMesh wavy_sphere(int nu, int nv, Vec3 origin, bool with_normals) {
   return m;
 }
 
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+template <class Array>
+bool same_bytes(const Array& a, const Array& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
 }
 
 void expect_identical(const TriMesh& a, const TriMesh& b) {

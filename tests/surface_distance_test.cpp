@@ -65,7 +65,8 @@ TEST(PointToMesh, AgreesWithBruteForceOnTriangleSoup) {
       m.origin_mm = origin;
       for (std::uint32_t t = 0; t < 700; ++t) {
         const Vec3 at = somewhere(rng, 1);
-        m.points_mm.insert(m.points_mm.end(), {at, at + somewhere(rng, size), at + somewhere(rng, size)});
+        m.points_mm.push_back(at);
+        for (int corner = 0; corner < 2; ++corner) m.points_mm.push_back(at + somewhere(rng, size));
         if (t % 5 == 0) m.points_mm.back() = m.points_mm[3 * t + 1];                             // segment
         if (t % 7 == 0) m.points_mm.back() = (m.points_mm[3 * t] + m.points_mm[3 * t + 1]) / 2;  // sliver
         m.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
@@ -99,7 +100,7 @@ TEST(PointToMesh, RepeatedAndExponentiallySpacedTriangles) {
   TriMesh m;
   for (std::uint32_t t = 0; t < 5000; ++t) {
     const double s = t < 4000 ? 1 : std::ldexp(1.0, int(t % 60) - 40);
-    m.points_mm.insert(m.points_mm.end(), {{s, 0, 0}, {0, s, 0}, {0, 0, s}});
+    for (const Vec3 p : {Vec3{s, 0, 0}, Vec3{0, s, 0}, Vec3{0, 0, s}}) m.points_mm.push_back(p);
     m.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
   }
   const PointToMesh to(m);

@@ -30,7 +30,7 @@ inline TriMesh geodesic(int level, const std::function<double(Vec3)>& radius_mm,
       if (fresh) m.points_mm.push_back(normalized(m.points_mm[a] + m.points_mm[b]));
       return it->second;
     };
-    decltype(m.triangles) finer;
+    std::vector<std::array<std::uint32_t, 3>> finer;
     for (const auto& t : m.triangles) {
       const std::uint32_t ab = between(t[0], t[1]), bc = between(t[1], t[2]), ca = between(t[2], t[0]);
       finer.insert(finer.end(), {{t[0], ab, ca}, {t[1], bc, ab}, {t[2], ca, bc}, {ab, bc, ca}});

@@ -69,7 +69,7 @@ Json recipe_schema() {
 std::vector<std::pair<std::string, std::string>> file_schemas() {
   return {{"recipe.schema.json", page("A recipe of Trephine (pipelines/*.yaml)", recipe_schema())},
           {"scene.schema.json", page("A scene of Trephine (configs/scenes/*.yaml)", schema_of<SceneFileParams>())},
-          {"case.schema.json", page("The configuration of a case (configs/*.yaml)", schema_of<CaseFileParams>())},
+          {"configuration.schema.json", page("The configuration of a case (configs/*.yaml)", schema_of<CaseFileParams>())},
           {"materials.schema.json", page("Materials (configs/materials.yaml)", schema_of<MaterialsFileParams>())},
           {"library.schema.json",
            page("A library of Trephine (LIBRARY.yaml)", Json::parse(json_schema_of(library_file_params())))},

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/voxelize.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/write_file.h"
 #include "commands.h"
@@ -24,15 +26,18 @@ AnyParams shapes_of(const ParsedCommand& parsed) {
     const HapticShapeParams* said = find_item(params.shapes, name);
     surfaces.emplace_back(name, said ? *said : HapticShapeParams());
   }
-  const auto require_surface = [&](const char* flag, const std::string& name) {
-    if (!name.empty() && !find_item(surfaces, name))
-      throw Error(ExitCode::usage, "", flag, name + ", no such --shape is given");
+  const auto require_surface = [&](const char* flag, const std::string& name, const char* also) {
+    const std::vector<std::string> others = parsed.all(also);
+    const bool given = find_item(surfaces, name) || std::any_of(others.begin(), others.end(), [&](const auto& text) {
+                         return text.rfind(name + "=", 0) == 0;
+                       });
+    if (!name.empty() && !given) throw Error(ExitCode::usage, "", flag, name + ", no such --shape is given");
   };
   for (const auto& [name, shape] : params.shapes) {
-    if (!hu) require_surface("--shapes", name);
-    require_surface("--shapes", shape.clear_of);
+    if (!hu) require_surface("--shapes", name, "shape");
+    require_surface("--shapes", shape.clear_of, "clear");
   }
-  require_surface("--region-of", params.region_of);
+  if (!parsed.has("region")) require_surface("--region-of", params.region_of, "shape");
   if (!hu) params.shapes = surfaces;
   for (const auto& [name, shape] : params.shapes)
     if (!is_plain_name(name))

@@ -132,7 +132,7 @@ Json parameter_schema(const Parameter& p, const void* object) {
     case ParameterKind::map: {
       Json item = schema_of(p.item_set());
       // `skull:` alone has the defaults.
-      if (item.value("type", "") == "object") item["type"] = {"object", "null"};
+      if (item.contains("type") && item["type"] == "object") item["type"] = {"object", "null"};
       s["type"] = "object";
       s["additionalProperties"] = item;
       if (p.count) s["maxProperties"] = p.count;

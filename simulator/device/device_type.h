@@ -10,7 +10,7 @@
 #include "base/progress.h"
 #include "cli/command.h"
 #include "device/device.h"
-#include "voxel/contact.h"
+#include "contact/contact.h"
 
 namespace trephine {
 
