@@ -36,10 +36,10 @@ function(trephine_module name)
   endif()
 endfunction()
 
-# trephine_registry(MODULE TYPE SUFFIX HEADER): every NAME_SUFFIX.cpp of the folder defines `TYPE NAME_SUFFIX()`; this makes
-# `const std::vector<TYPE>& SUFFIX_types()`, which HEADER declares, of all of them, by name. So adding one takes no list.
-function(trephine_registry module type suffix header)
-  file(GLOB sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/*_${suffix}.cpp)
+# trephine_registry(TARGET TYPE SUFFIX HEADER [FOLDER]): every NAME_SUFFIX.cpp of the folder defines `TYPE NAME_SUFFIX()`; this
+# makes `const std::vector<TYPE>& SUFFIX_types()`, which HEADER declares, of all of them, by name. So adding one takes no list.
+function(trephine_registry target type suffix header)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${ARGV4}/*_${suffix}.cpp)
   list(SORT sources)
   set(declarations "")
   set(calls "")
@@ -63,7 +63,7 @@ const std::vector<@type@>& @suffix@_types() {
 
 }  // namespace trephine
 ]])
-  target_sources(trephine_${module} PRIVATE ${file})
+  target_sources(${target} PRIVATE ${file})
 endfunction()
 
 # trephine_test(NAME modules...): tests/NAME_test.cpp (and tests/NAME_*_test.cpp) against the modules, run by CTest.

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "base/parallel.h"
-#include "cases/landmarks.h"
+#include "head/head_landmarks.h"
 #include "head/head_figures.h"
 #include "phantom/head.h"
 

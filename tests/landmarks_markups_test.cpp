@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "base/error.h"
-#include "cases/landmarks.h"
+#include "head/head_landmarks.h"
 #include "scratch_folder.h"
 
 namespace trephine {

@@ -46,7 +46,7 @@ std::string what_is_asked(const Parameter& p) {
     case ParameterKind::number:
       return "a number" + range;
     case ParameterKind::integer:
-      return "a whole number" + range;
+      return p.range.min == p.range.max ? to_text(p.range.min) : "a whole number" + range;
     case ParameterKind::flag:
       return "true or false";
     case ParameterKind::choice:

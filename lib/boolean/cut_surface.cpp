@@ -16,6 +16,7 @@
 #include "meshing/normals.h"
 #include "meshing/validity.h"
 #include "surface/point_to_mesh.h"
+#include "surface/results.h"
 
 namespace trephine {
 namespace {
@@ -278,7 +279,7 @@ TriMesh cut_surface(const TriMesh& surface, const std::vector<Cutter>& given, co
     const double n = double(cutters.size());
     const auto removed = with_field(
         name_of(i), [&] { return cutting.cut(cutters[i], progress.part(0.1 + 0.9 * i / n, 0.1 + 0.9 * (i + 1) / n)); });
-    each.add(name_of(i) + ".removed_mm3", removed.mm3);
+    add_result(each, RemovedResult{removed.mm3}, name_of(i) + ".");
     each.add(name_of(i) + ".removed_expected_mm3", removed.expected_mm3);
     if (removed.mm3 == 0) each.warn(name_of(i) + " removes nothing");
     total += removed.mm3;

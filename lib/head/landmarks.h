@@ -5,8 +5,8 @@
 #include "base/params.h"
 #include "base/progress.h"
 #include "base/report.h"
-#include "cases/landmarks.h"
 #include "grid/grid.h"
+#include "head/head_landmarks.h"
 
 namespace trephine {
 

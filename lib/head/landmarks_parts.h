@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/report.h"
-#include "cases/landmarks.h"
+#include "head/head_landmarks.h"
 #include "head/skin_arc.h"
 
 namespace trephine::segmentation {

@@ -12,6 +12,7 @@
 #include "meshing/marching_cubes.h"
 #include "meshing/validity.h"
 #include "surface/incidence.h"
+#include "surface/results.h"
 
 namespace trephine {
 namespace {
@@ -113,7 +114,7 @@ TriMesh contour_grid(const Grid<T>& grid, double isovalue, const ContourParams& 
   const Validity v = make_valid(mesh, grid, moved, progress.part(0.5, 0.95));
 
   report.add("inside_voxels_count", inside.count);
-  report.add("triangles_count", mesh.triangles.size());
+  add_result(report, ContourResult{static_cast<std::int64_t>(mesh.triangles.size())});
   report.add("points_count", mesh.points_mm.size());
   report.add("volume_ml", v.volume_mm3 / 1000);
   report.add("components_count", v.topology.components);

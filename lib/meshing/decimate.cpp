@@ -14,6 +14,7 @@
 #include "meshing/measure_deviation.h"
 #include "meshing/validity.h"
 #include "surface/incidence.h"
+#include "surface/results.h"
 
 namespace trephine {
 namespace {
@@ -192,8 +193,8 @@ TriMesh decimate(const TriMesh& mesh, const DecimateParams& params, Report& repo
   report.add("triangles_before_count", input.triangles.size());
   report.add("triangles_count", o.mesh.triangles.size());
   report.add("reduction_percent", 100 * (1 - double(o.mesh.triangles.size()) / double(input.triangles.size())));
-  report.add("stopped_by", stopped_by);
-  report.add("deviation_max_mm", o.deviation.max_mm);
+  add_result(report, DecimationResult{stopped_by});
+  add_result(report, BoundResult{o.deviation.max_mm});
   report.add("deviation_p99_mm", o.deviation.p99_mm);
   report.add("deviation_rms_mm", o.deviation.rms_mm);
   if (collapsed && params.max_deviation_mm > 0) report.add("deviation_proven_mm", params.max_deviation_mm);

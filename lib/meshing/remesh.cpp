@@ -12,6 +12,7 @@
 #include "meshing/validity.h"
 #include "surface/incidence.h"
 #include "surface/point_to_mesh.h"
+#include "surface/results.h"
 
 namespace trephine {
 namespace {
@@ -101,7 +102,7 @@ TriMesh remesh(const TriMesh& input, const RemeshParams& params, Report& report,
     report.add("triangles_count", mesh.triangles.size());
     report.add("edge_mm", edge);
     report.add("tries_count", n);
-    report.add("deviation_max_mm", deviation);
+    add_result(report, BoundResult{deviation});
     report.add("edge_min_mm", edges.least);
     report.add("edge_mean_mm", edges.mean);
     report.add("edge_max_mm", edges.most);

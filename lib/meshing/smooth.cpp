@@ -10,6 +10,7 @@
 #include "meshing/normals.h"
 #include "meshing/validity.h"
 #include "surface/incidence.h"
+#include "surface/results.h"
 
 namespace trephine {
 namespace {
@@ -207,7 +208,7 @@ TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report,
   with_field("smooth", [&] { require_valid(mesh, progress.part(0.9, 1)); });
   const double smoothed_volume = volume_mm3(mesh);
   report.add("triangles_count", mesh.triangles.size());
-  report.add("displacement_max_mm", largest);
+  add_result(report, SmoothingResult{largest});
   report.add("displacement_rms_mm", mesh.points_mm.empty() ? 0 : std::sqrt(squares / mesh.points_mm.size()));
   report.add("strength_ratio", strength);
   report.add("volume_ml", smoothed_volume / 1000);

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/result.h"
 #include "base/splitmix64.h"
 #include "surface/point_to_mesh.h"
 
@@ -120,22 +121,10 @@ void check_surface(const TriMesh& mesh, const char* which) {
 
 }  // namespace
 
-namespace {
-
-void add_stats(Report& report, const std::string& prefix, const DeviationStats& s) {
-  report.add(prefix + "max_mm", s.max_mm);
-  report.add(prefix + "p99_mm", s.p99_mm);
-  report.add(prefix + "rms_mm", s.rms_mm);
-  report.add(prefix + "mean_mm", s.mean_mm);
-  report.add(prefix + "bias_mm", s.bias_mm);
-}
-
-}  // namespace
-
 void add_deviation(Report& report, const Deviation& d) {
-  add_stats(report, "deviation_", d.both);
-  add_stats(report, "to_reference_", d.mesh_to_reference);
-  add_stats(report, "from_reference_", d.reference_to_mesh);
+  add_result(report, d.both, "deviation_");
+  add_result(report, d.mesh_to_reference, "to_reference_");
+  add_result(report, d.reference_to_mesh, "from_reference_");
   report.add("samples_count", d.both.samples);
 }
 

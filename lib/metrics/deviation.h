@@ -31,6 +31,15 @@ struct DeviationStats {
   /// measuring.
   double bias_mm = 0;
   std::size_t samples = 0;
+  template <class V>
+  static void describe(V& v) {  // as figures of a report (base/result.h)
+    using P = DeviationStats;
+    v.number(&P::max_mm, "max_mm", Range{}, "Largest distance.");
+    v.number(&P::p99_mm, "p99_mm", Range{}, "99th percentile of the distances.");
+    v.number(&P::rms_mm, "rms_mm", Range{}, "Root mean square of the distances.");
+    v.number(&P::mean_mm, "mean_mm", Range{}, "Mean of the distances.");
+    v.number(&P::bias_mm, "bias_mm", Range{}, "Mean of the signed distances.");
+  }
 };
 
 struct Deviation {

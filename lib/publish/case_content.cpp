@@ -11,10 +11,11 @@
 #include "cases/glb.h"
 #include "meshing/contour.h"
 #include "meshing/validity.h"
+#include "metrics/deviation.h"
 #include "publish/haptic_content.h"
 #include "publish/head_content.h"
-#include "stages/results.h"
 #include "surface/bounds.h"
+#include "surface/results.h"
 #include "voxel/shape_field.h"
 
 namespace trephine {
@@ -135,7 +136,7 @@ class Builder {
     out.points = surface.points_mm.size();
     out.volume_ml = volume_mm3(surface) / 1000;
     out.area_cm2 = area_mm2(surface) / 100;
-    const auto deviation = result_of<DeviationResult>(measured);
+    const auto deviation = result_of<DeviationStats>(measured, "deviation_");
     out.deviation = {deviation.max_mm, deviation.p99_mm, deviation.rms_mm};
     add_budget(recipe, out);
 

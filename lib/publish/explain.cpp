@@ -114,10 +114,12 @@ Explanation explain(const CaseConfig& config, const Graph& graph, const std::vec
   out.trade = config.trade;
   // Of those stages that will be; of a node that sees the original scan they are its stage's.
   for (const ValueRow& row : config.values)
-    if (std::any_of(graph.nodes.begin(), graph.nodes.end(), [&](const Node& node) {
-          const std::string prefix = node.name == "haptic.voxelize" ? "haptic." : node.name + ".";
-          return row.path.rfind(prefix, 0) == 0;
-        }))
+    if (std::any_of(graph.nodes.begin(), graph.nodes.end(),
+                    [&](const Node& node) {
+                      const std::string prefix = node.name == "haptic.voxelize" ? "haptic." : node.name + ".";
+                      return row.path.rfind(prefix, 0) == 0;
+                    }) ||
+        row.path.rfind("scene.", 0) == 0)
       out.values.push_back(row);
   const Forecast forecast(graph, wanted, cache);
   const bool pictured = std::count(wanted.begin(), wanted.end(), graph.scan) > 0;

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 
-#include "stages/results.h"
+#include "surface/results.h"
 #include "voxel/haptic_file.h"
+#include "voxel/mismatch.h"
 
 namespace trephine {
 HapticContent make_haptic_content(const CaseConfig& config, const HapticVolume& volume, const Report& made,
@@ -30,9 +31,8 @@ HapticContent make_haptic_content(const CaseConfig& config, const HapticVolume& 
                                   [&](const SceneAnatomy& a) { return a.name == shape.name; });
     s.displayed = seen ? "surface" : "haptic";
     if (seen) {
-      const auto m = result_of<MismatchResult>(mismatch, shape.name + ".");
-      s.mismatch = {m.bias_mm, m.rms_mm,       m.p99_mm,
-                    m.max_mm,  m.missed_ratio, static_cast<std::uint64_t>(m.samples_count)};
+      const auto m = result_of<Mismatch>(mismatch, shape.name + ".");
+      s.mismatch = {m.bias_mm, m.rms_mm, m.p99_mm, m.max_mm, m.missed_ratio, m.samples};
     } else {
       CaseAnatomy a;
       a.name = shape.name;

@@ -2,7 +2,7 @@
 #include "voxel/mismatch.h"
 
 #include "base/error.h"
-#include "stages/results.h"
+#include "base/result.h"
 #include "stages/stage.h"
 
 namespace trephine {
@@ -24,11 +24,7 @@ StageType mismatch_stage() {
     for (const auto& [name, mesh] : in.all<TriMesh>("surface")) {
       const HapticShape* shape = volume.find_shape(name);
       if (!shape) throw Error(ExitCode::usage, "", "surface", name + ", the volume has no such shape");
-      const Mismatch m = measure_mismatch(*mesh, volume, *shape, params.as<MismatchParams>(), progress);
-      add_result(
-          report,
-          MismatchResult{m.bias_mm, m.rms_mm, m.p99_mm, m.max_mm, m.missed_ratio, static_cast<std::int64_t>(m.samples)},
-          name + ".");
+      add_result(report, measure_mismatch(*mesh, volume, *shape, params.as<MismatchParams>(), progress), name + ".");
     }
     return {};
   };

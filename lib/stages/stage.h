@@ -11,8 +11,8 @@
 #include "base/progress.h"
 #include "base/report.h"
 #include "boolean/cutter.h"
-#include "cases/landmarks.h"
 #include "grid/grid.h"
+#include "head/head_landmarks.h"
 #include "surface/trimesh.h"
 #include "voxel/haptic_volume.h"
 

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "surface/results.h"
 #include "voxel/cut_solid.h"
 #include "voxel/raw_voxel.h"
 #include "voxel/shape_occupancy.h"
@@ -201,8 +202,8 @@ void cut_volume(HapticVolume& volume, const DistanceFunction& solid, const Bound
     if (!is_cut(s)) continue;
     any = any || removed[std::size_t(s.number)] != 0;
     names += (names.empty() ? "" : ", ") + s.name;
-    report.add(s.name + ".removed_mm3",
-               double(removed[std::size_t(s.number)]) / volume_unit * volume.voxels.voxel_volume_mm3());
+    const double removed_mm3 = double(removed[std::size_t(s.number)]) / volume_unit * volume.voxels.voxel_volume_mm3();
+    add_result(report, RemovedResult{removed_mm3}, s.name + ".");
   }
   report.add("voxels_count", changed);
   if (!any) report.warn("removes nothing of " + (names.empty() ? "the haptic volume" : names));

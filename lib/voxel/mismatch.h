@@ -32,6 +32,16 @@ struct Mismatch {
   double bias_mm = 0, rms_mm = 0, p99_mm = 0, max_mm = 0;  ///< of the samples that found it; p99 and max absolute
   double missed_ratio = 0;                                 ///< share of the samples that did not
   std::size_t samples = 0;                                 ///< those within the volume by at least a voxel
+  template <class V>
+  static void describe(V& v) {  // as figures of a report (base/result.h)
+    using P = Mismatch;
+    v.number(&P::bias_mm, "mismatch_bias_mm", Range{}, "Mean, positive outside.");
+    v.number(&P::rms_mm, "mismatch_rms_mm", Range{}, "Root mean square.");
+    v.number(&P::p99_mm, "mismatch_p99_mm", Range{}, "99th percentile.");
+    v.number(&P::max_mm, "mismatch_max_mm", Range{}, "Largest.");
+    v.number(&P::missed_ratio, "mismatch_missed_ratio", Range{}, "Share of the samples without a felt surface nearby.");
+    v.integer(&P::samples, "mismatch_samples_count", Range{}, "Samples.");
+  }
 };
 
 /// For points spread evenly over the displayed surface (closed or not; the same whatever the thread count), where along

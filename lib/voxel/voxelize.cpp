@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "surface/results.h"
 #include "voxel/cut.h"
 #include "voxel/raw_voxel.h"
 #include "voxel/shape_occupancy.h"
@@ -219,7 +220,7 @@ HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& 
   for (std::size_t n = 0; n < shapes.size(); ++n) {
     const std::string& name = shapes[n].name;
     if (half[n + 1] == 0) refuse_unfelt(shapes[n], largest[n]);
-    report.add(name + ".volume_ml", shape_volume_mm3(volume, int(n + 1)) / 1000);
+    add_result(report, ShapeVolumeResult{shape_volume_mm3(volume, int(n + 1)) / 1000}, name + ".");
     report.add(name + ".voxels_count", voxels[n + 1]);
     report.add(name + ".overlap_ml", overlap_ml[n]);
   }

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "surface/results.h"
 #include "voxel/cut_solid.h"
 #include "voxel/voxelize.h"
 
@@ -135,7 +136,7 @@ HapticVolume voxelize_hu(const HuVolume& volume, const Lattice& lattice, const s
   for (std::size_t n = 0; n < out.shapes.size(); ++n) {
     std::size_t count = 0;
     for (const auto& c : counts) count += c[n];
-    report.add(out.shapes[n].name + ".volume_ml", double(count) * lattice.voxel_volume_mm3() / 1000);
+    add_result(report, ShapeVolumeResult{double(count) * lattice.voxel_volume_mm3() / 1000}, out.shapes[n].name + ".");
     report.add(out.shapes[n].name + ".voxels_count", count);
   }
   report.add("clamped_voxels_count", std::accumulate(clamped.begin(), clamped.end(), std::size_t{0}));

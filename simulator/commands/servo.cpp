@@ -135,7 +135,7 @@ SessionOptions options_of(const ParsedCommand& parsed) {
   o.shape = parsed.text("shape");
   if (parsed.has("device")) o.device.name = parsed.text("device");
   o.device.params = parsed.groups;
-  for (const DeviceType& type : all_device_types())
+  for (const DeviceType& type : device_types())
     for (const Argument& file : type.files)
       if (parsed.has(file.name)) o.device.files[file.name] = parsed.path(file.name);
   o.seconds = parsed.params<RunParams>().seconds;
@@ -167,7 +167,7 @@ ExitCode run_servo(const ParsedCommand& parsed) {
 
 // "a, b, or c": what --device may be, as the kinds say it themselves.
 std::string devices_text() {
-  const std::vector<DeviceType>& all = all_device_types();
+  const std::vector<DeviceType>& all = device_types();
   std::string text;
   for (const DeviceType& type : all) text += (text.empty() ? "" : &type == &all.back() ? ", or " : ", ") + type.help;
   return text;
@@ -179,7 +179,7 @@ std::vector<Argument> servo_arguments() {
   Argument device = argument("device", Argument::Kind::choice,
                              "Who holds the tool; " + DeviceChoice().name + " where it is not given.");
   std::vector<Argument> all = {folder, device};
-  for (const DeviceType& type : all_device_types()) {
+  for (const DeviceType& type : device_types()) {
     all[1].choices.push_back(type.name);
     all.insert(all.end(), type.files.begin(), type.files.end());
   }
@@ -195,7 +195,7 @@ std::vector<ParameterGroup> servo_groups() {
       ParameterGroup::of<RunParams>("Parameters"),  ParameterGroup::of<ServoParams>("Servo loop"),
       ParameterGroup::of<ContactParams>("Contact"), ParameterGroup::of<ForceParams>("Force"),
       ParameterGroup::of<ToolParams>("Tool"),       ParameterGroup::of<ShaftParams>("Its shaft")};
-  for (const DeviceType& type : all_device_types()) all.insert(all.end(), type.groups.begin(), type.groups.end());
+  for (const DeviceType& type : device_types()) all.insert(all.end(), type.groups.begin(), type.groups.end());
   return all;
 }
 
@@ -204,7 +204,7 @@ std::vector<std::string> servo_examples() {
       "trephine-sim servo library/sample --seconds 5",
       "trephine-sim servo library/sample --shape skull --device hand --seconds 5 --record skull.servo",
       "trephine-sim servo library/sample --tool burr --seconds 5"};
-  for (const DeviceType& type : all_device_types())
+  for (const DeviceType& type : device_types())
     if (!type.example.empty()) all.push_back("trephine-sim servo library/sample " + type.example);
   return all;
 }

@@ -9,7 +9,7 @@ namespace trephine {
 namespace {
 
 const DeviceType& type_of(const std::string& name) {
-  for (const DeviceType& type : all_device_types())
+  for (const DeviceType& type : device_types())
     if (type.name == name) return type;
   throw Error(ExitCode::usage, "", "--device", name + ": there is no such kind of device");
 }
@@ -21,7 +21,7 @@ std::string flag_of(const Argument& file) {
 }
 
 void check_files(const DeviceChoice& choice) {
-  for (const DeviceType& type : all_device_types())
+  for (const DeviceType& type : device_types())
     for (const Argument& file : type.files) {
       const bool chosen = type.name == choice.name, given = choice.files.count(file.name) > 0;
       if (chosen && !given) throw Error(ExitCode::usage, "", flag_of(file), "is needed with --device " + type.name);

@@ -9,8 +9,8 @@
 
 #include "base/progress.h"
 #include "cli/command.h"
-#include "device/device.h"
 #include "contact/contact.h"
+#include "device/device.h"
 
 namespace trephine {
 
@@ -54,7 +54,7 @@ struct DeviceType {
 };
 
 /// In the order of their names.
-const std::vector<DeviceType>& all_device_types();
+const std::vector<DeviceType>& device_types();
 
 /// Throws Error 64 where a file is missing or is another kind's, for a kind that is none, and for one that lives in a
 /// loop without a clock; else what its kind throws.

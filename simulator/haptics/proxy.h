@@ -5,11 +5,11 @@
 #include <string>
 
 #include "base/vec3.h"
+#include "contact/contact.h"
 #include "haptics/constraints.h"
 #include "haptics/feel.h"
 #include "haptics/tool.h"
 #include "haptics/tool_body.h"
-#include "contact/contact.h"
 
 namespace trephine {
 

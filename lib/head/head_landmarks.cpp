@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cases/landmarks.h"
+#include "head/head_landmarks.h"
 
 #include <cmath>
 #include <set>

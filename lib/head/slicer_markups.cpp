@@ -9,7 +9,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "cases/json_at.h"
-#include "cases/landmarks.h"
+#include "head/head_landmarks.h"
 
 namespace trephine {
 namespace {
