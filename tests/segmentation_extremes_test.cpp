@@ -121,7 +121,7 @@ TEST(RecipeExtremes, NoiseOfSixtyHuIsRefused) {
   how.noise_hu = 60;
   const Outcome o = through_recipe(scanned(how));
   EXPECT_EQ(o.code, ExitCode::quality) << o.what;
-  EXPECT_NE(o.field.find("brain.segment"), std::string::npos) << o.field;
+  EXPECT_NE(o.field.find("brain.brain"), std::string::npos) << o.field;
   EXPECT_NE(o.what.find("noise"), std::string::npos) << o.what;
 }
 

@@ -248,7 +248,9 @@ TEST(TradePlan, FaultsAreNamedWithTheirPlace) {
     return std::string("read");
   };
   EXPECT_NE(fault("trephine: 1\n").find("sweeps: is missing"), std::string::npos);
-  EXPECT_NE(fault("trephine: 1\nsweeps: {a: {values: {p: 3}}}\n").find("sweeps.a.values.p: must be a list of values"),
+  EXPECT_NE(fault("trephine: 1\nsweeps: {a: {values: {p: {x: 3}}}}\n").find("sweeps.a.values.p: must be a list"),
+            std::string::npos);
+  EXPECT_NE(fault("trephine: 1\nsweeps: {a: {values: {p: []}}}\n").find("sweeps.a.values.p: must be a list of values"),
             std::string::npos);
   EXPECT_NE(fault("trephine: 1\nsweeps: {a: {value: {p: [3]}}}\n").find("value"), std::string::npos);
   EXPECT_NE(fault("trephine: 1\nsweeps: {Big: {values: {p: [3]}}}\n").find("sweeps.Big"), std::string::npos);

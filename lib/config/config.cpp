@@ -124,7 +124,7 @@ class Reader {
     for (RecipeStep& step : out.scan_steps) r_.values.add(step.type->name, step.params);
     for (CaseDrill& hole : out.burr_holes) r_.values.add(hole.name, hole.params);
     for (const ParameterLeaf& leaf : leaves_of(out.scene_file))
-      r_.values.add_one(leaf.path.rfind("haptic.", 0) == 0 ? leaf.path : "scene." + leaf.path, leaf);
+      r_.values.add_one(leaf.path.rfind("haptic.", 0) == 0 ? leaf.path : "scene." + leaf.path, out.scene_file, leaf);
     for (const auto& [path, origin] : r_.said)
       if (r_.values.has(path)) r_.values.note(path, origin);
   }

@@ -49,7 +49,7 @@ const char* to_text(ValueSource source) {
 }
 
 void ConfigValues::add(const std::string& prefix, const AnyParams& params) {
-  for (const ParameterLeaf& leaf : leaves_of(params)) add_one(prefix + "." + leaf.path, leaf);
+  for (const ParameterLeaf& leaf : leaves_of(params)) add_one(prefix + "." + leaf.path, params, leaf);
 }
 
 const ValueOrigin& ConfigValues::origin(const std::string& path) const {

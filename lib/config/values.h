@@ -43,9 +43,12 @@ struct ValueRow {
 /// a value of a weaker source never replaces that of a stronger one.
 class ConfigValues {
  public:
-  /// Adds a params object under a prefix; it is changed in place and must outlive this, with its items.
+  /// Adds a params object under a prefix, or one of its leaves under a path of its own; it is changed in place, and its
+  /// lists and maps must keep their items.
   void add(const std::string& prefix, const AnyParams& params);
-  void add_one(const std::string& path, const ParameterLeaf& leaf) { targets_[path] = {leaf.parameter, leaf.object}; }
+  void add_one(const std::string& path, const AnyParams& params, const ParameterLeaf& leaf) {
+    targets_[path] = {leaf.parameter, leaf.object, params.object};
+  }
 
   bool has(const std::string& path) const { return targets_.count(path) > 0; }
   const ValueOrigin& origin(const std::string& path) const;
@@ -68,6 +71,7 @@ class ConfigValues {
   struct Target {
     const Parameter* parameter = nullptr;
     void* object = nullptr;
+    std::shared_ptr<void> owner;
   };
   std::vector<std::string> matching(const std::string& path) const;
 
