@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# awk -f unity_groups.awk -v most_lines=N FILE...: prints "GROUP FILE" for the files that may be compiled as one.
+#
+# Two files share a group where neither declares, at the left margin (that is at namespace scope, as clang-format lays it
+# out), a name that the other declares there too or calls. So helpers of the same name in unnamed namespaces of two files
+# stay apart, and no call can find another file's helper (capitals alone are macros, as TEST, and declare nothing). A group holds at most N lines, for editing one file compiles its
+# whole group. Files that include CGAL stay alone (printed without a group): each costs more than all of its room.
+
+function declare(name) { if (name !~ /^(operator|[A-Z][A-Z_]+)$/) declared[file, name] = used[file, name] = 1 }
+
+FNR == 1 { file = ++files; path[file] = FILENAME; lines[file] = 0 }
+{ ++lines[file] }
+/^#include <CGAL\// { alone[file] = 1 }
+/^#define / { split($2, macro, "("); declare(macro[1]); next }
+/^[ \t]*(\/\/|#)/ { next }
+{
+  sub(/\/\/.*/, "")
+  gsub(/"([^"\\]|\\.)*"/, "\"\"")
+}
+/^(using|struct|class|enum|union) / {
+  line = $0
+  sub(/^(using|struct|class|enum( class)?|union) +/, "", line)
+  if (match(line, /^[A-Za-z_][A-Za-z_0-9]*/) && line !~ /^namespace/) declare(substr(line, 1, RLENGTH))
+}
+/^[A-Za-z_]/ && !/^(using|struct|class|enum|union|namespace|template) / {
+  # The name stands before the first parenthesis, brace, bracket, equals sign or semicolon; a definition "T Class::f(" is no new name.
+  line = $0
+  while (gsub(/<[^<>]*>/, "", line)) ;
+  if (match(line, /[({=;[]/)) {
+    line = substr(line, 1, RSTART - 1)
+    sub(/ +$/, "", line)
+    if (match(line, /[A-Za-z_:][A-Za-z_0-9:]*$/)) {
+      name = substr(line, RSTART, RLENGTH)
+      if (name !~ /::/) declare(name)
+    }
+  }
+}
+{
+  line = $0
+  while (match(line, /[A-Za-z_][A-Za-z_0-9]*\(/)) {
+    before = RSTART > 1 ? substr(line, RSTART - 1, 1) : " "
+    if (before !~ /[.:>]/) used[file, substr(line, RSTART, RLENGTH - 1)] = 1
+    line = substr(line, RSTART + RLENGTH)
+  }
+}
+
+END {
+  for (key in declared) { split(key, part, SUBSEP); names[part[1]] = names[part[1]] " " part[2] }
+  for (f = 1; f <= files; ++f) {
+    if (alone[f]) continue
+    for (g = 1; g <= groups; ++g) if (fits(f, g)) break
+    if (g > groups) groups = g
+    members[g] = members[g] " " f
+    total[g] += lines[f]
+    print g, path[f]
+  }
+}
+
+function fits(f, g, them, n, i) {
+  if (total[g] + lines[f] > most_lines) return 0
+  n = split(members[g], them, " ")
+  for (i = 1; i <= n; ++i) if (clash(f, them[i]) || clash(them[i], f)) return 0
+  return 1
+}
+
+function clash(a, b, list, n, i) {
+  n = split(names[a], list, " ")
+  for (i = 1; i <= n; ++i) if ((b, list[i]) in used) return 1
+  return 0
+}
