@@ -5,8 +5,8 @@
 #include <functional>
 
 #include "base/parallel.h"
-#include "head/head_landmarks.h"
 #include "head/head_figures.h"
+#include "head/head_landmarks.h"
 #include "phantom/head.h"
 
 namespace trephine {

@@ -67,14 +67,15 @@ Json recipe_schema() {
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> file_schemas() {
-  return {{"recipe.schema.json", page("A recipe of Trephine (pipelines/*.yaml)", recipe_schema())},
-          {"scene.schema.json", page("A scene of Trephine (configs/scenes/*.yaml)", schema_of<SceneFileParams>())},
-          {"configuration.schema.json", page("The configuration of a case (configs/*.yaml)", schema_of<CaseFileParams>())},
-          {"materials.schema.json", page("Materials (configs/materials.yaml)", schema_of<MaterialsFileParams>())},
-          {"library.schema.json",
-           page("A library of Trephine (LIBRARY.yaml)", Json::parse(json_schema_of(library_file_params())))},
-          {"trade.schema.json",
-           page("The plan of a sweep (configs/trade/*.yaml)", Json::parse(json_schema_of(trade_file_params())))}};
+  return {
+      {"recipe.schema.json", page("A recipe of Trephine (pipelines/*.yaml)", recipe_schema())},
+      {"scene.schema.json", page("A scene of Trephine (configs/scenes/*.yaml)", schema_of<SceneFileParams>())},
+      {"configuration.schema.json", page("The configuration of a case (configs/*.yaml)", schema_of<CaseFileParams>())},
+      {"materials.schema.json", page("Materials (configs/materials.yaml)", schema_of<MaterialsFileParams>())},
+      {"library.schema.json",
+       page("A library of Trephine (LIBRARY.yaml)", Json::parse(json_schema_of(library_file_params())))},
+      {"trade.schema.json",
+       page("The plan of a sweep (configs/trade/*.yaml)", Json::parse(json_schema_of(trade_file_params())))}};
 }
 
 }  // namespace trephine

@@ -79,6 +79,7 @@ class MeshArray {
   iterator insert(Arguments&&... arguments) {
     return changing().insert(std::forward<Arguments>(arguments)...);
   }
+  iterator insert(const_iterator where, std::initializer_list<T> items) { return changing().insert(where, items); }
   template <class... Arguments>
   iterator erase(Arguments&&... arguments) {
     return changing().erase(std::forward<Arguments>(arguments)...);
