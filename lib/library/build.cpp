@@ -7,12 +7,12 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "base/write_file.h"
+#include "library/build_jobs.h"
 #include "library/ninja.h"
 #include "library/sheet.h"
 #include "publish/case_lock.h"
@@ -23,7 +23,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::size_t most_reasons = 3;
-constexpr const char* cache_name = ".trephine-cache";
 
 std::string rounded(double v) { return to_text(std::round(v * 10) / 10); }
 std::string megabytes(double mb) { return mb < 1000 ? rounded(mb) + " MB" : rounded(mb / 1000) + " GB"; }
@@ -80,8 +79,9 @@ class Build {
     remove_leftovers();
     plan(true);
     check_disk();
-    const std::vector<NinjaJob> jobs = make_jobs();
-    if (!jobs.empty()) work(jobs);
+    const BuildJobs jobs = make_build_jobs(plan_, config_, state_, request_.params);
+    weights_ = jobs.weights;
+    if (!jobs.jobs.empty()) work(jobs.jobs);
     collect();
     if (request_.params.sheet && (result_.built > 0 || !has_sheet(state_.library()))) make_sheet_or_warn();
     tell_result();
@@ -104,7 +104,7 @@ class Build {
     const auto tidy = [](const fs::path& folder, std::initializer_list<const char*> below) {
       for (const char* name : below) remove_stale_temporaries(folder / name);
     };
-    tidy(state_.library(), {"", cache_name});
+    tidy(state_.library(), {"", library_cache_name});
     tidy(state_.folder(), {"", "cases", "settings", "phantoms", "logs"});
     std::error_code error;
     for (fs::directory_iterator it(state_.library(), error), end; !error && it != end; it.increment(error))
@@ -147,107 +147,6 @@ class Build {
     throw Error(ExitCode::cannot_create, request_.library.string(), "disk",
                 megabytes(need_mb) + " are needed by estimate, " + megabytes(free_mb) +
                     " are free; --no-check-disk begins all the same");
-  }
-
-  std::vector<NinjaJob> make_jobs() {
-    // Ninja takes what is ready in this order: each phantom stands before its cases, so that the first cases are there
-    // soon.
-    std::vector<NinjaJob> jobs;
-    std::set<int> made;
-    // Cases of one series share stages: the second takes them from the cache when it comes after the first.
-    std::map<fs::path, std::string> last;
-    for (const PlannedCase& c : plan_.cases) {
-      if (c.fault || c.reasons.empty()) continue;
-      const int phantom = c.entry.phantom;
-      if (phantom >= 0 && !plan_.phantoms[static_cast<std::size_t>(phantom)].reasons.empty() &&
-          made.insert(phantom).second)
-        jobs.push_back(phantom_job(static_cast<std::size_t>(phantom)));
-      NinjaJob job = case_job(c);
-      if (const auto before = last.find(c.series); before != last.end()) job.after.push_back(before->second);
-      last[c.series] = job.job.name;
-      weights_[job.job.name] = static_cast<double>(c.voxels) + 1e6;
-      jobs.push_back(std::move(job));
-    }
-    return jobs;
-  }
-
-  NinjaJob phantom_job(std::size_t index) {
-    const PlannedPhantom& p = plan_.phantoms[index];
-    const phantom::PhantomParams& params = config_.phantoms[index].params;
-    NinjaJob out;
-    out.memory_mb = p.estimate.memory_mb;
-    LibraryJob& job = out.job;
-    job.name = "phantom." + p.name;
-    job.token = p.name;
-    job.is_phantom = true;
-    job.identity = p.identity;
-    job.arguments = {"phantom", state_.phantom_folder(p.name).string(), "--threads=1"};
-    add_flags(params.head, job.arguments);
-    add_flags(params.scan, job.arguments);
-    add_flags(params.series, job.arguments);
-    add_flags(params.truth, job.arguments);
-    set_common(job);
-    weights_[job.name] = 1e6;
-    return out;
-  }
-
-  template <class P>
-  static void add_flags(const P& params, std::vector<std::string>& out) {
-    for (const Parameter& p : parameters_of<P>().parameters) {
-      std::string name = p.name;
-      std::replace(name.begin(), name.end(), '_', '-');
-      const ParameterValue value = p.get(&params);
-      if (const bool* flag = std::get_if<bool>(&value)) {
-        out.push_back((*flag ? "--" : "--no-") + name);
-      } else if (const auto* numbers = std::get_if<std::vector<double>>(&value)) {
-        std::string text;
-        for (const double n : *numbers) text += (text.empty() ? "" : ",") + to_text(n);
-        out.push_back("--" + name + "=" + text);
-      } else if (const auto* text = std::get_if<std::string>(&value)) {
-        out.push_back("--" + name + "=" + *text);
-      } else {
-        out.push_back("--" + name + "=" + to_text(value));
-      }
-    }
-  }
-
-  NinjaJob case_job(const PlannedCase& c) {
-    NinjaJob out;
-    out.memory_mb = c.estimate.memory_mb;
-    LibraryJob& job = out.job;
-    job.name = "case." + c.token;
-    job.token = c.token;
-    job.settings_sha256 = c.inputs.settings_sha256;
-    job.series = c.series;
-    job.time_limit_s = request_.params.case_limit_s;
-    job.arguments = {"run",
-                     c.entry.config.string(),
-                     "--series",
-                     c.series.string(),
-                     "--out",
-                     state_.library().string(),
-                     "--case",
-                     c.token,
-                     "--threads=1",
-                     "--cache",
-                     (state_.library() / cache_name).string(),
-                     "--cache-limit-mb=" + std::to_string(request_.params.cache_limit_mb)};
-    if (!request_.params.pictures) job.arguments.emplace_back("--no-pictures");
-    for (const std::string& s : c.entry.set) job.arguments.push_back("--set=" + s);
-    if (!c.entry.landmarks.empty()) job.arguments.push_back("--landmarks=" + c.entry.landmarks.string());
-    for (const fs::path& root : config_.roots) job.arguments.push_back("--root=" + fs::absolute(root).string());
-    if (c.entry.phantom >= 0) {
-      const PlannedPhantom& p = plan_.phantoms[static_cast<std::size_t>(c.entry.phantom)];
-      job.phantom = p.name;
-      job.identity = p.identity;
-      if (!p.reasons.empty()) out.after.push_back("phantom." + p.name);
-    }
-    set_common(job);
-    return out;
-  }
-  void set_common(LibraryJob& job) const {
-    job.library = state_.library();
-    job.keep_going = request_.params.keep_going;
   }
 
   void work(const std::vector<NinjaJob>& jobs) {

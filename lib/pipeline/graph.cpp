@@ -233,7 +233,7 @@ class Builder {
     Node node = node_of_stage("burrhole", hole.name, hole.params);
     const int known = graph_.landmarks >= 0 ? graph_.landmarks : given_landmarks();
     if (known >= 0) node.sources["landmarks"] = known;
-    node.sources["bone"] = first_surface_of(config_.roles.burr_holes.bone);
+    node.sources[node.type->ports[0].name] = first_surface_of(config_.roles.burr_holes.bone);
     if (!config_.roles.burr_holes.over.empty()) node.sources["over"] = first_surface_of(config_.roles.burr_holes.over);
     return add(std::move(node));
   }

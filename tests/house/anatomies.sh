@@ -1,0 +1,27 @@
+#!/bin/bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# anatomies.sh ROOT: no source of lib/pipeline, lib/publish and lib/library names an anatomy: which there are, and what is
+# done with each, stands in recipes and configurations. A name is found in a string literal as a whole word with a quote, a
+# dot or an underscore on at least one side ("skull", "mesh.skull.", "ventricles_ml"). Comments do not count, nor do words
+# of a sentence.
+set -u
+cd "$1" || exit 2
+names='skull|skin|brain|ventricles|bone|canal|vein|clavicle'
+folders=()
+for folder in lib/pipeline lib/publish lib/library; do [ -d "$folder" ] && folders+=("$folder"); done
+[ ${#folders[@]} -gt 0 ] || { echo "$1: no folder of sources"; exit 2; }
+
+find "${folders[@]}" -type f \( -name '*.cpp' -o -name '*.h' \) -print0 | sort -z | xargs -0 -r perl -0777 -ne '
+  BEGIN { $names = shift @ARGV; $faults = 0; }
+  # Comments go, lines stay; literals are kept whole, so that no // within one begins a comment.
+  my ($text, $line) = ($_, 1);
+  while ($text =~ m{\G(?:(//[^\n]*|/\*.*?\*/)|(R"([^()\s\\]*)\(.*?\)\3")|("(?:\\.|[^"\\\n])*")|(\x27(?:\\.|[^\x27\\\n])+\x27)|(.))}gs) {
+    my ($whole, $literal) = ($&, defined $2 ? $2 : $4);
+    if (defined $literal && $literal =~ /(?:(?<=["._])(?:$names)(?![A-Za-z0-9])|(?<![A-Za-z0-9])(?:$names)(?=["._]))/) {
+      print "$ARGV:$line: $literal names an anatomy\n";
+      $faults++;
+    }
+    $line += ($whole =~ tr/\n//);
+  }
+  END { if ($faults) { print "$faults names of anatomies\n"; exit 1; } }
+' "$names"
