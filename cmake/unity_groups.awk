@@ -3,19 +3,23 @@
 #
 # Two files share a group where neither declares, at the left margin (that is at namespace scope, as clang-format lays it
 # out), a name that the other declares there too or calls. So helpers of the same name in unnamed namespaces of two files
-# stay apart, and no call can find another file's helper (capitals alone are macros, as TEST, and declare nothing). A group holds at most N lines, for editing one file compiles its
-# whole group. Files that include CGAL stay alone (printed without a group): each costs more than all of its room.
+# stay apart, and no call can find another file's helper (capitals alone are macros, as TEST, and declare nothing). A group
+# holds at most N lines, for editing one file compiles its whole group. Files that include CGAL stay alone: each costs more
+# than all of its room.
 
 function declare(name) { if (name !~ /^(operator|[A-Z][A-Z_]+)$/) declared[file, name] = used[file, name] = 1 }
 
 FNR == 1 { file = ++files; path[file] = FILENAME; lines[file] = 0 }
 { ++lines[file] }
 /^#include <CGAL\// { alone[file] = 1 }
+# A using directive holds for the whole group: only files with the same ones share one.
+/^using namespace / && !/using namespace trephine;/ { directives[file] = directives[file] $0 }
 /^#define / { split($2, macro, "("); declare(macro[1]); next }
 /^[ \t]*(\/\/|#)/ { next }
 {
   sub(/\/\/.*/, "")
   gsub(/"([^"\\]|\\.)*"/, "\"\"")
+  sub(/^\[\[[a-z_]*\]\] /, "")
 }
 /^(using|struct|class|enum|union) / {
   line = $0
@@ -59,6 +63,7 @@ END {
 function fits(f, g, them, n, i) {
   if (total[g] + lines[f] > most_lines) return 0
   n = split(members[g], them, " ")
+  if (n && directives[them[1]] != directives[f]) return 0
   for (i = 1; i <= n; ++i) if (clash(f, them[i]) || clash(them[i], f)) return 0
   return 1
 }
