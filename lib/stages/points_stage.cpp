@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/points.h"
 
+#include "base/error.h"
 #include "stages/stage.h"
 
 namespace trephine {
@@ -21,6 +22,8 @@ StageType points_stage() {
   s.make_params = [] { return AnyParams::make<PointsParams>(); };
   s.run = [](const AnyParams& params, const StageInputs&, Report& report, const Progress&) -> StageData {
     HeadLandmarks all;
+    if (params.as<PointsParams>().landmarks.empty())
+      throw Error(ExitCode::usage, "", "landmarks", "none is given: say NAME:position_mm=X,Y,Z");
     for (const auto& [name, p] : params.as<PointsParams>().landmarks)
       all.landmarks.push_back({name, {p.position_mm[0], p.position_mm[1], p.position_mm[2]}, p.confidence, p.source});
     report.add("landmarks_count", all.landmarks.size());

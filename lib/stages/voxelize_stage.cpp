@@ -149,9 +149,12 @@ StageType voxelize_stage() {
                                         params.hardness_high_hu, progress.part(0.9, 0.93));
     cut(volume, params, cutters_of(in), report, progress.part(0.93, 1));
     // What is reported is what is left.
-    for (const auto& [shape, drill] : params.drill)
+    for (const auto& [shape, drill] : params.drill) {
+      const double left_ml = shape_volume_mm3(volume, volume.find_shape(shape)->number) / 1000;
+      if (!(left_ml > 0)) throw Error(ExitCode::quality, "", "drill." + shape, "the cutters leave nothing of it");
       for (auto& [name, value] : report.figures)
-        if (name == shape + ".volume_ml") value = shape_volume_mm3(volume, volume.find_shape(shape)->number) / 1000;
+        if (name == shape + ".volume_ml") value = left_ml;
+    }
     return std::make_shared<const HapticVolume>(std::move(volume));
   };
   return s;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every parameter of every stage, at both declared ends and past them. The ends come from the declarations: a new stage
 // or parameter is swept without a word here.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -64,6 +65,7 @@ std::vector<std::string> beyond(const Parameter& p) {
       if (p.kind == ParameterKind::numbers) {
         for (std::string& t : texts)
           if (t != "1,5") t = repeated(p, t);
+        if (p.count == 2) texts.erase(std::find(texts.begin(), texts.end(), "1,5"));      // is what is asked for
         texts.push_back(repeated(p, to_text(p.range.min)) + "," + to_text(p.range.min));  // one too many
       }
       break;
