@@ -1,65 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// case.json: what is written is read exactly, and what is damaged or hostile is refused.
 #include "cases/case.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <cmath>
-#include <fstream>
+#include <array>
 #include <limits>
 
 #include "base/error.h"
 #include "base/hash.h"
-#include "base/write_file.h"
-#include "cases/glb.h"
+#include "cases_manifest.h"
 
 namespace trephine {
 namespace {
 
-namespace fs = std::filesystem;
-
-TriMesh tetrahedron() {
-  TriMesh m;
-  m.origin_mm = {10, 20, 30};
-  m.points_mm = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  m.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  return m;
-}
-
-CaseManifest sample_manifest() {
-  CaseManifest m;
-  m.case_token = "sample";
-  m.center_mm = {10, 20.5, -30.1};
-  CaseAnatomy a;
-  a.name = "skull";
-  a.colour_rgb = {0.93, 0.89, 0.78};
-  a.triangles = 4;
-  a.points = 4;
-  a.volume_ml = 0.1 + 0.2;
-  a.area_cm2 = 1e-7;
-  a.deviation = {0.25, 0.125, 1 / 3.0};
-  a.budget_asked_mm = 0.3;
-  a.budget_used_mm = 0.2;
-  a.figures = {{"stopped_by", std::string("max_deviation_mm")}, {"genus", std::int64_t{0}}, {"closed", true}};
-  m.anatomies = {a};
-  m.landmarks = {{"nasion", {0, -95, 10}, 0.9, "found"}};
-  m.targets = {{"foramen_right", {-5, 1, 2}, 0.8, "ventricles"}};
-  m.burr_holes = {{"kocher_right",
-                   {-30, -20, 80},
-                   {0, 0, -1},
-                   14,
-                   {"skull"},
-                   {{"bone_thickness_mm", 6.25}, {"skull.removed_haptic_mm3", 900.5}}}};
-  m.figures = {{"class", std::string("normal")}, {"evans_index_ratio", 0.27}};
-  m.face_policy = "keep";
-  m.face_reason = "a synthetic \"patient\"";
-  m.program_version = "trephine 0.1.0";
-  m.input_sha256 = sha256_of_bytes("input");
-  m.parameters = {{"skull.segment.lower_hu", 226.5},
-                  {"skull.decimate.target_triangles_count", std::int64_t{80000}},
-                  {"skull.segment.roi_min_mm", std::vector<double>{-1, 0.5, 1e6}}};
-  return m;
-}
+using cases_test::sample_manifest;
 
 // With everything that a case of 1.2 can hold.
 CaseManifest full_manifest() {
@@ -96,45 +51,6 @@ CaseManifest full_manifest() {
   m.burr_holes[0].cut = {"skull", "skin"};
   return m;
 }
-
-std::string slurp(const fs::path& f) {
-  const auto b = read_file(f);
-  return std::string(b.begin(), b.end());
-}
-
-void put(const fs::path& f, const std::string& bytes) { std::ofstream(f, std::ios::binary) << bytes; }
-
-class CaseTest : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("trephine-case-" + std::to_string(::getpid()) + "-" +
-                                           testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  // A published case of one surface; returns what was written.
-  CaseManifest publish() const {
-    CaseManifest m = sample_manifest();
-    GlbParams p;
-    p.name = "skull";
-    p.center_mm = m.center_mm;
-    m.files = {write_case_file(folder_, "meshes/skull", ".glb", make_glb(tetrahedron(), p))};
-    m.anatomies[0].file = m.files[0].name;
-    publish_case(folder_, m);
-    return m;
-  }
-  // "" where the case reads, else code and file.
-  std::string refusal() const {
-    try {
-      read_case(folder_);
-    } catch (const Error& e) {
-      return std::to_string(int(e.code())) + " " + fs::path(e.file()).lexically_relative(folder_).string();
-    }
-    return "";
-  }
-  fs::path folder_;
-};
 
 TEST(CaseJson, RoundTripIsExact) {
   const CaseManifest m = sample_manifest();
@@ -364,78 +280,6 @@ TEST(CaseToken, OnlyWhatIsSafeAsAName) {
       EXPECT_EQ(e.code(), ExitCode::bad_config);
     }
   }
-}
-
-TEST_F(CaseTest, PublishedAndRead) {
-  const CaseManifest m = publish();
-  const CaseManifest back = read_case(folder_);
-  EXPECT_EQ(to_json(back), to_json(m));
-  ASSERT_EQ(back.files.size(), 1u);
-  EXPECT_EQ(back.files[0].name, "meshes/skull-" + back.files[0].sha256.substr(0, 16) + ".glb");
-  const GlbMesh mesh = read_glb(read_case_file(folder_, back.files[0]));
-  EXPECT_EQ(mesh.mesh.triangles, tetrahedron().triangles);
-  // Published again: the same bytes.
-  const std::string before = slurp(folder_ / "case.json");
-  publish();
-  EXPECT_EQ(slurp(folder_ / "case.json"), before);
-}
-
-TEST_F(CaseTest, EveryDamageNamesItsFile) {
-  const CaseManifest m = publish();
-  const fs::path glb = folder_ / m.files[0].name, json = folder_ / "case.json";
-  const std::string glb_bytes = slurp(glb), json_bytes = slurp(json);
-  for (const auto& [path, bytes] : {std::make_pair(glb, glb_bytes), std::make_pair(json, json_bytes)}) {
-    const std::string expected = "65 " + path.lexically_relative(folder_).string();
-    for (std::size_t i = 0; i < bytes.size(); i += 7) {
-      std::string damaged = bytes;
-      damaged[i] = static_cast<char>(damaged[i] ^ (1 << (i % 8)));
-      put(path, damaged);
-      EXPECT_EQ(refusal(), expected) << i;
-      put(path, bytes.substr(0, i));
-      EXPECT_EQ(refusal(), expected) << i;
-    }
-    put(path, bytes + "x");
-    EXPECT_EQ(refusal(), expected);
-    fs::remove(path);
-    EXPECT_EQ(refusal(), "66 " + path.lexically_relative(folder_).string());
-    put(path, bytes);
-    EXPECT_EQ(refusal(), "");
-  }
-}
-
-TEST_F(CaseTest, NothingIsPublishedWithoutItsFiles) {
-  CaseManifest m = publish();
-  const std::string before = slurp(folder_ / "case.json");
-  m.files[0].bytes += 1;
-  EXPECT_THROW(publish_case(folder_, m), Error);
-  m.files[0] = describe_case_file("meshes/skull", ".glb", "never written");
-  m.anatomies[0].file = m.files[0].name;
-  EXPECT_THROW(publish_case(folder_, m), Error);
-  EXPECT_EQ(slurp(folder_ / "case.json"), before);
-  EXPECT_EQ(refusal(), "");
-}
-
-TEST_F(CaseTest, DamagedContentIsWrittenAnew) {
-  const CaseManifest m = publish();
-  std::string damaged = slurp(folder_ / m.files[0].name);
-  damaged[100] = static_cast<char>(damaged[100] ^ 1);
-  put(folder_ / m.files[0].name, damaged);
-  EXPECT_NE(refusal(), "");
-  publish();
-  EXPECT_EQ(refusal(), "");
-}
-
-TEST_F(CaseTest, OldFilesStayUntilCollected) {
-  const CaseManifest m = publish();
-  const CaseFile old = write_case_file(folder_, "meshes/skull", ".glb", "an older surface");
-  put(folder_ / "notes.txt", "the user's own");
-  publish();
-  EXPECT_TRUE(fs::exists(folder_ / old.name));
-  EXPECT_EQ(remove_unnamed_case_files(folder_), 1);
-  EXPECT_FALSE(fs::exists(folder_ / old.name));
-  EXPECT_TRUE(fs::exists(folder_ / "notes.txt"));
-  EXPECT_EQ(to_json(read_case(folder_)), to_json(m));
-  EXPECT_THROW(write_case_file(folder_, "../skull", ".glb", "x"), Error);
 }
 
 }  // namespace

@@ -4,55 +4,21 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <memory>
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "meshing/decimate.h"
-#include "meshing/normals.h"
-#include "meshing/remesh.h"
-#include "meshing/repair.h"
-#include "meshing/smooth.h"
+#include "meshing_box.h"
 #include "meshing_shapes.h"
 
 namespace trephine {
 namespace {
 
+using shapes::box;
 using Triangle = std::array<std::uint32_t, 3>;
-
-/// A box of n x n squares a side, corner at `at`, outwards; each square two triangles.
-TriMesh box(Vec3 at, Vec3 size, int n = 1) {
-  TriMesh m;
-  std::vector<std::uint32_t> number((n + 1) * (n + 1) * (n + 1), 0xffffffffu);
-  const auto point = [&](int i, int j, int k) {
-    auto& p = number[(k * (n + 1) + j) * (n + 1) + i];
-    if (p == 0xffffffffu) {
-      p = std::uint32_t(m.points_mm.size());
-      m.points_mm.push_back(at + Vec3{size.x * i / n, size.y * j / n, size.z * k / n});
-    }
-    return p;
-  };
-  for (int axis = 0; axis < 3; ++axis)
-    for (const int side : {0, n})
-      for (int u = 0; u < n; ++u)
-        for (int v = 0; v < n; ++v) {
-          const auto corner = [&](int du, int dv) {
-            int i[3];
-            i[axis] = side;
-            i[(axis + 1) % 3] = u + du;
-            i[(axis + 2) % 3] = v + dv;
-            return point(i[0], i[1], i[2]);
-          };
-          std::array<std::uint32_t, 4> c{corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)};
-          if (side == 0) std::swap(c[1], c[3]);
-          m.triangles.push_back({c[0], c[1], c[2]});
-          m.triangles.push_back({c[0], c[2], c[3]});
-        }
-  return m;
-}
 
 TriMesh together(const TriMesh& a, const TriMesh& b) {
   TriMesh m = a;
@@ -326,95 +292,6 @@ TEST(Validity, ManyFaultsAreCountedAndTwentyOfThemPlaced) {
   EXPECT_EQ(one.places.open_edges.size(), FaultPlaces::limit);
   EXPECT_EQ(one.places.open_edges, eight.places.open_edges);
   EXPECT_EQ(one.text(), eight.text());
-}
-
-TEST(Proof, IsGivenByTheCheckAloneAndOnlyToWhatIsValid) {
-  TriMesh m = box({}, {2, 2, 2});
-  EXPECT_FALSE(m.proven_valid());
-  EXPECT_FALSE(TriMesh().proven_valid());
-  ASSERT_TRUE(check_validity(m).valid());
-  EXPECT_TRUE(m.proven_valid());
-  std::swap(m.triangles[3][0], m.triangles[3][1]);
-  ASSERT_FALSE(check_validity(m).valid());
-  EXPECT_FALSE(m.proven_valid());
-  EXPECT_THROW(require_valid(m), Error);
-  EXPECT_FALSE(m.proven_valid());
-}
-
-TEST(Proof, GoesWithCopiesAndMovesOfBothArrays) {
-  TriMesh m = box({}, {2, 2, 2});
-  require_valid(m);
-  TriMesh copy = m;
-  EXPECT_TRUE(copy.proven_valid());
-  const auto shared = std::make_shared<const TriMesh>(std::move(copy));
-  EXPECT_TRUE(shared->proven_valid());
-  EXPECT_FALSE(copy.proven_valid());  // NOLINT(bugprone-use-after-move): it holds nothing now
-  copy = *shared;
-  EXPECT_TRUE(copy.proven_valid());
-  copy.origin_mm = {1, 2, 3};
-  copy.normals.assign(copy.points_mm.size(), Vec3{0, 0, 1});
-  EXPECT_TRUE(copy.proven_valid());
-  // The points of one proof and the triangles of another prove nothing.
-  TriMesh other = box({}, {3, 3, 3});
-  require_valid(other);
-  copy.points_mm = other.points_mm;
-  EXPECT_FALSE(copy.proven_valid());
-  copy.triangles = other.triangles;
-  EXPECT_TRUE(copy.proven_valid());
-}
-
-TEST(Proof, EndsWithEveryWayToChangeTheMesh) {
-  TriMesh valid = box({}, {2, 2, 2});
-  require_valid(valid);
-  const std::vector<std::function<void(TriMesh&)>> changes = {
-      [](TriMesh& m) { m.points_mm[5].x += 1e-3; },
-      [](TriMesh& m) { m.points_mm.at(5).x += 1e-3; },
-      [](TriMesh& m) { m.points_mm.front().x += 1e-3; },
-      [](TriMesh& m) { m.points_mm.back().x += 1e-3; },
-      [](TriMesh& m) { m.points_mm.data()[1].x += 1e-3; },
-      [](TriMesh& m) { m.points_mm.begin()->x += 1e-3; },
-      [](TriMesh& m) {
-        for (Vec3& p : m.points_mm) p = p * 2;
-      },
-      [](TriMesh& m) { (m.points_mm.end() - 1)->x += 1e-3; },
-      [](TriMesh& m) { m.points_mm.push_back({}); },
-      [](TriMesh& m) { m.points_mm.resize(3); },
-      [](TriMesh& m) { m.points_mm.clear(); },
-      [](TriMesh& m) {
-        m.points_mm = {{0, 0, 0}};
-      },
-      [](TriMesh& m) { m.points_mm = std::vector<Vec3>(8); },
-      [](TriMesh& m) { m.triangles.pop_back(); },
-      [](TriMesh& m) { m.triangles.erase(m.triangles.begin()); },
-      [](TriMesh& m) {
-        m.triangles.assign(2, Triangle{0, 1, 2});
-      },
-      [](TriMesh& m) {
-        m.triangles.insert(m.triangles.end(), Triangle{0, 1, 2});
-      },
-      [](TriMesh& m) { std::swap(m.triangles[0], m.triangles[1]); },
-      [](TriMesh& m) { const TriMesh taken = std::move(m); }};
-  for (std::size_t i = 0; i < changes.size(); ++i) {
-    TriMesh m = valid;
-    changes[i](m);
-    EXPECT_FALSE(m.proven_valid()) << i;
-  }
-  EXPECT_TRUE(valid.proven_valid());
-}
-
-TEST(Proof, StaysWhereThereIsNothingToDo) {
-  TriMesh m = shapes::surface(shapes::sphere(14, 5));
-  EXPECT_TRUE(m.proven_valid()) << "contour checks what it makes";
-  snap_to_float32(m);
-  centre_origin(m);
-  drop_unused_points(m);
-  Report report;
-  compute_normals(m, {}, report);
-  EXPECT_TRUE(m.proven_valid());
-  EXPECT_TRUE(smooth(m, {}, report).proven_valid());
-  EXPECT_TRUE(decimate(m, {}, report).proven_valid());
-  EXPECT_TRUE(remesh(m, {}, report).proven_valid());
-  EXPECT_TRUE(repair(m, {}, report).proven_valid());
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Rendered surfaces, PNG, sheets and text.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,36 +9,12 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "picture/render.h"
-#include "picture/slice.h"
+#include "picture_shapes.h"
 
 namespace trephine {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
-
-TriMesh sphere(double radius, Vec3 center, int rings = 64) {
-  TriMesh m;
-  m.origin_mm = center;
-  const int sectors = 2 * rings;
-  m.points_mm.push_back({0, 0, radius});
-  for (int i = 1; i < rings; ++i)
-    for (int j = 0; j < sectors; ++j) {
-      const double a = pi * i / rings, b = 2 * pi * j / sectors;
-      m.points_mm.push_back(Vec3{std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)} * radius);
-    }
-  m.points_mm.push_back({0, 0, -radius});
-  const auto at = [&](int i, int j) { return std::uint32_t(1 + (i - 1) * sectors + j % sectors); };
-  const auto last = std::uint32_t(m.points_mm.size() - 1);
-  for (int j = 0; j < sectors; ++j) {
-    m.triangles.push_back({0, at(1, j), at(1, j + 1)});
-    m.triangles.push_back({last, at(rings - 1, j + 1), at(rings - 1, j)});
-    for (int i = 1; i + 1 < rings; ++i) {
-      m.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      m.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  }
-  return m;
-}
+using namespace picture_test;
 
 struct Colour {
   int r, g, b;
@@ -206,178 +183,6 @@ TEST(Render, DamagedMeshesAndNothing) {
   s = sphere(50, {});
   s.triangles[0][1] = 1000000;
   EXPECT_THROW(render_surfaces({{&s, red, 1}}, plain()), Error);
-}
-
-Grid<std::int16_t> block_volume(const Mat3& direction) {
-  Lattice l;
-  l.size = {60, 70, 50};
-  l.spacing_mm = {1.5, 1.25, 2};
-  l.direction = direction;
-  // The same box of the world, whatever the direction of the axes.
-  l.origin_mm = Vec3{5, -7, 12} - direction * Vec3{59 * 0.75, 69 * 0.625, 49.0};
-  Grid<std::int16_t> g(l, -1000);
-  for (int k = 0; k < l.size[2]; ++k)
-    for (int j = 0; j < l.size[1]; ++j)
-      for (int i = 0; i < l.size[0]; ++i) {
-        const Vec3 p = l.to_world_mm({double(i), double(j), double(k)}) - Vec3{5, -7, 12};
-        if (p.x > 20 && std::abs(p.y) < 15 && std::abs(p.z) < 15)
-          g.at(i, j, k) = 1000;  // patient's left
-        else if (p.y < -25 && std::abs(p.x) < 12 && std::abs(p.z) < 12)
-          g.at(i, j, k) = 1000;  // nose
-        else if (p.z > 30 && std::abs(p.x) < 12 && std::abs(p.y) < 12)
-          g.at(i, j, k) = 1000;  // top
-      }
-  return g;
-}
-
-struct Centroid {
-  double x = 0, y = 0, count = 0;
-};
-Centroid bright(const Image& i) {
-  Centroid c;
-  for (int y = 0; y < i.height; ++y)
-    for (int x = 0; x < i.width; ++x)
-      if (i.at(x, y)[0] > 200) c.x += x, c.y += y, c.count += 1;
-  c.x /= c.count * i.width;
-  c.y /= c.count * i.height;
-  return c;
-}
-
-TEST(Slice, RadiologicalConvention) {
-  Mat3 mirrored;
-  mirrored.column[0] = {-1, 0, 0};
-  mirrored.column[2] = {0, 0, -1};
-  Mat3 left_handed;
-  left_handed.column[1] = {0, -1, 0};
-  for (const Mat3& direction : {Mat3(), mirrored, left_handed}) {
-    const HuVolume v = block_volume(direction);
-    SliceParams p;
-    p.marks = false;
-    p.plane = SlicePlane::axial;
-    p.position_mm = 12;
-    // Left block right of the middle, nose above it.
-    Centroid c = bright(slice_overlay(v, p, {}));
-    EXPECT_GT(c.x, 0.6);
-    EXPECT_LT(c.y, 0.45);
-    p.plane = SlicePlane::coronal;
-    p.position_mm = -7;
-    c = bright(slice_overlay(v, p, {}));
-    EXPECT_GT(c.x, 0.6);
-    EXPECT_LT(c.y, 0.45);
-    p.plane = SlicePlane::sagittal;
-    p.position_mm = 5;
-    c = bright(slice_overlay(v, p, {}));
-    EXPECT_LT(c.x, 0.4);
-    EXPECT_LT(c.y, 0.45);
-  }
-}
-
-TEST(Slice, TheCutOfASphereIsACircle) {
-  const HuVolume v = Grid<std::int16_t>(block_volume(Mat3()), -1000);
-  const TriMesh s = sphere(30, {5, -7, 12}, 200);
-  SliceParams p;
-  p.marks = false;
-  p.fill_opacity = 0;
-  const int normal[] = {2, 1, 0};
-  const Vec3 center{5, -7, 12};
-  for (int n = 0; n < 3; ++n) {
-    p.plane = static_cast<SlicePlane>(n);
-    p.position_mm = center[normal[n]] + 18;  // radius 24
-    const SliceGeometry g = slice_geometry(lattice_of(v), p);
-    const Image i = slice_overlay(v, p, {{&s, {1, 0, 0}, "sphere"}});
-    Vec3 c = center;
-    c[normal[n]] = p.position_mm;
-    double sum = 0, weight = 0;
-    for (int y = 0; y < i.height; ++y)
-      for (int x = 0; x < i.width; ++x) {
-        const double w = i.at(x, y)[0] / 255.0;  // the volume is black air
-        const double r = norm(g.to_world_mm(x + 0.5, y + 0.5) - c);
-        if (w > 0.05) {
-          EXPECT_NEAR(r / g.mm_per_px, 24 / g.mm_per_px, 1.6);
-          sum += w * r;
-          weight += w;
-        }
-      }
-    ASSERT_GT(weight, 500);
-    EXPECT_NEAR(sum / weight / g.mm_per_px, 24 / g.mm_per_px, 0.1);
-  }
-}
-
-TEST(Slice, FillCoversTheCrossSection) {
-  const HuVolume v = Grid<std::int16_t>(block_volume(Mat3()), -1000);
-  const TriMesh s = sphere(30, {5, -7, 12}, 200);
-  SliceParams p;
-  p.marks = false;
-  p.line_width_px = 0.01;
-  p.fill_opacity = 1;
-  p.position_mm = 12;
-  const SliceGeometry g = slice_geometry(lattice_of(v), p);
-  const Image i = slice_overlay(v, p, {{&s, {1, 1, 1}, ""}});
-  double area = 0;
-  for (std::size_t n = 0; n < i.rgb.size(); n += 3) area += i.rgb[n] / 255.0;
-  EXPECT_NEAR(area * g.mm_per_px * g.mm_per_px / (pi * 900), 1, 0.005);
-}
-
-TEST(Slice, MarksOfALowPictureStandBelowIt) {
-  Lattice l;
-  l.size = {200, 30, 20};
-  const HuVolume v = Grid<std::int16_t>(l, 40);
-  const TriMesh s = sphere(3, {100, 15, 10}, 50);
-  SliceParams p;
-  p.plane = SlicePlane::coronal;
-  p.position_mm = 15;
-  const SliceGeometry g = slice_geometry(lattice_of(v), p);
-  const std::vector<OverlayShape> named{{&s, {1, 0, 0}, "skin"}, {&s, {0, 1, 0}, "bone"}, {&s, {0, 0, 1}, "vein"}};
-  const Image low = slice_overlay(v, p, named);
-  EXPECT_EQ(low.width, g.width);
-  EXPECT_GT(low.height, g.height + 60);
-  // Between the letters at its edges the picture shows nothing but the volume and the shapes.
-  SliceParams plain = p;
-  plain.marks = false;
-  const Image bare = slice_overlay(v, plain, named);
-  ASSERT_EQ(bare.height, g.height);
-  for (int y = 0; y < g.height; ++y)
-    for (int x = 40; x < g.width / 2 - 30; ++x)
-      ASSERT_TRUE(std::equal(low.at(x, y), low.at(x, y) + 3, bare.at(x, y))) << x << " " << y;
-  p.plane = SlicePlane::axial;
-  p.position_mm = 10;
-  l.size = {200, 150, 20};
-  const HuVolume high = Grid<std::int16_t>(l, 40);
-  EXPECT_EQ(slice_overlay(high, p, named).height, slice_geometry(l, p).height);
-}
-
-TEST(Slice, WindowAndOutside) {
-  Lattice l;
-  l.size = {11, 11, 11};
-  Grid<float> g(l);
-  for (int k = 0; k < 11; ++k)
-    for (int j = 0; j < 11; ++j)
-      for (int i = 0; i < 11; ++i) g.at(i, j, k) = float(i) * 20;  // 0 to 200 HU along x
-  SliceParams p;
-  p.marks = false;
-  p.position_mm = 5;
-  p.window_center_hu = 100;
-  p.window_width_hu = 200;
-  p.longer_side_px = 110;
-  const HuVolume v = g;
-  const Image i = slice_overlay(v, p, {});
-  ASSERT_EQ(i.width, 110);
-  // Pixel x's centre lies at (x + 0.5) / 10 - 0.5 voxels.
-  for (int x = 5; x < 105; ++x) EXPECT_NEAR(i.at(x, 55)[0], ((x + 0.5) / 10 - 0.5) / 10 * 255, 1);
-  p.position_mm = 20;
-  EXPECT_THROW(slice_overlay(v, p, {}), Error);
-  EXPECT_EQ(slice_range_mm(l, SlicePlane::axial), (std::array<double, 2>{-0.5, 10.5}));
-}
-
-TEST(Slice, SameBytesWhateverTheThreads) {
-  const HuVolume v = block_volume(Mat3());
-  const TriMesh s = sphere(30, {5, -7, 12});
-  SliceParams p;
-  p.position_mm = 20;
-  set_thread_count(1);
-  const std::string one = encode_png(slice_overlay(v, p, {{&s, {1, 0.5, 0}, "sphere"}}));
-  set_thread_count(2);
-  EXPECT_EQ(encode_png(slice_overlay(v, p, {{&s, {1, 0.5, 0}, "sphere"}})), one);
 }
 
 TEST(Png, RoundTripAndDamage) {

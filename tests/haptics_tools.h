@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// Tools, and how they lie in a volume.
+#include "haptics_scene.h"
+
+namespace trephine::tools {
+
+using namespace scene;
+
+inline constexpr const char* kinds[] = {"needle", "catheter", "burr", "craniotome", "jamshidi"};
+
+inline ToolParams params_of(const char* kind, double diameter = 0, double length = 0, double spacing = 0) {
+  ToolParams p;
+  p.tool = kind;
+  p.tool_diameter_mm = diameter;
+  p.tool_length_mm = length;
+  p.tool_spacing_mm = spacing;
+  return p;
+}
+
+inline HapticInput pose(Vec3 tip_mm, Vec3 axis) {
+  HapticInput in;
+  in.tip_mm = tip_mm;
+  in.axis = normalized(axis);
+  return in;
+}
+
+// Points of the tool that lie in one of the shapes.
+inline int points_in(const Proxy& proxy, const ContactVolume& contact, std::uint64_t shapes) {
+  const ToolBody& b = *proxy.tool_body();
+  int n = 0;
+  for (int i = 0; i < b.count(); ++i) n += shapes >> contact.shape_at(b.at_mm(i)) & 1;
+  return n;
+}
+
+inline HapticVolume floor_volume(int n = 40) {
+  HapticVolume v = empty(n, {0.5, 0.5, 0.5});
+  fill(v, 1, [](Vec3 p) { return -p.z; });
+  return v;
+}
+
+}  // namespace trephine::tools

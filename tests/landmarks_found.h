@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// The head that the landmarks are looked for in, and what is found in it.
+#include "base/report.h"
+#include "landmarks_scenes.h"
+
+namespace trephine::landmarks_test {
+
+inline const LandmarkScene& scene() {
+  static const LandmarkScene s = [] {
+    phantom::HeadParams who;
+    who.seed = 3;
+    phantom::ScanParams how;
+    how.columns_count = how.rows_count = 216;
+    how.slices_count = 104;
+    how.pixel_mm = 1.12;
+    how.slice_step_mm = how.slice_thickness_mm = 1.8;
+    return make_scene(who, how);
+  }();
+  return s;
+}
+
+inline LandmarkParams as_the_truth() {
+  LandmarkParams p;
+  p.lateral_mm = 30;
+  return p;
+}
+
+inline HeadLandmarks find(const LandmarkScene& s, Report& report) {
+  return find_landmarks(s.volume, s.inputs(), as_the_truth(), report);
+}
+
+inline HeadLandmarks find(const LandmarkScene& s) {
+  Report report;
+  return find(s, report);
+}
+
+inline double confidence(const HeadLandmarks& l, const char* name) {
+  const CaseLandmark* found = l.find(name);
+  return found ? found->confidence : 0;
+}
+
+}  // namespace trephine::landmarks_test

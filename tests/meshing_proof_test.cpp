@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The proof that a mesh is valid: who gives it, what it goes with, and every change that ends it.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "base/error.h"
+#include "meshing/decimate.h"
+#include "meshing/normals.h"
+#include "meshing/remesh.h"
+#include "meshing/repair.h"
+#include "meshing/smooth.h"
+#include "meshing/validity.h"
+#include "meshing_box.h"
+#include "meshing_shapes.h"
+
+namespace trephine {
+namespace {
+
+using shapes::box;
+using Triangle = std::array<std::uint32_t, 3>;
+
+TEST(Proof, IsGivenByTheCheckAloneAndOnlyToWhatIsValid) {
+  TriMesh m = box({}, {2, 2, 2});
+  EXPECT_FALSE(m.proven_valid());
+  EXPECT_FALSE(TriMesh().proven_valid());
+  ASSERT_TRUE(check_validity(m).valid());
+  EXPECT_TRUE(m.proven_valid());
+  std::swap(m.triangles[3][0], m.triangles[3][1]);
+  ASSERT_FALSE(check_validity(m).valid());
+  EXPECT_FALSE(m.proven_valid());
+  EXPECT_THROW(require_valid(m), Error);
+  EXPECT_FALSE(m.proven_valid());
+}
+
+TEST(Proof, GoesWithCopiesAndMovesOfBothArrays) {
+  TriMesh m = box({}, {2, 2, 2});
+  require_valid(m);
+  TriMesh copy = m;
+  EXPECT_TRUE(copy.proven_valid());
+  const auto shared = std::make_shared<const TriMesh>(std::move(copy));
+  EXPECT_TRUE(shared->proven_valid());
+  EXPECT_FALSE(copy.proven_valid());  // NOLINT(bugprone-use-after-move): it holds nothing now
+  copy = *shared;
+  EXPECT_TRUE(copy.proven_valid());
+  copy.origin_mm = {1, 2, 3};
+  copy.normals.assign(copy.points_mm.size(), Vec3{0, 0, 1});
+  EXPECT_TRUE(copy.proven_valid());
+  // The points of one proof and the triangles of another prove nothing.
+  TriMesh other = box({}, {3, 3, 3});
+  require_valid(other);
+  copy.points_mm = other.points_mm;
+  EXPECT_FALSE(copy.proven_valid());
+  copy.triangles = other.triangles;
+  EXPECT_TRUE(copy.proven_valid());
+}
+
+TEST(Proof, EndsWithEveryWayToChangeTheMesh) {
+  TriMesh valid = box({}, {2, 2, 2});
+  require_valid(valid);
+  const std::vector<std::function<void(TriMesh&)>> changes = {
+      [](TriMesh& m) { m.points_mm[5].x += 1e-3; },
+      [](TriMesh& m) { m.points_mm.at(5).x += 1e-3; },
+      [](TriMesh& m) { m.points_mm.front().x += 1e-3; },
+      [](TriMesh& m) { m.points_mm.back().x += 1e-3; },
+      [](TriMesh& m) { m.points_mm.data()[1].x += 1e-3; },
+      [](TriMesh& m) { m.points_mm.begin()->x += 1e-3; },
+      [](TriMesh& m) {
+        for (Vec3& p : m.points_mm) p = p * 2;
+      },
+      [](TriMesh& m) { (m.points_mm.end() - 1)->x += 1e-3; },
+      [](TriMesh& m) { m.points_mm.push_back({}); },
+      [](TriMesh& m) { m.points_mm.resize(3); },
+      [](TriMesh& m) { m.points_mm.clear(); },
+      [](TriMesh& m) {
+        m.points_mm = {{0, 0, 0}};
+      },
+      [](TriMesh& m) { m.points_mm = std::vector<Vec3>(8); },
+      [](TriMesh& m) { m.triangles.pop_back(); },
+      [](TriMesh& m) { m.triangles.erase(m.triangles.begin()); },
+      [](TriMesh& m) {
+        m.triangles.assign(2, Triangle{0, 1, 2});
+      },
+      [](TriMesh& m) {
+        m.triangles.insert(m.triangles.end(), Triangle{0, 1, 2});
+      },
+      [](TriMesh& m) { std::swap(m.triangles[0], m.triangles[1]); },
+      [](TriMesh& m) { const TriMesh taken = std::move(m); }};
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    TriMesh m = valid;
+    changes[i](m);
+    EXPECT_FALSE(m.proven_valid()) << i;
+  }
+  EXPECT_TRUE(valid.proven_valid());
+}
+
+TEST(Proof, StaysWhereThereIsNothingToDo) {
+  TriMesh m = shapes::surface(shapes::sphere(14, 5));
+  EXPECT_TRUE(m.proven_valid()) << "contour checks what it makes";
+  snap_to_float32(m);
+  centre_origin(m);
+  drop_unused_points(m);
+  Report report;
+  compute_normals(m, {}, report);
+  EXPECT_TRUE(m.proven_valid());
+  EXPECT_TRUE(smooth(m, {}, report).proven_valid());
+  EXPECT_TRUE(decimate(m, {}, report).proven_valid());
+  EXPECT_TRUE(remesh(m, {}, report).proven_valid());
+  EXPECT_TRUE(repair(m, {}, report).proven_valid());
+}
+
+}  // namespace
+}  // namespace trephine

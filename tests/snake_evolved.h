@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "segmentation/snake.h"
+#include "snake_shapes.h"
+
+// Balls for a snake to find, and a snake that has run.
+namespace trephine::snake_test {
+
+constexpr Vec3 centre{0.2, -0.3, 0.4};
+
+/// The speed of a shape of signed distance d (positive inside), its edge blurred.
+inline double soft(double d) { return std::tanh(d); }
+
+inline Field ball_speed(const Lattice& l, double radius) {
+  return sampled(l, [&](Vec3 p) { return soft(radius - norm(p - centre)); });
+}
+
+struct Evolved {
+  Field field;
+  Report report;
+};
+
+inline Evolved run(const Field& speed, const SnakeParams& p, const SnakeMasks& masks = {}) {
+  Evolved r;
+  r.field = snake(speed, masks, p, r.report);
+  for (const float v : r.field.voxels) EXPECT_TRUE(std::isfinite(v) && v != 0);
+  return r;
+}
+
+inline std::string stopped_by(const Evolved& r) { return std::get<std::string>(*r.report.find("stopped_by")); }
+
+inline double figure(const Evolved& r, const char* name) { return std::get<double>(*r.report.find(name)); }
+
+}  // namespace trephine::snake_test
