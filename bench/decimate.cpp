@@ -190,8 +190,9 @@ void contours(const Grid<std::int16_t>& grid, double isovalue) {
               static_cast<long long>(edges->GetOutput()->GetNumberOfPolys()));
 }
 
-template <class T>
-void exchange(std::FILE* file, std::vector<T>& v, bool write) {
+template <class Array>
+void exchange(std::FILE* file, Array& v, bool write) {
+  using T = typename Array::value_type;
   std::size_t n = v.size();
   if (write) {
     std::fwrite(&n, sizeof n, 1, file);
