@@ -19,7 +19,6 @@ FNR == 1 { file = ++files; path[file] = FILENAME; lines[file] = 0 }
 {
   sub(/\/\/.*/, "")
   gsub(/"([^"\\]|\\.)*"/, "\"\"")
-  sub(/^\[\[[a-z_]*\]\] /, "")
 }
 { sub(/^(\[\[[a-z_]+\]\]|__attribute__\(\([a-z_]+\)\)) /, "") }
 /^(using|struct|class|enum|union) / {
