@@ -7,7 +7,7 @@
 # holds at most N lines, for editing one file compiles its whole group. Files that include CGAL stay alone: each costs more
 # than all of its room.
 
-function declare(name) { if (name !~ /^(operator|[A-Z][A-Z_]+)$/) declared[file, name] = used[file, name] = 1 }
+function declare(name) { if (name !~ /^(operator|static_assert|[A-Z][A-Z_]+)$/) declared[file, name] = used[file, name] = 1 }
 
 FNR == 1 { file = ++files; path[file] = FILENAME; lines[file] = 0 }
 { ++lines[file] }
@@ -19,8 +19,8 @@ FNR == 1 { file = ++files; path[file] = FILENAME; lines[file] = 0 }
 {
   sub(/\/\/.*/, "")
   gsub(/"([^"\\]|\\.)*"/, "\"\"")
-  sub(/^\[\[[a-z_]*\]\] /, "")
 }
+{ sub(/^(\[\[[a-z_]+\]\]|__attribute__\(\([a-z_]+\)\)) /, "") }
 /^(using|struct|class|enum|union) / {
   line = $0
   sub(/^(using|struct|class|enum( class)?|union) +/, "", line)
@@ -38,6 +38,15 @@ FNR == 1 { file = ++files; path[file] = FILENAME; lines[file] = 0 }
       if (name !~ /::/) declare(name)
     }
   }
+  # Further names of one declaration: `constexpr double a = 1, b = 2;`
+  line = $0
+  if (line !~ /\(/)
+    while (match(line, /, *[A-Za-z_][A-Za-z_0-9]* *[={]/)) {
+      name = substr(line, RSTART + 1, RLENGTH - 2)
+      gsub(/[ ={]/, "", name)
+      declare(name)
+      line = substr(line, RSTART + RLENGTH)
+    }
 }
 {
   line = $0

@@ -14,7 +14,8 @@ case "\$1" in
   phantom) mkdir -p "\$2/dicom" "\$2/truth"; echo {} > "\$2/truth/truth.json" ;;
   measure) cp "\$2" "\$4" ;;
   ${4:-none}) exit 80 ;;
-  *) while [ "\$1" != --output ]; do shift; done
+  help) ;;
+  *) while [ "\${1:---output}" != --output ]; do shift; done
      echo '{"triangles_count": $2, "deviation_rms_mm": $3}' > "\$2" ;;
 esac
 EOF
