@@ -36,8 +36,8 @@ struct BurrHole {
 /// `vertex`, and `tragus_left` and `tragus_right` where they are there (else the plane holds nasion, inion and the
 /// scan's superior axis). `skin` and `skull` are their undecimated surfaces, closed, outwards; skin may be null only
 /// for At::position, or the arc is measured on the skull (said in the report). Source of Kocher's point: 11 cm from the
-/// nasion along the midline, 2.5 to 3 cm lateral (the dissertation, chapter 7). Both arcs run along the outermost
-/// contour in their plane (outer_curve.h).
+/// nasion along the midline, 2.5 to 3 cm lateral [Rizzi, chapter 7]. Both arcs run along the outermost contour in their
+/// plane (outer_curve.h).
 ///
 /// Perpendicular to the skull: the normal of the plane that fits its outer surface within the hole's radius (3 mm at
 /// least) best, places that stand out or are sunk in left aside. The hole ends where the bone first ends, over its
@@ -47,8 +47,8 @@ struct BurrHole {
 ///
 /// The report: bone_thickness_mm, soft_tissue_mm, arc lengths, the angle between axis and the skull's normal, the share
 /// of the hole that lies on bone, what the midline and the arcs were taken from. Throws 78 for a request out of range
-/// or landmarks that contradict each other; 80 where a landmark is missing, naming it and how to give it, where the
-/// arc runs over the scan's edge, where the axis misses the skull (or less than three quarters of the hole lie on it),
+/// or landmarks that contradict each other; 80 where a landmark is missing, naming it and how to give it, where the arc
+/// runs over the scan's edge, where the axis misses the skull (or less than three quarters of the hole lie on it),
 /// where the inner table within the hole lies more than 9 mm deeper than on the axis, or the hole would leave the
 /// volume (cut_faces.h). The field is burr_holes.<name>. Deterministic.
 BurrHole place_burr_hole(const BurrHoleRequest& request, const std::map<std::string, Vec3>& landmarks_mm,

@@ -45,8 +45,8 @@ struct TradeRule {
 
 /// The profiles, each a point of the front of seconds against RMS deviation, by the front's own shape: draft is its
 /// fastest; standard its knee, the point farthest below the line from its fastest to its most accurate in logarithmic
-/// axes (Satopaa and others, "Finding a kneedle in a haystack", 2011), or where none is its most accurate; both among
-/// the points within the scene's own triangles (scene.triangles_ratio at most 1). fine is the most accurate of all.
+/// axes [Satopaa2011], or where none is its most accurate; both among the points within the scene's own triangles
+/// (scene.triangles_ratio at most 1). fine is the most accurate of all.
 constexpr const char* profile_names[] = {"draft", "standard", "fine"};
 
 struct TradeChoice {

@@ -15,13 +15,13 @@ class ContactCell;
 
 /// How a segment is followed through a haptic volume, and what counts as the surface there.
 struct ContactParams {
-  /// exact: every cell that the segment meets, one face at a time (Amanatides and Woo, A fast voxel traversal algorithm
-  /// for ray tracing, 1987), so that no wall is missed however thin and slanted; the end's cell is reached by count,
-  /// not by rounding. stepped: the dissertation's (chapter 3): samples every `step_ratio` of the smallest voxel side.
+  /// exact: visits every cell that the segment meets, one face at a time [Amanatides1987], so that no wall is missed
+  /// however thin and slanted it is; the last cell is reached by counting, not by rounding. stepped: the method of
+  /// [Rizzi, chapter 3], which samples every `step_ratio` of the smallest voxel side.
   enum class Walk { exact, stepped };
-  /// nearest: the boxes of the voxels at least half full (the dissertation's). subvoxel: where the trilinear occupancy
-  /// is 1/2, found on the segment; in a cell of eight voxel centres through which that surface would leave a hole in a
-  /// wall that the boxes close, the boxes.
+  /// nearest: the surface is that of the boxes of all voxels that are at least half full, as in [Rizzi, chapter 3].
+  /// subvoxel: the surface lies where the trilinear occupancy is 1/2, found on the segment. In a cell of eight voxel
+  /// centres where that surface would leave a hole in a wall that the boxes close, the boxes are used.
   enum class Surface { subvoxel, nearest };
   Walk walk = Walk::exact;
   Surface surface = Surface::subvoxel;
@@ -67,13 +67,14 @@ struct ContactBox {
   }
 };
 
-/// The haptic volume as the hand meets it (the dissertation, chapter 3; the shape of OpenHaptics' intersectSurface):
-/// one walk for any number of shapes. Each point of space belongs to one shape or to none, and a contact is a crossing
-/// from one to another: the front of the shape that is entered, if that is touchable, else the back of the shape that
-/// is left. Where shapes meet they share one surface; what they leave of a voxel together is empty.
+/// The haptic volume as the hand meets it [Rizzi, chapter 3], with the interface of OpenHaptics' intersectSurface: one
+/// walk serves any number of shapes. Each point of space belongs to one shape or to none, and a contact is a crossing
+/// from one to another. It is the front of the shape that is entered, if that is touchable, else the back of the shape
+/// that is left. Where shapes meet they share one surface; the part of a voxel that no shape fills is empty.
 ///
-/// Nothing but the constructor allocates, locks or throws, and it may be used from several threads. Voxels may be
-/// lowered meanwhile (they are read through relaxed atomics), after loosen(); lattice and shapes may not change.
+/// Only the constructor allocates, locks or throws, and the object may be used from several threads. After loosen(),
+/// voxels may be lowered at the same time (they are read through relaxed atomics); the lattice and the shapes may not
+/// change.
 class ContactVolume {
  public:
   /// The volume must outlive it. Encoding `occupancy`: partly filled voxels that no other shape is near are rewritten

@@ -10,9 +10,9 @@
 
 namespace trephine::segmentation {
 
-/// Distances to a field's surface within a box: the points in which the surface crosses the edges of the field's
-/// raster, and a coarser lattice of nodes that know one of the nearest of them (vector sweeps, Danielsson 1980), around
-/// which a query looks for the nearest.
+/// Distances to a field's surface within a box. It keeps the points where the surface crosses the edges of the field's
+/// raster, and a coarser lattice of nodes. Each node knows one of the nearest points (by vector sweeps
+/// [Danielsson1980]), and a query looks for the nearest point around it.
 class SkinDistance {
  public:
   /// `box` is in the field's indices and may reach beyond it; the nodes cover it, `step_mm` apart or the raster's

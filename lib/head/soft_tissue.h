@@ -24,11 +24,11 @@ double tissue_noise(const Grid<float>& hu, const BitMask& known, const Progress&
 /// some 20 HU apart, are not told apart.
 void check_noise(double noise, const Lattice& lattice);
 
-/// Denoises within `domain`, in place: argmin of 1/2 |u - hu|^2 + strength * (total variation of u), mm (Rudin, Osher
-/// and Fatemi 1992), by the accelerated primal-dual method of Chambolle and Pock (2011). Each threshold of the result
-/// is the best region-competition surface for it, over all of them, where a mm^2 of surface costs `strength` (Chan,
-/// Esedoglu and Nikolova 2006): edges stay where they are, what is smaller than 2 strength / contrast goes. Values
-/// beyond the domain neither change nor matter.
+/// Denoises within `domain`, in place: the result is argmin of 1/2 |u - hu|^2 + strength * (total variation of u),
+/// lengths in mm [Rudin1992], found by the accelerated primal-dual method of [Chambolle2011]. Each threshold of the
+/// result is the global optimum of region competition for that threshold, where a mm^2 of surface costs `strength`
+/// [Chan2006]. Edges stay where they are, and structures smaller than 2 strength / contrast vanish. Values outside the
+/// domain neither change nor have an effect.
 void total_variation(Grid<float>& hu, const BitMask& domain, double strength_hu_mm, int iterations,
                      const Progress& progress = {});
 

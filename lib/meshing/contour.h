@@ -28,11 +28,11 @@ struct ContourParams {
 /// triangles, all of that also in float32 (validity.h). Beyond the lattice is outside: what its border cuts is capped
 /// half a voxel outside the last voxel's centre. The mesh's origin is the centre of its bounds, rounded to whole mm.
 ///
-/// Marching cubes (Lorensen, Cline 1987) in which faces of ambiguous cells are joined as the bilinear interpolant says
-/// (Nielson, Hamann 1991) and no diagonal lies in a cell's face. Points keep 0.002 of a lattice edge away from its
-/// ends, more (up to 0.05) in the few places where float32 needs it: that is how far the surface may lie from the
-/// interpolated one, and why samples equal to the isovalue do no harm. In integer volumes an integer isovalue is
-/// lowered by 1/2, so that a voxel of exactly that value is inside; the report's isovalue_hu is the effective one.
+/// Marching cubes [Lorensen1987] in which faces of ambiguous cells are joined as the bilinear interpolant says
+/// [Nielson1991] and no diagonal lies in a cell's face. Points keep 0.002 of a lattice edge away from its ends, more
+/// (up to 0.05) in the few places where float32 needs it: that is how far the surface may lie from the interpolated
+/// one, and why samples equal to the isovalue do no harm. In integer volumes an integer isovalue is lowered by 1/2, so
+/// that a voxel of exactly that value is inside; the report's isovalue_hu is the effective one.
 ///
 /// Throws Error 80 naming the count of inside voxels where it is none, all, or lies in a single slice; 65 where a
 /// sample is not finite; 80 where no valid surface can be had.

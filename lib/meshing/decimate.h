@@ -25,10 +25,10 @@ struct DecimateParams {
   }
 };
 
-/// Fewer triangles for the same shape: edge collapses in the order of their quadric error (Garland, Heckbert 1997),
-/// until the count is reached or no collapse is left that keeps the deviation and the surface valid; the report's
-/// stopped_by says "count", "deviation" or "validity". With no limit given, or where the input has no more triangles
-/// than asked for, the mesh comes back as it was.
+/// Fewer triangles for the same shape: edge collapses in the order of their quadric error [Garland1997], until the
+/// count is reached or no collapse is left that keeps the deviation and the surface valid; the report's stopped_by says
+/// "count", "deviation" or "validity". With no limit given, or where the input has no more triangles than asked for,
+/// the mesh comes back as it was.
 ///
 /// The result is closed, 2-manifold and free of self-intersections, also in float32 (validity.h): where collapses led
 /// to an intersection, they are undone and counted. The deviation is two-sided: every input point's distance to the

@@ -7,8 +7,8 @@
 
 namespace trephine {
 
-/// Sum of weighted squared distances to planes and points (Garland, Heckbert 1997): x^T A x + 2 b^T x + c, with x from
-/// a centre that the user keeps in mind; near the surface float32 holds the coefficients.
+/// Sum of weighted squared distances to planes and points [Garland1997]: x^T A x + 2 b^T x + c. x is measured from a
+/// centre that the caller keeps; near the surface float32 is precise enough for the coefficients.
 struct Quadric {
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   Vec3 b;

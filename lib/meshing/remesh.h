@@ -28,15 +28,16 @@ struct RemeshParams {
   }
 };
 
-/// The same surface of even triangles, near equilateral and with edges of about edge_mm (Botsch, Kobbelt 2004; CGAL's
-/// isotropic remeshing in the bounded child), every point projected onto the input. For consumers that want it, as
-/// finite elements do; decimation gives a smaller deviation at the same count.
+/// Gives the same surface even triangles, near equilateral and with edges of about edge_mm ([Botsch2004]; CGAL's
+/// isotropic remeshing in the bounded child), with every point projected onto the input. It is for consumers that need
+/// even triangles, such as finite elements; decimation gives a smaller deviation at the same count.
 ///
-/// The result is closed, 2-manifold and free of self-intersections, also in float32 (validity.h); where it is not, or
-/// lies further than max_deviation_mm from the input or the input from it (points and triangles' middles of both), the
-/// edge is shortened to 0.7 of itself and all is done again, four times at most; the report's tries_count says how
-/// often. Reported too: edge_mm as it ended, triangles_count, deviation_max_mm, edge_{min,mean,max}_mm, angle_min_deg
-/// (the mean of the triangles' least angles: 60 is best), volume_change_percent. The same bytes whatever the threads.
+/// The result is closed, 2-manifold and free of self-intersections, also in float32 (validity.h). Where it is not, or
+/// where it lies further than max_deviation_mm from the input or the input from it (measured at the points and triangle
+/// centres of both), the edge length is multiplied by 0.7 and all is done again, four times at most; the report's
+/// tries_count says how often. The report also has the final edge_mm, triangles_count, deviation_max_mm,
+/// edge_{min,mean,max}_mm, angle_min_deg (the mean of the triangles' smallest angles: 60 is best) and
+/// volume_change_percent. The result has the same bytes whatever the thread count.
 ///
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not valid, or no try
 /// was good enough; 70 where the child dies or runs longer than time_limit_s; Cancelled.

@@ -40,8 +40,8 @@ struct RepairParams {
 /// united; where pairs crossed, the result must enclose the space that the soup's winding number does, but for 5 %. A
 /// piece that lies in no other is turned outwards; one within another keeps the side that most of its triangles face (a
 /// cavity stays one). Where the result is not valid, the child dies or runs over its limit: the last resort (method
-/// "recontoured"), a new surface of the generalized winding number (Jacobson 2013; the fast one of Barill 2018) at 1/2,
-/// contoured on recontour_voxels_count voxels along the longest side; a warning says so.
+/// "recontoured"), a new surface of the generalized winding number ([Jacobson2013]; computed by the fast method of
+/// [Barill2018]) at 1/2, contoured on recontour_voxels_count voxels along the longest side; a warning says so.
 ///
 /// The report: method; counts of all that was done (points_merged_count, triangles_dropped_count,
 /// duplicates_dropped_count, fins_dropped_count, sheets_dropped_count, flipped_count, points_split_count,

@@ -8,13 +8,13 @@
 
 namespace trephine {
 
-/// The generalized winding number (Jacobson, Kavan, Sorkine 2013) of the triangles about a point, in the mesh's own
-/// coordinates: 1 within a closed outwards oriented surface, 0 outside, between where it has holes. Exact; linear in
-/// the number of triangles.
+/// The generalized winding number [Jacobson2013] of the triangles about a point, in the mesh's own coordinates: 1
+/// within a closed surface oriented outwards, 0 outside, and in between where the surface has holes. Exact; the time is
+/// linear in the number of triangles.
 double winding_number(const TriMesh& mesh, Vec3 local);
 
-/// The same within about 0.01, in logarithmic time: what lies further off than twice its size counts as a dipole
-/// (Barill, Dickson, Schmidt, Levin, Jacobson 2018, first order). Refers to the mesh.
+/// The generalized winding number within about 0.01, in logarithmic time: a group of triangles that is further away
+/// than twice its size counts as a dipole ([Barill2018], first order). Refers to the mesh.
 class WindingNumber {
  public:
   explicit WindingNumber(const TriMesh& mesh);

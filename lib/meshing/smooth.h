@@ -38,14 +38,14 @@ struct SmoothParams {
   }
 };
 
-/// Smoothing by one of three filters: a low-pass of the points (windowed sinc; Taubin, Zhang, Golub 1996), half-steps
-/// towards the mean of the neighbours (Laplacian), or points fitted to filtered normals (feature_smooth.h). Of the
-/// movement each point takes the part along its normal, with an even offset that gives back the volume, cut off at
+/// Smoothing by one of three filters: a low-pass of the points (windowed sinc, [Taubin1996]), half-steps towards the
+/// mean of the neighbours (Laplacian), or points fitted to filtered normals (feature_smooth.h). Of the movement each
+/// point takes the part along its normal, with an even offset that gives back the volume, cut off at
 /// max_displacement_mm. Where the volume changes by more than max_volume_change_percent all the same, the movement is
 /// halved until it does not. The triangles stay as they are; normals are dropped. Where the result would intersect
 /// itself or hold a degenerate triangle, the points around it go back to where they were, and are counted. Reported:
-/// the largest and RMS displacement, the share of the movement that was taken, the change of volume in percent, and
-/// the points held back.
+/// the largest and RMS displacement, the share of the movement that was taken, the change of volume in percent, and the
+/// points held back.
 ///
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed and
 /// 2-manifold, or intersects itself already.

@@ -41,11 +41,11 @@ struct CertifiedDeviation {
 
 /// An upper bound of the distance of every point of either surface to the other, not of samples. A triangle's distance
 /// to the surface is at most that to one triangle of it, which is convex, so largest at a corner; where that is not
-/// good enough the triangle is cut in four (as Guthe, Borodin, Klein 2005). Ends at upper - lower <= the tolerance but
-/// where a triangle would need more than 200,000 pieces: there the bound is the larger one. Throws 70 where all of a
-/// surface's triangles would need more than the most pieces, which does not hang on threads or clock either. Rounding
-/// is on the safe side (1e-9 of the surfaces' size is added). In-process and bounded; the same bits whatever the thread
-/// count. Throws 65 as check_mesh does, and for a surface without triangles.
+/// good enough the triangle is cut in four (as in [Guthe2005]). Ends at upper - lower <= the tolerance but where a
+/// triangle would need more than 200,000 pieces: there the bound is the larger one. Throws 70 where all of a surface's
+/// triangles would need more than the most pieces, which does not hang on threads or clock either. Rounding is on the
+/// safe side (1e-9 of the surfaces' size is added). In-process and bounded; the same bits whatever the thread count.
+/// Throws 65 as check_mesh does, and for a surface without triangles.
 CertifiedDeviation certify_deviation(const TriMesh& mesh, const TriMesh& reference, const CertifyParams& params,
                                      const Progress& progress = {});
 

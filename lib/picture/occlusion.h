@@ -14,8 +14,8 @@ struct SurfaceBuffer {
   std::vector<std::uint8_t> covered;
 };
 
-/// How much light reaches each pixel past its surroundings, 0 to 1: screen-space obscurance after McGuire and others,
-/// "The alchemy screen-space ambient obscurance algorithm" (2011), within radius_mm.
+/// How much light reaches each pixel past its surroundings, from 0 to 1: screen-space obscurance [McGuire2011] within
+/// radius_mm.
 std::vector<float> openness(const SurfaceBuffer& buffer, const Camera& camera, double radius_mm);
 
 }  // namespace trephine::detail

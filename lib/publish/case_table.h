@@ -6,7 +6,7 @@
 
 namespace trephine {
 
-/// What became of one anatomy, after the dissertation's Table I.
+/// What the pipeline made of one anatomy, as [Rizzi, chapter 2, Table I] reports it.
 struct AnatomyResult {
   std::string name;
   std::int64_t triangles_before = 0, triangles_after = 0;

@@ -34,20 +34,20 @@ struct LabelParams {
 /// A label as a field on the volume's raster, positive inside, cropped to the label and a margin where the volume has
 /// room. Where the label's grid is the volume's raster (its axes may be flipped or swapped, it may be a part, or reach
 /// beyond), voxels keep their side and the surface lies within half a voxel of theirs. Else the mask, smoothed so on
-/// its own grid, becomes a signed distance in mm that is interpolated linearly at the volume's voxels (shape-based:
-/// Raya and Udupa, IEEE Transactions on Medical Imaging 9 (1990)), and moved by up to half a voxel of the label's so
-/// that it holds as many ml as before: what is thinner than a voxel of the volume may go.
+/// its own grid, becomes a signed distance in mm that is interpolated linearly at the volume's voxels (shape-based
+/// interpolation [Raya1990]), and moved by up to half a voxel of the label's so that it holds as many ml as before:
+/// what is thinner than a voxel of the volume may go.
 ///
 /// Report: label (its name), format, label_voxels_count, label_ml, resampled, offset_max_ratio (of a voxel: how far the
 /// label's voxels lie off the volume's; not where resampled), outside_ratio (of the label, outside of the volume),
-/// air_ratio, moved_mm (where resampled: the surface, outwards), volume_ml (where resampled: within
-/// the surface), volume_change_ratio (against the label's part in the volume). Warns where that is beyond 0.02; where
-/// some of the label lies outside, or much in air; where it ends at its own grid's edge within the volume (cut off
-/// there); what the file itself makes suspicious.
+/// air_ratio, moved_mm (where resampled: the surface, outwards), volume_ml (where resampled: within the surface),
+/// volume_change_ratio (against the label's part in the volume). Warns where that is beyond 0.02; where some of the
+/// label lies outside, or much in air; where it ends at its own grid's edge within the volume (cut off there); what the
+/// file itself makes suspicious.
 ///
 /// Throws Error 80 where the label is empty, lies outside of the volume or in air by more than is allowed (saying
-/// whether it would fit with x and y negated, RAS taken for LPS or the reverse), or nothing of it is left; 65 where
-/// the volume's voxels are not finite; Cancelled. The same bits whatever the thread count.
+/// whether it would fit with x and y negated, RAS taken for LPS or the reverse), or nothing of it is left; 65 where the
+/// volume's voxels are not finite; Cancelled. The same bits whatever the thread count.
 Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParams& params, Report& report,
                   const Progress& progress = {});
 

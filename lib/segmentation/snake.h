@@ -61,11 +61,11 @@ struct SnakeParams {
 /// Evolves a surface in 3D over a speed image g in [-1, 1]: it moves outwards along its normal N by
 ///   propagation g - curvature kappa - advection (grad g . N)
 /// a unit of time, kappa the sum of both principal curvatures (2 / r of a ball), the last term for geodesic alone
-/// (Zhu and Yuille 1996; Caselles, Kimmel and Sapiro 1997; as in ITK-SNAP, Yushkevich et al. 2006, but in mm). A sparse
-/// field on the grid (segmentation/snake_band.h); the time step from the CFL bound; a speed of -1 is a wall that pulls
-/// nothing, as presegment makes it outside of its masks; first at the coarser resolutions,
-/// where a structure that vanishes there is begun anew at the finer one. `start` is positive inside, any field on the
-/// speed's raster; its crossing is the first surface. Only speed's lattice is looked at; its edge holds the surface.
+/// ([Zhu1996]; [Caselles1997]; as in ITK-SNAP [Yushkevich2006], but in mm). It is a sparse field [Whitaker1998] on the
+/// grid (segmentation/snake_band.h); the time step from the CFL bound; a speed of -1 is a wall that pulls nothing, as
+/// presegment makes it outside of its masks; first at the coarser resolutions, where a structure that vanishes there is
+/// begun anew at the finer one. `start` is positive inside, any field on the speed's raster; its crossing is the first
+/// surface. Only speed's lattice is looked at; its edge holds the surface.
 ///
 /// Returns the signed field, positive inside, mm within two voxels of the surface and a constant further away, cropped
 /// to the shape and a margin of two voxels. A surface does not part from noise that its speed calls its own, nor see

@@ -73,19 +73,19 @@ struct PresegmentMasks {
   const Field* without = nullptr;  ///< inside it likewise
 };
 
-/// The speed image of a volume for evolve_snake(), in [-1, 1], as ITK-SNAP's presegmentation makes it (Yushkevich et
-/// al. 2006), on the region of interest, cropped to `within` and four voxels:
-/// - regions: tanh((I - L) k) + tanh((U - I) k) - 1, positive inside the window; one-sided: a single tanh. k is
-///   ln((2 - e) / e) / range with e = 10^-smoothness, range being U - L, or for one side a third of the values' range.
+/// The speed image of a volume for evolve_snake(), in [-1, 1], as ITK-SNAP's presegmentation makes it [Yushkevich2006],
+/// on the region of interest, cropped to `within` and four voxels:
+/// - regions: tanh((I - L) k) + tanh((U - I) k) - 1, positive inside the window; one-sided: a single tanh. k is ln((2 -
+///   e) / e) / range with e = 10^-smoothness, range being U - L, or for one side a third of the values' range.
 /// - edges: 1 / (1 + (|grad G I| / kappa)^exponent), from 0 at edges to 1, G a Gaussian in mm.
 /// - classes: a Gaussian mixture of the values (segmentation/tissue_mixture.h); 2 p - 1, p the probability of the
 ///   classes from first_class to last_class.
 ///
 /// Report: speed_positive_ratio (of the voxels that count), and class_N_hu, class_N_sigma_hu, class_N_ratio or
-/// edge_kappa_hu_per_mm. The same bits whatever the thread count.
-/// Throws Error 65 where a voxel is not finite or a mask of another raster; 64 where lower_hu is not below upper_hu or
-/// the classes contradict each other; 80 where nothing lies in the region, the image is constant where edges or classes
-/// are sought, or the speed is nowhere above 0, or nowhere below 0 with nothing else to hold a surface; Cancelled.
+/// edge_kappa_hu_per_mm. The same bits whatever the thread count. Throws Error 65 where a voxel is not finite or a mask
+/// of another raster; 64 where lower_hu is not below upper_hu or the classes contradict each other; 80 where nothing
+/// lies in the region, the image is constant where edges or classes are sought, or the speed is nowhere above 0, or
+/// nowhere below 0 with nothing else to hold a surface; Cancelled.
 Field presegment(const HuVolume& volume, const PresegmentMasks& masks, const PresegmentParams& params, Report& report,
                  const Progress& progress = {});
 

@@ -24,10 +24,10 @@ struct TissueMixture {
   double share(double value, int first, int last) const;
 };
 
-/// A mixture of Gaussians by expectation maximization (Dempster, Laird and Rubin 1977) on the histogram, begun with
-/// the best cut of the values into intervals (k-means in one dimension, from quantiles): the same classes from the same
-/// counts, always. Sigmas are at least half a bin. Throws Error 80 where there are not at least twice as many filled
-/// bins as classes: a constant image has no classes.
+/// Fits a mixture of Gaussians to the histogram by expectation maximization [Dempster1977]. It starts with the best cut
+/// of the values into intervals (k-means in one dimension, from quantiles), so that the same counts always give the
+/// same classes. Sigmas are at least half a bin. Throws Error 80 where there are fewer than twice as many filled bins
+/// as classes: a constant image has no classes.
 TissueMixture fit_mixture(const Histogram& histogram, int classes_count);
 
 }  // namespace trephine::segmentation

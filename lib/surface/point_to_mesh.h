@@ -9,11 +9,11 @@
 
 namespace trephine {
 
-/// Distances from points to a surface, exact for the triangles given, however degenerate. It refers to the mesh, which
-/// must outlive it unchanged.
+/// Distances from points to a surface, exact for the given triangles, however degenerate they are. The object refers to
+/// the mesh, which must outlive it unchanged.
 ///
-/// Signs: negative inside, positive outside of a closed, outwards oriented mesh (angle-weighted pseudonormals,
-/// Baerentzen and Aanaes 2005); at the border of an open one, the side that the nearest triangles face.
+/// Signs: negative inside and positive outside of a closed mesh oriented outwards (angle-weighted pseudonormals
+/// [Baerentzen2005]); at the border of an open mesh the sign is that of the side which the nearest triangles face.
 class PointToMesh {
  public:
   /// Throws 65 as check_mesh does, and where it has no triangles or coordinates beyond 1e15 mm.

@@ -36,12 +36,11 @@ struct VeinParams {
 
 /// The subclavian vein and the beginning of the brachiocephalic vein behind and below each clavicle.
 ///
-/// Its course is first estimated from the clavicle: the vein lies behind and below its medial third (Tan et al.,
-/// "Anatomic basis of safe percutaneous subclavian venous catheterization", J Trauma 48, 2000), pushed away from bone
-/// and lung. Where soft tissue within search_mm of it holds a connected piece that is min_contrast_hu brighter, follows
-/// most of the course and is as thick as a vein, that piece is the vein, its surface at half the contrast. Where none
-/// does (no contrast medium, or only in other vessels) the vein is a tube of radius_mm along the estimate, which says
-/// where a vein usually runs, not where this one does.
+/// Its course is first estimated from the clavicle: the vein lies behind and below its medial third [Tan2000], pushed
+/// away from bone and lung. Where soft tissue within search_mm of it holds a connected piece that is min_contrast_hu
+/// brighter, follows most of the course and is as thick as a vein, that piece is the vein, its surface at half the
+/// contrast. Where none does (no contrast medium, or only in other vessels) the vein is a tube of radius_mm along the
+/// estimate, which says where a vein usually runs, not where this one does.
 ///
 /// An artery that is enhanced as well, and touches the vein or lies nearer to the estimate, is taken for it or with it:
 /// look at the overlays. Radius and gap are ours, of the order that anatomy books give; they were not measured here.

@@ -48,22 +48,22 @@ struct HapticState {
   std::uint32_t events = 0, faults = 0;
 };
 
-/// A point that the surfaces of a haptic volume hold back, and the force that this gives (Zilles and Salisbury, A
-/// constraint-based god-object method for haptic display, 1995; friction as Ruspini, Kolarov and Khatib, The haptic
-/// display of complex graphical environments, 1997). Each frame the proxy goes towards the device, each bit of its way
-/// through ContactVolume::intersect, so it crosses no face that is touchable. What it meets becomes a tangent plane;
-/// before up to three of them it takes the point nearest to the device, short of it by friction's cone.
+/// A point that the surfaces of a haptic volume hold back, and the resulting force [Zilles1995], with the friction of
+/// [Ruspini1997]. Each frame the proxy moves towards the device. Every part of its way is checked by
+/// ContactVolume::intersect, so it crosses no touchable face. Each surface that it meets becomes a tangent plane.
+/// Before up to three such planes the proxy takes the point nearest to the device, less what the friction cone holds
+/// back.
 ///
-/// A face whose spring exceeds its pop_through_n lets the proxy in: then the shape's drag and shaft friction act until
-/// it has left. A tool that starts inside a shape that nothing can enter is put to its nearest surface; one of many
-/// points may take some frames to find that, and gives no force until then.
+/// A face whose spring force exceeds its pop_through_n lets the proxy in; then the shape's drag and shaft friction act
+/// until the proxy has left. A tool that starts inside a shape that nothing can enter is moved to the nearest surface
+/// of that shape. A tool of many points may take some frames to find that surface, and gives no force until then.
 ///
-/// With a tool of many points (the dissertation, chapter 5) the proxy is the whole of it: the way of each point is
-/// walked, so none crosses a touchable face, and what any point meets is a plane for the tip. The tool turns with the
-/// device as far as its points may, and where one wall only is in the way the tip gives. A shape that some point popped
-/// into is open to the others until the tool's axis passes through it no more.
+/// With a tool of many points [Rizzi, chapter 5] the proxy is the whole tool: the way of each point is walked, so no
+/// point crosses a touchable face, and a surface that any point meets is a plane for the tip. The tool turns with the
+/// device as far as its points may, and where only one wall is in the way the tip gives way. A shape that one point
+/// popped into is open to the other points until the tool's axis no longer passes through it.
 ///
-/// update() allocates, locks and throws nothing and makes no system call; equal inputs give equal bits.
+/// update() does not allocate, lock or throw and makes no system call; equal inputs give equal bits.
 class Proxy {
  public:
   /// `contact` must outlive it.

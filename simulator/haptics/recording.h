@@ -52,7 +52,7 @@ std::uint64_t missing_frames(const std::vector<ServoFrame>& frames);
 /// SHA-256 of all numbers of the materials as they were felt.
 std::string feel_digest(const Feels& feels);
 
-/// How good forces are, as the dissertation measures it (chapter 4) and what its measure leaves out.
+/// How good forces are, by the measure of [Rizzi, chapter 4] and by what that measure leaves out.
 struct ForceFigures {
   std::uint64_t frames = 0, touching = 0;
   double anomaly_ratio = 0;     ///< share of d|F|/dt (central differences) outside mean +- 10 sigma

@@ -13,12 +13,12 @@ namespace trephine {
 std::vector<std::pair<std::string, std::string>> tool_choices();
 const char* tool_help();
 
-/// What the hand holds, as points on its outside (the dissertation, chapter 5). 0 and `own` stand for the values of the
-/// tool's kind, which own_tool() fills in.
+/// What the hand holds, as points on its outside [Rizzi, chapter 5]. 0 and `own` stand for the values of the tool's
+/// kind, which own_tool() fills in.
 struct ToolParams {
   enum class Tip { own, flat, round, cone, ball };
-  /// both: the first point that collides from the tip and the first from the tail, their normals averaged (the
-  /// dissertation's refinement, which alone can lock); else one of them.
+  /// both: the first point that collides counted from the tip and the first counted from the tail, with their normals
+  /// averaged (the refinement of [Rizzi, chapter 5], which alone can lock); else one of the two.
   enum class Search { both, tip_to_tail, tail_to_tip };
   std::string tool = "point";  ///< the name of a ToolKind
   Tip tool_tip = Tip::own;
