@@ -13,7 +13,7 @@ constexpr std::uint64_t splitmix64_mixed(std::uint64_t z) {
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
   return z ^ (z >> 31);
 }
-/// In [0, 1): the upper 53 bits.
+/// A number in [0, 1) from the upper 53 bits.
 constexpr double unit_of_bits(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
 
 }  // namespace trephine
