@@ -17,7 +17,7 @@ struct AnatomyResult {
   std::string stopped_by;
 };
 
-/// Aligned columns for a person, numbers the same whatever the locale.
+/// A table with aligned columns for a person. Numbers are the same whatever the locale.
 std::string case_table(const std::vector<AnatomyResult>& anatomies);
 
 }  // namespace trephine
