@@ -27,7 +27,7 @@ Json schema_of() {
   return Json::parse(json_schema_of(AnyParams::make<P>()));
 }
 
-// Parameters and ports of a stage as a recipe says them.
+// Parameters and ports of a stage as a recipe writes them.
 Json body_schema(const StageType& stage, bool first_port) {
   Json body = Json::parse(json_schema_of(stage.make_params()));
   for (std::size_t i = first_port ? 0 : 1; i < stage.ports.size(); ++i)
@@ -39,7 +39,7 @@ Json body_schema(const StageType& stage, bool first_port) {
   return body;
 }
 
-// `- name` or `- name: {parameters and ports}`
+// Schema of a step: `- name` or `- name: {parameters and ports}`.
 Json step_schema(const StageType& stage) {
   Json body = body_schema(stage, false);
   body["type"] = {"object", "null"};
@@ -67,14 +67,15 @@ Json recipe_schema() {
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> file_schemas() {
-  return {{"recipe.schema.json", page("A recipe of Trephine (pipelines/*.yaml)", recipe_schema())},
-          {"scene.schema.json", page("A scene of Trephine (configs/scenes/*.yaml)", schema_of<SceneFileParams>())},
-          {"configuration.schema.json", page("The configuration of a case (configs/*.yaml)", schema_of<CaseFileParams>())},
-          {"materials.schema.json", page("Materials (configs/materials.yaml)", schema_of<MaterialsFileParams>())},
-          {"library.schema.json",
-           page("A library of Trephine (LIBRARY.yaml)", Json::parse(json_schema_of(library_file_params())))},
-          {"trade.schema.json",
-           page("The plan of a sweep (configs/trade/*.yaml)", Json::parse(json_schema_of(trade_file_params())))}};
+  return {
+      {"recipe.schema.json", page("A recipe of Trephine (pipelines/*.yaml)", recipe_schema())},
+      {"scene.schema.json", page("A scene of Trephine (configs/scenes/*.yaml)", schema_of<SceneFileParams>())},
+      {"configuration.schema.json", page("The configuration of a case (configs/*.yaml)", schema_of<CaseFileParams>())},
+      {"materials.schema.json", page("Materials (configs/materials.yaml)", schema_of<MaterialsFileParams>())},
+      {"library.schema.json",
+       page("A library of Trephine (LIBRARY.yaml)", Json::parse(json_schema_of(library_file_params())))},
+      {"trade.schema.json",
+       page("The plan of a sweep (configs/trade/*.yaml)", Json::parse(json_schema_of(trade_file_params())))}};
 }
 
 }  // namespace trephine

@@ -16,7 +16,7 @@ struct SimplifyParams {
     v.number(&P::close_handles_mm, "close_handles_mm", Range{0, 60},
              "Tunnels and holes narrower than this are closed by a membrane of one voxel; 0: none.");
     v.number(&P::close_cavities_ml, "close_cavities_ml", Range{0, 10000},
-             "Enclosed cavities smaller than this are filled, those too that a membrane encloses; 0: none.");
+             "Enclosed cavities smaller than this are filled, also those that a membrane encloses; 0: none.");
   }
 };
 
