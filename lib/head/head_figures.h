@@ -10,16 +10,16 @@
 
 namespace trephine {
 
-/// The anatomies of one head as fields (positive inside) on one raster, each maybe only a part of it. Null where not
-/// known: what needs it is then not measured, nor checked.
+/// The anatomies of one head as fields (positive inside) on one raster, each perhaps covering only a part of it. Null
+/// where not known; what needs that anatomy is then neither measured nor checked.
 struct HeadFields {
   const Field* skin = nullptr;  ///< the whole head, filled
   const Field* skull = nullptr;
-  const Field* brain = nullptr;  ///< ventricles belong to it
+  const Field* brain = nullptr;  ///< includes the ventricles
   const Field* ventricles = nullptr;
 };
 
-/// What the ventricles make of a case.
+/// The class of a case, which follows from its ventricles.
 enum class HeadClass { unknown, normal, hydrocephalic, shifted, small };
 const char* to_text(HeadClass head_class);
 
@@ -33,25 +33,26 @@ struct HeadClassParams {
   static void describe(V& v) {
     using P = HeadClassParams;
     v.number(&P::hydrocephalic_evans_ratio, "hydrocephalic_evans_ratio", Range{0, 1},
-             "Hydrocephalic above this Evans' index.");
-    v.number(&P::shifted_mm, "shifted_mm", Range{0, 50}, "Shifted where the midline is off by more than this.");
+             "A case is hydrocephalic above this Evans' index.");
+    v.number(&P::shifted_mm, "shifted_mm", Range{0, 50},
+             "A case is shifted where the midline is off by more than this.");
     v.number(&P::small_evans_ratio, "small_evans_ratio", Range{0, 1},
-             "Small only where Evans' index is not above this,");
+             "A case is small only where Evans' index is not above this.");
     v.number(&P::small_ventricles_ratio, "small_ventricles_ratio", Range{0, 1},
-             "and the ventricles are below this share of the brain's volume.");
+             "A case is small only where the ventricles are below this share of the brain's volume.");
   }
 };
 
-/// Empty where it could not be measured.
+/// Figures of a head; a figure is empty where it could not be measured.
 struct HeadFigures {
   std::optional<double> skin_ml, skull_ml, brain_ml, ventricles_ml;
-  /// The frontal horns' greatest width, in the axial plane of the head in which it is greatest, and in that plane the
-  /// inner skull's; evans_place_mm: the middle of that width.
+  /// The frontal horns' greatest width, measured in the axial plane of the head where it is greatest, and the inner
+  /// skull's width in that plane. evans_place_mm is the centre of the frontal horns' width.
   std::optional<double> frontal_horns_mm, inner_skull_mm, evans_index_ratio;
   Vec3 evans_place_mm;
-  /// How far what should lie in the middle lies to the patient's left of it (to the right: below 0), at the foramina of
-  /// Monro; and of what: "septum" (the middle between the frontal horns' inner walls), "third ventricle", "frontal
-  /// horns" (their middle).
+  /// How far a structure of the midline is shifted to the patient's left (to the right: below 0), at the foramina of
+  /// Monro. midline_of names the structure: "septum" (halfway between the frontal horns' inner walls), "third
+  /// ventricle", or "frontal horns" (their centre).
   std::optional<double> midline_shift_mm;
   const char* midline_of = "";
   Vec3 midline_place_mm;

@@ -7,7 +7,7 @@ namespace trephine::segmentation {
 
 /// Counts of values in bins of one width.
 struct Histogram {
-  double first = 0;  ///< middle of the first bin
+  double first = 0;  ///< centre of the first bin
   double width = 1;
   std::vector<std::uint64_t> counts;
 };
@@ -19,8 +19,8 @@ struct TissueClass {
 struct TissueMixture {
   std::vector<TissueClass> classes;  ///< darkest first
   int iterations = 0;
-  /// The probability that a value is of classes first to last (from 0). Values beyond the outermost means count as
-  /// these, so that no wide class claims the far side of a narrow one.
+  /// The probability that a value belongs to the classes first to last (from 0). Values beyond the outermost means
+  /// count as these means, so that no wide class claims the far side of a narrow one.
   double share(double value, int first, int last) const;
 };
 
