@@ -10,7 +10,7 @@
 
 namespace trephine {
 
-/// What a walk does after a cell: end, go to the next one, or leave out what else it meets of the cell's block.
+/// What a walk does after a cell: end, go on to the next cell, or skip the rest of the cell's block.
 enum class WalkStep { end, cell, block };
 
 /// Calls visit(i, j, k, t0, t1) for each unit cell on the way from p to q, with t in [0, 1], going from face to face

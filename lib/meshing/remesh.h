@@ -18,13 +18,16 @@ struct RemeshParams {
   template <class V>
   static void describe(V& v) {
     using P = RemeshParams;
-    v.number(&P::edge_mm, "edge_mm", Range{0, 1000}, "Edge length aimed at; 0: the input's mean.");
-    v.integer(&P::iterations_count, "iterations_count", Range{1, 50}, "How often edges are split, joined and turned.");
+    v.number(&P::edge_mm, "edge_mm", Range{0, 1000}, "Target edge length; 0: the input's mean.");
+    v.integer(&P::iterations_count, "iterations_count", Range{1, 50},
+              "How often edges are split, collapsed and flipped.");
     v.number(&P::feature_angle_deg, "feature_angle_deg", Range{1, 180},
-             "Edges at which the surface turns by more stay; 180: none.");
-    v.number(&P::max_deviation_mm, "max_deviation_mm", Range{1e-6, 1e6},
-             "Largest distance between the surface and the input, either way; the edge is shortened to keep it.");
-    v.number(&P::time_limit_s, "time_limit_s", Range{0.1, 3600}, "Wall clock; beyond it remeshing is refused.");
+             "Edges at which the surface turns by more than this are kept; 180: none.");
+    v.number(
+        &P::max_deviation_mm, "max_deviation_mm", Range{1e-6, 1e6},
+        "Largest distance between the surface and the input, in either direction; the edge is shortened to keep it.");
+    v.number(&P::time_limit_s, "time_limit_s", Range{0.1, 3600},
+             "Limit on the wall clock time; remeshing that takes longer is refused.");
   }
 };
 
