@@ -6,8 +6,8 @@
 
 namespace trephine::detail {
 
-/// What the creases need: the nearest opaque position (camera coordinates, mm) and normal of each pixel; no numbers
-/// where none is.
+/// What the darkening of creases needs: the nearest opaque position (camera coordinates, mm) and normal of each pixel;
+/// NaN where there is none.
 struct SurfaceBuffer {
   int width = 0, height = 0;
   std::vector<std::array<float, 3>> position, normal;
