@@ -88,8 +88,7 @@ struct CaseConfig {
   std::vector<RecipeAnatomy> anatomies;  ///< the whole recipe, in its order
   std::vector<RecipeStep> scan_steps;    ///< the whole recipe, in its order
   RecipeRoles roles;
-  std::vector<SceneAnatomy>
-      scene;  ///< the wanted anatomies in the recipe's order, with triangles scaled by triangles_ratio
+  std::vector<SceneAnatomy> scene;      ///< in the recipe's order; triangles scaled by triangles_ratio
   std::string face, face_reason;        ///< "", keep, crop or deface
   std::vector<CaseLandmark> landmarks;  ///< given by the configuration or by a file that it names
   std::vector<SceneLandmark> scene_landmarks;

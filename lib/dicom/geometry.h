@@ -29,9 +29,8 @@ struct SliceStack {
 
 /// Where the slices really lie, and the upright uniform grid that shows them.
 struct StackGeometry {
-  std::vector<std::vector<int>>
-      levels;  ///< indices into positions_mm, ascending along the normal; several indices are duplicates
-  std::vector<double> along_mm;  ///< for each level, along the normal; ascending
+  std::vector<std::vector<int>> levels;  ///< indices into positions_mm, ascending along the normal; several: duplicates
+  std::vector<double> along_mm;          ///< for each level, along the normal; ascending
   std::vector<std::array<double, 2>>
       shift;  ///< per level: first voxel from the target's, in columns and rows of the target
   Lattice target;

@@ -51,9 +51,8 @@ struct SeriesSummary {
   std::string image_type;            ///< known words only, joined by '/'
   bool contrast = false;
   std::string transfer_syntax;  ///< name
-  std::string
-      orientation;  ///< "axial HFS": plane of the slices (oblique: at least 30 degrees off), and how the patient lay
-  double tilt_deg = 0;  ///< positive where the slices shift towards rising rows as they rise along the normal
+  std::string orientation;  ///< "axial HFS": plane of the slices (oblique: at least 30 degrees off), patient's position
+  double tilt_deg = 0;      ///< positive where the slices shift towards rising rows as they rise along the normal
   double smallest_step_mm = 0, largest_gap_mm = 0;
   int missing_slices = 0, duplicates = 0;  ///< steps over missing slices; files at a position that another file has
   bool usable = false;

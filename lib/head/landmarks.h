@@ -33,8 +33,7 @@ struct LandmarkInputs {
   const Field* skull = nullptr;       ///< required
   const Field* brain = nullptr;       ///< may be null
   const Field* ventricles = nullptr;  ///< may be null: then the foramina of Monro are not found
-  std::vector<CaseLandmark>
-      given;  ///< landmarks that a person gave; they replace found ones, and others are measured from them
+  std::vector<CaseLandmark> given;    ///< given by a person; they replace found ones, others are measured from them
 };
 
 /// Finds the landmarks of a head that is tilted by at most about 20 degrees (LPS axes), whole or cut. docs/landmarks.md

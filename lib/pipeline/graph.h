@@ -17,8 +17,7 @@ struct Node {
   std::map<std::string, int> sources;  ///< port -> node
   std::map<std::string, std::string>
       file_sha256;  ///< for parameters that name files: the hash of the content stands for the path
-  std::string
-      key;  ///< SHA-256 of everything that the output depends on: stage, version, parameters, keys of the sources
+  std::string key;  ///< SHA-256 of what the output depends on: stage, version, parameters, sources' keys
   DataKind output = DataKind::volume;
   /// The parameters that a case records, nested ones by their path: their values, or a file's hash.
   std::vector<std::pair<std::string, ParameterValue>> recorded() const;
