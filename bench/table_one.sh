@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Table I of the dissertation (S. Rizzi, chapter 2) remade: its reductions of brain, ventricles, skin and skull, on the
+# Table I of [Rizzi, chapter 2] made again: its reductions of brain, ventricles, skin and skull, on the
 # contours that `trephine run configs/ct_head.yaml ... --keep KEEP` leaves in KEEP, and what each costs in mm.
 # bench/table_one.sh TREPHINE KEEP
 set -euo pipefail

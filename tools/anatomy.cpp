@@ -14,7 +14,7 @@
 namespace trephine {
 namespace {
 
-/// The stage's work, with a picture of the worst place where one is asked for.
+/// Does the stage's work and makes a picture of the worst place where one is asked for.
 Report examine(const ParsedCommand& parsed, const Progress& progress) {
   const char* const names[] = {"skin", "skull", "brain", "ventricles"};
   std::optional<Field> given[4];
@@ -38,7 +38,7 @@ Report examine(const ParsedCommand& parsed, const Progress& progress) {
   if (parsed.has("picture") && !found.faults.empty())
     write_file(parsed.path("picture"), anatomy_picture(read_hu_nrrd(parsed.path("volume")), fields, found.faults[0]));
   if (!found.faults.empty()) {
-    // What was measured is worth having where the gate refuses, too.
+    // The measurements are useful even where the check refuses the case.
     if (parsed.has("report")) write_file(parsed.path("report"), report_json(report));
     require_anatomy(found);
   }
@@ -60,7 +60,7 @@ Command anatomy_command() {
     c.arguments.push_back(a);
   }
   c.arguments.push_back(argument("picture", Argument::Kind::out_file,
-                                 "Where slices through the worst place go if something is wrong (.png)."));
+                                 "File for slices through the worst place, if something is wrong (.png)."));
   c.arguments.push_back(report_argument());
   c.groups = {{"Parameters", stage.make_params}};
   c.run = [](const ParsedCommand& parsed) {

@@ -33,16 +33,18 @@ struct CutterParams {
               {"cone", CutterKind::cone},
               {"ellipsoid", CutterKind::ellipsoid},
               {"sphere", CutterKind::sphere}},
-             "A cutter of the values below, besides those of --cutters.");
+             "Makes one cutter from the values below, in addition to those of --cutters.");
     v.numbers(&P::position_mm, "position_mm", Range{-1e5, 1e5},
-              "Cylinder, cone: the axis' entry; sphere, ellipsoid: the centre; LPS.");
-    v.numbers(&P::direction, "direction", Range{-1e5, 1e5}, "Axis, into the body; ellipsoid: its third axis.");
-    v.numbers(&P::across, "across", Range{-1e5, 1e5}, "Ellipsoid: its first axis.");
-    v.number(&P::radius_mm, "radius_mm", Range{0.01, 1000}, "Cylinder, sphere; cone: at the entry.");
-    v.number(&P::end_radius_mm, "end_radius_mm", Range{0, 1000}, "Cone: at its far end.");
+              "Cylinder and cone: the entry point on the axis; sphere and ellipsoid: the centre; LPS.");
+    v.numbers(&P::direction, "direction", Range{-1e5, 1e5},
+              "Axis, pointing into the body; for an ellipsoid its third axis.");
+    v.numbers(&P::across, "across", Range{-1e5, 1e5}, "First axis of an ellipsoid.");
+    v.number(&P::radius_mm, "radius_mm", Range{0.01, 1000},
+             "Radius of a cylinder or sphere; for a cone the radius at the entry.");
+    v.number(&P::end_radius_mm, "end_radius_mm", Range{0, 1000}, "Radius of a cone at its far end.");
     v.numbers(&P::radii_mm, "radii_mm", Range{0.01, 1000}, "Ellipsoid.");
-    v.number(&P::above_mm, "above_mm", Range{0, 1000}, "Cylinder, cone: how far it reaches out from the entry.");
-    v.number(&P::depth_mm, "depth_mm", Range{0, 1000}, "Cylinder, cone: how far it reaches in from the entry.");
+    v.number(&P::above_mm, "above_mm", Range{0, 1000}, "How far a cylinder or cone reaches outwards from the entry.");
+    v.number(&P::depth_mm, "depth_mm", Range{0, 1000}, "How far a cylinder or cone reaches inwards from the entry.");
   }
 };
 
@@ -153,10 +155,9 @@ Command boolean_command() {
   Command c;
   c.name = stage.name;
   c.summary = "cuts burr holes and other solids out of a surface, a field or a haptic volume";
-  c.description =
-      stage.description +
-      "\n\nA field or a haptic volume is cut voxel by voxel with the same sub-voxel surface as it was made; "
-      "a shape of a haptic volume never grows by a cut.";
+  c.description = stage.description +
+                  "\n\nA field or a haptic volume is cut voxel by voxel, and the cut surface lies between the voxels "
+                  "as the rest does. A cut never makes a shape of a haptic volume grow.";
   c.examples = stage.examples;
   Argument input, cutters, mesh, shape, output;
   input.name = "input";
@@ -171,10 +172,10 @@ Command boolean_command() {
   shape.name = "shape";
   shape.kind = Argument::Kind::text;
   shape.repeated = true;
-  shape.help = "Haptic volume: a shape to cut; all where none is given.";
+  shape.help = "A shape of a haptic volume to cut; all shapes where none is given.";
   output.name = "output";
   output.kind = Argument::Kind::out_file;
-  output.help = "Where the result goes, with the input's extension.";
+  output.help = "File for the result, with the input's extension.";
   output.required = true;
   c.arguments = {input, cutters, mesh, shape, output, report_argument()};
   c.groups = {ParameterGroup::of<CutterParams>("Cutter"), {"Parameters", stage.make_params}};

@@ -4,8 +4,8 @@
 
 namespace trephine {
 
-/// Commands that are more than a stage, one a file in this folder. The others come from the declarations of the stages
-/// (stage_command.h).
+/// Commands that do more than run a stage, one in each file of this folder. All other commands come from the
+/// declarations of the stages (stage_command.h).
 Command phantom_command();
 Command import_command();
 Command anatomy_command();

@@ -47,17 +47,17 @@ struct ExportParams {
   static void describe(V& v) {
     using P = ExportParams;
     v.text(&P::name, "name",
-           "Name of a surface from a file, of the one file of --together, or of the labels; empty: the input's, or "
-           "labels.");
+           "Name for a surface from a file, for the one file of --together, or for the labels; where empty, the "
+           "input's name, or labels.");
     static const std::string together = "All anatomies in one file (" + format_names(holds_several) + " hold several).";
     v.flag(&P::together, "together", together.c_str());
     v.numbers(&P::colour_rgb, "colour_rgb", Range{0, 1},
-              "Colour (sRGB) of a surface from a file; a case knows its own.");
+              "Colour (sRGB) of a surface from a file; a case has its own colours.");
     v.number(&P::opacity, "opacity", Range{0, 1}, "Opacity of a surface from a file, where the format has one.");
   }
 };
 
-// "a,b" given once or more.
+// Reads "a,b", given once or more.
 std::vector<std::string> items_of(const ParsedCommand& parsed, const std::string& argument) {
   std::vector<std::string> items;
   for (const std::string& text : parsed.all(argument)) {
@@ -113,11 +113,11 @@ Formats formats_of(const ParsedCommand& parsed) {
   return formats;
 }
 
-// What is to be exported; the meshes stay where they are.
+// What is exported. The meshes stay where they are.
 struct Input {
   std::list<TriMesh> meshes;
   std::vector<ExportSurface> surfaces;
-  CaseManifest manifest;  ///< of a case
+  CaseManifest manifest;  ///< for a case
 };
 
 void load_case_surfaces(const fs::path& folder, const std::vector<std::string>& wanted, Input& input, Report& report,
@@ -174,10 +174,10 @@ Input load_input(const ParsedCommand& parsed, Report& report, const Progress& pr
 
 struct Exported {
   std::vector<ExportFile> files;
-  std::vector<std::string> table;  ///< a line a file
+  std::vector<std::string> table;  ///< one line for each file
 };
 
-// Encodes, has another program read it, and keeps the bytes for the end: nothing is written before all is well.
+// Encodes a surface, lets another program read it, and keeps the bytes: nothing is written before all files are valid.
 void export_one(const ExportFormat& format, const std::vector<ExportSurface>& surfaces, const std::string& stem,
                 Exported& out, Report& report, const Progress& progress) {
   auto made = encode_surfaces(format, surfaces, stem, progress.part(0, 0.5));
@@ -217,7 +217,7 @@ Exported export_surfaces(const Input& input, const std::vector<const ExportForma
   return out;
 }
 
-// The recipes' colours, and some that can be told apart.
+// The recipes' colours, and some more that can be told apart.
 std::array<double, 3> label_colour(const Input& input, const std::string& name, std::size_t number) {
   if (const CaseAnatomy* a = input.manifest.find_anatomy(name)) return a->colour_rgb;
   if (name == "skin") return {0.87, 0.68, 0.56};
@@ -260,7 +260,7 @@ void check_combination(const ParsedCommand& parsed, const Formats& formats) {
       if (!f->several) usage("--together", std::string(f->name) + " holds one surface a file");
 }
 
-// Fills the report (for --report) and returns what is printed.
+// Fills the report (for --report) and returns the text to be printed.
 std::string run_export(const ParsedCommand& parsed, Report& report, const Progress& progress) {
   const auto& params = parsed.params<ExportParams>();
   const Formats formats = formats_of(parsed);
@@ -289,7 +289,7 @@ std::string run_export(const ParsedCommand& parsed, Report& report, const Progre
   return text;
 }
 
-// What the formats hold, as they say it themselves.
+// What the formats hold, from their own declarations.
 std::string formats_text() {
   std::vector<std::string> formats;
   for (const ExportFormat& f : all_export_formats()) formats.emplace_back(f.help);
@@ -335,9 +335,11 @@ Command export_command() {
   Argument format = argument("format", Argument::Kind::text,
                              "Formats, with commas between them: " + with_commas(format_choices()) + ".");
   format.required = format.repeated = true;
-  Argument out = argument("out", Argument::Kind::out_folder, "Folder for the files; those of the same name go.");
+  Argument out =
+      argument("out", Argument::Kind::out_folder, "Folder for the files; files of the same name are replaced.");
   out.required = true;
-  Argument anatomy = argument("anatomy", Argument::Kind::text, "Anatomies of the case to export; all if not given.");
+  Argument anatomy =
+      argument("anatomy", Argument::Kind::text, "Anatomies of the case to export; all where none is given.");
   Argument texture = argument("texture_coordinates", Argument::Kind::text,
                               "Surfaces that get spherical texture coordinates, where the format has them (not " +
                                   format_names([](const ExportFormat& f) { return !f.texture; }) + ").");

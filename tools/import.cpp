@@ -19,7 +19,8 @@ struct ListParams {
   bool list = false;
   template <class V>
   static void describe(V& v) {
-    v.flag(&ListParams::list, "list", "Read nothing; say which series there are, and what import would make of each.");
+    v.flag(&ListParams::list, "list",
+           "Say which series there are, and what import would make of each, without reading a volume.");
   }
 };
 
@@ -52,10 +53,11 @@ Command import_command() {
   c.name = "import";
   c.summary = "reads a CT series from a DICOM folder or ZIP archive into a volume in HU";
   c.description =
-      "With --list it only says which series there are and whether each is usable, usable after rectification, or "
-      "refused and why. Else it reads one: slices are ordered and placed by their positions, HU are computed slice by "
-      "slice, a tilted gantry and uneven spacing are rectified by resampling, padding becomes air. What cannot be read "
-      "rightly is refused, naming file and tag. Names, IDs and UIDs of the patient go nowhere.";
+      "With --list it only says which series there are, and whether each is usable, usable after rectification, or "
+      "refused and why. Otherwise it reads one series: slices are ordered and placed by their positions, HU are "
+      "computed slice by slice, a tilted gantry and uneven spacing are rectified by resampling, and padding becomes "
+      "air. A series that cannot be read correctly is refused, naming file and tag. Names, IDs and UIDs of the patient "
+      "are never written anywhere.";
   c.examples = {"trephine import DICOM-FOLDER --list", "trephine import DICOM-FOLDER-OR-ZIP --output head.nrrd",
                 "trephine import DICOM-FOLDER --series s2 --gaps interpolate --output head.nrrd"};
   Argument from;
@@ -66,7 +68,7 @@ Command import_command() {
   Argument to;
   to.name = "output";
   to.kind = Argument::Kind::out_file;
-  to.help = "Where the volume goes (.nrrd); needed but with --list.";
+  to.help = "File for the volume (.nrrd); required except with --list.";
   Argument json;
   json.name = "json";
   json.kind = Argument::Kind::out_file;

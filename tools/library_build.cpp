@@ -14,11 +14,11 @@ Command library_build_command() {
   c.name = "library build";
   c.summary = "brings every case of a library up to date";
   c.description =
-      "Reads LIBRARY.yaml, finds by content which cases are stale (their series, the parameters and stages that they "
-      "depend on, the program, what became of their files), and builds these, each by `trephine run` on one thread, as "
-      "many at a time as memory holds, with Ninja. A case that fails keeps its last good state and stops no other; a "
-      "build that was stopped, killed even, is resumed by the next one. The exit status is that of the first case that "
-      "failed.";
+      "Reads LIBRARY.yaml and finds by content which cases are stale: it compares their series, the parameters and "
+      "stages that they depend on, the program, and their published files. It builds the stale cases with Ninja, each "
+      "by `trephine run` on one thread, as many at a time as fit into memory. A case that fails keeps its last valid "
+      "state and does not stop the others. A build that was stopped or killed is continued by the next one. The exit "
+      "status is that of the first case that failed.";
   c.examples = {"trephine library build configs/library.yaml --out library",
                 "trephine library build LIBRARY.yaml --out library --dry-run",
                 "trephine library build LIBRARY.yaml --out library --why head-01",
@@ -28,14 +28,15 @@ Command library_build_command() {
   Argument out = argument("out", Kind::out_folder, "The library: the folder in which the cases' folders are made.");
   out.required = true;
   Argument only = argument("case", Kind::text, "Build only this case.");
-  Argument why = argument("why", Kind::text, "Say why this case would be built; build nothing.");
+  Argument why = argument("why", Kind::text, "Say why this case would be built, and build nothing.");
   Argument set = argument("set", Kind::text, "Override anatomy.stage.parameter=value in every case.");
   Argument phantom = argument("phantom", Kind::text, "Override parameter=value of every phantom.");
   Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configurations may lead to.");
   only.repeated = why.repeated = set.repeated = phantom.repeated = root.repeated = true;
-  c.arguments = {
-      config, out,     only, why,
-      set,    phantom, root, argument("json", Kind::out_file, "Write what was built, and what failed, here too.")};
+  c.arguments = {config, out,
+                 only,   why,
+                 set,    phantom,
+                 root,   argument("json", Kind::out_file, "Also write here, as JSON, what was built and what failed.")};
   c.groups = {ParameterGroup::of<LibraryBuildParams>("Parameters")};
   c.only_looks = [](const ParsedCommand& parsed) {
     return parsed.params<LibraryBuildParams>().dry_run || parsed.has("why");

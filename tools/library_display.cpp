@@ -19,7 +19,7 @@ struct LibraryDisplay::State {
   std::mutex mutex;
   LogSink log_before;
 
-  // Both are called with the mutex held.
+  // The functions below are called with the mutex held.
   void paint(const std::string& text) {
     if (!terminal) return;
     winsize size{};

@@ -6,9 +6,9 @@
 
 namespace trephine {
 
-/// A library build on the terminal: one line that is repainted (done, failed, at work with their stages, time left),
-/// and a line that stays for each case that ended. Elsewhere than on a terminal only those lines; with `quiet` none of
-/// them.
+/// Shows a library build on the terminal: one line that is repainted (cases done, failed and in work with their stages,
+/// time left), and a line that stays for each case that ended. Elsewhere than on a terminal it writes only the lines
+/// that stay; with `quiet` none.
 class LibraryDisplay : public LibraryObserver {
  public:
   explicit LibraryDisplay(bool quiet);

@@ -25,7 +25,7 @@ Argument json_argument() {
   Argument a;
   a.name = "json";
   a.kind = Argument::Kind::out_file;
-  a.help = "Write the same as JSON here (/dev/stdout: instead of the table).";
+  a.help = "Also write the result as JSON here (/dev/stdout: instead of the table).";
   return a;
 }
 
@@ -39,7 +39,7 @@ struct VerifyParams {
   bool load = true;
   template <class V>
   static void describe(V& v) {
-    v.flag(&VerifyParams::load, "load", "Also load every case as a simulator does.");
+    v.flag(&VerifyParams::load, "load", "Also load every case as a simulator would.");
   }
 };
 
@@ -47,7 +47,7 @@ struct SheetParams {
   bool sheet = false;
   template <class V>
   static void describe(V& v) {
-    v.flag(&SheetParams::sheet, "sheet", "Make the library's contact sheet anew: contact_sheet.png and index.html.");
+    v.flag(&SheetParams::sheet, "sheet", "Make the library's contact sheet again: contact_sheet.png and index.html.");
   }
 };
 
@@ -58,8 +58,9 @@ Command library_list_command() {
   c.name = "library list";
   c.summary = "lists the cases of a library with their figures";
   c.description =
-      "Class, volume of the ventricles, Evans' index, shift of the midline, triangles, largest deviation, warnings, "
-      "age and version of every case, as case.json and run.json say; what is wrong with a case stands behind it.";
+      "Lists class, volume of the ventricles, Evans' index, shift of the midline, triangles, largest deviation, "
+      "warnings, age and version of every case, from case.json and run.json. What is wrong with a case is shown in its "
+      "row.";
   c.examples = {"trephine library list library", "trephine library list library --class hydrocephalic",
                 "trephine library list library --json list.json --sheet"};
   c.arguments = {library_argument(), json_argument()};
@@ -77,7 +78,8 @@ Command library_show_command() {
   Command c;
   c.name = "library show";
   c.summary = "shows all figures of one case of a library";
-  c.description = "Surfaces, what is felt, landmarks, burr holes, figures of the patient, and the warnings of its run.";
+  c.description =
+      "Shows surfaces, felt shapes, landmarks, burr holes, the patient's figures, and the warnings of the case's run.";
   c.examples = {"trephine library show library head-01"};
   Argument token;
   token.name = "case";
@@ -97,7 +99,7 @@ Command library_verify_command() {
   Command c;
   c.name = "library verify";
   c.summary = "compares every byte of a library's cases with their checksums";
-  c.description = "Ends with 65 where a case is damaged, and names every one of them.";
+  c.description = "Ends with exit code 65 where a case is damaged, and names every damaged case.";
   c.examples = {"trephine library verify library", "trephine library verify library --case head-01"};
   Argument only;
   only.name = "case";
@@ -122,11 +124,11 @@ Command library_verify_command() {
 Command library_gc_command() {
   Command c;
   c.name = "library gc";
-  c.summary = "removes from a library what nothing names any more";
+  c.summary = "removes from a library what nothing refers to any more";
   c.description =
-      "Files of older states of a case, what killed runs left, outputs of stages that were not used for long, records "
-      "of cases that are gone. Safe beside running builds: a case that one works on is left alone. No case is ever "
-      "removed.";
+      "Removes files of older states of a case, remains of killed runs, outputs of stages that were not used for long, "
+      "and records of cases that are gone. It is safe beside running builds: a case that is being built is left alone. "
+      "No case is ever removed.";
   c.examples = {"trephine library gc library", "trephine library gc library --dry-run"};
   c.arguments = {library_argument()};
   c.groups = {ParameterGroup::of<GcParams>("Parameters")};

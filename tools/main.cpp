@@ -17,7 +17,7 @@ Program declare() {
   program.commands = {run_command(),          trade_command(),          library_build_command(), library_list_command(),
                       library_show_command(), library_verify_command(), library_gc_command(),    library_job_command(),
                       export_command(),       phantom_command()};
-  // Stages, each as its declaration says, but for those whose commands are more than the stage.
+  // Stages as their declarations say, except those whose commands do more than run the stage.
   std::vector<Command> own = {import_command(),  anatomy_command(),  boolean_command(),
                               measure_command(), voxelize_command(), repair_command()};
   for (const StageType& stage : stage_types()) {
@@ -25,9 +25,9 @@ Program declare() {
     program.commands.push_back(more == own.end() ? make_stage_command(stage) : *more);
   }
   program.files = {{"PREFIX/share/trephine/configs/*.yaml",
-                    "Configurations of cases, of any head (ct_head.yaml) and of the sample (sample.yaml), and their "
+                    "Configurations of cases, for any head (ct_head.yaml) and for the sample (sample.yaml), and their "
                     "scenes; PREFIX is /usr for the Debian package."},
-                   {"PREFIX/share/trephine/pipelines/*.yaml", "How each anatomy is made."},
+                   {"PREFIX/share/trephine/pipelines/*.yaml", "The recipes, which say how each anatomy is made."},
                    {"PREFIX/share/trephine/sample_dicom/", "The CT series of a synthetic head."},
                    {"PREFIX/share/doc/trephine/", "README.md, the reference of all parameters, the format of a case."},
                    {"LIBRARY/.trephine-cache/",

@@ -25,11 +25,11 @@ struct LabelParams {
     v.integer(&P::label, "label", Range{0, 255},
               "With --labels: the label to compare with; 0: every voxel that is not 0.");
     v.integer(&P::last_label, "last_label", Range{0, 255},
-              "With --label: every label from that one to this, together; 0: that one alone.");
+              "With --label: all labels from that one to this, together; 0: only that one.");
   }
 };
 
-// The voxels of the labels asked for, as 1.
+// A mask of the voxels that have the requested labels.
 Mask selected(Mask labels, const LabelParams& params) {
   const int first = params.label ? params.label : 1;
   const int last = !params.label ? 255 : std::max(params.label, params.last_label);
@@ -51,7 +51,7 @@ phantom::Anatomy anatomy_named(const std::string& name) {
               "is needed with --truth: which of the truth's anatomies the surface is");
 }
 
-// A flag that would be overlooked in silence is refused.
+// A flag that would have no effect is refused.
 void check_flags(const ParsedCommand& parsed) {
   if (parsed.has("reference") + parsed.has("labels") + parsed.has("truth") > 1)
     throw Error(ExitCode::usage, "", "--reference, --labels, --truth", "at most one of them can be given");
@@ -68,14 +68,14 @@ void check_flags(const ParsedCommand& parsed) {
     throw Error(ExitCode::usage, "", "--last-label", "ends a range, give --label, where it begins, too");
 }
 
-// A file of ours as it is, another program's as its reader has it.
+// Reads a file of ours directly, and a file of another program by the reader of its format.
 TriMesh read_surface(const std::filesystem::path& file) {
   if (file.extension() == ".vtp") return read_vtp(file);
   Report ignored;
   return read_mesh_file(file, ignored);
 }
 
-// The surface or, of a .nrrd, the field.
+// Measures the surface, or the field where the file is a .nrrd.
 Report measure_against_truth(const ParsedCommand& parsed, const Progress& progress) {
   const phantom::Anatomy anatomy = anatomy_named(parsed.text("anatomy"));
   const phantom::Truth truth = phantom::read_truth(parsed.path("truth"));
@@ -107,24 +107,23 @@ Command measure_command() {
   Command c;
   c.name = stage.name;
   c.summary = stage.summary;
-  c.description =
-      stage.description +
-      " Against labels also Dice; against the truth of a phantom the distances are to its analytic surface (its "
-      "caps, where the scan cuts it, are left out); a field is compared with it on its own voxels, with Dice, volume "
-      "and, of a skull, how much too thick it is.";
+  c.description = stage.description +
+                  " Against labels it also gives Dice. Against the truth of a phantom, distances are to its analytic "
+                  "surface (caps, where the scan cuts the surface, are left out); a field is compared with the truth "
+                  "on its own voxels, with Dice, volume and, for a skull, how much too thick it is.";
   c.examples = stage.examples;
   Argument surface = file_argument(
       "surface",
-      "Surface to measure (.vtp, .stl, .ply, .obj, .vtk, .glb), or with --truth the field of an anatomy (.nrrd).");
+      "Surface to measure (.vtp, .stl, .ply, .obj, .vtk, .glb); with --truth also the field of an anatomy (.nrrd).");
   surface.positional = surface.required = true;
-  Argument anatomy = file_argument("anatomy", "Which anatomy of the truth the surface is.");
+  Argument anatomy = file_argument("anatomy", "The anatomy of the truth that the surface or field shows.");
   anatomy.kind = Argument::Kind::choice;
   for (const phantom::Anatomy a : phantom::all_anatomies) anatomy.choices.push_back(phantom::name_of(a));
   Argument picture = file_argument(
       "picture", "With --reference: the surface coloured by its distance to it, red outside, blue inside (.png).");
   picture.kind = Argument::Kind::out_file;
   c.arguments = {surface,
-                 file_argument("reference", "Surface to compare with, likewise."),
+                 file_argument("reference", "Surface to compare with, in the same formats."),
                  file_argument("labels", "Labels to compare with (.nrrd)."),
                  file_argument("truth", "Truth of a phantom (truth.json)."),
                  anatomy,

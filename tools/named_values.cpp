@@ -16,7 +16,7 @@ std::pair<std::string, std::string> named_value(const std::string& flag, const s
 
 std::vector<double> numbers_of(const std::string& flag, const std::string& text, std::size_t count) {
   const std::vector<std::string> items = split_at(text, ',');
-  // Read as every other number is: no locale, no octal, no infinity.
+  // Read as every other number is: without locale, octal numbers or infinity.
   Parameter numbers;
   numbers.kind = ParameterKind::numbers;
   numbers.count = count;

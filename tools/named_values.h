@@ -10,19 +10,20 @@
 
 namespace trephine {
 
-/// "skull=skull.vtp" -> skull, skull.vtp. Throws 64 naming the flag where there is no name or no value.
+/// Splits "skull=skull.vtp" into skull and skull.vtp. Throws Error 64 naming the flag where the name or the value is
+/// missing.
 std::pair<std::string, std::string> named_value(const std::string& flag, const std::string& text);
 
-/// Exactly `count` finite numbers with commas between them. Throws 64 naming the flag.
+/// Reads exactly `count` finite numbers with commas between them. Throws Error 64 naming the flag.
 std::vector<double> numbers_of(const std::string& flag, const std::string& text, std::size_t count);
 
-/// One number within the range. Throws 64 naming the flag.
+/// Reads one number within the range. Throws Error 64 naming the flag.
 double number_of(const std::string& flag, const std::string& text, double least, double most);
 
-/// All "nasion=0,-95,10" of a repeated flag.
+/// Reads every "nasion=0,-95,10" of a repeated flag.
 std::map<std::string, Vec3> named_positions(const std::string& flag, const std::vector<std::string>& texts);
 
-/// A volume as `import` writes it, which no field may be taken for.
+/// Whether the file is a volume as `import` writes it, which must not be taken for a field.
 bool holds_hu(const NrrdKeys& keys);
 
 }  // namespace trephine

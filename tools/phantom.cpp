@@ -12,16 +12,16 @@ Command phantom_command() {
   c.name = "phantom";
   c.summary = "makes a synthetic head as a CT series, with its truth";
   c.description =
-      "An analytic head (skin, skull, brain, ventricles) whose surfaces are known to a fraction of a micrometre is put "
-      "through a CT scanner: partial volume, kernel blur, correlated noise, tilt and, at clinical level, cupping, "
-      "streaks and sulci. FOLDER/dicom holds the series, FOLDER/truth its labels, surfaces, landmarks and truth.json, "
-      "which `measure --truth` reads. The same parameters give the same bytes.";
+      "Scans an analytic head (skin, skull, brain, ventricles), whose surfaces are known to a fraction of a "
+      "micrometre, with a simulated CT scanner: partial volume, kernel blur, correlated noise, tilt and, at clinical "
+      "level, cupping, streaks and sulci. FOLDER/dicom holds the series; FOLDER/truth holds its labels, surfaces, "
+      "landmarks and truth.json, which `measure --truth` reads. The same parameters give the same bytes.";
   c.examples = {"trephine phantom head --variant hydrocephalic --seed 7",
                 "trephine phantom head --level clinical --tilt-deg 13.5 --slice-step-mm 2.5 --slices-count 80"};
   Argument out;
   out.name = "folder";
   out.kind = Argument::Kind::out_folder;
-  out.help = "Where dicom/ and truth/ are made.";
+  out.help = "Folder in which dicom/ and truth/ are made.";
   out.required = out.positional = true;
   c.arguments = {out, report_argument()};
   c.groups = {ParameterGroup::of<HeadParams>("Head"), ParameterGroup::of<ScanParams>("Scanner"),

@@ -21,7 +21,7 @@ Command repair_command() {
   input.positional = input.required = true;
   output.name = "output";
   output.kind = Argument::Kind::out_file;
-  output.help = "Where the surface goes (.vtp).";
+  output.help = "File for the surface (.vtp).";
   output.required = true;
   c.arguments = {input, output, report_argument()};
   c.groups = {{"Parameters", stage.make_params}};

@@ -10,7 +10,7 @@
 namespace trephine {
 namespace {
 
-// The run's stages on the terminal.
+// Shows the run's stages on the terminal.
 class DisplayObserver : public RunObserver {
  public:
   explicit DisplayObserver(bool quiet) : display_(quiet) {}
@@ -29,8 +29,8 @@ struct ExplainParams {
   template <class V>
   static void describe(V& v) {
     v.flag(&ExplainParams::explain, "explain",
-           "Say what would be computed, what is cached or pruned, what it took last time, and why; compute nothing "
-           "(with --json as JSON).");
+           "Say what would be computed, what is cached or skipped, how long it took last time, and why; compute "
+           "nothing (as JSON with --json).");
   }
 };
 
@@ -40,11 +40,12 @@ Command run_command() {
   using Kind = Argument::Kind;
   Command c;
   c.name = "run";
-  c.summary = "builds a patient case from a CT series, as a configuration says";
+  c.summary = "builds a patient case from a CT series, as a configuration describes it";
   c.description =
-      "Reads the series, computes what the configuration's scene demands and nothing else, holds the results against "
-      "the scene's limits, and publishes the case as LIBRARY/CASE/case.json with its surfaces and pictures: the old "
-      "case or the new one, never a mixture. The same input, configuration and version give the same bytes.";
+      "Reads the series, computes what the configuration's scene needs and nothing else, checks the results against "
+      "the scene's limits, and publishes the case as LIBRARY/CASE/case.json with its surfaces and pictures. The "
+      "library holds the old case or the new one, never a mixture. The same input, configuration and version give the "
+      "same bytes.";
   c.examples = {"trephine run configs/sample.yaml --out out",
                 "trephine run configs/ct_head.yaml --series DICOM-FOLDER --out library --case head-01",
                 "trephine run configs/sample.yaml --out out --set skull.decimate.max_deviation_mm=0.2"};
@@ -59,12 +60,12 @@ Command run_command() {
                  out,
                  argument("series", Kind::in_path, "Folder of the CT series; overrides the configuration's."),
                  argument("landmarks", Kind::in_file,
-                          "Landmarks that a person placed (3D Slicer's .mrk.json or .fcsv); they win over others."),
+                          "Landmarks that a person placed (.mrk.json or .fcsv of 3D Slicer); they replace others."),
                  set,
                  root,
-                 argument("keep", Kind::out_folder, "Also write every stage's output into this folder."),
+                 argument("keep", Kind::out_folder, "Also write the output of every stage into this folder."),
                  argument("cache", Kind::out_folder, "Folder of the stage cache, instead of LIBRARY/.trephine-cache."),
-                 argument("json", Kind::out_file, "Write run.json (times, reports, memory) here too.")};
+                 argument("json", Kind::out_file, "Also write run.json (times, reports, memory) here.")};
   c.groups = {ParameterGroup::of<RunParams>("Parameters"), ParameterGroup::of<ExplainParams>("Explanation")};
   c.only_looks = [](const ParsedCommand& parsed) { return parsed.params<ExplainParams>().explain; };
   c.run = [](const ParsedCommand& parsed) {

@@ -27,7 +27,7 @@ Json schema_of() {
   return Json::parse(json_schema_of(AnyParams::make<P>()));
 }
 
-// Parameters and ports of a stage as a recipe says them.
+// Parameters and ports of a stage as a recipe writes them.
 Json body_schema(const StageType& stage, bool first_port) {
   Json body = Json::parse(json_schema_of(stage.make_params()));
   for (std::size_t i = first_port ? 0 : 1; i < stage.ports.size(); ++i)
@@ -39,7 +39,7 @@ Json body_schema(const StageType& stage, bool first_port) {
   return body;
 }
 
-// `- name` or `- name: {parameters and ports}`
+// Schema of a step: `- name` or `- name: {parameters and ports}`.
 Json step_schema(const StageType& stage) {
   Json body = body_schema(stage, false);
   body["type"] = {"object", "null"};

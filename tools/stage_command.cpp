@@ -20,7 +20,7 @@ Argument report_argument() {
   Argument a;
   a.name = "report";
   a.kind = Argument::Kind::out_file;
-  a.help = "Write what was achieved as JSON.";
+  a.help = "Write the stage's report as JSON.";
   return a;
 }
 
@@ -86,7 +86,7 @@ StageData load_port(const Port& port, const std::filesystem::path& file, const P
   return load_data(file, port.kind);
 }
 
-// The file's landmarks, if there is one; those of the flags win.
+// The landmarks of the file, if there is one; those of the flags replace them.
 StageData load_landmarks(const ParsedCommand& parsed, const std::string& port) {
   std::vector<CaseLandmark> own;
   for (const auto& [name, at] : named_positions("--landmark", parsed.all(landmark_flag)))
@@ -100,7 +100,7 @@ StageData load_landmarks(const ParsedCommand& parsed, const std::string& port) {
   return std::make_shared<const HeadLandmarks>(merged(*read, own));
 }
 
-// A fault of a landmark that a file gave names the file.
+// Adds the file's name to a fault of a landmark that it gave.
 template <class F>
 auto naming_landmarks_file(const StageType& stage, const ParsedCommand& parsed, F&& f) {
   try {
@@ -161,7 +161,7 @@ Command make_stage_command(const StageType& stage) {
     landmark.name = landmark_flag;
     landmark.kind = Argument::Kind::text;
     landmark.repeated = true;
-    landmark.help = "NAME=X,Y,Z: a landmark, LPS, mm; it wins over the file's.";
+    landmark.help = "NAME=X,Y,Z: a landmark, LPS, mm; it replaces the file's.";
     c.arguments.push_back(landmark);
   }
   if (stage.output != DataKind::nothing) {

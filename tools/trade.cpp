@@ -14,29 +14,29 @@ Command trade_command() {
   c.name = "trade";
   c.summary = "measures what accuracy costs in a case: seconds, triangles, bytes";
   c.description =
-      "Makes the configuration's case many times over with other parameters, each stage timed alone and repeated, and "
-      "measures every result against the finest one and, of a phantom, against the truth. Stages that two points share "
-      "are computed once; a sweep that was stopped goes on where it was. OUT gets trade.csv, trade.json, from which "
-      "`trade:` with accuracy, budget or profile in a configuration chooses a point, and plots.";
+      "Makes the configuration's case many times with other parameters, each stage timed alone and repeated. Every "
+      "result is compared with the finest one and, for a phantom, with the truth. Stages that two points share are "
+      "computed once; a sweep that was stopped continues where it was. OUT gets plots, trade.csv and trade.json. With "
+      "accuracy, budget or profile, `trade:` in a configuration chooses a point of trade.json.";
   c.examples = {"trephine trade configs/sample.yaml --out trade",
                 "trephine trade configs/ct_head.yaml --series head/dicom --truth head/truth/truth.json --out trade",
                 "trephine trade configs/sample.yaml --plan configs/trade/quick.yaml --out trade --repeats-count 1"};
   Argument config = argument("config", Kind::in_file, "Configuration of the case (.yaml).");
   config.positional = config.required = true;
-  Argument out = argument("out", Kind::out_folder, "Folder of the results.");
+  Argument out = argument("out", Kind::out_folder, "Folder for the results.");
   out.required = true;
-  Argument set = argument("set", Kind::text, "Override of all points, as `run` has it; what is swept wins over it.");
+  Argument set = argument("set", Kind::text, "Override of all points, as for `run`; swept parameters win over it.");
   Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
   set.repeated = root.repeated = true;
-  c.arguments = {
-      config,
-      out,
-      argument("plan", Kind::in_file, "What is swept (.yaml); without it bounds, counts, smoothing, voxels."),
-      argument("series", Kind::in_path, "Folder of the CT series; overrides the configuration's."),
-      argument("truth", Kind::in_file, "Truth of a phantom (truth.json)."),
-      argument("landmarks", Kind::in_file, "Landmarks that a person placed, as `run` has it."),
-      set,
-      root};
+  c.arguments = {config,
+                 out,
+                 argument("plan", Kind::in_file,
+                          "What is swept (.yaml). Without it, bounds, counts, smoothing and voxel sizes are swept."),
+                 argument("series", Kind::in_path, "Folder of the CT series; overrides the configuration's."),
+                 argument("truth", Kind::in_file, "Truth of a phantom (truth.json)."),
+                 argument("landmarks", Kind::in_file, "Landmarks that a person placed, as for `run`."),
+                 set,
+                 root};
   c.groups = {ParameterGroup::of<TradeParams>("Parameters")};
   c.run = [](const ParsedCommand& parsed) {
     TradeRequest request;

@@ -13,8 +13,8 @@
 namespace trephine {
 namespace {
 
-// The parameters, in which each surface that is given is a shape, and what is said of shapes fits them. In the order of
-// the command line: the first has precedence.
+// Parameters in which every given surface is a shape, with what the command line says of shapes. The order is that of
+// the command line: the first shape has precedence.
 AnyParams shapes_of(const ParsedCommand& parsed) {
   VoxelizeStageParams params = parsed.params<VoxelizeStageParams>();
   const bool hu = params.encoding == HapticEncoding::hu;
@@ -70,7 +70,7 @@ Command voxelize_command() {
   Argument hardness;
   hardness.name = "hardness";
   hardness.kind = Argument::Kind::out_file;
-  hardness.help = "Where the hardness volume goes (.nrrd); needs --hardness-high-hu.";
+  hardness.help = "File for the hardness volume (.nrrd); needs --hardness-high-hu.";
   c.arguments.push_back(hardness);
   c.run = [&stage](const ParsedCommand& parsed) {
     check_flags(parsed);

@@ -39,7 +39,8 @@ void check(const std::string& worker, bool good, const char* step) {
   if (!good) fail(worker, std::string("cannot start a child process: ") + step + ": " + std::strerror(errno));
 }
 
-// Moved above the numbers that the child gets, so that one dup2 there cannot overwrite the source of another.
+// The descriptor is moved above the numbers that the child gets, so that one dup2 there cannot overwrite the source of
+// another.
 FileDescriptor moved_up(const std::string& worker, int fd, const char* step) {
   const FileDescriptor low(fd);
   check(worker, low.valid(), step);
@@ -61,7 +62,7 @@ void write_all(const std::string& worker, int fd, std::string_view bytes) {
   }
 }
 
-// A running child; whatever leaves the scope, nothing of it stays.
+// A running child. However the scope is left, no process of the child remains.
 class Process {
  public:
   explicit Process(pid_t pid) : pid_(pid) {}
@@ -69,7 +70,7 @@ class Process {
   Process& operator=(const Process&) = delete;
   ~Process() { end(); }
 
-  // True once it ended; status as waitpid gives it.
+  // True once the child has ended; `status` is then as waitpid gives it.
   bool ended(int& status) {
     if (pid_ > 0) {
       siginfo_t info{};
@@ -77,11 +78,12 @@ class Process {
       do r = ::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT);
       while (r < 0 && errno == EINTR);
       if (r == 0 && info.si_pid == 0) return false;
-      // What it started itself goes too, while the number of its group is still taken.
+      // Processes that the child started are killed too, while the number of its process group is still taken.
       ::kill(-pid_, SIGKILL);
       while ((r = ::waitpid(pid_, &status_, 0)) < 0 && errno == EINTR) {
       }
-      if (r < 0) status_ = W_EXITCODE(0, SIGKILL);  // somebody else has reaped it: what it did is unknown
+      if (r < 0)
+        status_ = W_EXITCODE(0, SIGKILL);  // another part of the program has reaped it, so what it did is unknown
       pid_ = 0;
     }
     status = status_;
@@ -113,12 +115,12 @@ pid_t start(const std::string& worker, const ChildLimits& limits, int request, i
             std::to_string(::getpid()),
             std::to_string(thread_count())};
   s.descriptors = {request, result, pipe};
-  // What libraries say may hold a patient's data; only a sanitizer's report has to be seen.
+  // Messages of libraries may hold a patient's data, so they are dropped; only a sanitizer's report has to be seen.
   s.shares_stderr = built_with_sanitizer;
-  // A group of its own: Ctrl-C reaches the parent alone, which then kills the child.
+  // The child has its own process group: Ctrl-C reaches the parent alone, which then kills the child.
   s.own_group = true;
-  // The child sets its own limits, but only once it runs: what kills it while its libraries are loaded must leave no
-  // core file either, so it is born without the right to.
+  // The child sets its own limits, but only once it runs. A fault while its libraries are loaded must not leave a core
+  // file either, so the right to write one is taken before the start.
   s.core_file = false;
   try {
     return spawn(s);
@@ -127,12 +129,12 @@ pid_t start(const std::string& worker, const ChildLimits& limits, int request, i
   }
 }
 
-// Takes what the pipe holds apart. The child may have lost its mind: nothing of it is trusted.
+// Parses what the pipe holds. The child may be corrupted, so nothing that it sends is trusted.
 class Messages {
  public:
   void add(const char* data, std::size_t size) { buffer_.append(data, size); }
 
-  // Calls progress with the newest fraction and keeps an error or the word that all is done.
+  // Calls progress with the newest fraction, and keeps an error or the message that all is done.
   void take(const Progress& progress, const std::string& worker) {
     double fraction = -1;
     std::size_t at = 0;
@@ -187,7 +189,7 @@ std::string how_it_died(int status, const ChildLimits& limits) {
 }
 
 ChildResult map_result(const std::string& worker, int fd) {
-  // From here on nobody can shrink it under the mapping, whatever still holds it.
+  // From here on nobody can shrink the file under the mapping, whoever still holds it open.
   check(worker, ::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE) == 0, "sealing the result");
   struct stat s {};
   check(worker, ::fstat(fd, &s) == 0, "the result's size");
@@ -233,7 +235,7 @@ ChildResult run_child(const std::string& worker, std::string_view request, const
   Messages messages;
   bool open = true, ended = false;
   int status = 0;
-  // After its end what the pipe still holds is read once more.
+  // After the child has ended, what the pipe still holds is read once more.
   while (!ended) {
     if (open) {
       pollfd p{read_end.get(), POLLIN, 0};

@@ -10,21 +10,21 @@
 
 namespace trephine {
 
-/// The bounded child process: danger (decoders with live asserts, foreign importers, booleans that crash or hang) runs
-/// in a spawned copy of this program with limits on memory, CPU and wall clock, core size 0 and no signal handlers of
-/// ours; the request and the result travel in shared memory. The parent always survives, kills what is left, and
-/// reports.
+/// The bounded child process. Dangerous work (decoders with live asserts, foreign importers, booleans that crash or
+/// hang) runs in a spawned copy of this program with limits on memory, CPU time and wall clock time, core size 0 and
+/// none of our signal handlers. The request and the result travel in shared memory. The parent always survives, kills
+/// what is left of the child, and reports.
 ///
 /// A worker is a function registered under a name at static initialization:
 ///   static const ChildWorker decode_worker("dicom-decode", [](ChildRequest& r) { ... });
-/// main() of every program and test calls run_child_if_asked(argc, argv) before anything else.
-/// (A static library's registrations are dropped by the linker unless something else in that file is used: keep the
-/// registration in the .cpp of the parent's own function that calls run_child.)
+/// main() of every program and test calls run_child_if_asked(argc, argv) before anything else. (The linker drops a
+/// static library's registrations unless something else in that file is used, so keep the registration in the .cpp of
+/// the parent's function that calls run_child.)
 
 struct ChildLimits {
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< address space (RLIMIT_AS)
   double cpu_s = 300;                                   ///< RLIMIT_CPU
-  double wall_s = 600;                                  ///< SIGKILL after it
+  double wall_s = 600;                                  ///< the child is killed (SIGKILL) after it
 };
 
 /// What a worker sees: the request's bytes, a sink for the result, and a way to say how far it is.
@@ -57,13 +57,13 @@ class ChildResult {
 };
 
 /// Runs the worker and waits. An Error that the worker throws arrives as the same Error (code, file, field, what).
-/// Throws Error 70 where the child dies, or exceeds a limit (the what says which: "killed by signal 6", "memory limit
-/// 512 MiB", "wall clock limit 60 s"); Cancelled where `progress` says so. No child outlives the call, nor a killed
-/// parent (PR_SET_PDEATHSIG).
+/// Throws Error 70 where the child dies or exceeds a limit; the text says which: "killed by signal 6", "memory limit
+/// 512 MiB", "wall clock limit 60 s". Throws Cancelled where `progress` says so. No child outlives the call or a parent
+/// that was killed (PR_SET_PDEATHSIG).
 ChildResult run_child(const std::string& worker, std::string_view request, const ChildLimits& limits,
                       const Progress& progress = {});
 
-/// Whether run_child threw because the child reached a limit of its own (time, memory), not because it refused or died.
+/// Whether run_child threw because the child reached one of its limits (time, memory), not because it refused or died.
 bool is_child_limit(const Error& e);
 
 /// In the child: runs the worker and ends the process. In the parent: returns.

@@ -12,8 +12,9 @@
 
 namespace trephine {
 
-/// What parent and bounded child (base/child.h) hand each other: values and arrays as they lie in memory, and before a
-/// text or an array its length, 8 bytes. Both are the same program, so that no version and no byte order is named.
+/// Writes a message between the parent and the bounded child (base/child.h): values and arrays as they lie in memory,
+/// with 8 bytes of length before each text and array. Both sides are the same program, so the message names no version
+/// and no byte order.
 class MessageWriter {
  public:
   template <class T>
@@ -26,7 +27,7 @@ class MessageWriter {
     number(s.size());
     bytes_ += s;
   }
-  /// Of anything with data() and size().
+  /// Takes anything that has data() and size().
   template <class Array>
   void array(const Array& items) {
     static_assert(std::is_trivially_copyable_v<std::decay_t<decltype(*items.data())>>);
@@ -41,8 +42,8 @@ class MessageWriter {
   std::string bytes_;
 };
 
-/// Takes the same apart, in the same order. The other side may have lost its mind: no length of it is trusted, and
-/// where the bytes end too early, Error 70 is thrown with the worker's name. Texts are views of the bytes.
+/// Reads such a message in the same order. The other side may be corrupted, so none of its lengths is trusted: where
+/// the bytes end too early, Error 70 is thrown with the worker's name. Texts are views of the bytes.
 class MessageReader {
  public:
   MessageReader(std::string worker, std::string_view bytes) : worker_(std::move(worker)), bytes_(bytes) {}

@@ -7,7 +7,7 @@
 
 namespace trephine {
 
-/// What parent and child of base/child.h agree on; for their two sources only.
+/// The protocol between parent and child of base/child.h; for the two sources of that header only.
 ///
 /// The child is started as `PROGRAM --trephine-child WORKER MEMORY_BYTES CPU_S PARENT_PID THREADS` with the request
 /// (memfd, sealed), the result (memfd, to be written) and the pipe of messages as the three descriptors below.
@@ -17,7 +17,7 @@ constexpr int child_request_fd = 3, child_result_fd = 4, child_pipe_fd = 5;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool built_with_sanitizer =
-    true;  ///< its shadow needs terabytes of address space and a core that can be traced
+    true;  ///< a sanitizer's shadow needs terabytes of address space and a core that can be traced
 #else
 constexpr bool built_with_sanitizer = false;
 #endif
@@ -29,12 +29,12 @@ struct ChildMessage {
 };
 constexpr std::uint32_t child_message_limit = 1 << 20;
 
-/// An error's five parts (code, case, file, field, what), each with its length before it. Unpacking gives no parts
-/// where the bytes are not five parts.
+/// Packs the five parts of an error (code, case, file, field, what), each with its length before it. Unpacking returns
+/// an empty list where the bytes are not five parts.
 std::string pack_child_error(const std::vector<std::string>& parts);
 std::vector<std::string> unpack_child_error(std::string_view bytes);
 
-/// "memory limit 512 MiB"
+/// Gives a text such as "memory limit 512 MiB".
 std::string child_memory_limit_text(std::uint64_t bytes);
 
 }  // namespace trephine

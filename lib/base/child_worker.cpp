@@ -71,7 +71,7 @@ class Request final : public ChildRequest {
   using ChildRequest::write;
   void write(const void* data, std::size_t size) override {
     const std::lock_guard<std::mutex> lock(mutex_);
-    // Pages of the result are not address space of this process; the limit is kept by hand.
+    // Pages of the result are not part of this process's address space, so the limit is checked here.
     if (size > memory_bytes_ - written_) throw std::bad_alloc();
     written_ += size;
     if (buffer_.size() + size < buffer_limit) {
@@ -119,10 +119,10 @@ void limit(__rlimit_resource resource, rlim_t soft, rlim_t hard) {
 
 void confine(std::uint64_t memory_bytes, rlim_t cpu_s, pid_t parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::_exit(1);  // it died before the line above
+  if (::getppid() != parent) ::_exit(1);  // the parent died before the line above
   for (const int number : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ}) std::signal(number, SIG_DFL);
   const int fd = ::open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
-  if (fd >= 0) {  // where memory runs out, rather this process than another; a wish, not a need
+  if (fd >= 0) {  // where memory runs out, the kernel should end this process before another; it works without as well
     (void)!::write(fd, "500", 3);
     ::close(fd);
   }
@@ -131,7 +131,7 @@ void confine(std::uint64_t memory_bytes, rlim_t cpu_s, pid_t parent) {
   limit(RLIMIT_FSIZE, memory_bytes, memory_bytes);
   if (built_with_sanitizer) return;
   limit(RLIMIT_AS, memory_bytes, memory_bytes);
-  ::prctl(PR_SET_DUMPABLE, 0);  // a core piped to a collector heeds no RLIMIT_CORE
+  ::prctl(PR_SET_DUMPABLE, 0);  // a core that is piped to a collector does not obey RLIMIT_CORE
 }
 
 void send_error(ExitCode code, const std::string& case_token, const std::string& file, const std::string& field,
@@ -149,8 +149,8 @@ std::string type_name(const std::exception& e) {
   return text;
 }
 
-// Runs the worker; what went wrong goes to the parent. A foreign exception's text may quote the file it read, so that
-// only its type is told.
+// Runs the worker and sends what went wrong to the parent. The text of a foreign exception may quote the file that was
+// read, so only the exception's type is told.
 bool work(const std::string& name, std::uint64_t memory_bytes) {
   try {
     const auto found = workers().find(name);
@@ -185,7 +185,7 @@ void run_child_if_asked(int argc, char** argv) {
     confine(static_cast<std::uint64_t>(*memory_bytes), static_cast<rlim_t>(*cpu_s), static_cast<pid_t>(*parent));
     set_thread_count(static_cast<int>(*threads));
     good = work(argv[2], static_cast<std::uint64_t>(*memory_bytes));
-  } catch (...) {  // the pipe is gone or memory too short to say so: the status says it
+  } catch (...) {  // the pipe is gone or memory is too short to say so; the exit status says it
   }
   ::_exit(good ? 0 : 1);
 }

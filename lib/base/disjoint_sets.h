@@ -6,7 +6,8 @@
 
 namespace trephine {
 
-/// Disjoint sets over 0..n-1 with path halving. The representative is the lowest member, whatever the order of unions.
+/// Disjoint sets over 0..n-1 (union-find with path halving). The representative of a set is its lowest member, whatever
+/// the order of the unions.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t n) : parent_(n) {

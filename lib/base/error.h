@@ -9,11 +9,12 @@
 
 namespace trephine {
 
-/// The one error type: who must act (the exit code), where (file; tag, field or stage), and what (value, limit or what
-/// to do). It is printed as one line, `trephine <tool>: <case token>: <file>: <field>: <what>`, empty parts left out.
+/// The one error type. It says who must act (the exit code), where (the file; the tag, field or stage), and what is
+/// wrong (the value, the limit or what to do). It is printed as one line, `trephine <tool>: <case token>: <file>:
+/// <field>: <what>`, without the parts that are empty.
 ///
-/// Whoever throws fills in what it knows; callers add the rest on the way up with `in_file`, `in_field`, `in_case`,
-/// which keep what is already there. No part may ever hold a patient's name, ID or UID.
+/// Code that throws fills in the parts that it knows; callers add the rest on the way up with `in_file`, `in_field` and
+/// `in_case`, which keep what is already there. No part may ever hold a patient's name, ID or UID.
 class Error : public std::runtime_error {
  public:
   Error(ExitCode code, std::string file, std::string field, const std::string& what);
@@ -35,10 +36,11 @@ class Error : public std::runtime_error {
   std::string case_token_, file_, field_;
 };
 
-/// Several faults found at once, as a configuration has them; printed a line each. It stands for the first of them.
+/// Several faults found at once, as in a configuration, each printed on a line of its own. As an Error it stands for
+/// the first of them.
 class ErrorList : public Error {
  public:
-  /// At least one.
+  /// `all` must hold at least one error.
   explicit ErrorList(std::vector<Error> all) : Error(all.at(0)), all_(std::move(all)) {}
   const std::vector<Error>& all() const { return all_; }
 
@@ -46,7 +48,8 @@ class ErrorList : public Error {
   std::vector<Error> all_;
 };
 
-/// Runs f(); an Error that passes through gets the field added. The usual way to say which stage it was.
+/// Runs f() and adds the field to an Error that passes through. This is the usual way to say in which stage it
+/// happened.
 template <class F>
 auto with_field(const std::string& field, F&& f) {
   try {
@@ -57,7 +60,7 @@ auto with_field(const std::string& field, F&& f) {
   }
 }
 
-/// The same for the file.
+/// Runs f() and adds the file to an Error that passes through.
 template <class F>
 auto with_file(const std::string& file, F&& f) {
   try {
@@ -68,7 +71,7 @@ auto with_file(const std::string& file, F&& f) {
   }
 }
 
-/// Thrown by Progress when the user cancelled; not an Error, so that nothing mistakes it for one and goes on.
+/// Thrown by Progress when the user cancelled. It is not an Error, so that no code takes it for one and continues.
 struct Cancelled {};
 
 }  // namespace trephine

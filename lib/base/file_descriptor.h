@@ -8,7 +8,7 @@
 
 namespace trephine {
 
-/// Owns a file descriptor; -1 is none. For base's own sources.
+/// Owns a file descriptor; -1 means none. For the sources of base only.
 class FileDescriptor {
  public:
   FileDescriptor() = default;
@@ -37,7 +37,7 @@ struct InputFile {
 };
 InputFile open_input(const std::filesystem::path& file, std::uint64_t max_bytes);
 
-/// Reads at most `size` bytes, 0 at the end of the file; 74 where that fails.
+/// Reads at most `size` bytes and returns their count, 0 at the end of the file. Throws Error 74 where reading fails.
 std::size_t read_some(int fd, void* data, std::size_t size, const std::filesystem::path& file);
 
 }  // namespace trephine

@@ -8,8 +8,8 @@
 
 namespace trephine {
 
-/// SHA-256 (FIPS 180-4) of what was added, through OpenSSL. Values are hashed with their length or as fixed-width
-/// little-endian bytes, so that no two sequences of different pieces collide.
+/// SHA-256 (FIPS 180-4) of everything that was added, computed by OpenSSL. Values are hashed with their length or as
+/// fixed-width little-endian bytes, so that no two different sequences of pieces give the same bytes.
 class Sha256 {
  public:
   Sha256();
@@ -19,9 +19,9 @@ class Sha256 {
 
   Sha256& bytes(const void* data, std::size_t size);  ///< raw, without a length
   Sha256& text(std::string_view s);                   ///< with its length before it
-  Sha256& number(double v);                           ///< the 8 bytes of its bit pattern; -0 as 0
+  Sha256& number(double v);                           ///< the 8 bytes of its bit pattern; -0 counts as 0
   Sha256& integer(std::int64_t v);
-  std::string hex();  ///< 64 lower-case digits; the object is finished after it
+  std::string hex();  ///< 64 lower-case digits; nothing may be added afterwards
 
  private:
   struct Context;

@@ -32,7 +32,7 @@ void log_line(const std::string& text) {
   while (done < line.size()) {
     const ssize_t n = ::write(STDERR_FILENO, line.data() + done, line.size() - done);
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return;  // nobody is left to hear that nobody listens
+    if (n <= 0) return;  // stderr is closed, so there is nobody to report this to
     done += static_cast<std::size_t>(n);
   }
 }

@@ -5,14 +5,14 @@
 
 namespace trephine {
 
-/// One line on stderr, whole even from several threads: what the user should know of a run that goes on. Control
-/// characters are replaced. Never a patient's name, ID or UID.
+/// Writes one line to stderr that the user should read during a run. Lines of several threads never mix. Control
+/// characters are replaced. The text must never hold a patient's name, ID or UID.
 void log_line(const std::string& text);
-/// log_line("warning: ...").
+/// The same as log_line("warning: " + text).
 void log_warning(const std::string& text);
 
-/// Sends the lines (without their newline) elsewhere, one call at a time; null sends them to stderr again. For displays
-/// that own the terminal's last line. Returns the sink before.
+/// Sends the lines (without their newline) to `sink`, one call at a time; null sends them to stderr again. It is for
+/// displays that own the terminal's last line. Returns the previous sink.
 using LogSink = std::function<void(const std::string& line)>;
 LogSink set_log_sink(LogSink sink);
 

@@ -14,8 +14,8 @@ namespace trephine {
 namespace {
 
 #ifndef TREPHINE_HEADLESS
-// Never destroyed: with the limit gone TBB starts threads at the end of the process, and where it cannot, memory being
-// short, it ends it by an exception.
+// This object is never destroyed. Without the limit TBB starts threads at the end of the process, and where memory is
+// too short for them it ends the process by an exception.
 std::unique_ptr<tbb::global_control>& g_limit = *new std::unique_ptr<tbb::global_control>;
 #endif
 int g_count = 0;
@@ -42,7 +42,7 @@ void parallel_for(std::int64_t begin, std::int64_t end, std::int64_t grain,
     const std::int64_t from = begin + i * grain;
     body(from, std::min(end, from + grain));
   };
-#ifdef TREPHINE_HEADLESS  // one after the other: what runs in parallel runs when a case is loaded
+#ifdef TREPHINE_HEADLESS  // one after the other: the parallel parts run when a case is loaded
   for (std::int64_t i = 0; i < pieces; ++i) piece(i);
 #else
   tbb::parallel_for(std::int64_t{0}, pieces, piece);

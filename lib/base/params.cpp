@@ -23,7 +23,8 @@ std::string joined(const std::vector<std::string>& items) {
   return out;
 }
 
-// " from 0 to 5", " of at least 0", or nothing; the limits of the machine's integers are nobody's concern.
+// A text such as " from 0 to 5" or " of at least 0", or nothing. Limits that are only those of the machine's integers
+// are left out.
 std::string limits(const Parameter& p, const char* from, const char* at_least, const char* at_most) {
   const auto bounded = [&](double v) {
     return std::isfinite(v) && (p.kind != ParameterKind::integer || std::fabs(v) < 2147483647.0);
@@ -132,7 +133,7 @@ void add_declared(const ParameterSet& set, const std::shared_ptr<void>& defaults
     if (!p.name.empty() || p.is_value()) out.push_back({path, &p, defaults});
     if (p.is_value()) continue;
     const ParameterSet& items = p.item_set();
-    if (items.only_value() && items.only_value()->is_value()) continue;  // the parameter's own line says it
+    if (items.only_value() && items.only_value()->is_value()) continue;  // the line of the parameter itself says it
     add_declared(items, items.make(), path + (p.kind == ParameterKind::map ? ".NAME" : ""), out);
   }
 }
@@ -153,7 +154,7 @@ std::string text_of(const ParameterSet& set, void* object) {
   return text + "}";
 }
 
-// "a=1,b=2,3" -> {a, 1}, {b, 2,3}
+// Splits "a=1,b=2,3" into {a, 1} and {b, 2,3}.
 std::vector<std::pair<std::string, std::string>> keys_and_values(const std::string& text) {
   std::vector<std::pair<std::string, std::string>> all;
   for (const std::string& part : split_at(text, ',')) {

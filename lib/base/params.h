@@ -14,8 +14,8 @@
 
 namespace trephine {
 
-/// Parameters are declared once. An options struct lists its members in a static `describe` (a visitor over members;
-/// the default is the member's initializer and stands nowhere else):
+/// Parameters are declared once. An options struct lists its members in a static `describe` function that takes a
+/// visitor. The default is the member's initializer and is written nowhere else:
 ///
 ///   struct DecimateParams {
 ///     double max_deviation_mm = 0.2;
@@ -25,14 +25,14 @@ namespace trephine {
 ///     }
 ///   };
 ///
-/// parameters_of<P>() turns that into a list of type-erased descriptors; the CLI flag (--max-deviation-mm), the YAML
+/// parameters_of<P>() turns that into a list of type-erased descriptors. The CLI flag (--max-deviation-mm), the YAML
 /// key, validation, help, reference page, JSON schema, completion, the cache's key and the record of effective values
-/// all come from it.
+/// all come from this list.
 ///
-/// A member may itself be a declared struct (group), a list of them, or a map from names to them, kept in the order in
-/// which they were given. A struct whose only parameter has an empty name stands for that value alone: `{nasion: 0.5}`.
-/// A struct may have a member `std::string fault() const`: what is wrong with its values together ("NAME: what"), or
-/// "".
+/// A member may itself be a declared struct (a group), a list of declared structs, or a map from names to them, which
+/// keeps the order in which the names were given. A struct whose only parameter has an empty name stands for that value
+/// alone: `{nasion: 0.5}`. A struct may have a member `std::string fault() const`, which says what is wrong with its
+/// values taken together ("NAME: what"), or returns "".
 
 struct Range {
   double min = -std::numeric_limits<double>::infinity();
@@ -41,14 +41,14 @@ struct Range {
 
 enum class ParameterKind { number, integer, flag, choice, text, numbers, group, list, map };
 
-/// choice holds its name, numbers a fixed count of doubles.
+/// The value of a parameter: a choice is held by its name, and numbers are a fixed count of doubles.
 using ParameterValue = std::variant<double, std::int64_t, bool, std::string, std::vector<double>>;
 
-/// A map from names to declared structs, in the order in which they were given.
+/// A map from names to declared structs that keeps the order in which they were given.
 template <class T>
 using Named = std::vector<std::pair<std::string, T>>;
 
-/// The item of that name; null where there is none.
+/// The item with that name, or null where there is none.
 template <class T>
 const T* find_item(const Named<T>& all, const std::string& name) {
   for (const auto& item : all)
@@ -58,27 +58,28 @@ const T* find_item(const Named<T>& all, const std::string& name) {
 
 struct ParameterSet;
 
-/// A declared struct within another: of a map by its name, of a list by its number from 0, of a group "".
+/// A declared struct within another. An item of a map is named by its key, an item of a list by its number from 0; a
+/// group has the name "".
 struct ParameterItem {
   std::string name;
   void* object = nullptr;
 };
 
 struct Parameter {
-  std::string name;  ///< snake_case, ends in its unit; empty: the struct stands for this value alone
-  std::string help;  ///< one line
+  std::string name;  ///< snake_case, ends in its unit; an empty name means that the struct stands for this value alone
+  std::string help;  ///< one line, shown in help and reference
   ParameterKind kind = ParameterKind::number;
-  Range range;                       ///< number, integer, numbers
-  std::vector<std::string> choices;  ///< choice
-  std::size_t count = 0;             ///< numbers: how many; list and map: at most so many, 0 for any
-  bool required = false;             ///< a file that leaves it out is refused
-  bool zero_is_none = false;         ///< 0 is allowed below the range, too, and stands for no limit
-  std::string source = "";           ///< text, map: what it names: "anatomy", "material", "landmark", "file"
-  /// Of numbers, integers, flags, choices, texts.
+  Range range;                       ///< for number, integer and numbers
+  std::vector<std::string> choices;  ///< for choice
+  std::size_t count = 0;             ///< for numbers: how many; for list and map: at most this many, 0 means any count
+  bool required = false;             ///< a file without this key is refused
+  bool zero_is_none = false;         ///< 0 is allowed even below the range and means no limit
+  std::string source = "";  ///< for text and map, what the value names: "anatomy", "material", "landmark", "file"
+  /// For numbers, integers, flags, choices and texts.
   std::function<ParameterValue(const void* params)> get;
   std::function<void(void* params, const ParameterValue&)> set;  ///< the value must have passed parse_parameter
-  /// Of groups, lists and maps: what is declared of an item, those that are there, one more of that name (of a map an
-  /// item of a name that is there already is the one), and none.
+  /// For groups, lists and maps: the declaration of an item, the existing items, a function that adds one item of a
+  /// name (in a map an existing item of that name is returned), and one that removes all items.
   const ParameterSet& (*item_set)() = nullptr;
   std::function<std::vector<ParameterItem>(void* params)> items;
   std::function<void*(void* params, const std::string& name)> add;
@@ -92,23 +93,23 @@ struct Parameter {
   Parameter& at_most(std::size_t n) { return count = n, *this; }
 };
 
-/// The value's text, as in a manifest or a help page: 0.2, true, "threshold", [1, 2, 3].
+/// The value's text, as in a manifest or on a help page: 0.2, true, "threshold", [1, 2, 3].
 std::string to_text(const ParameterValue& value);
 
-/// Reads one value; lists are given as their items. Returns the fault ("must be a number from 0 to 5") or "".
+/// Reads one value; a list is given as its items. Returns the fault ("must be a number from 0 to 5") or "".
 std::string parse_parameter(const Parameter& parameter, const std::vector<std::string>& items, ParameterValue& value);
 
-/// "number, 0 to 5, default 0.2": what help and reference pages say of it. `object` holds the defaults.
+/// Describes a parameter for help and reference pages: "number, 0 to 5, default 0.2". `object` holds the defaults.
 std::string describe_parameter(const Parameter& parameter, const void* object);
 
-/// A struct's descriptors with its name erased.
+/// The descriptors of a struct, without the struct's type.
 struct ParameterSet {
   std::vector<Parameter> parameters;
   std::function<std::shared_ptr<void>()> make;           ///< an object with the defaults
   std::function<std::string(const void* object)> fault;  ///< empty where the struct has none
   const Parameter* find(const std::string& name) const;
   std::vector<std::string> names() const;
-  /// The only parameter, where that has an empty name; else null.
+  /// The only parameter, if its name is empty; else null.
   const Parameter* only_value() const;
 };
 
@@ -180,7 +181,7 @@ class Collector {
     return p;
   }
 
-  /// A declared struct under a key of its own.
+  /// Declares a member that is itself a declared struct, under a key of its own.
   template <class T>
   Parameter& group(T P::*m, const char* name, const char* help) {
     return add_items<T>(
@@ -190,7 +191,7 @@ class Collector {
         },
         [m](P& p, const std::string&) -> void* { return &(p.*m); }, [m](P& p) { p.*m = T(); });
   }
-  /// The same, which may be absent.
+  /// The same for a struct that may be absent.
   template <class T>
   Parameter& group(std::optional<T> P::*m, const char* name, const char* help) {
     return add_items<T>(
@@ -231,13 +232,13 @@ class Collector {
         },
         [m](P& p) { (p.*m).clear(); });
   }
-  /// Every parameter that a base of P declares.
+  /// Declares every parameter of a base of P.
   template <class B>
   void all_of() {
     add_all<B>([](const void* q) { return static_cast<const B*>(static_cast<const P*>(q)); },
                [](void* q) { return static_cast<B*>(static_cast<P*>(q)); });
   }
-  /// Every parameter that a member's struct declares, as P's own.
+  /// Declares every parameter of a member's struct as P's own.
   template <class M>
   void all_of(M P::*m) {
     add_all<M>([m](const void* q) { return &(static_cast<const P*>(q)->*m); },
@@ -306,7 +307,7 @@ struct NothingDeclared {
   static void describe(V&) {}
 };
 
-/// A params object with its type erased, as the stage registry, YAML and the CLI carry it.
+/// A params object without its type, as the stage registry, YAML and the CLI carry it.
 struct AnyParams {
   const ParameterSet* set = nullptr;
   std::shared_ptr<void> object;
@@ -326,7 +327,7 @@ struct AnyParams {
   ParameterValue get(const Parameter& p) const { return p.get(object.get()); }
 };
 
-/// One value of a params object, however deep: "spacing_mm", "shapes.skin.clear_mm", "bubbles.0".
+/// One value within a params object, at any depth: "spacing_mm", "shapes.skin.clear_mm", "bubbles.0".
 struct ParameterLeaf {
   std::string path;
   const Parameter* parameter = nullptr;
@@ -334,10 +335,10 @@ struct ParameterLeaf {
   ParameterValue value() const { return parameter->get(object); }
 };
 
-/// All of them, in the order of declaration and of the items. They point into `params`.
+/// All values, in the order of declaration and of the items. They point into `params`.
 std::vector<ParameterLeaf> leaves_of(const AnyParams& params);
 
-/// What is declared, however deep, with an object that holds the defaults: "shapes", "shapes.NAME.clear_mm".
+/// One declared parameter at any depth, with an object that holds the defaults: "shapes", "shapes.NAME.clear_mm".
 struct DeclaredParameter {
   std::string path;
   const Parameter* parameter = nullptr;
@@ -345,12 +346,12 @@ struct DeclaredParameter {
 };
 std::vector<DeclaredParameter> declared_of(const AnyParams& defaults);
 
-/// Reads "KEY=VALUE,KEY=VALUE" into a group or one more item of a list, "NAME:KEY=VALUE,..." or "NAME=VALUE" into an
-/// item of a map, as a command line gives them; an item without a "=" belongs to the value before it, so that a value
-/// may be a list. Returns the fault or "".
+/// Reads the text of a command line: "KEY=VALUE,KEY=VALUE" into a group or into a new item of a list,
+/// "NAME:KEY=VALUE,..." or "NAME=VALUE" into an item of a map. A piece without "=" belongs to the value before it, so
+/// that a value may be a list. Returns the fault or "".
 std::string parse_item(const Parameter& parameter, void* params, const std::string& text);
 
-/// The whole object as text, empty groups, lists and maps too: what a cache's key is made of.
+/// The whole object as text, including empty groups, lists and maps. The key of a cache is made of it.
 std::string to_text(const AnyParams& params);
 
 }  // namespace trephine

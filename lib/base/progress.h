@@ -6,8 +6,9 @@
 
 namespace trephine {
 
-/// How a long function says how far it is and hears that it should stop. Cheap to call from inner loops (every row or
-/// slice, not every voxel); safe from several threads. A default-made one reports nowhere and is never cancelled.
+/// A long function reports through this object how far it is, and learns from it that it should stop. It is cheap
+/// enough for inner loops (every row or slice, not every voxel) and safe from several threads. A default-constructed
+/// object reports nowhere and is never cancelled.
 class Progress {
  public:
   using Sink = std::function<void(double fraction)>;
@@ -15,9 +16,9 @@ class Progress {
   /// `cancel` may be null; it must outlive this object.
   Progress(Sink sink, const std::atomic<bool>* cancel) : sink_(std::move(sink)), cancel_(cancel) {}
 
-  /// Says that `fraction` (0 to 1) of the work is done. Throws Cancelled once the user asked to stop.
+  /// Reports that `fraction` (0 to 1) of the work is done. Throws Cancelled once the user has asked to stop.
   void report(double fraction) const;
-  /// Throws Cancelled once the user asked to stop.
+  /// Throws Cancelled once the user has asked to stop.
   void check() const;
   bool cancelled() const { return cancel_ && cancel_->load(std::memory_order_relaxed); }
   /// The part [from, to] of this progress, for a step of a longer function.

@@ -8,10 +8,10 @@
 
 namespace trephine {
 
-/// What a stage achieved against what was asked: figures in the order in which a person would read them, named with
-/// their unit ("triangles_count", "deviation_max_mm", "stopped_by"), and warnings, one line each. Goes to the closing
-/// table, run.json and case.json alike; so it holds nothing that differs between equal runs (no time, path or thread
-/// count).
+/// What a stage achieved compared with what was asked. It holds figures, in the order in which a person would read them
+/// and named with their unit ("triangles_count", "deviation_max_mm", "stopped_by"), and warnings of one line each. The
+/// same report goes to the closing table, run.json and case.json, so it holds nothing that differs between equal runs
+/// (no time, path or thread count).
 struct Report {
   std::vector<std::pair<std::string, ParameterValue>> figures;
   std::vector<std::string> warnings;

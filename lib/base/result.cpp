@@ -13,7 +13,7 @@ void read_declared_figures(const Report& report, const ParameterSet& set, void* 
   for (const Parameter& p : set.parameters) {
     const ParameterValue* value = report.find(prefix + p.name);
     if (!value) throw Error(ExitCode::internal, "", prefix + p.name, "a stage's report lacks this figure");
-    // A whole number read back from JSON may stand for a real one.
+    // A whole number that is read back from JSON may stand for a real number.
     if (const auto* whole = std::get_if<std::int64_t>(value); whole && p.kind == ParameterKind::number)
       p.set(object, static_cast<double>(*whole));
     else if (value->index() == p.get(object).index())

@@ -7,14 +7,15 @@
 
 namespace trephine {
 
-/// A struct of figures, declared as parameters are (base/params.h), as figures of a report: so it is printed, kept in a
-/// cache and read back under the same names, each behind `prefix`.
+/// Adds a struct of figures, which are declared as parameters are (base/params.h), to a report. They are printed, kept
+/// in a cache and read back under the declared names with `prefix` before each.
 void add_declared_figures(Report& report, const ParameterSet& set, const void* object, const std::string& prefix);
 
-/// Reads them back into the object. Throws Error 70 naming the figure where one is missing or of another type.
+/// Reads the figures back into the object. Throws Error 70, naming the figure, where one is missing or has another
+/// type.
 void read_declared_figures(const Report& report, const ParameterSet& set, void* object, const std::string& prefix);
 
-/// One number. Throws Error 70 where it is missing or none.
+/// Reads one number. Throws Error 70 where the figure is missing or is not a number.
 double number_of(const Report& report, const std::string& name);
 
 template <class R>

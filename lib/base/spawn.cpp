@@ -23,14 +23,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// All that the child needs, made before it is born: it may not allocate.
+/// Everything that the child needs. It is made before the fork, because the child may not allocate.
 struct Plan {
   const SpawnRequest& request;
   std::vector<char*> argv, environment;
   std::vector<std::string> own_environment;
   std::string program, output, folder;
   pid_t parent = getpid();
-  int failed = -1;  ///< where it says why it could not start
+  int failed = -1;  ///< the pipe through which the child says why it could not start
 
   explicit Plan(const SpawnRequest& r)
       : request(r),
@@ -79,8 +79,8 @@ void place_descriptors(const Plan& plan) {
   closefrom(next + 1);
 }
 
-/// The child until it is the program. It shares our memory meanwhile: only async-signal-safe calls, and nothing of ours
-/// is written.
+/// Runs in the child until it executes the program. The child shares our memory meanwhile, so it makes only
+/// async-signal-safe calls and writes to none of our memory.
 [[noreturn]] void become(const Plan& plan) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != plan.parent) _exit(127);
@@ -101,7 +101,7 @@ void place_descriptors(const Plan& plan) {
   _exit(127);
 }
 
-/// vfork, with no handler of ours able to run in the child.
+/// Calls vfork in such a way that none of our signal handlers can run in the child.
 pid_t start(const Plan& plan) {
   sigset_t all, before;
   sigfillset(&all);

@@ -4,15 +4,16 @@
 
 namespace trephine {
 
-/// SplitMix64 (Steele, Lea, Flood 2014): its generator adds the step to its state and returns the state mixed. Mixed, a
-/// counter's multiples of the step are random numbers too, the same whatever the order or the thread that asks.
+/// The random number generator SplitMix64 [Steele2014]. The generator adds the step to its state and returns the mixed
+/// state. Mixing the multiples of the step by a counter gives random numbers as well: the number that belongs to a
+/// count is the same whatever the order or the thread that asks.
 constexpr std::uint64_t splitmix64_step = 0x9e3779b97f4a7c15u;
 constexpr std::uint64_t splitmix64_mixed(std::uint64_t z) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
   return z ^ (z >> 31);
 }
-/// In [0, 1): the upper 53 bits.
+/// A number in [0, 1) from the upper 53 bits.
 constexpr double unit_of_bits(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
 
 }  // namespace trephine

@@ -118,7 +118,7 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
   std::size_t best_distance = std::max<std::size_t>(1, name.size() / 3) + 1;
   if (name.size() > 100) return "";
   for (const std::string& k : known) {
-    // A forgotten unit or second word is a slip too.
+    // A name without its unit or its second word counts as a slip too.
     const bool beginning = name.size() > 2 && k.size() > name.size() && k.compare(0, name.size(), name) == 0 &&
                            (k[name.size()] == '_' || k[name.size()] == '-');
     const std::size_t d = beginning ? 1 : edit_distance(name, k);

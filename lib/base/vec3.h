@@ -39,7 +39,7 @@ struct Mat3 {
 
 inline bool operator==(const Mat3& a, const Mat3& b) { return a.column == b.column; }
 inline Vec3 operator*(const Mat3& m, Vec3 v) { return m.column[0] * v.x + m.column[1] * v.y + m.column[2] * v.z; }
-/// transpose(m) * v: the inverse where m is orthonormal.
+/// transpose(m) * v, which is inverse(m) * v where m is orthonormal.
 inline Vec3 transpose_times(const Mat3& m, Vec3 v) {
   return {dot(m.column[0], v), dot(m.column[1], v), dot(m.column[2], v)};
 }

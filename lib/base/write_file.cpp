@@ -25,8 +25,9 @@ std::atomic<unsigned> g_counter{0};
 
 std::string reason(int number) {
   char buffer[128];
-  return strerror_r(number, buffer,
-                    sizeof buffer);  // GNU's: may return a text of its own; English as long as no locale is set
+  return strerror_r(
+      number, buffer,
+      sizeof buffer);  // GNU's strerror_r may return a text of its own, in English as long as no locale is set
 }
 
 void ignore_file_size_signal() {
@@ -40,13 +41,13 @@ void ignore_file_size_signal() {
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
-// A process that has ended counts as ended before its parent asks for it.
+// A process that has ended does not count as running, even before its parent waits for it.
 bool is_running(pid_t pid) {
   if (::kill(pid, 0) != 0 && errno == ESRCH) return false;
   std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
   std::string line;
   if (!std::getline(stat, line)) return true;
-  const std::size_t name_end = line.rfind(')');  // of the program's name, which may hold anything
+  const std::size_t name_end = line.rfind(')');  // end of the program's name, which may hold any character
   return name_end == std::string::npos || name_end + 2 >= line.size() ||
          (line[name_end + 2] != 'Z' && line[name_end + 2] != 'X');
 }
@@ -100,13 +101,14 @@ FileWriter::FileWriter(fs::path target) : target_(std::move(target)) {
         folder / (temporary_prefix + std::to_string(::getpid()) + "-" + std::to_string(g_counter++) + "-" + ending);
     fd_ = file_calls().open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0644);
     if (fd_ >= 0 || errno == EINTR) continue;
-    // A process of the same number may have left its file here; take the next counter.
+    // A process of the same number may have left its file here, so the next counter is tried.
     if (errno == EEXIST && attempt < 1000) continue;
     const int number = errno;
     temporary_.clear();
     throw cannot(reason(number));
   }
-  ::flock(fd_, LOCK_EX | LOCK_NB);  // a sign for remove_stale_temporaries; file systems without locks do without it
+  ::flock(fd_, LOCK_EX | LOCK_NB);  // the lock tells remove_stale_temporaries that the file is in use; a file system
+                                    // without locks is no fault
   target_ = real;
 }
 
@@ -161,9 +163,9 @@ void FileWriter::commit() {
     while (result != 0 && errno == EINTR);
     return result;
   };
-  // EINVAL and EROFS: what cannot be synced (a pipe, a folder on some file systems) has nothing to be synced.
+  // EINVAL and EROFS: an object that cannot be synced (a pipe, a folder on some file systems) holds nothing to sync.
   if (sync(fd_) != 0 && !(device && (errno == EINVAL || errno == EROFS))) fail("fsync");
-  // On EINTR Linux has closed the file all the same.
+  // On EINTR Linux has closed the file nevertheless.
   if (file_calls().close(std::exchange(fd_, -1)) != 0 && errno != EINTR) fail("closing");
   if (device) return;
   if (file_calls().rename(temporary_.c_str(), target_.c_str()) != 0) fail("renaming");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// A burr hole's axis: square to the skull, and what it meets on its way. Lengths along it are mm from a given point.
+// The axis of a burr hole, perpendicular to the skull, and what it meets on its way. Lengths along it are mm from a
+// given point.
 #include <vector>
 
 #include "boolean/cut_faces.h"
@@ -9,9 +10,10 @@
 
 namespace trephine::detail {
 
-/// Unit, into the head: against the normal of the plane that fits best to the skull's outer surface about where the
-/// axis through `through_mm` meets it, within the radius (3 mm at least), places more than 0.5 mm and three times the
-/// median beside it left aside. Found by iteration from `inwards`. Throws 80 where the skull is not met.
+/// Unit vector into the head, opposite to the normal of the plane that best fits the skull's outer surface where the
+/// axis through `through_mm` meets it, within the radius (at least 3 mm). Places that lie off the plane by more than
+/// 0.5 mm and by more than three times the median are left out. Found by iteration from `inwards`. Throws Error 80
+/// where the skull is not met.
 Vec3 perpendicular_to_skull(const TriMesh& skull, Vec3 through_mm, Vec3 inwards, double radius_mm);
 
 /// What a hole of that radius meets.
@@ -21,14 +23,15 @@ struct HoleSection {
   double bone_enter_mm = 0, bone_leave_mm = 0;  ///< on the axis
   double bone_begin_mm = 0;                     ///< the first bone over the whole hole
   double end_mm = 0;                            ///< where the cutter ends: behind the first bone over the whole hole
-  double on_bone_ratio = 1;                     ///< how much of the hole meets bone there
+  double on_bone_ratio = 1;                     ///< share of the hole that meets bone there
 };
 
-/// `skin` may be null. Throws 80 where the axis meets no skull within 40 mm of the point, less than three quarters of
-/// the hole lie on it, or its inner surface within the hole lies more than 9 mm deeper than on the axis.
+/// `skin` may be null. Throws Error 80 where the axis meets no skull within 40 mm of the point, where less than three
+/// quarters of the hole lie on the skull, or where its inner surface within the hole lies more than 9 mm deeper than on
+/// the axis.
 HoleSection hole_section(const TriMesh& skull, const TriMesh* skin, Vec3 through_mm, Vec3 direction, double radius_mm);
 
-/// Throws 80 where the cutter, from `from_mm` along its axis on, leaves what was scanned.
+/// Throws Error 80 where the cutter, from `from_mm` on along its axis, leaves the scanned volume.
 void check_within_scan(const Cutter& cutter, double from_mm, const std::vector<CutFace>& faces);
 
 }  // namespace trephine::detail

@@ -9,7 +9,7 @@
 
 namespace trephine {
 
-/// A burr hole as a configuration or a command line asks for it.
+/// A burr hole as a configuration or a command line requests it.
 struct BurrHoleParams {
   std::string name;
   BurrHoleRequest::At at = BurrHoleRequest::At::kocher;
@@ -25,20 +25,20 @@ struct BurrHoleParams {
   template <class V>
   static void describe(V& v) {
     using P = BurrHoleParams;
-    v.text(&P::name, "name", "What the hole is called in the case; empty: burr_hole_1 and so on.");
+    v.text(&P::name, "name", "Name of the hole in the case; empty: burr_hole_1 and so on.");
     v.choice(&P::at, "at", {{"kocher", BurrHoleRequest::At::kocher}, {"position", BurrHoleRequest::At::position}},
-             "Where: Kocher's point, from the landmarks, or position_mm.");
+             "Where the hole is: at Kocher's point, measured from the landmarks, or at position_mm.");
     v.choice(&P::side, "side", {{"right", BurrHoleRequest::Side::right}, {"left", BurrHoleRequest::Side::left}},
-             "Kocher's point of the patient's right or left side.");
+             "Side of the patient on which Kocher's point lies.");
     v.number(&P::diameter_mm, "diameter_mm", Range{1, 60}, "Diameter of the hole.");
     v.number(&P::along_mm, "along_mm", Range{10, 250},
-             "Kocher's point: so far from the nasion, over the midline of the skin.");
-    v.number(&P::lateral_mm, "lateral_mm", Range{0, 100}, "Kocher's point: and so far to the side, over the skin.");
+             "Kocher's point: distance from the nasion, over the midline of the skin.");
+    v.number(&P::lateral_mm, "lateral_mm", Range{0, 100}, "Kocher's point: distance to the side, over the skin.");
     v.numbers(&P::position_mm, "position_mm", Range{-1e5, 1e5},
-              "With at: position; on or above the skull, LPS; 0, 0, 0: not given.");
+              "Position with at: position, on or above the skull, LPS; 0, 0, 0: not given.");
     v.numbers(&P::direction, "direction", Range{-1, 1},
-              "Axis into the head; 0, 0, 0: towards `toward`, else perpendicular to the skull.");
-    v.text(&P::toward, "toward", "Landmark that the axis points at.").names("landmark");
+              "Axis, pointing into the head; 0, 0, 0: towards `toward`, else perpendicular to the skull.");
+    v.text(&P::toward, "toward", "Landmark at which the axis points.").names("landmark");
     v.number(&P::min_confidence, "min_confidence", Range{0, 1},
              "Landmarks that were found with less confidence than this are not used.");
   }
@@ -47,14 +47,14 @@ struct BurrHoleParams {
 /// Throws Error with that code, naming the field, where the parameters contradict each other.
 void check_request(const BurrHoleParams& params, ExitCode code);
 
-/// The landmark that the hole needs and that is not among these; empty where there is none.
+/// The landmark that the hole needs and that is not among these; empty where none is missing.
 std::string missing_landmark(const BurrHoleParams& params, const std::map<std::string, Vec3>& landmarks_mm);
 
 /// Throws Error with that code, naming the field, for a contradiction or a landmark that is missing.
 BurrHoleRequest request_of(const BurrHoleParams& params, const std::map<std::string, Vec3>& landmarks_mm,
                            ExitCode code);
 
-/// What to do about a landmark that is missing or not sure enough, to end a message with.
+/// The end of a message: what to do about a landmark that is missing or has too little confidence.
 constexpr const char* how_to_give_a_landmark =
     "; give it in mm, LPS: landmarks: {NAME: [x, y, z]}, or a landmarks_file";
 

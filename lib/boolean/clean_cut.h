@@ -4,11 +4,11 @@
 
 namespace trephine {
 
-/// Puts the new points of a cut on the raster of step_mm, and takes away what is too fine for it there: new points
-/// nearer than shortest_mm to a neighbour go into it (where the surface stays a 2-manifold and no triangle turns over),
-/// and the long edge of a triangle lower than flattest_mm is turned. No point moves further than shortest_mm and the
-/// step; what is not at a new point, or beside a flat triangle, stays as it was. Old points never move. The result may
-/// still intersect itself.
+/// Puts the new points of a cut on the raster of step_mm, and removes details that are too fine for it. A new point
+/// nearer than shortest_mm to a neighbour is merged into it (where the surface stays a 2-manifold and no triangle turns
+/// over), and the long edge of a triangle lower than flattest_mm is flipped. No point moves further than shortest_mm
+/// plus the step. Triangles that are not at a new point or beside a flat triangle stay as they were, and old points
+/// never move. The result may still intersect itself.
 void clean_cut(Difference& cut, double step_mm, double shortest_mm, double flattest_mm);
 
 }  // namespace trephine

@@ -9,20 +9,20 @@
 
 namespace trephine {
 
-/// What is left of a surface when a solid is taken out of it, as exact arithmetic says and then rounded to double.
+/// The rest of a surface after a solid was taken out of it: computed exactly and then rounded to double.
 struct Difference {
   std::string fault;  ///< why there is none, or empty
-  TriMesh mesh;       ///< about the surface's origin; may be empty
+  TriMesh mesh;       ///< relative to the surface's origin; may be empty
   static constexpr std::uint32_t none = 0xffffffffu;
-  /// For each triangle and point of the mesh the one of the surface that it is, unchanged, or none. Those come first,
-  /// in the surface's order; new ones follow in the order of their coordinates.
+  /// For each triangle and point of the mesh the unchanged one of the surface that it is, or none. Those come first, in
+  /// the surface's order; new ones follow in the order of their coordinates.
   std::vector<std::uint32_t> old_triangle, old_point;
 };
 
 /// CGAL's corefinement (Polygon mesh processing), in the bounded child. Both operands must be closed, 2-manifold,
-/// outwards oriented and free of self-intersections. Near a degenerate position rounding may leave self-intersections
-/// or degenerate triangles behind, which are not looked for. A child that dies or refuses is a fault; Error 70 where it
-/// runs longer than time_limit_s or out of memory; Cancelled.
+/// oriented outwards and free of self-intersections. Near a degenerate position rounding may leave self-intersections
+/// or degenerate triangles, which are not looked for. A child that dies or refuses is reported as a fault. Throws Error
+/// 70 where it runs longer than time_limit_s or out of memory; Cancelled.
 Difference corefine_difference(const TriMesh& surface, const TriMesh& solid, double time_limit_s,
                                const Progress& progress = {});
 

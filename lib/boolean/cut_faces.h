@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Where the volume's border cut an anatomy.
+// Where the volume's border cuts an anatomy.
 #include <vector>
 
 #include "surface/trimesh.h"
@@ -15,8 +15,8 @@ struct CutFace {
 };
 
 /// The flat faces with which a contour closes an anatomy at the volume's border: at least 60 mm^2 and eight triangles
-/// in one plane to 0.02 mm, with all of the surface on one side of it. Bodies have none of their own; the border of a
-/// rectified tilted scan is not flat and is not found.
+/// in one plane to 0.02 mm, with the whole surface on one side of it. Bodies have no such faces of their own. The
+/// border of a rectified tilted scan is not flat and is not found.
 std::vector<CutFace> cut_faces(const TriMesh& mesh);
 
 }  // namespace trephine::detail

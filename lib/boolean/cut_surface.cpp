@@ -35,9 +35,9 @@ struct Placing {
 
 double size_mm(const Cutter& c) { return std::cbrt(volume_mm3(c)); }
 
-/// First as it is; then a little slimmer and longer, so that a hole drilled twice stays as it is, and no film is left
-/// at an end; then with its facets turned, which moves nothing; then moved, ever further, in directions that lie in no
-/// plane of its own.
+/// First the cutter as it is; then a little slimmer and longer, so that a hole drilled twice stays as it is and no film
+/// is left at an end; then with its facets turned, which moves nothing; then moved, ever further, in directions that
+/// lie in none of its own planes.
 std::vector<Placing> placings(const Cutter& c) {
   const double scale = std::min(1.0, size_mm(c) / 10);
   std::vector<Placing> all{{}};
@@ -66,7 +66,7 @@ TriMesh solid_of(Cutter c, double deviation_mm, const Placing& p) {
   return mesh_of(c, deviation_mm, p.turn_ratio, p.shift_mm);
 }
 
-/// Removes outward-looking pieces below the volume that the cut made or touched, with what lies in them.
+/// Removes pieces, oriented outwards and smaller than the volume, that the cut made or touched, with what lies in them.
 struct Dropped {
   int count = 0;
   double mm3 = 0;
@@ -122,7 +122,7 @@ Dropped drop_loose(Difference& d, double below_mm3) {
   return result;
 }
 
-/// Of what was cut out of a valid surface: triangles that were there before are known not to intersect each other.
+/// The validity of a cut through a valid surface: triangles that existed before are known not to intersect each other.
 Validity validity_of(const Difference& d, const Progress& progress) {
   Validity v;
   const Incidence incidence(d.mesh);
@@ -174,7 +174,7 @@ class Cutting {
   std::string fault_;  ///< of the last attempt
 };
 
-/// Of facets so fine that they are as good as the cutter itself.
+/// The expected volume, of facets so fine that they are as good as the cutter itself.
 double Cutting::expected(const Cutter& cutter) const {
   const double asked = params_.cutter_deviation_mm;
   return overlap_mm3(mesh, mesh_of(cutter, std::min(asked, std::max(asked / 2, size_mm(cutter) / 10000))),
@@ -235,13 +235,13 @@ bool Cutting::accept(Difference d, const Placing& placing, Removed& removed, con
 Cutting::Removed Cutting::cut(const Cutter& cutter, const Progress& progress) {
   Removed removed;
   removed.expected_mm3 = std::max(0.0, expected(cutter));
-  // Apart, or touching: what is less is rounding.
+  // The solids are apart or touch: a smaller volume is rounding.
   if (removed.expected_mm3 < 1e-6 * std::min(1.0, volume_mm3(cutter))) return {};
   for (const Placing& p : placings(cutter)) {
     ++tries;
     if (attempt(cutter, p, removed, progress)) return removed;
   }
-  // What hardly touches is as well left as it is.
+  // A cutter that hardly touches the surface may leave it unchanged.
   if (removed.expected_mm3 <= 0.5) return {0, removed.expected_mm3};
   const Bounds b = bounds_of(cutter);
   const Vec3 at = (b.min_mm + b.max_mm) / 2;

@@ -19,44 +19,45 @@ struct CutSurfaceParams {
   template <class V>
   static void describe(V& v) {
     using P = CutSurfaceParams;
-    v.number(&P::widen_mm, "widen_mm", Range{0, 50}, "How much wider than they are the cutters cut, all around.");
+    v.number(&P::widen_mm, "widen_mm", Range{0, 50}, "How much wider than their size the cutters cut, all around.");
     v.number(&P::cutter_deviation_mm, "cutter_deviation_mm", Range{0.001, 1},
              "How far the cutter's facets may lie from its true surface.");
     v.number(&P::rim_mm, "rim_mm", Range{0, 10},
              "Width of a ring of small triangles on both sides of the cut's sharp edges, so that smooth normals shade "
-             "like a bevel of that width; 0: none.");
+             "like a bevel of that width; 0: no ring.");
     v.number(&P::min_component_mm3, "min_component_mm3", Range{0, 1e9},
              "Loose pieces smaller than this that the cut leaves are dropped.");
     v.number(&P::time_limit_s, "time_limit_s", Range{0.1, 3600},
-             "Wall clock for the boolean; beyond it it is refused.");
+             "Limit on the wall clock time of the boolean; a cut that takes longer is refused.");
   }
 };
 
-/// The surface without the cutters, one after the other: exact corefinement (CGAL polygon mesh processing) in the
-/// bounded child, of the whole surface (0.1 s at 90,000 triangles). Triangles that the cut does not touch stay as they
-/// are. The new points lie on float32's raster; what is finer than 0.005 mm along the cut is merged. The result is
-/// closed, 2-manifold, outwards oriented, free of self-intersections and degenerate triangles, also in float32
-/// (validity.h); normals are recomputed where the input had them. Where a cut is degenerate (facets that coincide, a
-/// tangent cutter) the cutter is made a little slimmer, then its facets are turned, then it is moved, by the least step
-/// that gives a valid result (moved_mm, at most 0.05 mm). A cutter that meets nothing is no fault, and warned of; where
-/// none does, the result is the input (on float32's raster).
+/// Cuts the cutters out of the surface, one after the other, by exact corefinement (CGAL polygon mesh processing) of
+/// the whole surface in the bounded child (0.1 s at 90,000 triangles). Triangles that the cut does not touch stay as
+/// they are. The new points lie on float32's raster; details finer than 0.005 mm along the cut are merged. The result
+/// is closed, 2-manifold, oriented outwards, free of self-intersections and degenerate triangles, also in float32
+/// (validity.h); normals are recomputed where the input had them.
 ///
-/// The report: cutters_count, removed_mm3, moved_mm, tries_count (1 a cutter that meets something), cutter by cutter
-/// <name>.removed_mm3 and <name>.removed_expected_mm3 (of the exact cutter and the surface, by closed-form integration
-/// that knows nothing of the cut), dropped_count and dropped_mm3 (loose pieces; not in removed_mm3), triangles_count. A
-/// nameless cutter is "cutter_1" and so on.
+/// Where a cut is degenerate (facets that coincide, a tangent cutter), the cutter is first made a little slimmer, then
+/// its facets are turned, then it is moved by the least step that gives a valid result (moved_mm, at most 0.05 mm). A
+/// cutter that meets nothing gives a warning; where none meets anything, the result is the input (on float32's raster).
 ///
-/// Throws Error 65 where the surface or a cutter is not finite or a cutter is no solid; 80 where the surface is not
-/// valid, nothing is left of it, no valid result can be had, or the removed volume differs from the expected one by
+/// The report: cutters_count, removed_mm3, moved_mm, tries_count (1 for each cutter that meets something), for each
+/// cutter <name>.removed_mm3 and <name>.removed_expected_mm3 (of the exact cutter and the surface, by closed-form
+/// integration independent of the cut), dropped_count and dropped_mm3 (loose pieces; not in removed_mm3),
+/// triangles_count. A cutter without a name is "cutter_1" and so on.
+///
+/// Throws Error 65 where the surface or a cutter is not finite or a cutter is not a solid; 80 where the surface is not
+/// valid, nothing is left of it, no valid result can be found, or the removed volume differs from the expected one by
 /// more than 1 % and 0.5 mm^3 (the line says where); 70 where the cuts take longer than time_limit_s (no child outlives
 /// the call); Cancelled.
 TriMesh cut_surface(const TriMesh& surface, const std::vector<Cutter>& cutters, const CutSurfaceParams& params,
                     Report& report, const Progress& progress = {});
 
-/// The radius of the thickest probe (a flat-ended cylinder about the cutter's axis, cylinder and cone: from 0.1 mm
-/// within its outer end to 0.1 mm before its far one) that touches the surface nowhere; of a sphere, an ellipsoid or a
-/// mesh, of a ball about its centre (a mesh's: of its bounds). Infinite where the surface does not come near the axis'
-/// ends; 0 where the axis meets it.
+/// The radius of the thickest probe that touches the surface nowhere. For a cylinder or cone the probe is a flat-ended
+/// cylinder about the cutter's axis, from 0.1 mm inside its outer end to 0.1 mm before its far end; for a sphere, an
+/// ellipsoid or a mesh it is a ball about the centre (for a mesh, of its bounds). Infinite where the surface does not
+/// come near the axis between its ends; 0 where the axis meets the surface.
 double free_radius_mm(const TriMesh& surface, const Cutter& cutter);
 
 }  // namespace trephine

@@ -28,9 +28,9 @@ double frustum_distance(Flat p, double length, double r0, double r1) {
   return inside ? -d : d;
 }
 
-/// Eberly, Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid (2013): the nearest point is
-/// e^2 y / (e^2 + t), t the one root beyond -e2^2 of a falling function; sought by bisection of u = 1 + t / e2^2, which
-/// keeps all digits near 0.
+/// The distance from a point to an ellipse, after [Eberly2013]. The nearest point is e^2 y / (e^2 + t), where t is the
+/// only root beyond -e2^2 of a falling function. It is sought by bisection of u = 1 + t / e2^2, which keeps all digits
+/// near 0.
 double ellipsoid_distance(std::array<double, 3> e, std::array<double, 3> y) {
   for (double& v : y) v = std::abs(v);
   for (const auto& [i, j] : {std::pair(0, 1), std::pair(1, 2), std::pair(0, 1)})

@@ -7,17 +7,18 @@
 
 namespace trephine {
 
-/// Cylinder, cone: the radius at the outer end (position_mm - above_mm * direction), and at the far one.
+/// Cylinder and cone: the radius at the outer end (position_mm - above_mm * direction), and at the far end.
 double start_radius_mm(const Cutter& cutter);
 double far_radius_mm(const Cutter& cutter);
 
-/// Columns: first axis (an ellipsoid's `across`; else any, always the same), second, and the direction.
+/// Columns: the first axis (an ellipsoid's `across`; else an arbitrary one that is always the same), the second, and
+/// the direction.
 Mat3 frame_of(const Cutter& cutter);
 
 /// Ellipsoid, sphere: along frame_of's columns.
 std::array<double, 3> semi_axes_mm(const Cutter& cutter);
 
-/// mesh_of, whose facets are turned about the axis by that share of a facet (of a mesh: nothing), and all of it moved.
+/// mesh_of with the facets turned about the axis by that share of a facet (not for a mesh), and the whole mesh moved.
 TriMesh mesh_of(const Cutter& cutter, double max_deviation_mm, double turn_ratio, Vec3 shift_mm);
 
 }  // namespace trephine

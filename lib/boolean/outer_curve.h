@@ -12,8 +12,8 @@ struct Sweep {
   double before_deg = 5, after_deg = 175;  ///< how far to sweep on either side of `from`
 };
 
-/// The outermost point of the surface on each ray of the sweep, every 0.1 degrees; exact points of the triangles' cut
-/// with the plane. Rays that meet nothing are left out. `start` is the number of the first point at or after `from`.
+/// The outermost point of the surface on each ray of the sweep, every 0.1 degrees: exact points where the plane cuts
+/// the triangles. Rays that meet nothing are left out. `start` is the number of the first point at or after `from`.
 using OuterCurve = Arc;
 OuterCurve outer_curve(const TriMesh& mesh, const Sweep& sweep);
 

@@ -19,7 +19,7 @@ namespace trephine {
 
 constexpr int case_version_major = 1, case_version_minor = 2;
 
-/// A figure by name, in the order of insertion: numbers finite.
+/// Figures by name, in the order of insertion; numbers are finite.
 using CaseValues = std::vector<std::pair<std::string, ParameterValue>>;
 
 struct CaseDeviation {
@@ -34,8 +34,8 @@ struct CaseAnatomy {
   std::uint64_t triangles = 0, points = 0;
   double volume_ml = 0, area_cm2 = 0;
   CaseDeviation deviation;
-  double budget_asked_mm = 0, budget_used_mm = 0;  ///< the sum over the stages that moved the surface
-  CaseValues figures;                              ///< what else the stages reported
+  double budget_asked_mm = 0, budget_used_mm = 0;  ///< sums over the stages that moved the surface
+  CaseValues figures;                              ///< other figures that the stages reported
 };
 
 struct CaseLandmark {
@@ -49,7 +49,7 @@ struct CaseTarget {
   std::string name;
   Vec3 position_mm;
   double confidence = 1;
-  std::string anatomy;  ///< in which it lies; may be empty
+  std::string anatomy;  ///< the anatomy in which it lies; may be empty
 };
 
 struct CaseBurrHole {
@@ -61,7 +61,7 @@ struct CaseBurrHole {
   CaseValues figures;  ///< bone_thickness_mm, "skull.removed_mesh_mm3", "skull.removed_haptic_mm3", ...; since 1.1
 };
 
-/// What one side of a shape's surface does to the tool. A front face is met from outside, a back face from inside.
+/// How one side of a shape's surface acts on the tool. A front face is met from outside, a back face from inside.
 struct CaseFace {
   bool touchable = true;
   double stiffness_n_per_mm = 0, damping_n_s_per_mm = 0;
@@ -73,28 +73,28 @@ struct CaseMaterial {
   std::string name;
   std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};  ///< sRGB, of what is displayed from the haptic volume
   CaseFace front, back;
-  double drag_n_s_per_mm = 0;           ///< on the tip inside
-  double shaft_friction_n_per_mm = 0;   ///< per mm of shaft inside
-  double removal_energy_j_per_mm3 = 0;  ///< what a drill must spend; 0: it cannot be drilled
+  double drag_n_s_per_mm = 0;           ///< drag on the tip inside
+  double shaft_friction_n_per_mm = 0;   ///< friction for each mm of shaft inside
+  double removal_energy_j_per_mm3 = 0;  ///< energy that a drill must spend; 0: it cannot be drilled
 };
 
-/// How far what is felt lies from what is seen: along the normals of the displayed surface within the haptic region,
-/// positive where the felt one lies outside.
+/// How far the felt surface lies from the displayed one: along the normals of the displayed surface within the haptic
+/// region, positive where the felt surface lies outside.
 struct CaseMismatch {
   double bias_mm = 0, rms_mm = 0, p99_mm = 0, max_mm = 0;
-  double missed_ratio = 0;  ///< share of the samples beside which nothing is felt
+  double missed_ratio = 0;  ///< share of the samples near which nothing is felt
   std::uint64_t samples = 0;
 };
 
 struct CaseShape {
-  std::string name;  ///< the anatomy's
+  std::string name;  ///< name of the anatomy
   int number = 1;
   std::int16_t window_low = 0, window_high = 0;  ///< raw values that are its own
   CaseMaterial material;
   bool cuttable = false;
-  std::string displayed = "surface";  ///< from its GLB; "haptic": from the volume
+  std::string displayed = "surface";  ///< "surface": from its GLB; "haptic": from the volume
   double volume_ml = 0;
-  CaseMismatch mismatch;  ///< samples 0 where it is displayed from the volume: none by construction
+  CaseMismatch mismatch;  ///< 0 samples where it is displayed from the volume, which has no mismatch by construction
 };
 
 /// The haptic volume (voxel/haptic_volume.h); since 1.1.
@@ -116,7 +116,7 @@ struct CaseFile {
 struct CaseManifest {
   int version_major = case_version_major, version_minor = case_version_minor;
   std::string case_token;
-  Vec3 center_mm;  ///< what GLB positions are about
+  Vec3 center_mm;  ///< origin of GLB positions
   std::vector<CaseAnatomy> anatomies;
   std::vector<CaseLandmark> landmarks;
   std::vector<CaseTarget> targets;
@@ -125,8 +125,8 @@ struct CaseManifest {
   CaseValues figures;  ///< of the patient: class, evans_index_ratio, midline_shift_mm, ...; since 1.2
   std::string face_policy = "keep", face_reason;
   std::string program_version;  ///< "trephine 0.1.0"
-  std::string input_sha256;     ///< of what was read, without identifiers
-  CaseValues parameters;        ///< effective ones by path, "skull.decimate.max_deviation_mm"
+  std::string input_sha256;     ///< hash of what was read, without identifiers
+  CaseValues parameters;        ///< effective parameters by path, "skull.decimate.max_deviation_mm"
   std::vector<CaseFile> files;
 
   const CaseAnatomy* find_anatomy(std::string_view name) const;
@@ -136,36 +136,38 @@ struct CaseManifest {
 /// Throws Error with that code (64 from a flag, 78 from a config) unless the token is [a-z0-9][a-z0-9_-]{0,63}.
 void validate_case_token(const std::string& token, ExitCode code);
 
-/// The bytes of case.json: keys in fixed order, shortest numbers, files sorted by name, and last a checksum of all that
-/// comes before it. No time, host or path is in it unless the caller put one into a value. Throws Error 70 where the
-/// manifest contradicts itself (an anatomy's file that is not named, repeated names, numbers that are not finite).
+/// The bytes of case.json: keys in fixed order, shortest numbers, files sorted by name, and at the end a checksum of
+/// everything before it. It holds no time, host or path unless the caller put one into a value. Throws Error 70 where
+/// the manifest contradicts itself (an anatomy's file that is not listed, repeated names, numbers that are not finite).
 std::string to_json(const CaseManifest& manifest);
-/// Checks the version, then the checksum, then parses; of a newer minor version it takes what it knows. Throws
-/// Error 65.
+/// Checks the version, then the checksum, then parses. Of a newer minor version it takes the parts that it knows.
+/// Throws Error 65.
 CaseManifest parse_case_json(std::string_view json);
 
-/// Reads case.json and checks size and SHA-256 of every file that it names. Nothing else is parsed. Throws Error naming
-/// the file: 66 where one is missing, 65 where one is damaged or the version is newer (both are named).
+/// Reads case.json and checks size and SHA-256 of every file that it names, without parsing them. Throws Error naming
+/// the file: 66 where one is missing, 65 where one is damaged or the version is newer (both versions are named).
 CaseManifest read_case(const std::filesystem::path& case_folder);
 
-/// The bytes of one of its files, checked again, so that what is parsed is what was checked.
+/// The bytes of one of the case's files, checked again, so that the parsed bytes are the checked ones.
 std::string read_case_file(const std::filesystem::path& case_folder, const CaseFile& file);
 
-/// "meshes/skull", ".glb" and bytes -> meshes/skull-<first 16 digits of the SHA-256>.glb.
+/// The name of a file by its content: "meshes/skull", ".glb" and bytes give meshes/skull-<first 16 digits of the
+/// SHA-256>.glb.
 CaseFile describe_case_file(const std::string& stem, const std::string& extension, std::string_view bytes);
 
-/// Writes the bytes under their content name, unless they are there already; synced. Throws 73 and 74.
+/// Writes the bytes under their content name, unless the file exists already; synced. Throws Error 73 and 74.
 CaseFile write_case_file(const std::filesystem::path& case_folder, const std::string& stem,
                          const std::string& extension, std::string_view bytes);
 
-/// Renames case.json into place, last: before it the old case is whole, after it the new one. Throws 70 where a file
-/// that the manifest names is not there with its size; 73 and 74. Files of the old case stay until
-/// remove_unnamed_case_files.
+/// Renames case.json into place as the last step: before it the old case is complete, after it the new one. Throws
+/// Error 70 where a file that the manifest names is missing or has another size; 73 and 74. Files of the old case stay
+/// until remove_unnamed_case_files.
 void publish_case(const std::filesystem::path& case_folder, const CaseManifest& manifest);
 
-/// Removes files with a content name that case.json does not name, and temporaries of dead processes; returns how many.
-/// Under the case's lock only, for another run may be about to name them. A reader of the older case that loses a file
-/// gets the 66 of read_case or read_case_file, which names it; it reads case.json again.
+/// Removes files with a content name that case.json does not name, and temporary files of dead processes; returns how
+/// many. Call it only under the case's lock, because another run may be about to name them. A reader of the older case
+/// that misses a file gets the Error 66 of read_case or read_case_file, which names the file; it should read case.json
+/// again.
 int remove_unnamed_case_files(const std::filesystem::path& case_folder);
 
 }  // namespace trephine

@@ -9,13 +9,15 @@
 
 namespace trephine {
 
-/// One surface as binary glTF 2.0 (registry.khronos.org/glTF/specs/2.0): what the simulator, a browser and a game
-/// engine load alike. One mesh of one primitive, indexed, one vertex a position, smooth normals, float32 millimetres in
-/// LPS about the case's centre. Its one node holds the matrix to glTF's metres, Y up, +Z forward, proper (determinant
-/// 1e-9):
-///   x_gltf = 0.001 x (patient's left),  y_gltf = 0.001 z (superior),  z_gltf = -0.001 y (anterior: the face looks at
-///   +Z)
-/// and says in its `extras`: frame "LPS", unit "mm", center_mm.
+/// One surface as binary glTF 2.0 (registry.khronos.org/glTF/specs/2.0), which the simulator, a browser and a game
+/// engine can all load. It has one mesh of one indexed primitive, one vertex for each position, smooth normals, and
+/// float32 millimetres in LPS relative to the case's centre. Its one node holds the matrix to glTF's metres, Y up, +Z
+/// forward, which is proper (determinant 1e-9):
+/// - x_gltf = 0.001 x (patient's left)
+/// - y_gltf = 0.001 z (superior)
+/// - z_gltf = -0.001 y (anterior: the face looks at +Z)
+///
+/// The node's `extras` hold frame "LPS", unit "mm" and center_mm.
 struct GlbParams {
   Vec3 center_mm;                                   ///< LPS; vertex = position - center_mm
   std::string name;                                 ///< of mesh, node and material
@@ -23,10 +25,10 @@ struct GlbParams {
   double opacity = 1;                               ///< below 1 the material blends
 };
 
-/// The same bytes for the same mesh. Normals are the mesh's, or angle-weighted ones where it has none; indices are
-/// uint16 where they fit. What was made is read back and compared (bounds, counts, positions and indices) before it is
-/// returned. Throws Error 65 where the mesh is damaged (check_mesh), 80 where it is empty, or rounding to float32 makes
-/// two corners of a triangle one.
+/// The same mesh gives the same bytes. Normals are the mesh's, or angle-weighted ones where it has none; indices are
+/// uint16 where they fit. The bytes are read back and compared (bounds, counts, positions and indices) before they are
+/// returned. Throws Error 65 where the mesh is damaged (check_mesh), 80 where it is empty or where rounding to float32
+/// merges two corners of a triangle.
 std::string make_glb(const TriMesh& mesh, const GlbParams& params);
 
 struct GlbMesh {
@@ -36,11 +38,11 @@ struct GlbMesh {
   double opacity = 1;
 };
 
-/// The simulator's reader: strict. It takes only what make_glb writes, in whatever order of keys, chunks bounded, every
-/// count, offset and index checked before use, numbers finite, no external file. Throws Error 65 naming the field. The
-/// caller has checked the checksum; this holds without it too.
+/// The simulator's strict reader. It accepts only what make_glb writes, with keys in any order. Chunks are bounded,
+/// every count, offset and index is checked before use, numbers must be finite, and external files are refused. Throws
+/// Error 65 naming the field. The caller has checked the checksum, but the reader is safe without it.
 GlbMesh read_glb(std::string_view bytes);
-/// Throws 66 where there is no file.
+/// Throws Error 66 where there is no file.
 GlbMesh read_glb_file(const std::filesystem::path& file);
 
 }  // namespace trephine

@@ -12,10 +12,10 @@
 
 namespace trephine::detail {
 
-/// For the sources of this module only.
+/// For the sources of this room only.
 using Json = nlohmann::ordered_json;
 
-/// One JSON value with the way that led to it ("haptic.shapes[0].window"), so that a refusal (Error 65) names it.
+/// One JSON value with the path to it ("haptic.shapes[0].window"), so that a refusal (Error 65) names it.
 class JsonAt {
  public:
   JsonAt(const Json& value, std::string path) : value_(value), path_(std::move(path)) {}
@@ -93,8 +93,8 @@ class JsonAt {
   std::string path_;
 };
 
-/// Parses text that a stranger may have written: nesting, keys and values are bounded, so that neither memory nor time
-/// exceeds a small multiple of the text's size. Throws Error 65 with the field "json".
+/// Parses text of unknown origin: nesting, keys and values are bounded, so that neither memory nor time exceeds a small
+/// multiple of the text's size. Throws Error 65 with the field "json".
 Json parse_json(std::string_view text);
 
 }  // namespace trephine::detail

@@ -12,11 +12,11 @@
 
 namespace trephine {
 
-/// A case in memory as a simulator needs it: everything in it was checked.
+/// A case in memory as a simulator needs it. Everything in it has been checked.
 struct LoadedCase {
   CaseManifest manifest;
-  /// One an anatomy of the manifest, in its order: origin_mm is the case's centre, unit normals; empty where nothing is
-  /// displayed.
+  /// One surface for each anatomy of the manifest, in its order: origin_mm is the case's centre, normals have unit
+  /// length; empty where nothing is displayed.
   std::vector<TriMesh> surfaces;
   HapticVolume haptic;      ///< without voxels where the case has none
   std::uint64_t bytes = 0;  ///< of all files and case.json
@@ -27,19 +27,19 @@ struct LoadedCase {
 };
 
 /// Loads a case and verifies all of it, on up to thread_count() threads. Each file is read once, and the bytes that
-/// were hashed are the bytes that are parsed. Checked, in this order: case.json (version, checksum, every value's
-/// range; a newer minor version loads without the parts that this program does not know); each file's size and
-/// SHA-256; then the content as if a stranger had written it (cases/glb.h, voxel/haptic_file.h), counts and indices
-/// before anything is allocated from them; then that it is what case.json says of it: triangles, points, centre, name,
-/// volume and area of a surface; encoding, size, spacing, shapes and hardness of the haptic volume. What case.json
-/// names and this program does not know is hashed only.
+/// were hashed are the bytes that are parsed. The checks, in this order: case.json (version, checksum, every value's
+/// range; a newer minor version loads without the parts that this program does not know); each file's size and SHA-256;
+/// the content of each file, which is not trusted (cases/glb.h, voxel/haptic_file.h): counts and indices are checked
+/// before anything is allocated from them; and that the content is what case.json says: triangles, points, centre,
+/// name, volume and area of a surface; encoding, size, spacing, shapes and hardness of the haptic volume. A file that
+/// case.json names and this program does not know is only hashed.
 ///
-/// Throws Error naming the file and the field: 66 where one is missing, 65 where one is damaged, contradicts
-/// case.json, or the major version is another (both are named). Of several faults it is always the same one.
+/// Throws Error naming the file and the field: 66 where one is missing, 65 where one is damaged, contradicts case.json,
+/// or the major version is another (both are named). Of several faults it is always the same one.
 LoadedCase load_case(const std::filesystem::path& case_folder);
 
-/// The same from elsewhere (an archive, a network, a test): `read` returns the whole file of that name, relative to the
-/// case ("case.json", "meshes/skull-0123456789abcdef.glb"), or throws Error; it should refuse what is longer than
+/// The same from another source (an archive, a network, a test). `read` returns the whole file of that name, relative
+/// to the case ("case.json", "meshes/skull-0123456789abcdef.glb"), or throws Error; it should refuse a file longer than
 /// `most_bytes`. It is called from several threads.
 using CaseFileReader = std::function<std::vector<char>(const std::string& name, std::uint64_t most_bytes)>;
 LoadedCase load_case_through(const CaseFileReader& read);

@@ -8,7 +8,7 @@
 
 namespace trephine {
 
-/// What configs/materials.yaml says of a material, declared once; a CaseMaterial is its form in a case.
+/// What configs/materials.yaml says of a material, declared once. A CaseMaterial is its form in a case.
 
 struct MaterialFaceParams {
   bool touchable = true;
@@ -19,12 +19,13 @@ struct MaterialFaceParams {
   static void describe(V& v) {
     using P = MaterialFaceParams;
     v.flag(&P::touchable, "touchable", "Whether this side is felt at all.");
-    v.number(&P::stiffness_n_per_mm, "stiffness_n_per_mm", Range{0, 10}, "Spring between tool and surface.");
-    v.number(&P::damping_n_s_per_mm, "damping_n_s_per_mm", Range{0, 0.1}, "Damper beside the spring.");
+    v.number(&P::stiffness_n_per_mm, "stiffness_n_per_mm", Range{0, 10},
+             "Stiffness of the spring between tool and surface.");
+    v.number(&P::damping_n_s_per_mm, "damping_n_s_per_mm", Range{0, 0.1}, "Damping beside the spring.");
     v.number(&P::static_friction_ratio, "static_friction_ratio", Range{0, 5},
-             "Tangential over normal force up to which the tool sticks; at least the dynamic one.");
+             "Ratio of tangential to normal force up to which the tool sticks; at least the dynamic one.");
     v.number(&P::dynamic_friction_ratio, "dynamic_friction_ratio", Range{0, 5},
-             "Tangential over normal force of a tool that slides.");
+             "Ratio of tangential to normal force of a sliding tool.");
     v.number(&P::pop_through_n, "pop_through_n", Range{0, 100}, "Force above which the tool enters; 0: never.");
   }
 };
@@ -35,12 +36,12 @@ struct MaterialParams {
   template <class V>
   static void describe(V& v) {
     using P = MaterialParams;
-    v.numbers(&P::colour_rgb, "colour_rgb", Range{0, 1}, "sRGB of what is displayed from the haptic volume.");
+    v.numbers(&P::colour_rgb, "colour_rgb", Range{0, 1}, "Colour (sRGB) of what is displayed from the haptic volume.");
     v.number(&P::drag_n_s_per_mm, "drag_n_s_per_mm", Range{0, 1}, "Drag on a tip that has entered.");
     v.number(&P::shaft_friction_n_per_mm, "shaft_friction_n_per_mm", Range{0, 1},
              "Friction on the shaft, for each mm of it inside.");
     v.number(&P::removal_energy_j_per_mm3, "removal_energy_j_per_mm3", Range{0, 10},
-             "What a drill spends on a mm^3; 0: it cannot be drilled.");
+             "Energy that a drill spends on a mm^3; 0: it cannot be drilled.");
   }
 };
 
@@ -67,9 +68,9 @@ inline CaseMaterial make_material(const std::string& name, const MaterialParams&
   return m;
 }
 
-/// What is wrong with a material, naming the value, or "": every number finite and in the range that its declaration
-/// allows, no face slides harder than it sticks, a face that is felt has a stiffness, and one that gives way does so
-/// within 30 mm of the surface. A face that is not felt need not say more.
+/// What is wrong with a material, naming the value, or "". Every number must be finite and in its declared range, no
+/// face may have more dynamic than static friction, a face that is felt must have a stiffness, and one that gives way
+/// must do so within 30 mm of the surface. A face that is not felt need not set more.
 std::string fault_of(const CaseMaterial& material);
 
 }  // namespace trephine

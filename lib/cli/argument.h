@@ -6,7 +6,7 @@
 
 namespace trephine {
 
-/// An optional argument; the caller sets what else it is.
+/// Makes an optional argument; the caller sets its other members.
 inline Argument argument(const std::string& name, Argument::Kind kind, const std::string& help) {
   Argument a;
   a.name = name;

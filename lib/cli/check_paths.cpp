@@ -14,7 +14,7 @@ namespace {
 
 std::string reason() { return std::strerror(errno); }
 
-// "" where the path is there, can be read and is of the right sort.
+// The fault, or "" where the path exists, can be read and is of the right kind.
 std::string input_fault(const fs::path& path, bool file_allowed, bool folder_allowed) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);

@@ -13,7 +13,7 @@ std::string joined(const std::vector<std::string>& words) {
   return out;
 }
 
-// One branch of `case $command:$flag`: what may stand behind a flag.
+// One branch of `case $command:$flag`: the words that may follow a flag.
 std::string branch(const std::string& command, const std::string& flag, const std::string& action) {
   return "    " + command + ":" + flag + ") " + action + "; return ;;\n";
 }
@@ -68,7 +68,7 @@ std::string bash_completion(const Program& program) {
     own.emplace_back("--help");
     flags += "    " + page_of(c) + ") flags='" + joined(own) + "' ;;\n";
   }
-  // A group's second word, and from the third on the two are one command.
+  // For a group the second word is completed; from the third word on both words are one command.
   for (const auto& [group, own] : groups)
     second += "  if [ \"$command\" = " + group + " ]; then\n    if [ \"$COMP_CWORD\" -eq 2 ]; then\n      " +
               words_action(own) + "\n      return\n    fi\n    command=$command-${COMP_WORDS[2]}\n  fi\n";

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t line_width = 100;
 
-// Lines of at most line_width, each behind `indent` spaces; empty lines stay.
+// Breaks the text into lines of at most line_width, each indented by `indent` spaces; empty lines stay.
 std::string wrapped(const std::string& text, std::size_t indent) {
   std::string out, line;
   const auto flush = [&] {

@@ -28,7 +28,7 @@ constexpr ExitStatus exit_statuses[] = {
     {ExitCode::cancelled, "Cancelled by Ctrl-C."},
 };
 
-// The code point that begins at text[i], which is moved to its last byte; a stray byte stands for itself.
+// The code point that begins at text[i]; i is moved to its last byte. A stray byte stands for itself.
 std::uint32_t code_point(const std::string& text, std::size_t& i) {
   const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
   const unsigned char lead = byte(i);
@@ -38,7 +38,7 @@ std::uint32_t code_point(const std::string& text, std::size_t& i) {
   return code;
 }
 
-// Text as groff prints it literally: an ASCII hyphen, not a typographical one, so that flags can be copied.
+// The text as groff prints it literally, with ASCII hyphens instead of typographical ones, so that flags can be copied.
 std::string literal(const std::string& text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) switch (text[i]) {
@@ -75,7 +75,7 @@ std::string literal(const std::string& text) {
   return out;
 }
 
-// A line of input whose first character is no control character.
+// A line of input whose first character is not a control character.
 std::string line(const std::string& text) { return (text.rfind('.', 0) == 0 ? "\\&" : "") + text + "\n"; }
 
 // Short lines of input, which groff fills; an empty line of the text begins a paragraph.
@@ -110,7 +110,7 @@ std::string sentence(std::string text) {
 std::string bold(const std::string& text) { return "\\fB" + literal(text) + "\\fR"; }
 std::string italic(const std::string& text) { return "\\fI" + literal(text) + "\\fR"; }
 
-// "--out FOLDER": the flag bold, what stands for a value italic.
+// "--out FOLDER" with the flag in bold and the placeholder in italics.
 std::string styled(const std::string& usage) {
   if (usage.rfind("--", 0) != 0) return italic(usage);
   const std::size_t space = usage.find(' ');
@@ -136,7 +136,7 @@ std::string command_page(const Program& program, const Command& c) {
   for (std::size_t i = 0; i < parts.size(); ++i) {
     std::string part = i == 0 ? bold(parts[i]) : literal(parts[i]);
     for (std::size_t at = 0; (at = part.find(' ', at)) != std::string::npos; at += 2) part.replace(at, 1, "\\ ");
-    if (part.back() == '.') part += "\\&";  // "..." ends no sentence
+    if (part.back() == '.') part += "\\&";  // "..." does not end a sentence
     page += line(part);
   }
   page += ".SH DESCRIPTION\n" + filled(c.description.empty() ? sentence(c.summary) : c.description);

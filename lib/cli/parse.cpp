@@ -68,7 +68,7 @@ class Parser {
     const auto end = std::find(words.begin(), words.end(), "--");
     std::vector<std::string> list;
     for (auto w = words.begin(); w != end; ++w) {
-      // CLI11 takes the next word for the value of "--flag=".
+      // CLI11 takes the next word as the value of "--flag=".
       if (!w->empty() && w->back() == '=' && valued_.count(w->substr(0, w->size() - 1))) {
         list.push_back(w->substr(0, w->size() - 1));
         list.emplace_back();
@@ -77,7 +77,7 @@ class Parser {
       }
     }
     const std::string last = list.empty() ? "" : list.back();
-    std::reverse(list.begin(), list.end());  // as CLI11 wants them
+    std::reverse(list.begin(), list.end());  // the order that CLI11 wants
     try {
       app_.parse(list);
     } catch (const CLI::ArgumentMismatch&) {
@@ -97,7 +97,7 @@ class Parser {
     if (end != words.end()) positionals_.insert(positionals_.end(), end + 1, words.end());
   }
 
-  // Beside an unknown flag a stray word may be that flag's value: then nothing is said of too many or too few.
+  // Beside an unknown flag, a stray word may be that flag's value, so too many or too few words are not reported.
   void read_positionals() {
     const bool sure = faults_.empty();
     auto next = positionals_.begin();
@@ -110,7 +110,7 @@ class Parser {
     for (; sure && next != positionals_.end(); ++next) fault(*next, "is one word too many");
   }
 
-  // What was given for a flag, as words; a value that looks like a flag is a value that was forgotten.
+  // The values of a flag, as words. A value that looks like a flag means that the value was forgotten.
   std::vector<std::string> values_of(const std::string& flag) {
     std::vector<std::string> values = options_.at(flag)->results();
     if (!valued_.count(flag)) return values;

@@ -69,13 +69,13 @@ struct ProgressDisplay::State {
     return nullptr;
   }
 
-  // All of these are called with the mutex held.
+  // The functions below are called with the mutex held.
   void write(const std::string& text) {
     std::size_t done = 0;
     while (done < text.size()) {
       const ssize_t n = ::write(fd, text.data() + done, text.size() - done);
       if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return;  // progress that nobody can see is no reason to stop
+      if (n <= 0) return;  // that nobody can see the progress is no reason to stop
       done += static_cast<std::size_t>(n);
     }
   }
@@ -101,7 +101,7 @@ struct ProgressDisplay::State {
     if (painted) write("\r\x1b[K");
     painted = false;
   }
-  // A line that stays.
+  // Writes a line that stays.
   void line(const std::string& text) {
     clear();
     write(printable(text) + "\n");

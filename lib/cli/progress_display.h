@@ -8,25 +8,26 @@
 
 namespace trephine {
 
-/// Shows how far several concurrent stages are. On a terminal one line that is repainted, with each running stage's
-/// share, rate and time left, and a line that stays for each finished one; elsewhere plain lines, at most one every few
-/// seconds a stage; with `quiet` nothing. While one exists, log_line goes through it, so that a warning does not tear
-/// its line. Thread safe. Restores the terminal's line and the log when it is destroyed.
+/// Shows how far several concurrent stages are. On a terminal it repaints one line with each running stage's share,
+/// rate and time left, and writes a line that stays for each finished stage. Elsewhere it writes plain lines, at most
+/// one every few seconds for each stage. With `quiet` it shows nothing. While a display exists, log_line goes through
+/// it, so that a warning does not break its line. It is thread safe, and restores the terminal's line and the log when
+/// it is destroyed.
 class ProgressDisplay {
  public:
   enum class Style { automatic, terminal, plain };
-  /// Writes to the descriptor (stderr), which must stay open; automatic asks isatty.
+  /// Writes to the descriptor (stderr), which must stay open. Style::automatic asks isatty.
   explicit ProgressDisplay(bool quiet, int fd = 2, Style style = Style::automatic);
   ~ProgressDisplay();
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;
 
-  /// Begins a stage; what it returns reports to this display, which must outlive it.
+  /// Begins a stage. The returned object reports to this display, which must outlive it.
   Progress start(const std::string& stage, const std::atomic<bool>* cancel = &cancel_requested());
-  /// For who has no Progress in hand. A stage that was not started is ignored.
+  /// For code that has no Progress object. A stage that was not started is ignored.
   void report(const std::string& stage, double fraction);
-  /// Ends it: "skull.decimate: 12.3 s, 80,000 triangles", where the note is the part after the time. A stage that was
-  /// not started ("cached") shows no time.
+  /// Ends a stage and shows "skull.decimate: 12.3 s, 80,000 triangles", where the note is the part after the time. A
+  /// stage that was not started ("cached") shows no time.
   void finish(const std::string& stage, const std::string& note = "");
 
  private:
@@ -34,7 +35,7 @@ class ProgressDisplay {
   std::unique_ptr<State> state_;
 };
 
-/// "8 s", "1 min 05 s", "2 h 03 min"
+/// A duration as text: "8 s", "1 min 05 s", "2 h 03 min".
 std::string duration_text(double seconds);
 
 }  // namespace trephine

@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Text inside a cell of a Markdown table.
+// Escapes text for a cell of a Markdown table.
 std::string cell(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -74,7 +74,7 @@ void add_range(Json& schema, const Range& range, bool integer) {
 
 void add_properties(Json& properties, const ParameterSet& set, const void* defaults);
 
-// An object with the set's keys, or the value that it stands for.
+// The schema of an object with the set's keys, or of the value for which the struct stands.
 Json schema_of(const ParameterSet& set) {
   const std::shared_ptr<void> defaults = set.make();
   Json properties = Json::object(), required = Json::array();
@@ -125,13 +125,13 @@ Json parameter_schema(const Parameter& p, const void* object) {
       s["type"] = "array";
       s["items"] = schema_of(p.item_set());
       if (p.count) s["maxItems"] = p.count;
-      // One value need not be a list.
+      // A single value need not be written as a list.
       if (p.item_set().only_value()) return {{"description", p.help}, {"anyOf", {s["items"], s}}};
       return s;
     }
     case ParameterKind::map: {
       Json item = schema_of(p.item_set());
-      // `skull:` alone has the defaults.
+      // A key without a value, such as `skull:`, has the defaults.
       if (item.contains("type") && item["type"] == "object") item["type"] = {"object", "null"};
       s["type"] = "object";
       s["additionalProperties"] = item;
@@ -148,7 +148,7 @@ void add_properties(Json& properties, const ParameterSet& set, const void* defau
   for (const Parameter& p : set.parameters) properties[p.name] = parameter_schema(p, defaults);
 }
 
-// Every command's parameters, as an object each under $defs.
+// The schema of every command's parameters, each as an object under $defs.
 std::string schema_page(const Program& program) {
   Json root = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
                {"title", "Parameters of " + program.name},

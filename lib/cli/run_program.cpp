@@ -37,7 +37,7 @@ Command page_command(const Program& program, const std::string& name, const std:
   return c;
 }
 
-// The commands that every program has. They see the program through the pointer, with these commands in it.
+// The commands that every program has. They refer to the program through the pointer, and it includes them.
 void add_own_commands(Program& program) {
   Command completion;
   completion.name = "completion";
@@ -65,7 +65,7 @@ void add_own_commands(Program& program) {
                              : "unknown command; did you mean " + group + " " + near + "?");
 }
 
-// The command that the words begin with, and how many of them are its name.
+// The command with which the words begin, and how many of them are its name.
 const Command& find_command(const Program& program, const std::vector<std::string>& words, std::size_t& taken) {
   const std::string name = words[0], second = words.size() > 1 ? words[1] : "";
   std::vector<std::string> known = {"--help", "--version", "help"}, in_group;
@@ -83,7 +83,7 @@ const Command& find_command(const Program& program, const std::vector<std::strin
                   (near.empty() ? "; " + program.name + " --help lists them" : "; did you mean " + near + "?"));
 }
 
-// Of a command; of a group's first word alone what all its commands are.
+// The help of a command, or for the first word of a group the list of all its commands.
 std::string help_of(const Program& program, const std::vector<std::string>& words, std::size_t& taken) {
   Program group = program;
   group.name += " " + words[0];
@@ -98,7 +98,7 @@ std::string help_of(const Program& program, const std::vector<std::string>& word
   return program_help(group);
 }
 
-// Where there is no configuration, a wrong value was given on the command line.
+// Without a configuration, a wrong value must have been given on the command line.
 void refuse_as_usage(const Command& command, const Error& e) {
   if (e.code() != ExitCode::bad_config) return;
   for (const Argument& a : command.arguments)

@@ -10,34 +10,37 @@
 
 namespace trephine {
 
-/// The file of one case (configs/*.yaml), declared.
+/// The declaration of a case's configuration file (configs/*.yaml).
 
-/// The fastest way that keeps these bounds, of those that a sweep measured.
+/// Bounds of accuracy. Of all measured points that keep them, the fastest is taken.
 struct AccuracyParams {
   double max_deviation_mm = 0, p99_deviation_mm = 0, rms_deviation_mm = 0;
   template <class V>
   static void describe(V& v) {
     using P = AccuracyParams;
     const Range range{1e-3, 1e12};
-    v.number(&P::max_deviation_mm, "max_deviation_mm", range, "Largest deviation of any anatomy.").none_at_zero();
-    v.number(&P::p99_deviation_mm, "p99_deviation_mm", range, "99th percentile of the deviations.").none_at_zero();
-    v.number(&P::rms_deviation_mm, "rms_deviation_mm", range, "Root mean square of the deviations.").none_at_zero();
+    v.number(&P::max_deviation_mm, "max_deviation_mm", range, "Largest deviation that any anatomy may have.")
+        .none_at_zero();
+    v.number(&P::p99_deviation_mm, "p99_deviation_mm", range, "Largest 99th percentile of the deviations.")
+        .none_at_zero();
+    v.number(&P::rms_deviation_mm, "rms_deviation_mm", range, "Largest root mean square of the deviations.")
+        .none_at_zero();
   }
   std::string fault() const {
     return max_deviation_mm + p99_deviation_mm + rms_deviation_mm > 0 ? "" : "asks for nothing";
   }
 };
 
-/// What a case may cost.
+/// Limits on what a case may cost.
 struct BudgetParams {
   double seconds = 0;
   std::int64_t triangles = 0, bytes = 0;
   template <class V>
   static void describe(V& v) {
     using P = BudgetParams;
-    v.number(&P::seconds, "seconds", Range{1e-3, 1e12}, "Of all stages together.").none_at_zero();
-    v.integer(&P::triangles, "triangles", Range{1, 1e12}, "Of all anatomies together.").none_at_zero();
-    v.integer(&P::bytes, "bytes", Range{1, 1e12}, "Of all files of the case together.").none_at_zero();
+    v.number(&P::seconds, "seconds", Range{1e-3, 1e12}, "Seconds of all stages together.").none_at_zero();
+    v.integer(&P::triangles, "triangles", Range{1, 1e12}, "Triangles of all anatomies together.").none_at_zero();
+    v.integer(&P::bytes, "bytes", Range{1, 1e12}, "Bytes of all files of the case together.").none_at_zero();
   }
   std::string fault() const { return seconds > 0 || triangles > 0 || bytes > 0 ? "" : "asks for nothing"; }
 };
@@ -56,21 +59,22 @@ struct CaseFileParams : VersionParams {
   static void describe(V& v) {
     using P = CaseFileParams;
     v.template all_of<VersionParams>();
-    v.text(&P::case_token, "case", "Name of the case: a-z, 0-9, _ and -, never a patient's.");
+    v.text(&P::case_token, "case", "Name of the case: a-z, 0-9, _ and -; never a patient's name.");
     v.text(&P::series, "series", "Folder, ZIP archive or file with the CT series.").names("file");
     v.text(&P::pipeline, "pipeline", "The recipe: which stages make which anatomy.").names("file").is_required();
     v.text(&P::scene, "scene", "The scene: which anatomies are wanted, and how good.").names("file").is_required();
     v.group(&P::import, "import", "How the series is read.");
-    v.map(&P::landmarks, "landmarks", "Landmarks that are known, by name, LPS in mm; they win over what is found.");
+    v.map(&P::landmarks, "landmarks", "Known landmarks by name, LPS in mm; they replace found ones.");
     v.text(&P::landmarks_file, "landmarks_file",
-           "Landmarks that are known: a file of 3D Slicer (.mrk.json, .fcsv) or of `trephine landmarks` (.json).")
+           "Known landmarks: a file of 3D Slicer (.mrk.json, .fcsv) or of `trephine landmarks` (.json).")
         .names("file");
-    v.list(&P::burr_holes, "burr_holes", "Burr holes, where the scene cuts them.").at_most(16);
-    v.list(&P::trade, "trade", "What `trephine trade` measured: a file, or a list of which all must hold.");
-    v.group(&P::accuracy, "accuracy", "Take the fastest way, of those measured, that keeps this.");
-    v.group(&P::budget, "budget", "Take the most accurate way, of those measured, within this.");
+    v.list(&P::burr_holes, "burr_holes", "The burr holes, where the scene cuts them.").at_most(16);
+    v.list(&P::trade, "trade",
+           "What `trephine trade` measured: a file, or a list of files whose points must hold in all of them.");
+    v.group(&P::accuracy, "accuracy", "Take the fastest measured point that keeps these bounds.");
+    v.group(&P::budget, "budget", "Take the most accurate measured point within these limits.");
     v.text(&P::profile, "profile", "draft, standard or fine, instead of accuracy and budget.");
-    v.map(&P::set, "set", "Parameters by their paths: skull.decimate.max_deviation_mm: 0.2.");
+    v.map(&P::set, "set", "Parameters by their paths, such as skull.decimate.max_deviation_mm: 0.2.");
   }
 };
 

@@ -13,7 +13,7 @@ namespace trephine {
 namespace fs = std::filesystem;
 namespace {
 
-// Reads the files of a case; every method adds its faults and goes on.
+// Reads the files of a case. Every method adds the faults that it finds and goes on.
 class Reader {
  public:
   Reader(const fs::path& config, const ConfigOverrides& overrides) : r_(config, overrides), tree_(read_yaml(config)) {}
@@ -39,7 +39,7 @@ class Reader {
     resolve_files();
     derive_scene(r_);
     check_burr_holes();
-    // Last, for what smoothing takes of the scene's deviation may just have been set.
+    // This comes last: the part of the scene's deviation that smoothing takes may just have been set.
     share_out_limits(r_);
     drop_unused_landmarks();
     out.import = import_.as<ImportParams>();
@@ -61,7 +61,7 @@ class Reader {
     };
     return all;
   }
-  // Faults of its path were told already.
+  // Faults of the path have been reported already.
   fs::path file_of(const std::string& text) const {
     std::string ignored;
     return text.empty() ? fs::path() : r_.in_root(r_.file, text, ignored);
@@ -80,7 +80,8 @@ class Reader {
     }
   }
 
-  // Points of 3D Slicer's or landmarks of ours. Those of a name that is known already are replaced where `wins`.
+  // Reads points of 3D Slicer or landmarks of ours. Where `wins` is set, they replace points of the same name that are
+  // known already.
   void read_points(const fs::path& file, bool wins) {
     if (file.empty()) return;
     try {
@@ -150,7 +151,7 @@ class Reader {
     return rule;
   }
 
-  // The point of the measured front that the case's rule asks for.
+  // Chooses the point of the measured front that the case's rule asks for.
   void choose_point() {
     const CaseFileParams& said = said_.as<CaseFileParams>();
     CaseTrade& trade = r_.out.trade;
@@ -194,7 +195,8 @@ class Reader {
         r_.values.set_from_text(text, {ValueSource::command_line, "--set", {}}, r_.faults);
   }
 
-  // A file is meant relative to the one that names it; from the command line, to where the command is given.
+  // Makes file names absolute: a name in a file is relative to that file, a name on the command line to the working
+  // folder.
   void resolve_files() {
     for (RecipeAnatomy& anatomy : r_.out.anatomies)
       for (RecipeStep& step : anatomy.steps)
@@ -218,7 +220,7 @@ class Reader {
       p.set(params.object.get(), file.string());
   }
 
-  // What can only be judged when everything is set.
+  // Checks that can only be made when everything is set.
   void check_burr_holes() {
     CaseConfig& out = r_.out;
     if (!out.drilled.empty() && out.burr_holes.empty())
@@ -229,18 +231,18 @@ class Reader {
         if (const std::string what = params.toward.empty() ? "" : r_.fault_of_landmark(params.toward); !what.empty())
           throw Error(ExitCode::bad_config, "", "toward", what);
         if (out.find_scan_step(landmarks_step))
-          check_request(params, ExitCode::bad_config);  // what is not given is looked for
+          check_request(params, ExitCode::bad_config);  // a landmark that is not given is searched for
         else
           request_of(params, out.landmark_positions_mm(), ExitCode::bad_config);
       } catch (const Error& e) {
         fault("burr_holes", hole.name + "." + e.field(), e.what());
       }
-    // "What no scene requires is not computed": the same case may be built for a scene that drills and one that does
-    // not.
+    // Burr holes that the scene does not cut are dropped, so that the same case may be built for a scene that drills
+    // and for one that does not.
     if (out.drilled.empty()) out.burr_holes.clear();
   }
 
-  // Those of a file that the case has no use for: a point's label may be anything, a patient's name too.
+  // Landmarks of a file that the case does not use are dropped: a point's label may be anything, even a patient's name.
   void drop_unused_landmarks() {
     CaseConfig& out = r_.out;
     const auto is_in = [](const std::vector<std::string>& all, const std::string& name) {

@@ -16,18 +16,19 @@
 
 namespace trephine {
 
-/// One step of an anatomy: a stage, its effective parameters, and where its ports other than the first come from.
+/// One step of an anatomy: a stage, its effective parameters, and the sources of all its ports but the first.
 struct RecipeStep {
   const StageType* type = nullptr;
   AnyParams params;
   std::map<std::string, std::string> ports;  ///< port name -> "anatomy.stage"
 };
 
-/// Stages of the whole scan (StagePlace::scan) that the program itself has to do with.
-constexpr const char* resample_step = "resample";    ///< in every recipe, in force where a spacing is set
-constexpr const char* landmarks_step = "landmarks";  ///< finds them where the scene or a burr hole needs one
-constexpr const char* deface_step = "deface";        ///< where the scene's face policy is crop or deface
-constexpr const char* anatomy_step = "anatomy";      ///< the gate, over those of its anatomies that the scene computes
+/// Stages of the whole scan (StagePlace::scan) that the program's own code refers to.
+constexpr const char* resample_step = "resample";    ///< in every recipe; used where a spacing is set
+constexpr const char* landmarks_step = "landmarks";  ///< used where the scene or a burr hole needs a landmark
+constexpr const char* deface_step = "deface";        ///< used where the scene's face policy is crop or deface
+constexpr const char* anatomy_step =
+    "anatomy";  ///< the consistency check of those of its anatomies that the scene computes
 
 struct RecipeAnatomy : RecipeAnatomyParams {
   std::string name;
@@ -35,12 +36,12 @@ struct RecipeAnatomy : RecipeAnatomyParams {
   const RecipeStep* find_step(const std::string& stage) const;
 };
 
-/// What a scene requires of one anatomy; 0 means that it sets no limit.
+/// The limits that a scene sets for one anatomy; 0 means no limit.
 struct SceneAnatomy : SceneAnatomyParams {
   std::string name;
 };
 
-/// A shape of the scene's haptic volume, besides what the voxelize stage's parameters say of it.
+/// A shape of the scene's haptic volume, with what the voxelize stage's parameters do not say of it.
 struct SceneShape {
   std::string name;
   CaseMaterial material;
@@ -54,7 +55,7 @@ struct SceneHaptic {
   HapticEncoding encoding() const { return params.as<VoxelizeStageParams>().encoding; }
 };
 
-/// A landmark that the scene cannot do without.
+/// A landmark that the scene requires.
 struct SceneLandmark {
   std::string name;
   double min_confidence = 0;
@@ -71,57 +72,57 @@ struct CaseDrill {
   AnyParams params;
 };
 
-/// What the case asks of a measured front, and the point of it that it got.
+/// The rule by which the case chooses a point of a measured front, and the chosen point.
 struct CaseTrade {
-  TradeRule rule;                             ///< empty: nothing is asked
-  std::vector<std::filesystem::path> fronts;  ///< each trade.json that it was chosen from
+  TradeRule rule;                             ///< empty: no rule
+  std::vector<std::filesystem::path> fronts;  ///< each trade.json from which it was chosen
   std::string front_names() const;            ///< "head.json", or "a.json, b.json"
   TradeChoice choice;
 };
 
-/// A case as its files and --set say it: every parameter has its effective value.
+/// A case as its files and --set describe it. Every parameter has its effective value.
 struct CaseConfig {
   std::string case_token;        ///< empty: none given
   std::filesystem::path series;  ///< empty: none given
   ImportParams import;
   std::vector<RecipeAnatomy> anatomies;  ///< the whole recipe, in its order
-  std::vector<RecipeStep> scan_steps;    ///< its stages of the whole scan
+  std::vector<RecipeStep> scan_steps;    ///< the whole recipe, in its order
   RecipeRoles roles;
-  std::vector<SceneAnatomy> scene;  ///< what is wanted, in the recipe's order; triangles as triangles_ratio scales them
-  std::string face, face_reason;    ///< "", keep, crop or deface
-  std::vector<CaseLandmark> landmarks;  ///< given, by the configuration or a file that it names
+  std::vector<SceneAnatomy> scene;      ///< in the recipe's order; triangles scaled by triangles_ratio
+  std::string face, face_reason;        ///< "", keep, crop or deface
+  std::vector<CaseLandmark> landmarks;  ///< given by the configuration or by a file that it names
   std::vector<SceneLandmark> scene_landmarks;
-  std::vector<CaseDrill> burr_holes;  ///< none where the scene cuts none
+  std::vector<CaseDrill> burr_holes;  ///< empty where the scene cuts none
   std::vector<SceneDrill> drilled;    ///< in the scene's order
   SceneHaptic haptic;
   CaseTrade trade;
-  AnyParams scene_file = AnyParams::make<SceneFileParams>();  ///< all that the scene says
-  std::vector<ValueRow> values;  ///< every parameter that a stage of the case may have, and where its value is from
+  AnyParams scene_file = AnyParams::make<SceneFileParams>();  ///< the whole scene file
+  std::vector<ValueRow> values;  ///< every parameter that a stage of the case may have, and the source of its value
 
   std::map<std::string, Vec3> landmark_positions_mm() const;
   const RecipeAnatomy* find_anatomy(const std::string& name) const;
   const RecipeStep* find_scan_step(const std::string& stage) const;
-  /// Whether the surface or the haptic volume of the scene shows it.
+  /// Whether the scene shows the anatomy by its surface or by the haptic volume.
   bool is_shown(const std::string& anatomy) const;
-  /// The anatomy in which the landmark lies as a target of the recipe; empty where it is none.
+  /// The anatomy in which the landmark lies as a target of the recipe; empty where it is no target.
   std::string target_in(const std::string& landmark) const;
 };
 
 struct ConfigOverrides {
   std::filesystem::path series;     ///< from the command line, not bound to the root
-  std::filesystem::path landmarks;  ///< a file of 3D Slicer's; its points win over the configuration's
+  std::filesystem::path landmarks;  ///< a file of 3D Slicer; its points replace those of the configuration
   std::string case_token;
-  std::string profile;                       ///< instead of the rule that the configuration holds
-  bool without_rule = false;                 ///< the rule that the configuration holds chooses nothing
+  std::string profile;                       ///< replaces the rule of the configuration
+  bool without_rule = false;                 ///< the rule of the configuration is ignored
   std::vector<std::string> set;              ///< "skull.decimate.max_deviation_mm=0.2", "import.series=s1"
   std::vector<std::filesystem::path> roots;  ///< folders beside the root that paths in the files may lead to
 };
 
-/// Reads the case's YAML, the recipe and the scene that it names, and the scene's materials. What wins where several
-/// say a value is the order of ValueSource (values.h); decimation's share of the scene's deviation is what the
-/// smoothing that is in force at last leaves of it, and a point of a trade keeps its own value where the scene allows
-/// it. Throws ErrorList with every fault of all files and the overrides at once: 78 with file:line:column, 66 for a
-/// file that is missing, 64 for an override; the first one's code counts.
+/// Reads the case's YAML, the recipe and the scene that it names, and the scene's materials. Where several sources set
+/// a value, ValueSource (values.h) says which one wins. Decimation gets the part of the scene's deviation that the
+/// effective smoothing leaves, and a point of a trade keeps its own value where the scene allows it. Throws ErrorList
+/// with every fault of all files and overrides at once: 78 with file:line:column, 66 for a missing file, 64 for an
+/// override. The exit code is that of the first fault.
 CaseConfig read_case_config(const std::filesystem::path& file, const ConfigOverrides& overrides = {});
 
 }  // namespace trephine

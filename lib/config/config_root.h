@@ -4,14 +4,14 @@
 
 namespace trephine {
 
-/// Absolute, without links and dots; the end need not be there.
+/// The absolute path without links and dots; its end need not exist.
 std::filesystem::path absolute_path(const std::filesystem::path& p);
 
-/// The nearest folder above the configuration that holds a file trephine.root, else the configuration's own: what its
-/// paths may not leave.
+/// The folder that the configuration's paths may not leave: the nearest folder above the configuration that holds a
+/// file trephine.root, else the configuration's own folder.
 std::filesystem::path root_of(const std::filesystem::path& config);
 
-/// Whether the path is the root or below it; both as absolute_path gives them.
+/// Whether the path is the root or below it; both must come from absolute_path.
 bool lies_in(const std::filesystem::path& path, const std::filesystem::path& root);
 
 }  // namespace trephine

@@ -28,7 +28,7 @@ class Reader {
     }
     for (const Parameter& p : set.parameters)
       if (p.required && !node.find(p.name)) fault(node, below(where, p.name), "is missing: " + p.help);
-    // Not where a value was refused already: the default in its place is nobody's fault.
+    // Not checked where a value was refused already: the default in its place is not the user's fault.
     if (!set.fault || r_.faults.count() != before) return;
     const std::string what = set.fault(object);
     const std::size_t colon = what.find(": ");
@@ -113,7 +113,7 @@ class Reader {
       if (!p.source.empty()) check_name(key, path, p.source);
       if (r_.faults.count() != before) continue;
       void* one = p.add(object, key.text);
-      // `skull:` alone has the defaults.
+      // A key without a value, such as `skull:`, has the defaults.
       const bool nothing = item.kind == Kind::null && !p.item_set().only_value();
       if (!nothing) read_struct(item, path, p.item_set(), one, {});
     }

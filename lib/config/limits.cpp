@@ -9,7 +9,8 @@ namespace {
 
 const ValueOrigin by_scene{ValueSource::scene, "what the scene allows", {}};
 
-// A point of a trade keeps its own value where the scene allows it; a weaker one gets all that is allowed.
+// A point of a trade keeps its own value where the scene allows it. A point with a weaker value gets all that the scene
+// allows.
 bool keeps_own(const ConfigValues& values, const std::string& path, double allowed) {
   const double now = values.number(path, 0);
   return values.origin(path).source == ValueSource::trade && now > 0 && now <= allowed;
@@ -26,7 +27,7 @@ double smoothing_mm(const ConfigValues& values, const std::string& anatomy) {
 
 void share_out_triangles(ConfigReading& r) {
   const double ratio = r.values.number("scene.triangles_ratio", 1);
-  // The wall of a burr hole is triangles too, and they count against the scene's limit.
+  // The wall of a burr hole consists of triangles too, and they count against the scene's limit.
   constexpr std::int64_t triangles_a_hole = 4000;
   const auto holes = static_cast<std::int64_t>(r.out.burr_holes.size());
   for (SceneAnatomy& wanted : r.out.scene) {
@@ -56,8 +57,8 @@ void share_out_deviation(ConfigReading& r) {
   }
 }
 
-// Whatever the chosen point's settings did to the head that it was measured on: here the rule holds by construction as
-// far as decimation and smoothing go, and what is measured is held against it.
+// The settings of the chosen point may have another effect on this head than on the head that was measured. The rule is
+// therefore enforced here for decimation and smoothing, and the measured deviations are checked against it later.
 void keep_rule(ConfigReading& r) {
   const double limit_mm = r.out.trade.rule.max_deviation_mm;
   if (limit_mm <= 0) return;

@@ -8,8 +8,8 @@ namespace trephine {
 namespace fs = std::filesystem;
 namespace {
 
-// ": here ventricles.labels": what a fault adds that wants data of that kind and names another stage of an anatomy
-// which has one.
+// A hint for a fault, such as ": here ventricles.labels". It names another stage of the same anatomy that gives data of
+// the wanted kind.
 std::string hint_of_source(const std::string& source, DataKind kind, const std::vector<RecipeAnatomy>& anatomies) {
   const std::string name = source.substr(0, source.find('.'));
   std::string made;
@@ -36,7 +36,7 @@ class RecipeReader {
       fault(*anatomies, "anatomies", "must hold keys and values");
     else
       read_anatomies(*anatomies);
-    // The roles name anatomies, which are known now.
+    // The roles name anatomies, so they are read now that the anatomies are known.
     RecipeFileParams said;
     read_declared(reading("recipe"), *tree, "", parameters_of<RecipeFileParams>(), &said, others);
     r_.out.roles = said;
@@ -122,7 +122,7 @@ class RecipeReader {
       fault(list, where + ".stages", "must end in a surface");
   }
 
-  // Parameters of a stage, and where its ports come from.
+  // Reads the parameters of a stage and the sources of its ports.
   RecipeStep step_of(const StageType& type, const YamlNode& node, const std::string& where,
                      const std::vector<Port>& ports) {
     RecipeStep step;
@@ -141,7 +141,7 @@ class RecipeReader {
     return step;
   }
 
-  // A port may only be fed from an anatomy that stands before it: so there are no cycles.
+  // A port may only read from an anatomy that stands before it in the recipe, so there are no cycles.
   void check_ports(const YamlNode& anatomies) {
     const std::vector<RecipeAnatomy>& all = r_.out.anatomies;
     for (std::size_t i = 0; i < all.size(); ++i)
@@ -168,7 +168,7 @@ class RecipeReader {
     return false;
   }
 
-  // Ports that take a field say of which anatomy; the volume and the landmarks come by themselves.
+  // Ports that take a field name the anatomy. The volume and the landmarks are connected by the program.
   void read_scan_step(const StageType& type, const YamlNode& node) {
     std::vector<Port> ports;
     for (const Port& port : type.ports)

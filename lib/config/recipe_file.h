@@ -7,7 +7,7 @@
 
 namespace trephine {
 
-/// What a recipe (pipelines/*.yaml) says beside its stages, declared.
+/// The declaration of everything in a recipe (pipelines/*.yaml) except its stages.
 
 struct RecipeAnatomyParams {
   std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};
@@ -16,17 +16,16 @@ struct RecipeAnatomyParams {
   template <class V>
   static void describe(V& v) {
     using P = RecipeAnatomyParams;
-    v.numbers(&P::colour_rgb, "colour_rgb", Range{0, 1}, "Its colour, sRGB.");
-    v.number(&P::opacity_ratio, "opacity_ratio", Range{0.05, 1}, "How opaque it is in pictures and in the GLB.");
-    // Without a default: a recipe that forgets it must not publish a face.
+    v.numbers(&P::colour_rgb, "colour_rgb", Range{0, 1}, "Colour of the anatomy, sRGB.");
+    v.number(&P::opacity_ratio, "opacity_ratio", Range{0.05, 1}, "Opacity of the anatomy in pictures and in the GLB.");
+    // This key has no default: a recipe that forgets it must not publish a face.
     v.flag(&P::shows_face, "shows_face",
-           "Whether it shows the patient's face: then it is published only under a face "
-           "policy.")
+           "Whether the anatomy shows the patient's face. If so, it is published only under a face policy.")
         .is_required();
   }
 };
 
-/// Which anatomies play which part in what a scene does to a case.
+/// The roles of anatomies in what a scene does to a case.
 struct BurrHoleRoles {
   std::string bone, over;
   template <class V>
@@ -46,11 +45,12 @@ struct RecipeRoles {
   template <class V>
   static void describe(V& v) {
     using P = RecipeRoles;
-    v.group(&P::burr_holes, "burr_holes", "Which anatomies a burr hole has to do with.");
+    v.group(&P::burr_holes, "burr_holes", "Which anatomies burr holes concern.");
     v.map(&P::targets, "targets",
-          "Landmarks that lie in an anatomy and are what an exercise aims at: {monro_right: ventricles}. That anatomy "
-          "is computed where one of them is wanted, and they are targets where it is shown.");
-    v.text(&P::class_of, "class_of", "The anatomy by which a case is classed: normal, hydrocephalic, shifted or small.")
+          "Landmarks that lie in an anatomy and are what an exercise aims at, such as {monro_right: ventricles}. That "
+          "anatomy is computed where one of them is wanted, and they are targets where it is shown.");
+    v.text(&P::class_of, "class_of",
+           "The anatomy by which a case is classed as normal, hydrocephalic, shifted or small.")
         .names("anatomy");
   }
 };

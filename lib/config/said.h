@@ -7,13 +7,14 @@
 
 namespace trephine {
 
-/// Names and texts that stand for themselves in a configuration's files: `nasion: [0, -95, 10]`, `kocher_right: 0.5`.
+/// Values that stand alone in a configuration's files, without keys of their own: `nasion: [0, -95, 10]`,
+/// `kocher_right: 0.5`.
 
 struct SaidPosition {
   std::array<double, 3> position_mm{0, 0, 0};
   template <class V>
   static void describe(V& v) {
-    v.numbers(&SaidPosition::position_mm, "", Range{-1e5, 1e5}, "Where it is, LPS, mm.");
+    v.numbers(&SaidPosition::position_mm, "", Range{-1e5, 1e5}, "Position in mm, LPS.");
   }
 };
 
@@ -21,11 +22,11 @@ struct SaidConfidence {
   double least = 0;
   template <class V>
   static void describe(V& v) {
-    v.number(&SaidConfidence::least, "", Range{0, 1}, "The least confidence that will do.");
+    v.number(&SaidConfidence::least, "", Range{0, 1}, "The least confidence that is accepted.");
   }
 };
 
-/// A file or folder, relative to the file that says so.
+/// A file or folder, relative to the file that names it.
 struct SaidPath {
   std::string path;
   template <class V>
@@ -42,7 +43,7 @@ struct SaidAnatomy {
   }
 };
 
-/// A value of any parameter, as --set has it: "0.2", "[1, 1, 1]"; a list in YAML becomes that text.
+/// A value of any parameter, as --set takes it: "0.2", "[1, 1, 1]". A list in YAML becomes that text.
 struct SaidValue {
   std::string text;
   template <class V>
@@ -51,14 +52,14 @@ struct SaidValue {
   }
 };
 
-/// "path=value" of each, as --set takes it.
+/// The values as "path=value", as --set takes them.
 inline std::vector<std::string> settings_of(const Named<SaidValue>& values) {
   std::vector<std::string> all;
   for (const auto& [path, value] : values) all.push_back(path + "=" + value.text);
   return all;
 }
 
-/// The first line of every file.
+/// The version, which is the first line of every file.
 struct VersionParams {
   int trephine = 1;
   template <class V>

@@ -7,7 +7,7 @@ namespace trephine {
 namespace fs = std::filesystem;
 namespace {
 
-// The scene's materials by name, of a file that it names.
+// The materials by name, from the file that the scene names.
 Named<MaterialFileParams> read_materials(ConfigReading& r, const fs::path& file) {
   MaterialsFileParams said;
   if (const auto tree = read_yaml_or_fault(file, r.faults))
@@ -28,7 +28,7 @@ class SceneReader {
 
   void read() {
     const auto tree = read_yaml_or_fault(file_, r_.faults);
-    // Without a recipe nobody knows which anatomies there are: what the scene says of them is not judged.
+    // Without a recipe the anatomies are unknown, so what the scene says of them is not checked.
     if (!tree || r_.out.anatomies.empty()) return;
     const YamlNode* materials_file = tree->find("materials");
     if (materials_file && materials_file->kind == YamlNode::Kind::scalar) {
@@ -65,7 +65,7 @@ class SceneReader {
     return fault;
   }
 
-  // What the declarations cannot say: one part of the scene against another, and against the recipe.
+  // Checks what the declarations cannot express: parts of the scene against each other and against the recipe.
   void check(const YamlNode& tree, const SceneFileParams& said) {
     const auto fault = [&](const char* key, const std::string& where, const std::string& what) {
       const YamlNode* at = tree.find(key);
@@ -115,7 +115,7 @@ void read_scene(ConfigReading& reading, const fs::path& file) { SceneReader(read
 void derive_scene(ConfigReading& r) {
   CaseConfig& out = r.out;
   const auto& said = out.scene_file.as<SceneFileParams>();
-  // In the recipe's order, so that the scene's order changes no byte of the case.
+  // The recipe's order is used, so that the scene's order changes no byte of the case.
   for (const RecipeAnatomy& anatomy : out.anatomies)
     if (const SceneAnatomyParams* wanted = find_item(said.anatomies, anatomy.name)) {
       SceneAnatomy one;
@@ -145,7 +145,7 @@ void derive_scene(ConfigReading& r) {
     if (const DrillParams* drill = find_item(said.burr_holes, name)) stage.drill.emplace_back(name, *drill);
     const MaterialFileParams* material = find_item(r.materials, shape.material);
     out.haptic.shapes.push_back({name, material ? material->material(shape.material) : CaseMaterial(), shape.cuttable});
-    // By --set it may be any text; what the file says was judged where it stands.
+    // A value from --set may be any text; a value from the file was checked where it stands.
     const std::string path = "haptic.shapes." + name + ".material";
     if (const std::string what = fault_of_material(r, shape.material);
         !what.empty() && r.values.origin(path).source > ValueSource::scene)

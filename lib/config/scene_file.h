@@ -9,9 +9,9 @@
 
 namespace trephine {
 
-/// The files of a scene (configs/scenes/*.yaml) and of materials (configs/materials.yaml), declared.
+/// The declarations of scene files (configs/scenes/*.yaml) and of the file of materials (configs/materials.yaml).
 
-/// What a scene requires of one anatomy's surface.
+/// The limits that a scene sets for one anatomy's surface.
 struct SceneAnatomyParams {
   double max_deviation_mm = 0;
   std::int64_t max_triangles = 0;
@@ -19,9 +19,10 @@ struct SceneAnatomyParams {
   static void describe(V& v) {
     using P = SceneAnatomyParams;
     v.number(&P::max_deviation_mm, "max_deviation_mm", Range{0.01, 100},
-             "How far the surface may lie from the unreduced one; smoothing and decimation share it.")
+             "How far the surface may lie from the unreduced one; smoothing and decimation share this deviation.")
         .none_at_zero();
-    v.integer(&P::max_triangles, "max_triangles", Range{4, 1e8}, "How many triangles it may have.").none_at_zero();
+    v.integer(&P::max_triangles, "max_triangles", Range{4, 1e8}, "How many triangles the surface may have.")
+        .none_at_zero();
   }
 };
 
@@ -35,25 +36,25 @@ struct FacePolicyParams {
     using P = FacePolicyParams;
     v.choice(&P::policy, "policy",
              {{"crop", FacePolicy::crop}, {"deface", FacePolicy::deface}, {"keep", FacePolicy::keep}},
-             "What is done about the patient's face: taken off with all in front of it, or with what is near the skin, "
-             "or kept.")
+             "What is done about the patient's face: crop removes it with everything in front of it, deface removes "
+             "what is near the skin, keep leaves it.")
         .is_required();
-    v.text(&P::reason, "reason", "With policy keep: why the case may show the face; it is recorded.");
+    v.text(&P::reason, "reason", "With policy keep: why the case may show the face. The reason is recorded.");
   }
   std::string fault() const;
 };
 
-/// A shape of the haptic volume: how it is made, what it feels like, whether a tool may remove it.
+/// A shape of the haptic volume: how it is made, what it feels like, and whether a tool may remove it.
 struct SceneShapeParams : HapticShapeParams {
   std::string material;
   bool cuttable = false;
   template <class V>
   static void describe(V& v) {
     using P = SceneShapeParams;
-    v.text(&P::material, "material", "How it feels: a material of the scene's file of materials.")
+    v.text(&P::material, "material", "The material that says how the shape feels, from the scene's file of materials.")
         .names("material")
         .is_required();
-    v.flag(&P::cuttable, "cuttable", "Whether a tool of the simulator may remove it.");
+    v.flag(&P::cuttable, "cuttable", "Whether a tool of the simulator may remove the shape.");
     v.template all_of<HapticShapeParams>();
   }
 };
@@ -64,7 +65,8 @@ struct SceneHapticParams : HapticVolumeParams {
   static void describe(V& v) {
     using P = SceneHapticParams;
     v.template all_of<HapticVolumeParams>();
-    v.map(&P::shapes, "shapes", "The shapes by name, in order of precedence: what one fills is not the next one's.")
+    v.map(&P::shapes, "shapes",
+          "The shapes by name, in order of precedence: a part that one shape fills does not belong to later ones.")
         .names("shape")
         .at_most(haptic_max_shapes)
         .is_required();
@@ -85,17 +87,18 @@ struct SceneFileParams : VersionParams {
   static void describe(V& v) {
     using P = SceneFileParams;
     v.template all_of<VersionParams>();
-    v.map(&P::anatomies, "anatomies", "The anatomies that are shown; what no scene requires is not computed.")
+    v.map(&P::anatomies, "anatomies",
+          "The anatomies that are shown. Anatomies that no scene requires are not computed.")
         .names("anatomy")
         .is_required();
     v.number(&P::triangles_ratio, "triangles_ratio", Range{0.01, 100},
-             "How many times as many triangles as the scene says each anatomy may have: for a machine that shows more "
-             "of them, or fewer.");
-    v.map(&P::landmarks, "landmarks", "Landmarks that the scene cannot do without, each with its least confidence.")
+             "Factor on the triangles that the scene allows for each anatomy, for a machine that shows more of them or "
+             "fewer.");
+    v.map(&P::landmarks, "landmarks", "Landmarks that the scene requires, each with its least confidence.")
         .names("landmark");
     v.map(&P::burr_holes, "burr_holes", "The anatomies from which the case's burr holes are cut.").names("anatomy");
     v.text(&P::materials, "materials", "The file of materials that the haptic shapes name.").names("file");
-    v.group(&P::haptic, "haptic", "The haptic volume: what the hand feels.");
+    v.group(&P::haptic, "haptic", "The haptic volume, which is what the hand feels.");
     v.group(&P::face, "face", "What is done about the patient's face.");
   }
 };
@@ -107,14 +110,14 @@ struct MaterialFileParams : MaterialParams {
   static void describe(V& v) {
     using P = MaterialFileParams;
     v.template all_of<MaterialParams>();
-    v.group(&P::front, "front", "The side that a tool meets from outside.").is_required();
-    v.group(&P::back, "back", "The side that a tool meets from inside.").is_required();
+    v.group(&P::front, "front", "The face that a tool meets from outside.").is_required();
+    v.group(&P::back, "back", "The face that a tool meets from inside.").is_required();
   }
   CaseMaterial material(const std::string& name) const { return make_material(name, *this, front, back); }
   std::string fault() const { return fault_of(material("")); }
 };
 
-/// What a file of materials says of it.
+/// The material as a file of materials declares it.
 inline MaterialFileParams material_params(const CaseMaterial& material) {
   MaterialFileParams p;
   p.colour_rgb = material.colour_rgb;

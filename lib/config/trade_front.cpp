@@ -19,7 +19,7 @@ std::string number(double v) { return to_text(ParameterValue(v)); }
 
 double infinite() { return std::numeric_limits<double>::infinity(); }
 
-// What a point lacks of a rule: 0 where it keeps it, else how far beyond the worst of the limits it is.
+// How far a point is from keeping a rule: 0 where it keeps it, else how far it exceeds the limit that it exceeds most.
 double excess(const TradePoint& p, const TradeRule& rule) {
   double worst = 0;
   const auto hold = [&](double value, double limit) {
@@ -34,14 +34,15 @@ double excess(const TradePoint& p, const TradeRule& rule) {
   return worst;
 }
 
-// What other voxels than the scan's cost differs from scan to scan, and a run does not see it: 0.17 mm RMS on one head
-// were 0.44 on another.
+// The cost of voxels other than the scan's differs from scan to scan, and a run cannot see it: what was 0.17 mm RMS on
+// one head was 0.44 mm on another.
 bool keeps_voxels(const TradePoint& p) {
   return std::none_of(p.settings.begin(), p.settings.end(),
                       [](const std::string& s) { return s.rfind("resample.", 0) == 0; });
 }
 
-// More triangles than the scene says: its machine may not show them, so nobody gets them who did not ask.
+// The machine may not be able to show more triangles than the scene allows, so a point with more is chosen only on
+// request.
 bool is_within_scene(const TradePoint& p) {
   const std::string path = "scene.triangles_ratio=";
   return std::none_of(p.settings.begin(), p.settings.end(), [&](const std::string& s) {
@@ -66,8 +67,8 @@ std::string figures(const TradePoint& p) {
          number(std::round(p.deviation_rms_mm * 1e4) / 1e4) + " mm RMS";
 }
 
-// Of the front in logarithmic axes, the point farthest below the line from its first to its last; where none is, the
-// last: what costs accuracy and gains little is for those who ask for a draft.
+// The knee of the front: in logarithmic axes, the point farthest below the line from the first point to the last; where
+// there is none, the last point. Points that lose accuracy and gain little time are for those who ask for a draft.
 std::size_t knee_of(const std::vector<TradePoint>& points, const std::vector<std::size_t>& front) {
   const auto x = [&](std::size_t i) { return std::log(std::max(points[front[i]].seconds, 1e-6)); };
   const auto y = [&](std::size_t i) { return std::log(std::max(points[front[i]].deviation_rms_mm, 1e-6)); };
@@ -84,7 +85,7 @@ std::size_t knee_of(const std::vector<TradePoint>& points, const std::vector<std
 
 TradeChoice choose_profile(const std::vector<TradePoint>& points, const std::string& profile) {
   std::vector<TradePoint> measured;
-  // The finest result's own deviation is nothing by definition: on logarithmic axes that is no place.
+  // The finest result deviates from itself by 0, which has no place on logarithmic axes.
   for (const TradePoint& p : points)
     if (p.deviation_rms_mm > 0 && (profile == "fine" || is_within_scene(p))) measured.push_back(p);
   const auto front = pareto_front(measured, TradeCost::seconds, TradeError::rms);

@@ -14,7 +14,7 @@ YamlNode scalar(const std::string& text) {
   return node;
 }
 
-// A word, or [words, in a list].
+// One word, or words in a list: [words, in a list].
 YamlNode value_of(const std::string& text) {
   if (text.size() < 2 || text.front() != '[' || text.back() != ']') return scalar(text);
   YamlNode list;
@@ -58,7 +58,8 @@ const ValueOrigin& ConfigValues::origin(const std::string& path) const {
   return found == origins_.end() ? standard : found->second;
 }
 
-// "*.decimate.keep_ratio" is that of every anatomy: of all paths that end so and have one word before it.
+// "*.decimate.keep_ratio" stands for that parameter of every anatomy: for all paths that end so and have one word
+// before.
 std::vector<std::string> ConfigValues::matching(const std::string& path) const {
   if (has(path)) return {path};
   std::vector<std::string> all;

@@ -12,39 +12,39 @@
 
 namespace trephine {
 
-/// Who says a value, the weakest first: of two that say one, the later of this list wins.
+/// The sources of a value, the weakest first: of two that set the same value, the later in this list wins.
 enum class ValueSource {
   standard,      ///< the parameter's default
   recipe,        ///< the pipeline's file
   trade,         ///< the point of a measured front that a rule of the case chose
-  scene,         ///< the scene's file, and what it allows of deviation and triangles
+  scene,         ///< the scene's file, with its limits on deviation and triangles
   set,           ///< the case's own file
   command_line,  ///< --set
-  rule,          ///< the accuracy that the case asks for, which holds whatever else is said
+  rule,          ///< the accuracy that the case asks for, which holds whatever other sources say
 };
 const char* to_text(ValueSource source);
 
-/// Who said a value, and where: "pipelines/head.yaml:12:7", "point bound/0.3 of head.json"; "" for a default.
+/// Which source set a value, and where: "pipelines/head.yaml:12:7", "point bound/0.3 of head.json"; "" for a default.
 struct ValueOrigin {
   ValueSource source = ValueSource::standard;
   std::string where;
-  std::filesystem::path folder;  ///< of the file that says it: what a relative path in the value is meant from
+  std::filesystem::path folder;  ///< folder of the file that sets it; relative paths in the value start there
 };
 
-/// A parameter of a case by its path, its value as text, and where that is from.
+/// A parameter of a case by its path, with its value as text and the origin of that value.
 struct ValueRow {
   std::string path, value;
   ValueOrigin origin;
 };
 
 /// The parameters of a case by their paths: "import.series", "resample.spacing_mm", "skull.decimate.max_deviation_mm",
-/// "landmarks.lateral_mm", "haptic.spacing_mm", "scene.triangles_ratio", "burr_hole_1.diameter_mm";
-/// "*.decimate.max_deviation_mm" stands for those of every anatomy that has one. One table of who said which value:
-/// a value of a weaker source never replaces that of a stronger one.
+/// "landmarks.lateral_mm", "haptic.spacing_mm", "scene.triangles_ratio", "burr_hole_1.diameter_mm".
+/// "*.decimate.max_deviation_mm" stands for that parameter of every anatomy that has it. This is the one table of which
+/// source set which value: a weaker source never replaces the value of a stronger one.
 class ConfigValues {
  public:
-  /// Adds a params object under a prefix, or one of its leaves under a path of its own; it is changed in place, and its
-  /// lists and maps must keep their items.
+  /// Adds a params object under a prefix, or one of its leaves under a path of its own. The object is changed in place, and
+  /// its lists and maps must keep their items.
   void add(const std::string& prefix, const AnyParams& params);
   void add_one(const std::string& path, const AnyParams& params, const ParameterLeaf& leaf) {
     targets_[path] = {leaf.parameter, leaf.object, params.object};
@@ -52,19 +52,20 @@ class ConfigValues {
 
   bool has(const std::string& path) const { return targets_.count(path) > 0; }
   const ValueOrigin& origin(const std::string& path) const;
-  /// Says that the value that the object has already is from there.
+  /// Records the origin of the value that the object has already.
   void note(const std::string& path, const ValueOrigin& origin) { origins_[path] = origin; }
 
-  /// Returns the fault, or ""; "" too where a stronger source has said it. `anatomies`: whether the recipe could be
-  /// read; where not, nothing is known of its paths, and nothing is said.
+  /// Sets a value. Returns the fault, or ""; it returns "" also where a stronger source has set the value. `anatomies`
+  /// says whether the recipe could be read; where it could not, its paths are unknown and no fault is reported for
+  /// them.
   std::string set(const std::string& path, const YamlNode& value, const ValueOrigin& origin);
-  /// "path=value" as --set has it; faults are of usage (64).
+  /// Sets "path=value" as --set gives it. Faults are those of usage (64).
   void set_from_text(const std::string& text, const ValueOrigin& origin, ConfigFaults& faults);
-  /// Sets a value that must have passed its checks, where no stronger source has said it and there is such a path.
+  /// Sets a value that has passed its checks already, unless a stronger source has set it or there is no such path.
   void set_value(const std::string& path, const ParameterValue& value, const ValueOrigin& origin);
   double number(const std::string& path, double where_absent) const;
 
-  /// All of them, by path.
+  /// All parameters, by path.
   std::vector<ValueRow> rows() const;
 
  private:

@@ -52,7 +52,7 @@ std::string position(const std::filesystem::path& file, int line, int column) {
   throw ErrorList({Error(ExitCode::bad_config, position(file, line, column), "", what)});
 }
 
-// Builds the tree from the parser's events; on the way it sees what yaml-cpp's own nodes hide (repeated keys, marks).
+// Builds the tree from the parser's events. On the way it sees what yaml-cpp's own nodes hide (repeated keys, marks).
 class TreeBuilder : public YAML::EventHandler {
  public:
   TreeBuilder(const std::filesystem::path& file, YamlNode& root, ConfigFaults& faults)

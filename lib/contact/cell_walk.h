@@ -10,12 +10,12 @@
 
 namespace trephine {
 
-/// What a walk does after a cell: end, go to the next one, or leave out what else it meets of the cell's block.
+/// What a walk does after a cell: end, go on to the next cell, or skip the rest of the cell's block.
 enum class WalkStep { end, cell, block };
 
-/// Calls visit(i, j, k, t0, t1) for each unit cell on the way from p to q, t in [0, 1], face to face (Amanatides and
-/// Woo, A fast voxel traversal algorithm for ray tracing, 1987); blocks have 2^block_bits cells a side. The last cell
-/// is the one that holds q, whatever rounding says of the crossings. Cells and t do not depend on what was left out.
+/// Calls visit(i, j, k, t0, t1) for each unit cell on the way from p to q, with t in [0, 1], going from face to face
+/// [Amanatides1987]. Blocks have 2^block_bits cells a side. The last cell is always the one that holds q, however the
+/// crossings were rounded. The cells and t do not depend on what was left out.
 template <int block_bits, class Visit>
 void walk_over_cells(Vec3 p, Vec3 q, const Visit& visit) {
   int cell[3], step[3], left[3];

@@ -15,13 +15,13 @@ class ContactCell;
 
 /// How a segment is followed through a haptic volume, and what counts as the surface there.
 struct ContactParams {
-  /// exact: every cell that the segment meets, one face at a time (Amanatides and Woo, A fast voxel traversal algorithm
-  /// for ray tracing, 1987), so that no wall is missed however thin and slanted; the end's cell is reached by count,
-  /// not by rounding. stepped: the dissertation's (chapter 3): samples every `step_ratio` of the smallest voxel side.
+  /// exact: visits every cell that the segment meets, one face at a time [Amanatides1987], so that no wall is missed
+  /// however thin and slanted it is; the last cell is reached by counting, not by rounding. stepped: the method of
+  /// [Rizzi, chapter 3], which samples every `step_ratio` of the smallest voxel side.
   enum class Walk { exact, stepped };
-  /// nearest: the boxes of the voxels at least half full (the dissertation's). subvoxel: where the trilinear occupancy
-  /// is 1/2, found on the segment; in a cell of eight voxel centres through which that surface would leave a hole in a
-  /// wall that the boxes close, the boxes.
+  /// nearest: the surface is that of the boxes of all voxels that are at least half full, as in [Rizzi, chapter 3].
+  /// subvoxel: the surface lies where the trilinear occupancy is 1/2, found on the segment. In a cell of eight voxel
+  /// centres where that surface would leave a hole in a wall that the boxes close, the boxes are used.
   enum class Surface { subvoxel, nearest };
   Walk walk = Walk::exact;
   Surface surface = Surface::subvoxel;
@@ -32,7 +32,7 @@ struct ContactParams {
     v.choice(&P::walk, "walk", {{"exact", Walk::exact}, {"stepped", Walk::stepped}},
              "How the tool's path is followed through the voxels.");
     v.choice(&P::surface, "surface", {{"subvoxel", Surface::subvoxel}, {"nearest", Surface::nearest}},
-             "What is felt: the surface of half occupancy, or the voxels' boxes.");
+             "Which surface is felt: that of half occupancy, or the voxels' boxes.");
     v.number(&P::step_ratio, "step_ratio", Range{0.01, 1},
              "Step of the stepped walk as a share of the smallest voxel side.");
   }
@@ -48,18 +48,18 @@ struct TouchableFaces {
 
 struct Contact {
   bool hit = false;
-  bool passed = false;   ///< before that, or the end, it went from one shape to another where nothing stops it
-  bool refused = false;  ///< a coordinate was not finite, or beyond 1e9 mm: nothing was walked
-  Vec3 point_mm;         ///< where the surface is crossed; without a hit the end
+  bool passed = false;   ///< before the hit or the end, it went from one shape to another where nothing stops it
+  bool refused = false;  ///< a coordinate was not finite or beyond 1e9 mm; nothing was walked
+  Vec3 point_mm;         ///< where the surface is crossed; without a hit, the end
   Vec3 normal;           ///< unit, towards the side that the segment comes from; zero without a hit
   ContactFace face = ContactFace::front;
-  int shape = 0;           ///< whose face it is; 0 without a hit
-  int from = 0, into = 0;  ///< shapes before and behind the crossing, 0 for none; without a hit both the end's
-  double along = 1;        ///< 0 to 1 of the segment
+  int shape = 0;           ///< the shape whose face it is; 0 without a hit
+  int from = 0, into = 0;  ///< shapes before and behind the crossing, 0 for none; without a hit, both are the end's
+  double along = 1;        ///< position on the segment, 0 to 1
 };
 
-/// A box of lattice coordinates in which all is of one shape, as cross() found it: a way inside it need not be walked.
-/// It holds until voxels change.
+/// A box in lattice coordinates that lies in one shape entirely, as cross() found it: a way inside it need not be
+/// walked. It is valid until voxels change.
 struct ContactBox {
   Vec3 low{1, 1, 1}, high;
   bool holds(Vec3 p) const {
@@ -67,49 +67,52 @@ struct ContactBox {
   }
 };
 
-/// The haptic volume as the hand meets it (the dissertation, chapter 3; the shape of OpenHaptics' intersectSurface):
-/// one walk for any number of shapes. Each point of space belongs to one shape or to none, and a contact is a crossing
-/// from one to another: the front of the shape that is entered, if that is touchable, else the back of the shape that
-/// is left. Where shapes meet they share one surface; what they leave of a voxel together is empty.
+/// The haptic volume as the hand meets it [Rizzi, chapter 3], with the interface of OpenHaptics' intersectSurface: one
+/// walk serves any number of shapes. Each point of space belongs to one shape or to none, and a contact is a crossing
+/// from one to another. It is the front of the shape that is entered, if that is touchable, else the back of the shape
+/// that is left. Where shapes meet they share one surface; the part of a voxel that no shape fills is empty.
 ///
-/// Nothing but the constructor allocates, locks or throws, and it may be used from several threads. Voxels may be
-/// lowered meanwhile (they are read through relaxed atomics), after loosen(); lattice and shapes may not change.
+/// Only the constructor allocates, locks or throws, and the object may be used from several threads. After loosen(),
+/// voxels may be lowered at the same time (they are read through relaxed atomics); the lattice and the shapes may not
+/// change.
 class ContactVolume {
  public:
-  /// The volume must outlive it. Encoding `occupancy`: partly filled voxels that no other shape is near are rewritten
-  /// as such (settle, over all), which changes no voxel's meaning.
+  /// The volume must outlive the object. Encoding `occupancy`: partly filled voxels that have no other shape near are
+  /// rewritten in that form (settle, over the whole volume), which does not change any voxel's meaning.
   explicit ContactVolume(HapticVolume& volume, ContactParams params = {});
 
-  /// To be called before voxels of the box are lowered: what is known of the blocks around them is forgotten.
+  /// Must be called before voxels of the box are lowered: it forgets what is known of the blocks around them.
   void loosen(const Box& box);
-  /// To be called for a box around voxels that were changed, and two more a side, by whoever may take the time.
+  /// To be called for a box around voxels that were changed and two more on each side, by a thread that can spend the
+  /// time.
   void settle(const Box& box);
 
   /// The shape that holds the point, 0 for none, beyond the lattice, and where a coordinate is not finite.
   int shape_at(Vec3 world_mm) const;
 
-  /// The first touchable crossing of the segment. `start_shape` is what the walk takes to be at its start; who places a
-  /// point on a surface says with it on which side, and cannot fall through by rounding.
+  /// The first touchable crossing of the segment. `start_shape` is the shape in which the walk assumes its start to be:
+  /// a caller that places a point on a surface says with it on which side the point is, and cannot fall through by
+  /// rounding.
   Contact intersect(Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces = {}) const;
   Contact intersect(Vec3 start_mm, Vec3 end_mm, const TouchableFaces& faces = {}) const {
     return intersect(start_mm, end_mm, shape_at(start_mm), faces);
   }
 
-  /// As intersect(), but the normal stays zero: for many points of which few contacts matter. `known` is looked at, and
+  /// Like intersect(), but the normal stays zero: for many points of which few contacts matter. `known` is used, and
   /// replaced where the way lies in such a box.
   Contact cross(Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces = {},
                 ContactBox* known = nullptr) const;
   /// The normal that intersect() gives to a contact met along `way`.
   Vec3 normal_of(const Contact& contact, Vec3 way) const;
 
-  /// Unit normal of the surface between the two shapes (0: none), from `into` towards `from`: central differences of
-  /// the occupancy over one voxel a side, weighted 1 2 1 across (Sobel), interpolated to the point; zero where there
-  /// are none.
+  /// Unit normal of the surface between the two shapes (0: none), from `into` towards `from`. It is made of central
+  /// differences of the occupancy over one voxel to each side, weighted 1 2 1 across (Sobel) and interpolated to the
+  /// point; zero where there are none.
   Vec3 normal_at(Vec3 world_mm, int from, int into) const;
 
-  /// Unit normal of the sub-voxel surface itself where a segment that goes along `way` met it, from `into` towards
-  /// `from`: steeper from cell to cell than normal_at, but a step across it leaves the surface only in second order.
-  /// Zero where boxes are felt.
+  /// Unit normal of the sub-voxel surface itself where a segment along `way` met it, from `into` towards `from`. It
+  /// changes more from cell to cell than normal_at, but a step perpendicular to it leaves the surface only in second
+  /// order. Zero where boxes are felt.
   Vec3 exact_normal(const Contact& contact, Vec3 way) const;
 
   const HapticVolume& volume() const { return volume_; }
@@ -133,8 +136,8 @@ class ContactVolume {
   Crossing walk_steps(const Segment& segment, int shape, const TouchableFaces& faces) const;
   int shape_of(Vec3 index) const;
   int shape_of_voxel(int i, int j, int k) const;
-  /// The lattice in blocks of 4 x 4 x 4 voxels: the shape (0: none) that all voxels of this one's block and those right
-  /// after it are of; mixed_block where they differ, and where it is not known.
+  /// The lattice in blocks of 4 x 4 x 4 voxels: the shape (0: none) to which all voxels of the block and the next
+  /// voxels after it belong; mixed_block where they differ and where it is not known.
   int shape_of_block(int i, int j, int k) const {
     const std::size_t block = block_of(i, j, k);
     return block != no_block ? __atomic_load_n(&block_shape_[block], __ATOMIC_RELAXED) : mixed_block;
@@ -154,13 +157,13 @@ class ContactVolume {
   std::size_t block_at(int bi, int bj, int bk) const {
     return (std::size_t(bk) * std::size_t(blocks_[1]) + std::size_t(bj)) * std::size_t(blocks_[0]) + std::size_t(bi);
   }
-  /// The shape (0: none) of all of the cell between eight voxel centres, of a sub-voxel surface; -1 where it is not of
-  /// one, and where that is not known.
+  /// The shape (0: none) of the whole cell between eight voxel centres, for a sub-voxel surface; -1 where the cell is
+  /// not of one shape, and where that is not known.
   int shape_of_uniform_cell(std::size_t block, int i, int j, int k) const;
   void note_cells(std::size_t block, int bi, int bj, int bk);
   bool shares_around(const int* begin, int from, int into, double (*v)[16]) const;
   double share_around(int i, int j, int k, int from, int into) const;
-  /// The shape that has the rest of a partly filled, not bare voxel of shape `own`.
+  /// The shape to which the rest of a partly filled voxel of shape `own` belongs, if the voxel is not bare.
   int second_of(int own, int i, int j, int k) const;
   void note_blocks(const Box& box);
   void keep_seconds();
@@ -177,14 +180,15 @@ class ContactVolume {
   static constexpr std::size_t no_block = ~std::size_t{0};
   std::array<int, 3> blocks_{0, 0, 0};  ///< whole ones, with the voxels after them
   std::vector<std::uint8_t> block_shape_;
-  /// Of a sub-voxel surface: 2 bits a cell, x fastest, 0: none, 1 and 2: the shapes of the low and the high byte of the
-  /// block's names, 3: not of one shape or not known. Names are written once, before the first cell that needs them.
+  /// For a sub-voxel surface, 2 bits for each cell, x fastest. 0: no shape; 1 and 2: the shapes in the low and the high
+  /// byte of the block's names; 3: not of one shape or not known. Names are written once, before the first cell that
+  /// needs them.
   std::vector<std::uint64_t> block_cells_;
   std::vector<std::uint16_t> block_names_;
-  /// In the block, one voxel before and two after it, are no other shapes than these: bit n - 1 stands for shape n. So
-  /// no cell of the block has another one, and where there are two a shared voxel's second shape is the other one.
+  /// The only shapes in the block, one voxel before it and two after it: bit n - 1 stands for shape n. So no cell of
+  /// the block has another one, and where there are two, the second shape of a shared voxel is the other one.
   std::vector<std::uint32_t> block_near_;
-  /// Encoding `occupancy`: where the block's voxels' second shapes are kept, x fastest; 0: they are not.
+  /// Encoding `occupancy`: where the second shapes of the block's voxels are kept, x fastest; 0: they are not kept.
   std::vector<std::uint32_t> block_seconds_;
   std::vector<std::uint8_t> seconds_;
   int lowest_ = 0;  ///< encoding `hu`: the lowest window's low end

@@ -3,9 +3,9 @@
 #define TREPHINE_VOXEL_CONTACT_C_H
 #include <stdint.h>
 
-/* Contact with a haptic volume for programs in C and for other haptic libraries: the shape of OpenHaptics'
- * intersectSurface callback (the dissertation, chapter 3). Positions are mm, DICOM patient LPS. Nothing throws; what
- * opens and closes allocates, the rest does not. An object may be used by one thread at a time. */
+/* Contact with a haptic volume for programs in C and for other haptic libraries: the interface is that of
+ * OpenHaptics' intersectSurface callback [Rizzi, chapter 3]. Positions are mm, DICOM patient LPS. Nothing throws. The
+ * functions that open and close allocate, the others do not. An object may be used by one thread at a time. */
 
 #ifdef __cplusplus
 extern "C" {

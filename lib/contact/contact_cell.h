@@ -13,19 +13,19 @@ constexpr int contact_gap = 64;    ///< HU between windows: neither a shape nor 
 constexpr int contact_pure = 128;  ///< a voxel of one shape alone
 inline int entry_shape(std::uint32_t entry) { return int(entry & 63); }
 inline int entry_filled(std::uint32_t entry) { return int(entry >> 8 & 255); }
-// Encoding `occupancy`: what the shape has of it, and what it leaves to another one that is near.
+// Encoding `occupancy`: the shape's share of the voxel, and what it leaves to another shape nearby.
 inline int entry_share(std::uint32_t entry) { return int(entry >> 16 & 255); }
 inline int entry_rest(std::uint32_t entry) { return int(entry >> 24); }
 
-/// In a cell the shape at a point is decided by trilinear functions: along a segment by cubics, whose roots are found
-/// in Bernstein form, so that none is missed.
+/// Within a cell, trilinear functions decide the shape at a point. Along a segment they are cubics, whose roots are
+/// found in Bernstein form, so that none is missed.
 class ContactCell {
  public:
   /// `touch`: shapes, bit n - 1 for shape n. Where a cell that is not uniform has none of them, touched() is false, and
-  /// it may not be asked for more.
+  /// its other functions must not be called.
   ContactCell(const ContactVolume& contact, int i, int j, int k, std::uint32_t touch = ~std::uint32_t{0});
 
-  /// Whether the whole cell is of one shape, or of none: `shape()`.
+  /// Whether the whole cell is of one shape or of none, which is `shape()`.
   bool uniform() const { return uniform_; }
   int shape() const { return shape_; }
   bool touched() const { return touched_; }
@@ -33,14 +33,14 @@ class ContactCell {
   /// The shape at p, coordinates 0 to 1.
   int shape_at(Vec3 p) const;
 
-  /// Where the shape may change on the way from p to q, ascending, 0 to 1; between them it does not.
+  /// Where the shape may change on the way from p to q, ascending, 0 to 1; it does not change between them.
   static constexpr int max_breaks = 128;
   int breaks(Vec3 p, Vec3 q, double* out) const;
 
-  /// The shape of all the way from p to q; -1 where there are several, and where that is not plain to see.
+  /// The shape of the whole way from p to q; -1 where there are several, or where that is not obvious.
   int shape_along(Vec3 p, Vec3 q) const;
 
-  /// What rises at p from one shape (0: none) into another, a voxel; zero where boxes decide.
+  /// The gradient at p from one shape (0: none) into another, for each voxel; zero where boxes decide.
   Vec3 gradient(Vec3 p, int from, int into) const;
 
   using Corners = std::array<double, 8>;

@@ -11,21 +11,21 @@
 
 namespace trephine::dicom {
 
-/// Bounds of what is taken out of an archive. CT compresses to a third or so; a bomb to a thousandth.
+/// Limits on what is taken out of an archive. CT compresses to about a third, a decompression bomb to a thousandth.
 struct ArchiveLimits {
   std::uint64_t members = 200000;
-  std::uint64_t member_bytes = std::uint64_t{4} << 30;  ///< uncompressed
-  std::uint64_t bytes = std::uint64_t{16} << 30;        ///< uncompressed, of all members taken
-  std::uint64_t ratio = 200;                            ///< uncompressed to the archive's size
-  std::uint64_t free_of_ratio = 64 << 20;               ///< up to this many bytes the ratio does not matter
+  std::uint64_t member_bytes = std::uint64_t{4} << 30;  ///< uncompressed, of each member
+  std::uint64_t bytes = std::uint64_t{16} << 30;        ///< uncompressed, of all members together
+  std::uint64_t ratio = 200;                            ///< uncompressed size divided by the archive's size
+  std::uint64_t free_of_ratio = 64 << 20;               ///< up to this many bytes the ratio is not checked
 };
 
-/// A ZIP archive's members that begin as DICOM files do, uncompressed in shared memory. Nothing is written to disk, and
-/// no member's name is ever used as a path.
+/// The members of a ZIP archive that begin as DICOM files do, uncompressed in shared memory. Nothing is written to
+/// disk, and no member's name is ever used as a path.
 struct Archive {
   struct Member {
     std::string name;        ///< for messages; '/' between folders
-    std::string_view bytes;  ///< in `memory`; empty where it does not begin as a DICOM file
+    std::string_view bytes;  ///< within `memory`; empty where it does not begin as a DICOM file does
     bool is_candidate = false;
   };
   std::vector<Member> members;  ///< ascending by name; without folders, hidden files and links
@@ -33,12 +33,12 @@ struct Archive {
   ChildResult memory;
 };
 
-/// The file begins as a ZIP archive does.
+/// Whether the file begins as a ZIP archive does.
 bool is_zip(const std::filesystem::path& file);
 
-/// Reads an archive in the bounded child (libzip). Archives within are members like any other, not opened. Throws Error
-/// 65, field "archive", where it is damaged or cut short (checksums included), encrypted, compressed by a method that
-/// is not supported, above a limit, or has a member whose name leads out of it ("..", an absolute path); 70 where the
+/// Reads an archive in the bounded child (libzip). Archives within it are members like any other and are not opened.
+/// Throws Error 65, field "archive", where it is damaged or truncated (checksums included), encrypted, compressed by an
+/// unsupported method, above a limit, or has a member whose name leads out of it ("..", an absolute path); 70 where the
 /// child dies; 74 where the archive cannot be read.
 Archive read_archive(const std::filesystem::path& file, const Progress& progress, const ArchiveLimits& limits = {});
 

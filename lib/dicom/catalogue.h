@@ -13,14 +13,14 @@
 
 namespace trephine::dicom {
 
-/// Files of one series that share matrix, spacing and orientation.
+/// The files of one series that share matrix, spacing and orientation.
 struct Series {
-  std::vector<FrameRef> slices;  ///< by content, not by name
-  SliceStack stack;              ///< positions as `slices`
+  std::vector<FrameRef> slices;  ///< ordered by content, not by name
+  SliceStack stack;              ///< positions in the order of `slices`
   SeriesSummary summary;
-  std::string sort_uid;  ///< breaks ties between equal series; never shown
+  std::string sort_uid;  ///< decides between equal series; never shown
   bool is_ct = false;
-  std::string refusal_file, refusal_field, refusal;  ///< why it is not usable; `refusal` empty: usable
+  std::string refusal_file, refusal_field, refusal;  ///< why it is not usable; with an empty `refusal` it is usable
 };
 
 /// The files of a folder or an archive, grouped. Not copyable: series point into `headers`.
@@ -29,26 +29,27 @@ struct Catalogue {
   Catalogue(Catalogue&&) = default;
   Catalogue(const Catalogue&) = delete;
 
-  Archive archive;  ///< holds the bytes that the headers of an archive's members point to
+  Archive archive;  ///< holds the bytes to which the headers of an archive's members point
   std::vector<FileHeader> headers;
-  std::vector<Series> series;  ///< usable ones first, then CT, then larger ones; tokens by this order
+  std::vector<Series> series;  ///< usable ones first, then CT, then larger ones; tokens follow this order
   struct Broken {
     std::string name, field, what;
-    bool is_dicom;  ///< it began as one
+    bool is_dicom;  ///< it begins as a DICOM file does
   };
-  std::vector<Broken> broken;  ///< files that are no DICOM or end before their pixel data
+  std::vector<Broken> broken;  ///< files that are not DICOM or end before their pixel data
   int files = 0, hidden = 0, links = 0, without_geometry = 0, localizers = 0;
   bool is_single_file = false;
 };
 
-/// Searches a folder five levels deep (a DICOMDIR in it is no image and no index either: the files themselves say what
-/// they are), or a ZIP archive, or takes one file. Throws Error 66; of an archive, what read_archive throws.
+/// Searches a folder five levels deep, or a ZIP archive, or takes one file. (A DICOMDIR in the folder is used neither
+/// as an image nor as an index: the files themselves say what they are.) Throws Error 66; for an archive, what
+/// read_archive throws.
 Catalogue scan(const std::filesystem::path& folder_or_file, ModalityPolicy modality, const Progress& progress);
 
-/// The series asked for, or the only usable one. Throws Error 64 listing them, 65 saying why none is usable.
+/// The requested series, or the only usable one. Throws Error 64 listing the series, 65 saying why none is usable.
 const Series& choose(const Catalogue& catalogue, const std::string& token);
 
-/// What else lay in the folder, for ImportResult::folder; `chosen` null: whatever is not a series.
+/// The other content of the folder, for ImportResult::folder. With `chosen` null, everything that is not a series.
 Report describe_rest(const Catalogue& catalogue, const Series* chosen);
 
 }  // namespace trephine::dicom

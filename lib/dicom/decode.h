@@ -16,22 +16,22 @@ struct FrameRef {
   int frame = 0;
 };
 
-/// Called with the frames' stored words (rows x columns x bits_allocated / 8 bytes, little endian), in the order asked
-/// for.
+/// Called with the stored words of a frame (rows x columns x bits_allocated / 8 bytes, little endian), in the requested
+/// order.
 using FrameSink = std::function<void(std::size_t index, const std::uint8_t* stored)>;
 
-/// Reads the stored words of frames. Uncompressed ones are read from where the checked header says; compressed ones are
-/// decoded by GDCM in one bounded child, which gets the fragments' places and the expected shape, never a file to
-/// parse. Throws Error 65 naming the file and the transfer syntax where the compressed data is not what the header
-/// says, 70 naming the file where the child dies, 74 where a file shrank meanwhile.
+/// Reads the stored words of frames. Uncompressed frames are read at the place that the checked header gives.
+/// Compressed frames are decoded by GDCM in one bounded child, which gets the fragments' places and the expected shape,
+/// but never a file to parse. Throws Error 65 naming the file and the transfer syntax where the compressed data does
+/// not match the header, 70 naming the file where the child dies, 74 where a file shrank meanwhile.
 void read_frames(const std::vector<FrameRef>& frames, const FrameSink& sink, const Progress& progress = {});
 
-/// The compressed ones of read_frames.
+/// read_frames for compressed frames.
 void decode_in_child(const std::vector<FrameRef>& frames, const FrameSink& sink, const Progress& progress);
 
-/// What is wrong with a compressed frame's own header or end, "" where nothing is: the size and number of components
-/// against the file's, the end marker (a stream cut short would be filled up by the codec), RLE segments against the
-/// bytes there.
+/// What is wrong with a compressed frame's own header or end, or "": the size and number of components compared with
+/// the file's, the end marker (the codec would fill up a truncated stream), RLE segments compared with the existing
+/// bytes.
 std::string check_codestream(Encoding encoding, std::string_view stream, int columns, int rows, int bits_allocated);
 
 /// Throws Error 65: two slices at one position have different pixels.
@@ -40,10 +40,10 @@ std::string check_codestream(Encoding encoding, std::string_view stream, int col
 /// The compressed bytes of a frame. Throws as read_frames.
 std::string stream_of_frame(const FrameRef& frame);
 
-/// Throws what read_frames would throw of a compressed frame that check_codestream refuses; does not decode.
+/// Throws what read_frames would throw for a compressed frame that check_codestream refuses, without decoding it.
 void check_frame_stream(const FrameRef& frame);
 
-/// Adds what a slice's import depends on to a hash: its tags and its pixel bytes as stored.
+/// Adds everything that a slice's import depends on to a hash: its tags and its pixel bytes as stored.
 std::string hash_of_frame(const FrameRef& frame);
 
 }  // namespace trephine::dicom

@@ -10,7 +10,7 @@
 
 namespace trephine::dicom {
 
-/// Where a file's bytes are: on disk, or in memory, which must outlive what is read from it.
+/// Where a file's bytes are: on disk, or in memory, which must outlive the objects that read from it.
 struct Origin {
   std::filesystem::path file;
   std::string_view bytes;
@@ -26,7 +26,7 @@ struct Origin {
   }
 };
 
-/// A file read by position through a small window; never more than max_value bytes at once in memory.
+/// A file that is read by position through a small window, with never more than max_value bytes at once in memory.
 class ByteSource {
  public:
   static constexpr std::size_t max_value = 64 * 1024;
@@ -38,9 +38,9 @@ class ByteSource {
   ByteSource& operator=(const ByteSource&) = delete;
 
   std::uint64_t size() const { return size_; }
-  /// `count` bytes at `offset`, valid until the next call; null where they are not all there or count > max_value.
+  /// `count` bytes at `offset`, valid until the next call; null where not all of them exist or count > max_value.
   const std::uint8_t* get(std::uint64_t offset, std::size_t count);
-  /// Reads straight into `out`; false where the bytes are not all there.
+  /// Reads directly into `out`; returns false where not all bytes exist.
   bool read(std::uint64_t offset, void* out, std::size_t count) const;
 
  private:
@@ -61,12 +61,12 @@ struct Element {
   bool undefined_length = false;
 };
 
-/// What the walk met that is not well-formed DICOM; `what` holds no text of the file.
+/// A place where the data is not well-formed DICOM; `what` holds no text of the file.
 struct WalkFault {
   std::string field, what;
 };
 
-/// Where an element stands: the tags of the sequences around it, outermost first, and the item's index in each.
+/// The place of an element: the tags of the sequences around it, outermost first, and the item's index in each.
 struct Level {
   std::uint32_t tag = 0;
   int item = 0;
@@ -74,14 +74,14 @@ struct Level {
 
 constexpr int max_nesting = 16;
 
-/// VRs with a 16-bit length; all others, also those that a later standard brings, have two reserved bytes and a 32-bit
-/// one (PS3.5 7.1.2).
+/// Whether the VR has a 16-bit length. All other VRs, also those of a later standard, have two reserved bytes and a
+/// 32-bit length (PS3.5 7.1.2).
 bool has_short_length(char first, char second);
 
-/// Walks the data set in [begin, end) and calls `visit` for every element with a plain value (sequence items' elements
-/// included, their path in `levels`) up to the pixel data, whose element it returns (tag 0: there is none). Lengths are
-/// checked against the enclosing item and the file before anything is read; nesting is bounded. Throws WalkFault.
-/// `into_sequence` says which sequences of defined length are descended into; the others are skipped whole.
+/// Walks the data set in [begin, end) and calls `visit` for every element with a plain value (including the elements of
+/// sequence items, with their path in `levels`) up to the pixel data, whose element it returns (tag 0: there is none).
+/// Lengths are checked against the enclosing item and the file before anything is read; nesting is bounded. Throws
+/// WalkFault. `into_sequence` says which sequences of defined length are entered; the others are skipped as a whole.
 Element walk_elements(ByteSource& source, std::uint64_t begin, std::uint64_t end, bool explicit_vr,
                       const std::function<bool(std::uint32_t tag)>& into_sequence,
                       const std::function<void(const Element&, const std::vector<Level>& levels)>& visit);
@@ -91,10 +91,10 @@ struct Fragment {
   std::uint32_t length = 0;
 };
 /// The items of encapsulated pixel data; the first is the basic offset table. Throws WalkFault where an item is longer
-/// than what remains or the delimiter is missing (the file is cut short).
+/// than the remaining bytes or the delimiter is missing (the file is truncated).
 std::vector<Fragment> walk_fragments(ByteSource& source, std::uint64_t begin, std::uint64_t end);
 
-/// "PixelSpacing (0028,0030)" for the tags this module knows, else "(gggg,eeee)".
+/// A text such as "PixelSpacing (0028,0030)" for the tags that this room knows, else "(gggg,eeee)".
 std::string tag_name(std::uint32_t tag);
 
 inline std::uint16_t le16(const std::uint8_t* p) { return static_cast<std::uint16_t>(p[0] | (p[1] << 8)); }

@@ -17,10 +17,10 @@ struct HuRule {
   bool is_signed = false;
   double slope = 1, intercept = 0;
   std::optional<std::uint16_t> padding, padding_limit;
-  double air = air_hu;  ///< what padding becomes
+  double air = air_hu;  ///< value of padding
   double low = -1e6, high = 1e6;
 
-  /// Slope and intercept are integers: every value is one.
+  /// Whether slope and intercept are integers, so that every value is one.
   bool is_integral() const;
 };
 bool operator==(const HuRule& a, const HuRule& b);
@@ -34,8 +34,8 @@ struct HuCounts {
   bool fits_int16() const { return !(min < -32768) && !(max > 32767); }
 };
 
-/// Applies a rule through a table of all stored words, made again only where the rule changes. T: float, or int16, for
-/// which rules must be integral; a value beyond int16 is cut, and counts.fits_int16() says so.
+/// Applies a rule through a table of all stored words, which is made again only where the rule changes. T is float, or
+/// int16, for which rules must be integral; a value beyond int16 is clamped, and counts.fits_int16() says so.
 template <class T>
 class HuMapper {
  public:

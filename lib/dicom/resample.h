@@ -7,15 +7,15 @@
 
 namespace trephine::dicom {
 
-/// Cubic Hermite interpolation with three-point tangents on four samples, as weights; the result is to be limited to
-/// the samples' range. Exact for parabolas, continuous in its slope, and the identity at a sample.
+/// Cubic Hermite interpolation with three-point tangents on four samples, as weights; the caller limits the result to
+/// the samples' range. It is exact for parabolas, has a continuous slope, and is the identity at a sample.
 using Weights = std::array<double, 4>;
-/// At t in [0, 1] between the middle samples of four equidistant ones.
+/// The weights at t in [0, 1] between the middle two of four equidistant samples.
 Weights cubic_weights(double t);
-/// At x between x[1] and x[2]; x ascends, and may repeat an end where there is no further sample.
+/// The weights at a place between x[1] and x[2]; x ascends, and may repeat an end where there is no further sample.
 Weights cubic_weights(const std::array<double, 4>& x, double at);
 
-/// Which levels a target slice is made of: four ascending indices with weights, or one level as it is.
+/// The levels of which a target slice is made: four ascending indices with weights, or one level as it is.
 struct Taps {
   std::array<int, 4> level{};
   Weights weight{};
@@ -26,12 +26,12 @@ struct Taps {
 Taps taps_of(const StackGeometry& geometry, int target_slice);
 
 /// Moves a stored slice into the target's plane by its shift in columns and rows (sub-voxel; Lagrange's polynomial of
-/// eight samples, limited to the range of the middle four); `air` where the slice does not reach. `out` gets target
-/// columns x rows.
+/// eight samples, limited to the range of the middle four). Voxels that the slice does not reach get `air`. `out`
+/// receives target columns x rows.
 void shift_slice(const std::vector<float>& slice, int columns, int rows, const std::array<double, 2>& shift,
                  int target_columns, int target_rows, float air, std::vector<float>& out);
 
-/// One target slice from its levels' slices, in the order of taps.level.
+/// Makes one target slice from the slices of its levels, in the order of taps.level.
 template <class T>
 void blend(const Taps& taps, const std::array<const float*, 4>& slices, std::size_t count, T* out);
 

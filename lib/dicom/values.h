@@ -7,14 +7,14 @@
 
 namespace trephine::dicom {
 
-/// Decimal strings ("1.5\\-2\\+004.785156E-01 "), whatever the locale. Padding by blanks and NULs, a leading plus and
-/// leading zeros are tolerated, as real files have them. Empty where any component is not a finite decimal number.
+/// Reads decimal strings ("1.5\\-2\\+004.785156E-01 "), whatever the locale. Padding by blanks and NULs, a leading plus
+/// and leading zeros are tolerated, as real files have them. Empty where a component is not a finite decimal number.
 std::optional<std::vector<double>> parse_decimals(std::string_view text);
 
-/// Without padding by blanks and NULs at either end.
+/// The text without padding by blanks and NULs at either end.
 std::string_view trimmed(std::string_view text);
 
-// Free text of a file must not reach a message or a report: what may, passes one of these.
+// Free text of a file must not reach a message or a report. Text that may pass goes through one of these functions.
 
 /// A convolution kernel's name where it looks like one of a scanner's, else "other"; empty stays empty.
 std::string known_kernel(std::string_view text);
@@ -33,7 +33,7 @@ struct TransferSyntax {
   bool explicit_vr = true;
   bool lossy = false;
 };
-/// Null where DICOM's list as we know it has no such UID.
+/// Null where DICOM's list, as far as we know it, has no such UID.
 const TransferSyntax* find_transfer_syntax(std::string_view uid);
 const TransferSyntax& implicit_little_endian();
 const TransferSyntax& explicit_little_endian();

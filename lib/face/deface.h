@@ -8,12 +8,13 @@
 
 namespace trephine {
 
-/// Where a head shows its face: in front of the plane through both tragi, and below the level 10 mm under the nasion,
-/// in the head's own axes, however it lies in the scanner. `left` runs from tragus to tragus; seen from the side, the
-/// line from the middle between the tragi to the nasion ascends by 20 degrees against `front` (level is then the
-/// Frankfurt plane to about 10 degrees); `up` is square to both. The plane through the tragi holds `left` and `up`.
+/// The region in which a head shows its face: in front of the plane through both tragi, and below the level 10 mm under
+/// the nasion, in the head's own axes, however it lies in the scanner. `left` runs from tragus to tragus. Seen from the
+/// side, the line from the midpoint between the tragi to the nasion ascends by 20 degrees relative to `front` (the
+/// Frankfurt plane is then level to about 10 degrees). `up` is perpendicular to both. The plane through the tragi holds
+/// `left` and `up`.
 struct FaceRegion {
-  Vec3 nasion_mm, tragi_mm;  ///< tragi_mm: the middle between the two
+  Vec3 nasion_mm, tragi_mm;  ///< tragi_mm: the midpoint between the two
   Vec3 top_mm;               ///< 10 mm under the nasion
   Vec3 left{1, 0, 0}, front{0, -1, 0}, up{0, 0, 1};
 
@@ -27,7 +28,7 @@ struct FaceRegion {
 /// distances of no head, upside down).
 FaceRegion face_region(const HeadLandmarks& landmarks, double least_confidence = 0.5);
 
-/// The clearance that acceptance P4 asks for.
+/// The clearance that acceptance case P4 requires.
 constexpr double face_clearance_mm = 5;
 
 enum class FaceRemoval { deface, crop };
@@ -43,40 +44,44 @@ struct DefaceParams {
   template <class V>
   static void describe(V& v) {
     using P = DefaceParams;
-    v.choice(
-        &P::policy, "policy", {{"deface", FaceRemoval::deface}, {"crop", FaceRemoval::crop}},
-        "deface: what lies near the skin of the face; crop: that, and all of the face's depth under the base of the "
-        "skull.");
+    v.choice(&P::policy, "policy", {{"deface", FaceRemoval::deface}, {"crop", FaceRemoval::crop}},
+             "deface: removes what lies near the skin of the face; crop: removes that, and the face in its whole depth "
+             "under the base of the skull.");
     v.number(&P::depth_mm, "depth_mm", Range{6, 40},
-             "So much under the skin is removed, 40 mm in front of the tragi on.");
+             "Depth under the skin that is removed, from 40 mm in front of the tragi on.");
     v.number(&P::side_depth_mm, "side_depth_mm", Range{6, 40},
-             "The same beside the tragi, where the skull is near; a little more where voxels are large.");
+             "Depth under the skin that is removed beside the tragi, where the skull is near; a little more where "
+             "voxels are large.");
     v.number(&P::rounding_mm, "rounding_mm", Range{0, 30},
-             "What is left has no bump narrower than twice this: nothing of nose, lips or chin can be grown back.");
+             "What is left has no bump narrower than twice this, so that nothing of nose, lips or chin can be "
+             "reconstructed from it.");
     v.number(&P::above_mm, "above_mm", Range{2, 25},
-             "Removal begins so much above the level 10 mm under the nasion: 10 is the nasion's, and takes the eyes.");
-    v.number(&P::behind_mm, "behind_mm", Range{2, 25}, "Removal begins so much behind the plane through the tragi.");
+             "How far above the level 10 mm under the nasion the removal begins: 10 is the nasion's level, and takes "
+             "the eyes.");
+    v.number(&P::behind_mm, "behind_mm", Range{2, 25},
+             "How far behind the plane through the tragi the removal begins.");
     v.number(&P::cover_mm, "cover_mm", Range{0, 10},
-             "Bone and air that would lie open in the cut become soft tissue to this depth (none beside the tragi).");
-    v.number(&P::crop_under_tragi_mm, "crop_under_tragi_mm", Range{0, 80},
-             "crop: the cut runs from 10 mm under the nasion to so much under the tragi, below the base of the skull.");
+             "Bone and air that the cut would expose become soft tissue to this depth (not beside the tragi).");
+    v.number(
+        &P::crop_under_tragi_mm, "crop_under_tragi_mm", Range{0, 80},
+        "crop: the cut runs from 10 mm under the nasion to this far under the tragi, below the base of the skull.");
   }
 };
 
-/// Takes the face off a head: the volume with air (-1000 HU) in its place, before anything is contoured. In the region
-/// grown by `above_mm` and `behind_mm` all that lies outside the skin, or less than the depth under it, becomes air;
-/// what is left is rounded, ends in a ramp of a voxel and a half, so that a surface through it is smooth, and is
-/// covered by soft tissue. All else keeps its values to the last bit: cranium, brain, ears, and the field of an
-/// operation from the nasion upwards.
+/// Takes the face off a head, before anything is contoured: the result is the volume with air (-1000 HU) in place of
+/// the face. In the region grown by `above_mm` and `behind_mm`, everything that lies outside the skin, or less than the
+/// depth under it, becomes air. What is left is rounded, ends in a ramp of a voxel and a half, so that a surface
+/// through it is smooth, and is covered by soft tissue. Everything else keeps its values to the last bit: cranium,
+/// brain, ears, and the field of an operation from the nasion upwards.
 ///
-/// `skin` is that of the original volume (positive inside, cavities filled), on its raster, maybe a part of it. The
-/// report: face_policy, face_removed_ml (of the body), face_removed_voxels_count, face_depth_mm (the least depth under
-/// the skin, within the region, of what is left; -1 where nothing is). Warns where the volume holds no face.
+/// `skin` is that of the original volume (positive inside, cavities filled), on its raster or a part of it. The report:
+/// face_policy, face_removed_ml (of the body), face_removed_voxels_count, face_depth_mm (the least depth under the
+/// skin, within the region, of what is left; -1 where nothing is left). Warns where the volume holds no face.
 ///
-/// The shape of the bones underneath stays, but where `crop` takes them; ears, forehead and the back of the head too.
-/// The same bits whatever the thread count. Throws 65 where the skin is of another raster or a voxel is not
-/// finite; 81 where a landmark of the region lies in the volume but more than 25 mm off the skin (it cannot be one);
-/// Cancelled.
+/// The shape of the bones underneath stays, except where `crop` removes them, and so do ears, forehead and the back of
+/// the head. The result has the same bits whatever the thread count. Throws Error 65 where the skin is on another
+/// raster or a voxel is not finite; 81 where a landmark of the region lies in the volume but more than 25 mm off the
+/// skin (it cannot be right); Cancelled.
 HuVolume deface(const HuVolume& volume, const Field& skin, const FaceRegion& region, const DefaceParams& params,
                 Report& report, const Progress& progress = {});
 

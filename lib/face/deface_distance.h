@@ -10,27 +10,29 @@
 
 namespace trephine::segmentation {
 
-/// Distances to a field's surface within a box: the points in which the surface crosses the edges of the field's
-/// raster, and a coarser lattice of nodes that know one of the nearest of them (vector sweeps, Danielsson 1980), around
-/// which a query looks for the nearest.
+/// Distances to a field's surface within a box. It keeps the points where the surface crosses the edges of the field's
+/// raster, and a coarser lattice of nodes. Each node knows one of the nearest points (by vector sweeps
+/// [Danielsson1980]), and a query looks for the nearest point around it.
 class SkinDistance {
  public:
-  /// `box` is in the field's indices and may reach beyond it; the nodes cover it, `step_mm` apart or the raster's
-  /// spacing where that is more. Only what crosses within the box is known.
+  /// `box` is in the field's indices and may reach beyond it. The nodes cover it at a distance of `step_mm`, or of the
+  /// raster's spacing where that is more. Only crossings within the box are known.
   SkinDistance(const Field& field, const Box& box, double step_mm, const Progress& progress = {});
 
   const Lattice& nodes() const { return nodes_; }
   bool empty() const { return points_.empty(); }
-  /// From a world point, 1e6 where the box holds no surface. Never too small by more than the surface's sag between
-  /// neighbouring voxels; near 5 mm too large by at most error_mm(), for the points lie in the raster's planes.
+  /// The distance from a world point; 1e6 where the box holds no surface. It is never too small by more than the
+  /// surface bends between neighbouring voxels; near 5 mm it is too large by at most error_mm(), because the points lie
+  /// in the raster's planes.
   double distance_mm(Vec3 world_mm) const;
   double error_mm() const;
-  /// The same, several times as fast and up to loose_mm too large.
+  /// The same, several times as fast, but up to loose_mm too large.
   double about_mm(Vec3 world_mm) const;
   static constexpr double loose_mm = 1;
-  /// Positive where the field is, at a node; beyond the field is outside. Up to 0.3 steps too large.
+  /// The signed distance at the nodes, positive where the field is; beyond the field is outside. Up to 0.3 steps too
+  /// large.
   const Grid<float>& signed_mm() const { return signed_; }
-  /// How many voxels of the raster are a step of the nodes, and where the first of them lies.
+  /// How many voxels of the raster make a step of the nodes, and where the first node lies.
   const std::array<int, 3>& voxels() const { return voxels_; }
 
  private:

@@ -13,7 +13,7 @@
 
 namespace trephine {
 
-/// What is about to be published. The pointers are only looked through while the gate runs.
+/// What is about to be published. The pointers are used only while the check runs.
 struct FaceSurface {
   std::string name;
   const TriMesh* mesh = nullptr;
@@ -21,33 +21,33 @@ struct FaceSurface {
 struct FaceVolume {
   std::string name;
   std::variant<const Grid<std::int16_t>*, const Grid<float>*, const Mask*> grid;
-  double empty_at_most = 0;  ///< what ends at the lattice's border above this value has a surface there
+  double empty_at_most = 0;  ///< values above this at the lattice's border count as a surface there
 };
 FaceVolume face_volume(const std::string& name, const HuVolume& volume);
-/// Its voxels; its hardness, where it has one, is a volume of its own (face_volume of a mask).
+/// The voxels of a haptic volume; its hardness, where it has one, is a volume of its own (face_volume of a mask).
 FaceVolume face_volume(const std::string& name, const HapticVolume& volume);
 FaceVolume face_volume(const std::string& name, const Mask& mask);
 
-/// How near a published thing comes to the original skin within the face region. The limit of search where nothing
-/// does.
+/// How near a published object comes to the original skin within the face region; the limit of the search where none
+/// comes near.
 struct FaceDistance {
   std::string name;
   double distance_mm = 0;
 };
 constexpr double face_search_mm = 15;
 
-/// Acceptance P4. `original_skin` is the skin of the volume before its face was removed.
+/// The distances for acceptance case P4. `original_skin` is the skin of the volume before its face was removed.
 ///
-/// Surfaces: the least distance of all of the triangles' points that lie in the region, to 0.1 mm. Volumes: every point
-/// of a cell (the box between eight voxel centres) whose samples differ at all is on the isosurface of some value; so
-/// the least distance of such cells' points, to 0.25 mm, is that of all isosurfaces of all values, noise included.
-/// Distances are rounded down: what is reported as clear is clear.
+/// Surfaces: the least distance of all points of the triangles that lie in the region, to 0.1 mm. Volumes: every point
+/// of a cell (the box between eight voxel centres) whose samples differ at all lies on the isosurface of some value.
+/// Therefore the least distance of the points of such cells, to 0.25 mm, covers all isosurfaces of all values, noise
+/// included. Distances are rounded down, so what is reported as clear is clear.
 std::vector<FaceDistance> face_distances(const Field& original_skin, const FaceRegion& region,
                                          const std::vector<FaceSurface>& surfaces,
                                          const std::vector<FaceVolume>& volumes, const Progress& progress = {});
 
-/// The gate: throws Error 81 naming what comes nearest and its distance where that is below face_clearance_mm. The
-/// report: face_distance_mm, the least of all (at most face_search_mm).
+/// The privacy gate. Throws Error 81, naming the nearest object and its distance, where that is below
+/// face_clearance_mm. The report: face_distance_mm, the least distance of all (at most face_search_mm).
 void check_face_removed(const Field& original_skin, const FaceRegion& region, const std::vector<FaceSurface>& surfaces,
                         const std::vector<FaceVolume>& volumes, Report& report, const Progress& progress = {});
 

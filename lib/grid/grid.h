@@ -10,9 +10,9 @@
 
 namespace trephine {
 
-/// Where the voxels of a volume lie: the lattice, without samples. Voxel (i, j, k)'s centre is
-/// origin_mm + direction * (i sx, j sy, k sz), DICOM patient LPS, mm. The direction is orthonormal and may be oblique
-/// or left-handed (determinant -1). i runs fastest in memory.
+/// The lattice of a volume: where its voxels lie, without samples. The centre of voxel (i, j, k) is origin_mm +
+/// direction * (i sx, j sy, k sz), DICOM patient LPS, mm. The direction is orthonormal and may be oblique or
+/// left-handed (determinant -1). i runs fastest in memory.
 struct Lattice {
   std::array<int, 3> size{0, 0, 0};
   Vec3 spacing_mm{1, 1, 1};
@@ -77,7 +77,7 @@ bool operator!=(const Grid<T>& a, const Grid<T>& b) {
 
 template <class T>
 Grid<T> crop(const Grid<T>& grid, const Box& box);
-/// `grid` laid onto `lattice` (the same raster): cut off or filled up with `outside`.
+/// The grid on another lattice of the same raster: cut off, or filled up with `outside`.
 template <class T>
 Grid<T> fit(const Grid<T>& grid, const Lattice& lattice, T outside);
 
@@ -97,9 +97,9 @@ inline const Lattice& lattice_of(const HuVolume& v) {
 /// Binary mask (0 or 1) or labels.
 using Mask = Grid<std::uint8_t>;
 
-/// A sub-voxel description of one shape: positive inside, negative outside, its surface at 0, in arbitrary units that
-/// vary smoothly across the surface (HU, or mm). It may cover only the part of the volume's raster where the shape is;
-/// beyond its lattice is outside, unless the shape is cut there by the volume's edge. Every voxel is finite.
+/// A sub-voxel description of one shape: positive inside, negative outside, with its surface at 0, in any unit that
+/// varies smoothly across the surface (HU, or mm). It may cover only the part of the volume's raster where the shape
+/// is; everything beyond its lattice is outside, unless the volume's edge cuts the shape there. Every voxel is finite.
 using Field = Grid<float>;
 
 }  // namespace trephine

@@ -13,7 +13,7 @@ namespace trephine {
 struct LabelSegment {
   std::string id, name;
   int value = 1, layer = 0;
-  bool cropped = false;  ///< it says of itself that it reaches beyond the file's voxels
+  bool cropped = false;  ///< the segment says that it reaches beyond the file's voxels
 };
 
 /// A file of labels: a label map (NRRD, NIfTI), or segments (.seg.nrrd), several layers of which may overlap.
@@ -26,22 +26,23 @@ struct LabelFile {
   std::vector<std::string> warnings;
 };
 
-/// By what is in the bytes, not by a name. Throws Error 65 naming the field, without a file: as read_nrrd and
-/// decode_nifti; neither of the two; a fractional segmentation.
+/// Decides by the content of the bytes, not by a name. Throws Error 65 naming the field, without a file: the faults of
+/// read_nrrd and decode_nifti; neither of the two formats; a fractional segmentation.
 LabelFile decode_labels(std::string_view bytes);
-/// The same of a file; throws 66, and 65 with the file.
+/// The same for a file; throws Error 66, and 65 with the file.
 LabelFile read_labels(const std::filesystem::path& file);
 
-/// What was taken of it: 1 where the label is, on the map's lattice.
+/// A label taken from a file: 1 where the label is, on the map's lattice.
 struct PickedLabel {
   Mask mask;
   std::string name;  ///< of the segment, or the value
   std::size_t voxels = 0;
 };
 
-/// The label by its value ("3"), by a segment's name or ID ("brain"; upper and lower case alike where it is the only
-/// one), or, for "", all that is not 0. Throws Error 65 for field "label": there is none of that name or value (naming
-/// those that there are), a name or value in several segments or layers, samples that are no whole numbers.
+/// Picks the label by its value ("3"), by a segment's name or ID ("brain"; upper and lower case are alike where only
+/// one name matches), or, for "", everything that is not 0. Throws Error 65 for field "label": there is no such name or
+/// value (naming those that exist), a name or value occurs in several segments or layers, or samples are not whole
+/// numbers.
 PickedLabel pick_label(const LabelFile& map, const std::string& label);
 
 }  // namespace trephine

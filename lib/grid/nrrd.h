@@ -18,7 +18,7 @@ namespace trephine {
 using NrrdKeys = std::map<std::string, std::string>;
 enum class NrrdEncoding { raw, gzip };
 
-/// Through the checked writer (base/write_file.h); throws 73 and 74. Gzip output holds no time or name.
+/// Writes through the checked writer (base/write_file.h); throws Error 73 and 74. Gzip output holds no time or name.
 void write_nrrd(const std::filesystem::path& file, const HuVolume& volume, const NrrdKeys& keys = {},
                 NrrdEncoding encoding = NrrdEncoding::raw);
 void write_nrrd(const std::filesystem::path& file, const Field& field, const NrrdKeys& keys = {},

@@ -14,16 +14,17 @@ struct ResampleParams {
   template <class V>
   static void describe(V& v) {
     v.numbers(&ResampleParams::spacing_mm, "spacing_mm", Range{0, 50},
-              "Voxel size along the scan's own axes; 0 keeps that axis as it was scanned.");
+              "Voxel size along the scan's own axes; 0 keeps the scanned size along that axis.");
   }
 };
 
-/// The volume on a raster of another spacing: same direction, same middle, along each axis as many voxels as fill the
-/// old extent best (at least one). A value is the mean of the old voxels that the new one overlaps, each with its share
-/// (partial volume, as a scanner with such voxels would have it); where the new voxel is smaller than the old it is the
-/// linear interpolation. Beyond the ends the outermost voxel goes on. Integer volumes are rounded (half away from 0).
-/// Reports spacing_mm and voxels_count achieved, and the ratio of voxels. Throws Error 64 where the spacing is negative
-/// or not finite, 65 where a voxel is not finite, 80 where the new volume would have more than 4e9 voxels.
+/// Resamples a volume to another spacing. The new raster has the same direction and the same centre, and along each
+/// axis as many voxels as fill the old extent best (at least one). A value is the mean of the old voxels that the new
+/// one overlaps, weighted by their shares (partial volume, as a scanner with such voxels would measure it); where the
+/// new voxel is smaller than the old one it is the linear interpolation. Beyond the ends the outermost voxel continues.
+/// Integer volumes are rounded (half away from 0). Reports the achieved spacing_mm and voxels_count, and the ratio of
+/// voxels. Throws Error 64 where the spacing is negative or not finite, 65 where a voxel is not finite, 80 where the
+/// new volume would have more than 4e9 voxels.
 HuVolume resample(const HuVolume& volume, const ResampleParams& params, Report& report, const Progress& progress = {});
 
 }  // namespace trephine

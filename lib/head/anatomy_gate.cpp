@@ -23,7 +23,7 @@ std::string fixed(double v, int digits) {
 
 std::string at_text(Vec3 p) { return "(" + fixed(p.x, 1) + ", " + fixed(p.y, 1) + ", " + fixed(p.z, 1) + ") mm"; }
 
-/// On voxels of about 2 mm: bone where any of its voxels is.
+/// The bone on voxels of about 2 mm; a coarse voxel is bone where any of its voxels is.
 BitMask coarse_bone(const Field& skull) {
   return segmentation::coarse_mask(segmentation::positive(skull, skull), segmentation::coarse_raster(skull, 2), 0);
 }
@@ -43,7 +43,7 @@ struct Gate {
     faults.push_back({badness, {std::move(what), place, first, second}});
   }
 
-  /// `name` against `other_name`: `wrong_figure` and `gap_figure` are what the report calls them.
+  /// Checks `name` against `other_name`. `wrong_figure` and `gap_figure` are the names of the results in the report.
   void check_pair(const char* name, const Field* one, const char* other_name, const Field* other, Relation relation,
                   double gap_mm, const std::string& wrong_figure, const std::string& gap_figure) {
     if (!one || !other) return;
@@ -70,7 +70,7 @@ struct Gate {
       add(1e6, std::string("the ") + name + " have not one voxel", field->to_world_mm({0, 0, 0}), name, "");
   }
 
-  /// Pieces by face neighbours; returns the largest but one in ml and where it is.
+  /// Counts the pieces by face neighbours and checks those beside the largest.
   void check_pieces(const char* name, const Field* field, double max_loose_ml) {
     if (!field) return;
     const auto pieces = segmentation::components(segmentation::positive(*field, *field));
@@ -97,7 +97,7 @@ struct Gate {
         place, name, "");
   }
 
-  /// `allowed`: the cranial cavity and the bone, on a coarser raster.
+  /// `allowed` is the cranial cavity with the bone, on a coarser raster.
   void check_cavity(const char* name, const Field* field, const BitMask& allowed, double max_ml) {
     if (!field) return;
     const BitMask out = segmentation::make_mask(*field, [&](int j, int k, std::uint8_t* row) {

@@ -27,13 +27,14 @@ struct AnatomyGateParams : HeadClassParams {
              "Least distance from the brain's surface to the skull's.");
     v.number(&P::min_brain_ventricles_gap_mm, "min_brain_ventricles_gap_mm", Range{0, 20},
              "Least distance from the ventricles' surface to the brain's.");
-    v.number(&P::max_near_mm2, "max_near_mm2", Range{0, 1e6}, "So much of a surface may be nearer than that.");
+    v.number(&P::max_near_mm2, "max_near_mm2", Range{0, 1e6},
+             "How much of a surface may be nearer than the least distance.");
     v.number(&P::max_outside_ml, "max_outside_ml", Range{0, 10000},
-             "So much of an anatomy may lie where it must not: outside of what holds it, or in the bone.");
+             "How much of an anatomy may lie where it must not: outside of the one that holds it, or in the bone.");
     v.number(&P::max_outside_skull_ml, "max_outside_skull_ml", Range{0, 10000},
-             "So much of the brain may lie outside of the cranial cavity (the brainstem below the foramen magnum).");
+             "How much of the brain may lie outside of the cranial cavity (the brainstem below the foramen magnum).");
     v.number(&P::max_loose_brain_ml, "max_loose_brain_ml", Range{0, 10000},
-             "So much of the brain may be in pieces beside the largest.");
+             "How much of the brain may be in pieces beside the largest.");
     HeadClassParams::describe(v);
   }
 };
@@ -50,38 +51,39 @@ struct AnatomyFindings {
   std::vector<AnatomyFault> faults;  ///< the worst first
 };
 
-/// What require_anatomy throws: exit code 80, the field "anatomy", all faults in one line.
+/// The error that require_anatomy throws: exit code 80, the field "anatomy", all faults in one line.
 class AnatomyError : public Error {
  public:
   explicit AnatomyError(std::vector<AnatomyFault> faults);
   const std::vector<AnatomyFault>& faults() const { return faults_; }
-  std::string picture_png;  ///< of the worst one, where whoever passed it on had the volume
+  std::string picture_png;  ///< picture of the worst place, set by code that had the volume
 
  private:
   std::vector<AnatomyFault> faults_;
 };
 
-/// Looks at all that is given of one head: is each anatomy where it can be?
-/// - ventricles inside the brain; brain and ventricles apart from the bone and inside the cranial cavity, as it is
-/// found
-///   from the skull; skull (without one, brain) inside the skin; the surfaces apart by the gaps asked for;
-/// - the brain in one piece;
-/// and measures it (head_figures.h). Surfaces are those of the fields, to a fraction of a voxel; where the volume cuts
-/// an anatomy there is no surface. Volumes are of voxels whose centre is concerned.
+/// The consistency check of a head's anatomies: is each given anatomy where it can be? It checks that
+/// - the ventricles lie inside the brain; brain and ventricles lie apart from the bone and inside the cranial cavity,
+///   which is found from the skull; the skull (without one, the brain) lies inside the skin; and the surfaces keep the
+///   required distances;
+/// - the brain is in one piece.
 ///
-/// Adds to the report what measure_head does, and skin_skull_gap_mm, skull_brain_gap_mm, skull_ventricles_gap_mm,
-/// brain_ventricles_gap_mm (the least distance; 0 where they cross), ventricles_outside_brain_ml, brain_in_skull_ml,
-/// brain_outside_skull_ml, skull_outside_skin_ml, brain_pieces_count, ventricles_pieces_count, cranial_cavity_ml,
-/// faults_count. An anatomy without a voxel is a fault. Throws 65 where rasters differ or a voxel is not finite;
-/// Cancelled.
+/// It also measures the head (head_figures.h). Surfaces are those of the fields, to a fraction of a voxel; where the
+/// volume cuts an anatomy there is no surface. Volumes count voxels by their centre.
+///
+/// Adds to the report what measure_head adds, and skin_skull_gap_mm, skull_brain_gap_mm, skull_ventricles_gap_mm,
+/// brain_ventricles_gap_mm (the least distance; 0 where the surfaces cross), ventricles_outside_brain_ml,
+/// brain_in_skull_ml, brain_outside_skull_ml, skull_outside_skin_ml, brain_pieces_count, ventricles_pieces_count,
+/// cranial_cavity_ml, faults_count. An anatomy without a voxel is a fault. Throws Error 65 where rasters differ or a
+/// voxel is not finite; Cancelled.
 AnatomyFindings examine_anatomy(const HeadFields& fields, const HeadLandmarks* landmarks,
                                 const AnatomyGateParams& params, Report& report, const Progress& progress = {});
 
-/// The gate: throws AnatomyError where there are faults.
+/// Throws AnatomyError where there are faults.
 void require_anatomy(const AnatomyFindings& findings);
 
-/// The axial, coronal and sagittal slice through the place where it is worst, side by side as PNG, with the outlines of
-/// the anatomies and a cross at the place. Deterministic. A place outside of the volume is moved to its edge.
+/// The axial, coronal and sagittal slices through the place of the fault, side by side as PNG, with the outlines of the
+/// anatomies and a cross at the place. Deterministic. A place outside of the volume is moved to the volume's edge.
 std::string anatomy_picture(const HuVolume& volume, const HeadFields& fields, const AnatomyFault& fault);
 
 }  // namespace trephine

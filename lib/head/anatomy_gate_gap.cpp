@@ -15,12 +15,12 @@ namespace trephine::segmentation {
 namespace {
 
 using Word = std::uint64_t;
-constexpr double block_mm = 2;  ///< surfaces are looked for in blocks of about this size
+constexpr double block_mm = 2;  ///< surfaces are searched in blocks of about this size
 constexpr double most_depth_mm = 40;
 constexpr double most_gap_mm = 5;
 constexpr std::size_t most_exact_count = 4096;
 
-/// The cells (of eight voxels, named by the lowest) that the surface passes through.
+/// The cells (of eight voxels, named by the lowest) through which the surface passes.
 BitMask surface_cells(const BitMask& inside) {
   const Lattice& l = inside.lattice();
   BitMask cells(l);
@@ -38,7 +38,7 @@ BitMask surface_cells(const BitMask& inside) {
           const Word all1 = all >> 1 | (more ? (a[w + 1] & b[w + 1] & c[w + 1] & d[w + 1]) << 63 : 0);
           out[w] = (any | any1) & ~(all & all1);
         }
-        // The last voxel of a row begins no cell.
+        // No cell begins at the last voxel of a row.
         const int last = l.size[0] - 1;
         out[last >> 6] &= ~(Word{1} << (last & 63));
       }
@@ -46,7 +46,7 @@ BitMask surface_cells(const BitMask& inside) {
   return cells;
 }
 
-/// A cell's part of the surface: a fan about the middle of its crossings, in mm along the lattice's axes.
+/// The surface within a cell: a fan of triangles around the mean of its crossings, in mm along the lattice's axes.
 struct Fan {
   Vec3 middle;
   std::array<std::array<Vec3, 2>, 12> edges;
@@ -111,7 +111,7 @@ Fan fan_of(const Field& f, int i, int j, int k) {
   return fan;
 }
 
-/// Cells and the middles of their fans, by rank.
+/// The cells and the centres of their fans, by rank.
 struct Cells {
   BitMask mask;
   std::vector<std::size_t> row_start;
@@ -177,8 +177,8 @@ Side side_of(const Field& field, const std::array<int, 3>& at, const BitMask& in
   return side;
 }
 
-/// Calls visit(i, j, k) for the cells whose box lies within `limit()` of the box of cell (i, j, k), the near ones
-/// rather first, until it returns true.
+/// Calls visit(i, j, k) for the cells whose box lies within `limit()` of the box of cell (i, j, k), roughly the nearest
+/// first, until it returns true.
 template <class Limit, class Visit>
 void visit_near(const BitMask& cells, int ci, int cj, int ck, const Limit& limit, const Visit& visit) {
   const Lattice& l = cells.lattice();
@@ -213,10 +213,10 @@ double to_fan(Vec3 p, const Fan& fan) {
   return std::sqrt(best2);
 }
 
-/// How far the cells of a block are from the other's surface at least.
+/// A lower bound of the distance from the cells of a block to the other surface.
 struct Blocks {
   CoarseRaster raster;
-  Grid<float> to_other;  ///< from a block's middle to that of the nearest one with the other's surface, mm
+  Grid<float> to_other;  ///< from a block's centre to that of the nearest block with the other surface, mm
   double slack_mm;       ///< how much nearer than that two cells of the blocks can be
 
   double least_mm(int i, int j, int k) const {
@@ -238,7 +238,7 @@ Blocks blocks_of(const Cells& other, const Progress& progress) {
   return b;
 }
 
-/// The box around both fields, in the raster of the other; at: where each begins.
+/// The box around both fields, in the raster of the other; `at` is where each field begins in it.
 Lattice around_both(const Field& one, const Field& other, std::array<int, 3>& one_at, std::array<int, 3>& other_at) {
   const Box at = place_in(one, other);
   Box box;
@@ -280,8 +280,8 @@ struct Candidate {
   int i, j, k;
 };
 
-/// The cells whose middle lies nearest to a middle of the other's, and all within `margin` of the least of them, or
-/// nearer than `asked`.
+/// The cells whose centre is nearest to a centre of the other surface, and all cells within `margin` of the least
+/// distance or nearer than `asked`.
 std::vector<Candidate> candidates_of(const Side& one, const Side& other, double margin, double asked,
                                      const Progress& progress) {
   const Lattice& l = one.cells.mask.lattice();
@@ -317,8 +317,8 @@ std::vector<Candidate> candidates_of(const Side& one, const Side& other, double 
   return all;
 }
 
-/// The least distance from points of the one's surface in that cell to the other's triangles, where it is below
-/// `limit`, else `limit`; stops at the first below `enough`.
+/// The least distance from points of one surface in that cell to the other's triangles, or `limit` where it is not
+/// below `limit`. Stops at the first distance below `enough`.
 double exact_mm(const Fan& fan, const Side& other, const Candidate& c, double limit, double enough, Vec3& at) {
   double best = limit;
   visit_near(
@@ -354,7 +354,7 @@ Clearance clearance(const Field& one, const Field& other, Relation relation, dou
     out.gap_at_mm = out.deepest_mm;
     return out;
   }
-  // The box around both ends with the volume where one of them does: no surface is made there.
+  // The box around both fields may end with the volume where one of them does: no surface is made there.
   const Side a = side_of(one, one_at, one_in), b = side_of(other, other_at, other_in);
   const double cell_mm = norm(l.spacing_mm);
   std::vector<Candidate> near =

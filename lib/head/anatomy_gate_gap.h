@@ -4,26 +4,27 @@
 
 namespace trephine::segmentation {
 
-/// How two anatomies lie to each other that must not touch.
+/// How two anatomies that must not touch lie to each other.
 struct Clearance {
-  /// What of the one lies where it must not: its volume, and of its voxels the one that is farthest from where it may
-  /// lie, and how far (0: there is none; 40 stands for more).
+  /// The part of the first anatomy that lies where it must not: its volume, and the depth of its voxel that is farthest
+  /// from where it may lie (0: there is none; 40 also stands for more).
   double wrong_ml = 0, depth_mm = 0;
   Vec3 deepest_mm;
-  /// The least distance of the two surfaces, and where; 1e6 where it is above 5 mm; 0 where they cross each other.
+  /// The least distance of the two surfaces, and where it is; 1e6 where it is above 5 mm; 0 where the surfaces cross.
   double gap_mm = 1e6;
   Vec3 gap_at_mm;
-  /// Surface of the one that is nearer than was asked for.
+  /// The area of the first surface that is nearer than the required distance.
   double near_mm2 = 0;
 };
 
 enum class Relation { inside, apart };
 
-/// Of `one` against `other` (fields on one raster, else Error 65): it must lie inside of it, or share nothing with it.
-/// The surface of a field is that of its cells: triangles between the points where it crosses 0 on the cell's edges and
-/// their middle. The places where the two are nearest are found by the cells' middles; there the distance from points
-/// of the one to the triangles of the other is exact. near_mm2: of the surface nearer than asked_mm; where that is more
-/// than 4,096 cells, from so many of them. The same bits whatever the thread count.
+/// Checks `one` against `other` (fields on one raster, else Error 65): it must lie inside of it, or share nothing with
+/// it. The surface of a field consists of triangles in each cell between the points where the field crosses 0 on the
+/// cell's edges and the mean of these points. The nearest places are found by these means; there, the distance from
+/// points of one surface to the triangles of the other is exact. near_mm2 is the area of the surface nearer than
+/// asked_mm; where this is more than 4,096 cells, it is estimated from that many of them. The result has the same bits
+/// whatever the thread count.
 Clearance clearance(const Field& one, const Field& other, Relation relation, double asked_mm,
                     const Progress& progress = {});
 

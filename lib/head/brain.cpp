@@ -17,29 +17,32 @@
 namespace trephine::segmentation {
 namespace {
 
-constexpr double cell_mm = 1.0;              ///< at most: what it works on
-constexpr double sheet_mm_per_noise = 0.04;  ///< sigma of the means along sulci by the noise, mm per HU mm^1.5,
+constexpr double cell_mm = 1.0;  ///< at most; size of the cells on which the brain is found
+constexpr double sheet_mm_per_noise =
+    0.04;  ///< sigma of the means along sulci for each unit of noise, mm per HU mm^1.5
 constexpr double least_sheet_mm = 0.4, most_sheet_mm = 1.8;
-constexpr double strength_ratio = 0.13;  ///< of denoising to the noise that is left, mm^-0.5
-constexpr double blur_mm = 0.7;          ///< sigma of all that has blurred by then: kernel, cells, means and denoising
-constexpr double sharpened_mm = 2;  ///< so far from what is dark unsharpened, a sulcus goes on where it is sharpened
+constexpr double strength_ratio = 0.13;  ///< strength of denoising for each unit of noise that is left, mm^-0.5
+constexpr double blur_mm = 0.7;          ///< sigma of the total blur: kernel, cells, means and denoising
+constexpr double sharpened_mm =
+    2;  ///< how far from dark voxels of the unsharpened image a sulcus may go on in the sharpened one
 constexpr float thin_bone_hu = 226;
-constexpr double bone_blur_mm = 1.2;    ///< HU this near to bone are not believed
-constexpr double bone_margin_mm = 1.0;  ///< and the brain never comes nearer than this: dura and a film of CSF
+constexpr double bone_blur_mm = 1.2;    ///< HU this near to bone are not reliable
+constexpr double bone_margin_mm = 1.0;  ///< the brain never comes nearer to bone than this: dura and a film of CSF
 constexpr double inner_hu = 10;         ///< inside, tissue may be this much darker than at its surface (white matter)
 constexpr double ventricle_hu = 18.5;   ///< the edge between CSF and white matter
 constexpr double ventricle_wall_mm = 1.5;
 constexpr double wide_mm = 2.0;   ///< CSF wider than twice this is as dark as CSF,
 constexpr double lesion_hu = 15;  ///< and what is brighter is oedema or an old infarct: brain
 constexpr double lesion_ml = 0.3;
-// The fourth ventricle, from the brain's centre, LPS, in an adult: wider than twice this, its ways out are narrower.
+// The fourth ventricle's place from the brain's centre, LPS, in an adult. It is wider than twice neck_mm, and its
+// outlets are narrower.
 constexpr double neck_mm = 2.0, fourth_core_ml = 0.2;
 constexpr Vec3 fourth_from{-15, 10, -75}, fourth_to{15, 55, -25};
-constexpr double crumb_mm = 0.8;  ///< flaps thinner than twice this (dura, vessels) do not hold to the brain
+constexpr double crumb_mm = 0.8;  ///< flaps thinner than twice this (dura, vessels) are not part of the brain
 constexpr double cut_sigma_mm = 1.5;
 constexpr double cut_scale_hu = 10;
 
-/// The cells' HU where brain or fluid is, far from bone; denoised, tissue at 30.
+/// The HU of the cells where brain or fluid is, far from bone, denoised and with tissue at 30.
 Grid<float> soft_of(const HuView& hu, const Box& box, const CoarseRaster& raster, BitMask known, const BrainParams& p,
                     Report& report, const Progress& progress) {
   known &= make_mask(raster.fine, [&](int j, int k, std::uint8_t* row) {
@@ -50,7 +53,7 @@ Grid<float> soft_of(const HuView& hu, const Box& box, const CoarseRaster& raster
   known = coarse_mask(known, raster, 0);
   if (p.smoothing_sigma_mm > 0) v = masked_gaussian(std::move(v), known, p.smoothing_sigma_mm, -1000, 0.02, progress);
   if (p.edge == SegmentEdge::half_maximum) level_tissue(v, known, report, progress);
-  // The more noise, the wider the planes over which it is averaged.
+  // More noise is averaged over wider planes.
   const double noise = tissue_noise(v, known, progress);
   check_noise(noise, v);
   const double wide_mm = std::min(most_sheet_mm, sheet_mm_per_noise * noise);
@@ -58,7 +61,7 @@ Grid<float> soft_of(const HuView& hu, const Box& box, const CoarseRaster& raster
   return soft_tissue(std::move(v), known, false, strength_ratio, -1000, report, progress);
 }
 
-/// Takes back what blur took from edges and clefts, to first order: adds what a Gaussian mean takes away.
+/// Undoes the blur of edges and clefts to first order: adds what a Gaussian mean takes away.
 Field sharpened(Field soft, const Progress& progress) {
   constexpr float nowhere = -1000;
   const BitMask seen = make_mask(soft, [&](int j, int k, std::uint8_t* row) {
@@ -70,13 +73,13 @@ Field sharpened(Field soft, const Progress& progress) {
   return soft;
 }
 
-/// Whether there is a way within `domain` from `start`: what belongs to its components that touch it.
+/// The components of `domain` that touch `start`.
 BitMask reached(const BitMask& start, const BitMask& domain) {
   const Components pieces = components(domain);
   return select(pieces, touching(pieces, start));
 }
 
-/// Dark and wide, but not as dark as CSF.
+/// Regions that are dark and wide, but not as dark as CSF.
 BitMask lesions(const Grid<float>& soft, const BitMask& dark, const Progress& progress) {
   BitMask core = eroded(dark, wide_mm, progress);
   core &= make_mask(soft, [&](int j, int k, std::uint8_t* row) {
@@ -85,7 +88,7 @@ BitMask lesions(const Grid<float>& soft, const BitMask& dark, const Progress& pr
   return dilated(at_least_ml(components(core), lesion_ml), wide_mm + 1, progress);
 }
 
-/// CSF in the fourth ventricle's place that is parted from the outside where ways are narrow: it belongs to the brain.
+/// CSF at the place of the fourth ventricle that narrow passages separate from the outside: it belongs to the brain.
 BitMask fourth_ventricle(const BitMask& dark, const BitMask& outside, Vec3 centre_mm, const Progress& progress) {
   const Lattice& l = dark.lattice();
   const Components pieces = components(eroded(dark, neck_mm, progress));
@@ -103,7 +106,7 @@ BitMask fourth_ventricle(const BitMask& dark, const BitMask& outside, Vec3 centr
   return dilated(select(pieces, keep), neck_mm + 0.5, progress);
 }
 
-/// Interpolated between cells the field may reach into a voxel of bone, and a voxel may come off.
+/// Interpolated between cells, the field may reach into a voxel of bone, and single voxels may become detached.
 Field kept_within(Field field, const BitMask& allowed) {
   constexpr float least = 0.002f * float(cut_scale_hu);
   BitMask inside = positive(field, field);
@@ -121,7 +124,7 @@ Field kept_within(Field field, const BitMask& allowed) {
 Field brain_in(const HuView& hu, const BrainMasks& masks, const BrainParams& p, Report& report,
                const Progress& progress) {
   BitMask bone = masks.skull ? positive(*masks.skull, hu.lattice()) : bone_of(hu);
-  // Thin plates of bone that the skull's own edge leaves out (orbital roofs in thick slices) are no brain either.
+  // Thin plates of bone that the skull's own edge leaves out (orbital roofs in thick slices) are not brain either.
   const Components bright = components(make_mask(hu.lattice(), [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < hu.lattice().size[0]; ++i) row[i] = hu(i, j, k) > thin_bone_hu;
   }));
@@ -137,7 +140,7 @@ Field brain_in(const HuView& hu, const BrainMasks& masks, const BrainParams& p, 
   BitMask roi_mask(cropped(hu.lattice(), roi));
   cavity &= placed(roi_mask.invert(), cavity.lattice());
 
-  // All that follows is on cells of at most a millimetre: noise lets nothing finer be told.
+  // Everything below works on cells of at most a millimetre, because noise hides anything finer.
   const CoarseRaster raster = coarse_raster(cavity.lattice(), cell_mm, true);
   BitMask known = cavity;
   known.remove(dilated(bone, bone_blur_mm, progress));
@@ -155,7 +158,7 @@ Field brain_in(const HuView& hu, const BrainMasks& masks, const BrainParams& p, 
   };
   const BitMask tissue = within(soft, lower - float(inner_hu));
 
-  // Bridges (vessels, dura, nerves) are cut; then the envelope: narrow sulci closed, ventricles filled.
+  // Bridges (vessels, dura, nerves) are cut. Then the envelope is made: narrow sulci are closed and ventricles filled.
   const double open_mm = p.open_mm;
   BitMask shape = dilated(largest(components(eroded(tissue, open_mm, progress))), open_mm + 1, progress);
   shape &= tissue;
@@ -170,7 +173,7 @@ Field brain_in(const HuView& hu, const BrainMasks& masks, const BrainParams& p, 
   shape = largest(components(shape));
   report.add("envelope_ml", double(shape.count()) * soft.voxel_volume_mm3() / 1000);
 
-  // Sulci, fissures and cisterns: the CSF that is reached from outside, past the ventricles.
+  // Sulci, fissures and cisterns are the CSF that is reached from outside without passing through the ventricles.
   BitMask closed_off = dilated(deep_csf(soft, shape, -15, ventricle_hu, progress), ventricle_wall_mm, progress);
   closed_off &= shape;
   const auto dark_in = [&](const Field& f) {
@@ -185,7 +188,7 @@ Field brain_in(const HuView& hu, const BrainMasks& masks, const BrainParams& p, 
   deeper |= outside.invert();
   BitMask fourth = fourth_ventricle(deeper, outside, shape.centre_mm(), progress);
   deeper.remove(fourth &= shape);
-  // Sharpening deepens sulci that are reached without; on its own it reaches nothing, for it raises noise too.
+  // Sharpening deepens sulci that are reached without it. Alone it may reach nothing new, because it raises noise too.
   dark |= outside;
   dark &= deeper;
   shape.remove(grown_within(reached(outside, dark), deeper, sharpened_mm, progress));

@@ -23,42 +23,44 @@ struct BrainParams {
     v.number(&P::lower_hu, "lower_hu", Range{-100000, 100000}, "The edge between CSF and grey matter, HU.");
     v.number(&P::upper_hu, "upper_hu", Range{-100000, 100000}, "Highest HU of brain.");
     v.choice(&P::edge, "edge", {{"fixed", SegmentEdge::fixed}, {"half_maximum", SegmentEdge::half_maximum}},
-             "Where the surface lies: at the HU given; or at the HU given for a scan whose brain is at 30, and moved "
-             "with it.");
+             "Where the surface lies. fixed: at the given HU. half_maximum: the given HU are for a scan whose brain is "
+             "at 30, and are shifted with this scan's brain.");
     v.number(&P::smoothing_sigma_mm, "smoothing_sigma_mm", Range{0, 5},
-             "Sigma of a Gaussian against noise, besides the denoising that is done anyway.");
+             "Sigma of a Gaussian against noise, in addition to the denoising that is always done.");
     v.numbers(&P::roi_min_mm, "roi_min_mm", Range{-1e6, 1e6}, "Lower corner of the region of interest, LPS.");
     v.numbers(&P::roi_max_mm, "roi_max_mm", Range{-1e6, 1e6}, "Upper corner of the region of interest, LPS.");
     v.number(&P::open_mm, "open_mm", Range{0, 10}, "Bridges (vessels, dura, nerves) thinner than twice this are cut.");
     v.number(&P::close_mm, "close_mm", Range{0, 30}, "Sulci narrower than twice this belong to the envelope.");
     v.number(&P::fill_close_mm, "fill_close_mm", Range{0, 30},
-             "Cavities whose ways out are narrower than twice this belong to the envelope: the ventricles.");
+             "Cavities whose outlets are narrower than twice this, such as the ventricles, belong to the envelope.");
     v.number(&P::fill_max_ml, "fill_max_ml", Range{0, 10000}, "Cavities larger than this stay open.");
     v.number(&P::grow_mm, "grow_mm", Range{-20, 20},
-             "Moves the surface outwards (or inwards, below 0) by this distance in the end; the field is then in mm.");
+             "Moves the surface outwards (inwards, if negative) by this distance at the end; the field is then in mm.");
   }
 };
 
-/// Fields of other anatomies (positive inside), on the volume's raster, maybe only a part of it. Null where not given.
+/// Fields of other anatomies (positive inside) on the volume's raster, perhaps covering only a part of it. Null where
+/// not given.
 struct BrainMasks {
-  const Field* skull = nullptr;    ///< the bone that encloses it; else bone is what exceeds 226 HU
-  const Field* within = nullptr;   ///< nothing outside it
-  const Field* without = nullptr;  ///< nothing inside it
+  const Field* skull = nullptr;    ///< the bone around the brain; without it, bone is every voxel above 226 HU
+  const Field* within = nullptr;   ///< the brain lies inside it
+  const Field* without = nullptr;  ///< the brain lies outside it
 };
 
-/// The brain's outer surface with sulci, fissures and cisterns, as a field like segment()'s.
+/// The brain's outer surface with sulci, fissures and cisterns, as a field like that of segment().
 ///
 /// The space in the skull is found on a 2 mm raster by a seeded watershed on the distance to bone, so that every
-/// foramen is cut at its narrowest. Inside it, on cells of at most 1 mm, HU are levelled (half_maximum: tissue to 30
-/// everywhere) and denoised as strongly as their noise needs (means along edges and sulci, then total variation).
-/// Tissue brighter than CSF, opened, closed and filled, is the envelope, from which sulci, fissures and cisterns are
-/// cut as far as CSF reaches in from outside. Ventricles belong to the brain, the fourth too where its ways out are
-/// narrower than 4 mm; wide dark places that are not as dark as CSF (oedema, old infarcts) too.
+/// foramen is cut at its narrowest place. Inside it, on cells of at most 1 mm, HU are levelled (half_maximum: tissue is
+/// at 30 everywhere) and denoised as strongly as their noise needs (means along edges and sulci, then total variation).
+/// Tissue brighter than CSF, opened, closed and filled, is the envelope. Sulci, fissures and cisterns are cut from it
+/// as far as CSF reaches in from outside. The ventricles belong to the brain, also the fourth where its outlets are
+/// narrower than 4 mm, and so do wide dark places that are not as dark as CSF (oedema, old infarcts).
 ///
-/// A first unattended estimate for a head that lies straight to about 15 degrees: strong cupping and a skull with a
-/// large defect mislead it. The report says what was found ("volume_ml", ...), and warns where it is implausible.
+/// This is a first automatic estimate for a head that is tilted by at most about 15 degrees; strong cupping and a skull
+/// with a large defect mislead it. The report says what was found ("volume_ml", ...) and warns where that is
+/// implausible.
 ///
-/// The result is the same bits whatever the thread count. Throws as segment() does; 80 also where the volume has one
+/// The result has the same bits whatever the thread count. Throws as segment() does; 80 also where all voxels have one
 /// value, or no space enclosed by bone is found.
 Field find_brain(const HuVolume& volume, const BrainMasks& masks, const BrainParams& params, Report& report,
                  const Progress& progress = {});

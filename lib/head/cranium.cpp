@@ -13,7 +13,7 @@ namespace trephine::segmentation {
 namespace {
 
 constexpr double coarse_mm = 2;
-constexpr double least_core_mm = 15;     ///< the middle of a cranium lies at least this far from bone
+constexpr double least_core_mm = 15;     ///< the centre of a cranium lies at least this far from bone
 constexpr double least_enclosure = 0.6;  ///< and in this share of directions a ray from it meets bone
 constexpr double opening_mm = 2;
 constexpr double canal_mm = 13;   ///< the spinal canal is narrower than twice this, the foramen magnum about as wide
@@ -43,7 +43,8 @@ double enclosure(const BitMask& bone, int i, int j, int k) {
 /// The cell farthest from bone among those that bone encloses.
 std::size_t core_of(const BitMask& bone, const Grid<float>& to_bone) {
   std::vector<std::uint32_t> order;
-  // What bone encloses lies within its bounds; the air around a head in a wide field of view would be looked at first.
+  // Space enclosed by bone lies within the bone's bounds. Without this limit the air around a head in a wide field of
+  // view would be examined first.
   const Box box = bone.bounds();
   for (int k = box.begin[2]; k < box.end[2]; ++k)
     for (int j = box.begin[1]; j < box.end[1]; ++j)
@@ -62,7 +63,7 @@ Mask seeds_of(const BitMask& bone, const Grid<float>& to_bone) {
   const Lattice& l = bone.lattice();
   Mask seeds(l);
   seeds.voxels[core_of(bone, to_bone)] = 1;
-  // Outside is what lies at the volume's sides; above and below the head may be cut.
+  // The outside is what touches the volume's sides; above and below, the scan may cut the head.
   int vertical = 0;
   for (int a = 1; a < 3; ++a)
     if (std::abs(l.direction.column[a].z) > std::abs(l.direction.column[vertical].z)) vertical = a;
@@ -76,7 +77,7 @@ Mask seeds_of(const BitMask& bone, const Grid<float>& to_bone) {
   return seeds;
 }
 
-/// Above 0.5 in the regions with that label, smooth across its border.
+/// Smooth across the border of the regions with that label, and above 0.5 inside them.
 Grid<float> share_of(const Mask& labels, std::uint8_t label, double sigma_mm) {
   Grid<float> share(labels);
   for (std::size_t v = 0; v < share.count(); ++v) share.voxels[v] = labels.voxels[v] == label;
@@ -135,7 +136,7 @@ BitMask cranial_cavity(const BitMask& bone, Report& report, const Progress& prog
   BitMask space = walls;
   space.invert();
   Mask labels = flood(to_bone, space, seeds_of(walls, to_bone), progress);
-  // The spinal canal: what lies farther than a corner from where a ball of canal_mm fits.
+  // The spinal canal is what lies farther than a corner from where a ball of canal_mm fits.
   BitMask wide = make_mask(c.cells, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < c.cells.size[0]; ++i) row[i] = labels.at(i, j, k) == 1 && to_bone.at(i, j, k) >= canal_mm;
   });
@@ -153,7 +154,7 @@ BitMask cranial_cavity(const BitMask& bone, Report& report, const Progress& prog
 
   BitMask cavity = above_half(share_of(labels, 1, 1.5), c, bone.lattice());
   cavity.remove(bone);
-  // What hangs on by a pore in the bone (a sinus) does not belong to it.
+  // A space that is only connected by a pore in the bone (a sinus) does not belong to the cavity.
   BitMask core = largest(components(eroded(cavity, opening_mm, progress)));
   core = dilated(core, 2 * opening_mm, progress);
   cavity &= core;

@@ -4,11 +4,11 @@
 
 namespace trephine::segmentation {
 
-/// Bone of the volume where no skull is given: hysteresis 226 / 400 HU, pieces of at least 1 ml.
+/// The bone of the volume where no skull is given: hysteresis 226 / 400 HU, pieces of at least 1 ml.
 BitMask bone_of(const HuView& hu);
 
-/// The cranial cavity on the volume's lattice: not bone, inside. Throws Error 80 where no space enclosed by bone is
-/// found.
+/// The cranial cavity on the volume's lattice: the space inside that is not bone. Throws Error 80 where no space
+/// enclosed by bone is found.
 BitMask cranial_cavity(const BitMask& bone, Report& report, const Progress& progress);
 
 }  // namespace trephine::segmentation

@@ -7,17 +7,17 @@
 namespace trephine::segmentation {
 namespace {
 
-constexpr double cistern_depth_mm = 8;  ///< CSF this near to the brain's surface is sulci and cisterns
+constexpr double cistern_depth_mm = 8;  ///< CSF this near to the brain's surface belongs to sulci and cisterns
 constexpr double core_ml = 0.02;        ///< ventricles hold a core at least this large in one of the boxes below
-constexpr double strict_hu = 1;  ///< what is connected is decided this much below the edge, lest oedema joins in,
-constexpr double regrow_mm = 2;  ///< and then grown to the edge by at most this
+constexpr double strict_hu = 1;  ///< connections are decided this much below the edge, so that oedema does not join in,
+constexpr double regrow_mm = 2;  ///< and the result is then grown to the edge by at most this
 
-/// Where ventricles have a core: a ball of that radius fits in, so deep under the brain's surface.
+/// The core of a ventricle: a ball of that radius fits in, at that depth under the brain's surface.
 struct Core {
   double radius_mm, depth_mm;
   BrainBox box;
 };
-// Cysts, old defects and oedema mostly lie beside them.
+// Cysts, old defects and oedema mostly lie beside these boxes.
 constexpr Core lateral_ventricles{1.5, 25, {{-15, -70, -10}, {15, 70, 20}}};
 constexpr Core third_ventricle{0.5, 12, {{-12, -30, -18}, {12, 5, 5}}};
 constexpr BrainBox behind_the_third{{-20, 11, -1000}, {20, 1000, -10}};    ///< quadrigeminal, cerebellar cisterns
@@ -74,7 +74,7 @@ BitMask deep_csf(const Grid<float>& soft, const BitMask& envelope, double lower_
     for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 1;
   });
   mine = at_least_ml(components(mine), ventricle_speck_ml);
-  // Back to the edge, but not into the fluid of others.
+  // Grown back to the edge, but not into the fluid of other spaces.
   BitMask free = fluid(upper_hu);
   BitMask apart = make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 2;

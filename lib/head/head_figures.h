@@ -10,16 +10,16 @@
 
 namespace trephine {
 
-/// The anatomies of one head as fields (positive inside) on one raster, each maybe only a part of it. Null where not
-/// known: what needs it is then not measured, nor checked.
+/// The anatomies of one head as fields (positive inside) on one raster, each perhaps covering only a part of it. Null
+/// where not known; what needs that anatomy is then neither measured nor checked.
 struct HeadFields {
   const Field* skin = nullptr;  ///< the whole head, filled
   const Field* skull = nullptr;
-  const Field* brain = nullptr;  ///< ventricles belong to it
+  const Field* brain = nullptr;  ///< includes the ventricles
   const Field* ventricles = nullptr;
 };
 
-/// What the ventricles make of a case.
+/// The class of a case, which follows from its ventricles.
 enum class HeadClass { unknown, normal, hydrocephalic, shifted, small };
 const char* to_text(HeadClass head_class);
 
@@ -33,53 +33,54 @@ struct HeadClassParams {
   static void describe(V& v) {
     using P = HeadClassParams;
     v.number(&P::hydrocephalic_evans_ratio, "hydrocephalic_evans_ratio", Range{0, 1},
-             "Hydrocephalic above this Evans' index.");
-    v.number(&P::shifted_mm, "shifted_mm", Range{0, 50}, "Shifted where the midline is off by more than this.");
+             "A case is hydrocephalic above this Evans' index.");
+    v.number(&P::shifted_mm, "shifted_mm", Range{0, 50},
+             "A case is shifted where the midline is off by more than this.");
     v.number(&P::small_evans_ratio, "small_evans_ratio", Range{0, 1},
-             "Small only where Evans' index is not above this,");
+             "A case is small only where Evans' index is not above this.");
     v.number(&P::small_ventricles_ratio, "small_ventricles_ratio", Range{0, 1},
-             "and the ventricles are below this share of the brain's volume.");
+             "A case is small only where the ventricles are below this share of the brain's volume.");
   }
 };
 
-/// Empty where it could not be measured.
+/// Figures of a head; a figure is empty where it could not be measured.
 struct HeadFigures {
   std::optional<double> skin_ml, skull_ml, brain_ml, ventricles_ml;
-  /// The frontal horns' greatest width, in the axial plane of the head in which it is greatest, and in that plane the
-  /// inner skull's; evans_place_mm: the middle of that width.
+  /// The frontal horns' greatest width, measured in the axial plane of the head where it is greatest, and the inner
+  /// skull's width in that plane. evans_place_mm is the centre of the frontal horns' width.
   std::optional<double> frontal_horns_mm, inner_skull_mm, evans_index_ratio;
   Vec3 evans_place_mm;
-  /// How far what should lie in the middle lies to the patient's left of it (to the right: below 0), at the foramina of
-  /// Monro; and of what: "septum" (the middle between the frontal horns' inner walls), "third ventricle", "frontal
-  /// horns" (their middle).
+  /// How far a structure of the midline is shifted to the patient's left (to the right: below 0), at the foramina of
+  /// Monro. midline_of names the structure: "septum" (halfway between the frontal horns' inner walls), "third
+  /// ventricle", or "frontal horns" (their centre).
   std::optional<double> midline_shift_mm;
   const char* midline_of = "";
   Vec3 midline_place_mm;
   HeadClass head_class = HeadClass::unknown;
 };
 
-/// Measures a head in its own axes: left is the midsagittal plane's normal, up is the patient's, square to it.
+/// Measures a head in its own axes: left is the midsagittal plane's normal, up is the patient's superior direction,
+/// made perpendicular to left.
 /// - Volumes count voxels whose centre is inside.
-/// - Evans' index: Evans, Archives of Neurology and Psychiatry 47 (1942); above 0.3 the ventricles are enlarged (Relkin
-///   et al., Neurosurgery 57 (2005), S2-4). The frontal horns are the ventricles in front of the foramina of Monro,
-///   connected with their foremost point.
-/// - Midline shift: Bullock et al., Neurosurgery 58 (2006), S2-16: above 5 mm. Where `landmarks` is null or its plane
-///   has no confidence, the middle is halfway between the inner skull's sides at that place (half of the intracranial
-///   width, less the septum's distance from the inner table).
-/// - Small: no limit is agreed on; it says that a catheter has little to aim at, not that a person is ill. Ours: below
-///   1.2 % of the brain's volume and an index not above 0.25, the upper end of what Evans found in the healthy (0.20 to
-///   0.25). 38 people without pathology had 17.4 ml on average in all four ventricles ("Evaluation of encephalic
-///   ventricular volume from the magnetic resonance imaging scans of thirty-eight human subjects", Surgical and
-///   Radiologic Anatomy), about 1.4 % of a brain of 1,250 ml: the smaller ones of the healthy are small here. The
-///   synthetic head's small ventricles are 5 to 11 ml, its normal ones about 21.
-/// Class by rank: shifted, hydrocephalic, small, normal; unknown where the ventricles or what bounds them are missing.
+/// - Evans' index [Evans1942]: above 0.3 the ventricles are enlarged [Relkin2005]. The frontal horns are the part of
+///   the ventricles in front of the foramina of Monro that is connected with their foremost point.
+/// - Midline shift: the limit is 5 mm [Bullock2006]. Where `landmarks` is null or its plane has no confidence, the
+///   middle is halfway between the two sides of the inner skull at that place (the shift is half of the intracranial
+///   width less the septum's distance from the inner table).
+/// - Small: there is no agreed limit. The class says that a catheter has little to aim at, not that a person is ill.
+///   Our limit is below 1.2 % of the brain's volume with an index of at most 0.25, the upper end of what Evans found in
+///   healthy people (0.20 to 0.25). 38 people without pathology had 17.4 ml on average in all four ventricles
+///   [VentricularVolume], about 1.4 % of a brain of 1,250 ml, so the smaller ventricles of healthy people are small
+///   here. The synthetic head's small ventricles hold 5 to 11 ml, its normal ones about 21. Where several classes
+///   apply, the first of this list is given: shifted, hydrocephalic, small, normal. The class is unknown where the
+///   ventricles or what bounds them are missing.
 ///
-/// A landmark monro_left or monro_right with a confidence is used; else the foramina are taken to lie behind the
-/// foremost point of the ventricles by 0.31 of the lateral ventricles' length, at most 32 mm.
+/// A landmark monro_left or monro_right that has a confidence is used. Without it the foramina are taken to lie behind
+/// the foremost point of the ventricles by 0.31 of the lateral ventricles' length, at most 32 mm.
 ///
 /// Adds to the report skin_ml, skull_ml, brain_ml, ventricles_ml, frontal_horns_mm, inner_skull_mm, evans_index_ratio,
-/// midline_shift_mm, midline_of, class; warnings name what could not be measured. Throws 65 where a voxel is not finite
-/// or rasters differ; Cancelled. The same bits whatever the thread count.
+/// midline_shift_mm, midline_of and class; warnings name what could not be measured. Throws Error 65 where a voxel is
+/// not finite or the rasters differ; Cancelled. The result has the same bits whatever the thread count.
 HeadFigures measure_head(const HeadFields& fields, const HeadLandmarks* landmarks, const HeadClassParams& params,
                          Report& report, const Progress& progress = {});
 

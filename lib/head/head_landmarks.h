@@ -10,41 +10,42 @@
 
 namespace trephine {
 
-/// The plane that parts a head into its two sides.
+/// The plane that separates the two sides of a head.
 struct MidsagittalPlane {
   Vec3 point_mm;
   Vec3 normal{1, 0, 0};   ///< unit, to the patient's left
   double confidence = 0;  ///< 0: not known
 };
 
-/// What is known of a head's places, found or given. Names: nasion, inion, vertex, tragus_left, tragus_right, bregma
-/// (estimated from the coronal suture's measured arc), monro_left, monro_right, kocher_left, kocher_right; others as
-/// the user calls them. No name twice. Sources: "found", "estimated", "given", "truth".
+/// The known landmarks of a head, found or given. Names: nasion, inion, vertex, tragus_left, tragus_right, bregma
+/// (estimated by its usual distance from the nasion), monro_left, monro_right, kocher_left, kocher_right, and others
+/// that the user chooses. No name occurs twice. Sources: "found", "estimated", "given", "truth".
 struct HeadLandmarks {
   MidsagittalPlane midsagittal;
   std::vector<CaseLandmark> landmarks;
   const CaseLandmark* find(std::string_view name) const;
 };
 
-/// The names that are looked for in a head; a user may give others.
+/// The names of the landmarks that are searched for in a head; a user may give others.
 const std::vector<std::string>& findable_landmarks();
 
-/// Our own JSON, value for value. parse throws Error 65 naming the field.
+/// Our own JSON format, which keeps every value. parse throws Error 65 naming the field.
 std::string landmarks_json(const HeadLandmarks& landmarks);
 HeadLandmarks parse_landmarks_json(std::string_view text);
 
-/// Points that a person placed: 3D Slicer's markups JSON (.mrk.json; coordinateSystem LPS or RAS, orientation ignored,
-/// controlPoints by label, those that are "undefined" or "preview" left out) and its older table (.fcsv; "#
-/// CoordinateSystem = RAS | LPS | 0 | 1", in files before 4.10 RAS is what 0 means). Source "given", confidence 1;
-/// labels in lower case, blanks and hyphens to underscores. Throws Error 65 naming the field: no point, a name twice
-/// with another place, a number that is not finite or beyond 1e5 mm, an unknown coordinate system or unit.
+/// Reads points that a person placed, from 3D Slicer's markups JSON (.mrk.json; coordinateSystem LPS or RAS,
+/// orientation ignored, controlPoints by label, without those that are "undefined" or "preview") or its older table
+/// (.fcsv; "# CoordinateSystem = RAS | LPS | 0 | 1", where 0 means RAS in files before 4.10). The source is "given" and
+/// the confidence 1; labels become lower case, with underscores for blanks and hyphens. Throws Error 65 naming the
+/// field: no point, a name twice with different positions, a number that is not finite or beyond 1e5 mm, an unknown
+/// coordinate system or unit.
 std::vector<CaseLandmark> parse_slicer_markups(std::string_view text);
 std::vector<CaseLandmark> parse_slicer_fcsv(std::string_view text);
 
-/// A file by its ending: .mrk.json, .fcsv, or .json for our own. Throws Error 66; 65 as the parsers do, naming the
-/// file; and `other_ending` for any other.
+/// Reads a file by its ending: .mrk.json, .fcsv, or .json for our own format. Throws Error 66; 65 as the parsers do,
+/// naming the file; and `other_ending` for any other ending.
 HeadLandmarks read_head_landmarks(const std::filesystem::path& file, ExitCode other_ending = ExitCode::bad_input);
-/// Its points alone; 64 for another ending.
+/// Only the points of a file; throws Error 64 for another ending.
 std::vector<CaseLandmark> read_landmark_file(const std::filesystem::path& file);
 
 }  // namespace trephine

@@ -13,27 +13,27 @@
 namespace trephine::segmentation {
 namespace {
 
-constexpr double raster_mm = 1.2;      ///< paths are looked for on voxels merged up to this
-constexpr double fine_sigma_mm = 1.5;  ///< of the mean that a path follows
-constexpr double wide_sigma_mm = 2.5;  ///< of the one its radius is measured with
-constexpr double beside_sigma_mm = 6;  ///< of the tissue around it
+constexpr double raster_mm = 1.2;      ///< paths are searched on voxels merged up to this
+constexpr double fine_sigma_mm = 1.5;  ///< sigma of the mean that a path follows
+constexpr double wide_sigma_mm = 2.5;  ///< sigma of the mean by which its radius is measured
+constexpr double beside_sigma_mm = 6;  ///< sigma of the mean of the tissue around it
 constexpr double least_contrast_hu = 8;
-constexpr double depth_mm = 10;  ///< under the brain's surface
-constexpr double clear_mm = 3;   ///< of other CSF
-constexpr double start_mm = 2;   ///< so near to the ventricles all is dark by blur
+constexpr double depth_mm = 10;  ///< least depth under the brain's surface
+constexpr double clear_mm = 3;   ///< least distance to other CSF
+constexpr double start_mm = 2;   ///< this near to the ventricles everything is dark by blur
 
-// What speaks for a horn: the share of CSF in the fine mean above the least one, summed along the path, mm.
+// The evidence for a horn: the share of CSF in the fine mean above the least share, summed along the path, in mm.
 constexpr double least_share = 0.2;
-constexpr double least_share_sigma = 2.2;  ///< and so many standard deviations of its noise
+constexpr double least_share_sigma = 2.2;  ///< and this many standard deviations of its noise
 constexpr double drop_mm = 1.5;            ///< a path ends where its sum has fallen by this
 constexpr double least_score_mm = 2;
-constexpr double least_reach_mm = 7;  ///< from the ventricles, and along
+constexpr double least_reach_mm = 7;  ///< both from the ventricles and along the path
 constexpr double most_path_mm = 52;
-constexpr double cost_rate = 4;  ///< a mm along costs exp(-rate share)
+constexpr double cost_rate = 4;  ///< a mm of path costs exp(-rate share)
 constexpr double apart_mm = 4;   ///< between two paths
 constexpr int most_paths = 8;
 
-// The same with the wide mean, which a path did not choose its way by.
+// The same with the wide mean, by which the path was not chosen.
 constexpr double wide_least = 0.1;  ///< a tube of 1.25 mm radius
 constexpr double wide_least_sigma = 2;
 constexpr double wide_drop_mm = 0.4, wide_score_mm = 0.5;
@@ -41,8 +41,8 @@ constexpr double share_along_mm = 3, place_along_mm = 2;  ///< sigma of the mean
 constexpr double least_radius_mm = 1, most_radius_mm = 4;
 constexpr double far_mm = 4;
 
-/// Where the horns lie from the brain's centre, LPS (x on either side), in an adult; heads lie straight to about 15
-/// degrees.
+/// Where the horns of an adult lie relative to the brain's centre, LPS (x on either side); heads are tilted by at most
+/// about 15 degrees.
 struct Place {
   Vec3 from, to;
   bool holds(Vec3 p) const {
@@ -52,7 +52,7 @@ struct Place {
 };
 constexpr Place temporal{{18, -25, -36}, {45, 35, 5}}, occipital{{10, 15, -18}, {40, 70, 15}};
 
-/// Merges factor[0] x [1] x [2] voxels into one: the mean of those known.
+/// Merges factor[0] x factor[1] x factor[2] voxels into one: the mean of the known ones.
 struct Coarse {
   Lattice lattice;
   std::array<int, 3> factor;
@@ -74,7 +74,7 @@ struct Coarse {
       for (int b = 0; b < factor[1]; ++b)
         for (int a = 0; a < factor[0]; ++a) f(i * factor[0] + a, j * factor[1] + b, k * factor[2] + c);
   }
-  /// Set where at least half of the voxels are.
+  /// Set where at least half of the voxels are set.
   BitMask of(const BitMask& m) const {
     const int all = factor[0] * factor[1] * factor[2];
     return make_mask(lattice, [&](int j, int k, std::uint8_t* row) {
@@ -103,8 +103,9 @@ struct Coarse {
 
 /// The tree of cheapest paths from the ventricles.
 struct Tree {
-  std::vector<std::int32_t> order, parent;  ///< voxels, nearest first; the voxel each came from, -1 at the root
-  std::vector<float> step;                  ///< mm from the parent
+  std::vector<std::int32_t> order,
+      parent;               ///< voxels, nearest first; the voxel from which each was reached, -1 at the root
+  std::vector<float> step;  ///< mm from the parent
 };
 
 Tree grow_tree(const Grid<float>& share, const BitMask& allowed, const BitMask& start, double least,
@@ -154,7 +155,7 @@ Tree grow_tree(const Grid<float>& share, const BitMask& allowed, const BitMask& 
   return t;
 }
 
-/// The radius of a tube of which the two means tell apart this share.
+/// The radius of a tube for which the two means differ by this share.
 double radius_of(double share) {
   double from = 0, to = most_radius_mm;
   for (int n = 0; n < 30; ++n) {
@@ -172,7 +173,7 @@ struct Node {
 };
 using Path = std::vector<Node>;  ///< from its tip to its root
 
-/// The best paths in the tree, the best first, none beside another or in `taken`.
+/// The best paths in the tree, the best first; none lies beside another or in `taken`.
 std::vector<Path> best_paths(const Tree& tree, const Grid<float>& share, const Grid<float>& wide_share, BitMask taken,
                              const Grid<float>& off, double least, const Progress& progress) {
   const Lattice& l = share;
@@ -214,8 +215,8 @@ std::vector<Path> best_paths(const Tree& tree, const Grid<float>& share, const G
   return paths;
 }
 
-/// The tube along the path, from its root on as far as the wide mean bears it out; empty where it does not. Positions
-/// and shares become means along the path.
+/// The tube along the path, from its root as far as the wide mean confirms it; empty where it does not. Positions and
+/// shares become means along the path.
 Path tube_along(const Path& path, double wide_floor) {
   Path tube = path;
   for (Node& n : tube) {

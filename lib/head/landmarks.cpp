@@ -17,9 +17,10 @@ namespace {
 using namespace segmentation;
 
 constexpr double tangent_mm = 5, middle_depth_mm = 70, tragi_to_nasion_deg = 20;
-constexpr double least_lopsided_mm = 3.5, most_lopsided_mm = 10;  ///< tragi against each other's mirror image
-constexpr double least_confidence = 0.05;                         ///< of a landmark that is kept
-constexpr double least_symmetry = 0.15;                           ///< of a plane without which there is no head
+constexpr double least_lopsided_mm = 3.5,
+                 most_lopsided_mm = 10;    ///< distance of one tragus from the other's mirror image
+constexpr double least_confidence = 0.05;  ///< a landmark below this is left out
+constexpr double least_symmetry = 0.15;    ///< below this the plane is not that of a head
 const char* const how_to_give =
     "give nasion, inion, tragus_left and tragus_right (landmarks: {nasion: [x, y, z], ...}, mm, LPS; or a .mrk.json "
     "or .fcsv of 3D Slicer)";
@@ -111,7 +112,7 @@ class Finder {
   }
   bool lies_in_scan(Vec3 p) const { return FieldView(*in_.skin, lattice_).depth_in_scan_mm(p) >= 0; }
 
-  /// As place_burr_hole takes it: through nasion and inion (or vertex), square to the line of the tragi.
+  /// As place_burr_hole defines it: through nasion and inion (or vertex), perpendicular to the line between the tragi.
   bool plane_from_given() {
     const Vec3 *nasion = given("nasion"), *inion = given("inion"), *vertex = given("vertex");
     const Vec3 *left = given("tragus_left"), *right = given("tragus_right");
@@ -157,7 +158,7 @@ class Finder {
     out_.midsagittal = {plane.point_mm, plane.normal, plane.confidence};
   }
 
-  /// Axes in the plane, the superior one nearest to the scan's; the origin is the middle of the skull's bones.
+  /// Axes in the plane, the superior one nearest to the scan's; the origin is the centre of the skull's bones.
   void set_frame(const FieldView& skull) {
     const MidsagittalPlane& p = out_.midsagittal;
     head_.left = p.normal;
@@ -175,8 +176,9 @@ class Finder {
     head_.origin_mm = middle - head_.left * dot(middle - p.point_mm, head_.left);
   }
 
-  /// Ears are looked for with the nasion level with the skull's middle, or up to 20 degrees above it (where the vertex
-  /// was not scanned that middle is low): in a head that hangs more the hollow of the cheek looks like a concha.
+  /// The ears are searched for with the nasion level with the skull's centre, or up to 20 degrees above it (the centre
+  /// is too low where the vertex was not scanned). In a head that is tilted further forwards, the hollow of the cheek
+  /// looks like a concha.
   void level_roughly() {
     const Vec3* nasion = known("nasion", 0.5);
     if (!nasion) return;
@@ -188,7 +190,7 @@ class Finder {
     head_.up = cross(head_.left, head_.back);
   }
 
-  /// Ears are not lopsided by as much as a wrong rim is off, and which of the two is wrong is not known.
+  /// The ears of a head differ less than a wrong rim is off, but which of the two is wrong is not known.
   void doubt_lopsided_tragi() {
     CaseLandmark* tragi[2] = {nullptr, nullptr};
     for (CaseLandmark& l : out_.landmarks)
@@ -202,8 +204,8 @@ class Finder {
       if (!given(l->name.c_str())) l->confidence *= ramp(apart_mm, most_lopsided_mm, least_lopsided_mm);
   }
 
-  /// Turns the axes so that the line from the tragi to the nasion rises by 20 degrees to the front, as it does where
-  /// the Frankfurt plane is level.
+  /// Turns the axes so that the line from the tragi to the nasion rises by 20 degrees towards the front, as it does
+  /// where the Frankfurt plane is level.
   void level_frame() {
     const Vec3 *nasion = known("nasion"), *left = known("tragus_left"), *right = known("tragus_right");
     if (!nasion || (!left && !right)) return;
@@ -232,7 +234,7 @@ class Finder {
       report_.warn("bregma and Kocher's points not measured: the nasion is not known");
       return;
     }
-    // The sweep's middle lies between nasion and inion, as place_burr_hole has it; without an inion, in the bones.
+    // The sweep's centre lies between nasion and inion, as in place_burr_hole; without an inion it lies in the bones.
     const Vec3* inion = known("inion", least_confidence);
     Vec3 centre = inion ? (*nasion + *inion) * 0.5 : head_.origin_mm;
     centre = centre - head_.left * dot(centre - out_.midsagittal.point_mm, head_.left);
@@ -279,7 +281,7 @@ class Finder {
           fmt::format("{} not found: the skin ends before, at the scan's edge, or the nasion is doubtful", name));
       return;
     }
-    // The confidence holds the plane's already, through the nasion's.
+    // The confidence includes the plane's already, through the nasion's.
     out_.landmarks.push_back({name, *p, confidence, source});
   }
 

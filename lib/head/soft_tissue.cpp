@@ -17,10 +17,10 @@ namespace {
 constexpr int terms = 10;
 using Terms = std::array<double, terms>;
 constexpr double unit_mm = 70;     ///< of the quadratic's coordinates: half a head
-constexpr double outlier_hu = 12;  ///< farther from the fit than this is no tissue
-constexpr double most_hu = 30;     ///< of what is corrected
-constexpr double sample_mm = 4;    ///< distance of the voxels that the fit goes by
-constexpr double extend_mm = 0.7;  ///< sigma of the mean that voxels beyond the known ones get
+constexpr double outlier_hu = 12;  ///< values farther from the fit are not tissue
+constexpr double most_hu = 30;     ///< largest correction
+constexpr double sample_mm = 4;    ///< distance of the voxels used for the fit
+constexpr double extend_mm = 0.7;  ///< sigma of the mean for voxels beyond the known ones
 constexpr int tv_iterations = 30;
 
 Terms terms_of(Vec3 p) { return {1, p.x, p.y, p.z, p.x * p.x, p.y * p.y, p.z * p.z, p.x * p.y, p.x * p.z, p.y * p.z}; }
@@ -66,7 +66,7 @@ Terms fitted(const std::vector<Sample>& samples, double middle) {
         for (int c = 0; c < terms; ++c) a[r][c] += w * s.at[r] * s.at[c];
       }
     }
-    // A little weight on no slope at all: a part of a head does not say everything.
+    // A small weight on zero slope, because a part of a head does not determine all terms.
     for (int r = 0; r < terms; ++r) a[r][r] += 1e-3 * double(samples.size()) * (r > 0) + 1e-9;
     fit = solved(a, b);
     fit[0] += middle;
@@ -168,7 +168,7 @@ void total_variation(Grid<float>& hu, const BitMask& domain, double strength_hu_
   // Differences in units of the first axis' spacing.
   const float ry = float(l.spacing_mm.x / l.spacing_mm.y), rz = float(l.spacing_mm.x / l.spacing_mm.z);
   const float radius = float(strength_hu_mm / l.spacing_mm.x);
-  // in: 1 in the domain, with a row and a slice of 0 beyond the lattice's end.
+  // `in` is 1 in the domain, with a row and a slice of 0 beyond the lattice's end.
   std::vector<float> in(l.count() + dz + dy + 1, 0.f);
   std::vector<Span> spans(std::size_t(ny) * nz);
   parallel_for(0, nz, 4, [&](std::int64_t from, std::int64_t to) {
@@ -251,7 +251,7 @@ Grid<float> soft_tissue(Grid<float> hu, const BitMask& known, bool level, double
   const double noise = tissue_noise(hu, known, progress);
   report.add("tissue_noise_hu_mm1_5", noise);
   total_variation(hu, known, strength_ratio * noise, tv_iterations, progress);
-  // Beside the known voxels the mean of theirs.
+  // Beside the known voxels, the mean of the known ones.
   const Grid<float> beside = masked_gaussian(hu, known, extend_mm, nowhere, 0.02, progress);
   parallel_for(0, hu.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)

@@ -7,33 +7,33 @@
 
 namespace trephine::segmentation {
 
-/// HU that brain tissue has after level_tissue: the middle of a well calibrated scan of a brain.
+/// HU of brain tissue after level_tissue, which is the typical value in a well calibrated scan.
 constexpr double tissue_level_hu = 30;
 
-/// Scanners differ by several HU, and beam hardening darkens the middle of a head: fits a quadratic in space to the
-/// brain's tissue among the voxels in `known` (robustly: CSF, blood and calcifications have no weight) and moves the
-/// values, all of them, so that tissue lies at tissue_level_hu everywhere, by at most 30 HU. Adds "tissue_hu" (the fit
-/// in its middle) and "tissue_slope_hu" (how much it varies over the voxels).
+/// Levels the brain's tissue. Scanners differ by several HU, and beam hardening darkens the middle of a head. A
+/// quadratic in space is fitted robustly to the brain's tissue among the voxels in `known` (CSF, blood and
+/// calcifications have no weight), and all values are moved by at most 30 HU, so that tissue lies at tissue_level_hu
+/// everywhere. Adds "tissue_hu" (the fit at its centre) and "tissue_slope_hu" (how much it varies over the voxels).
 void level_tissue(Grid<float>& hu, const BitMask& known, Report& report, const Progress& progress = {});
 
-/// Noise of tissue in the scan as HU mm^1.5: the square root of white noise's spectral density, so that a mean over a
-/// volume of v mm^3 has a standard deviation of that by sqrt(v), whatever kernel and thickness. From the spread between
-/// two Gaussian means in the tissue among `known`.
+/// The noise of tissue in the scan as HU mm^1.5: the square root of the spectral density of white noise, so that a mean
+/// over v mm^3 has a standard deviation of this value divided by sqrt(v), whatever the kernel and the slice thickness.
+/// It is computed from the spread between two Gaussian means in the tissue among `known`.
 double tissue_noise(const Grid<float>& hu, const BitMask& known, const Progress& progress = {});
-/// Throws Error 80 where that leaves so much in a cube of 2 mm (or a voxel, where that is larger) that CSF and tissue,
-/// some 20 HU apart, are not told apart.
+/// Throws Error 80 where this noise leaves so much in a cube of 2 mm (or a voxel, where that is larger) that CSF and
+/// tissue, some 20 HU apart, cannot be told apart.
 void check_noise(double noise, const Lattice& lattice);
 
-/// Denoises within `domain`, in place: argmin of 1/2 |u - hu|^2 + strength * (total variation of u), mm (Rudin, Osher
-/// and Fatemi 1992), by the accelerated primal-dual method of Chambolle and Pock (2011). Each threshold of the result
-/// is the best region-competition surface for it, over all of them, where a mm^2 of surface costs `strength` (Chan,
-/// Esedoglu and Nikolova 2006): edges stay where they are, what is smaller than 2 strength / contrast goes. Values
-/// beyond the domain neither change nor matter.
+/// Denoises within `domain`, in place: the result is argmin of 1/2 |u - hu|^2 + strength * (total variation of u),
+/// lengths in mm [Rudin1992], found by the accelerated primal-dual method of [Chambolle2011]. Each threshold of the
+/// result is the global optimum of region competition for that threshold, where a mm^2 of surface costs `strength`
+/// [Chan2006]. Edges stay where they are, and structures smaller than 2 strength / contrast vanish. Values outside the
+/// domain neither change nor have an effect.
 void total_variation(Grid<float>& hu, const BitMask& domain, double strength_hu_mm, int iterations,
                      const Progress& progress = {});
 
-/// What brain and ventricles are found in: levelled (where asked for) and denoised as strongly as its noise needs.
-/// `known` are the voxels to go by; the others get the mean of known ones beside them, or `nowhere`.
+/// The image in which brain and ventricles are found: levelled (where asked for) and denoised as strongly as its noise
+/// needs. Only the voxels in `known` count; the others get the mean of the known ones beside them, or `nowhere`.
 Grid<float> soft_tissue(Grid<float> hu, const BitMask& known, bool level, double strength_ratio, float nowhere,
                         Report& report, const Progress& progress = {});
 

@@ -39,7 +39,7 @@ Shape make_shape(const FieldView& view, const Progress& progress) {
       progress.check();
       for (int j = 0; j < coarse.size[1]; ++j)
         for (int i = 0; i < coarse.size[0]; ++i)
-          // Bright bone beside soft tissue would otherwise push the surface outwards between the coarse voxels.
+          // Otherwise bright bone beside soft tissue would push the surface outwards between the coarse voxels.
           coarse.at(i, j, k) =
               float(std::clamp(view(coarse.to_world_mm({double(i), double(j), double(k)})), -200.0, 200.0));
     }
@@ -91,7 +91,7 @@ class Mirror {
   struct Score {
     double mean_mm = cut_off_mm, median_mm = cut_off_mm, matched = 0, scanned = 0;
   };
-  /// Every `stride`-th point; of those within `reach_mm` of the plane.
+  /// Scores every `stride`-th point, of those within `reach_mm` of the plane.
   Score score(const Pose& pose, std::size_t stride, double reach_mm = 1e9, bool with_median = false) const {
     const Vec3 n = normal_of(pose);
     const double offset = dot(n, pivot_) + pose[2];
@@ -115,7 +115,7 @@ class Mirror {
     Score out;
     out.scanned = all ? double(count) / all : 0;
     if (!count) return out;
-    // Where little of the mirror image was scanned the rest says little.
+    // Where little of the mirror image was scanned, the mean is less reliable.
     out.mean_mm = sum / count + 3 * std::max(0.0, 0.7 - out.scanned);
     out.matched = double(matched) / count;
     if (with_median) out.median_mm = median(residuals, float(cut_off_mm));
@@ -151,7 +151,7 @@ class Mirror {
           for (int j = 0; j < 3; ++j) a[i][j] += weight * g[i] * g[j];
         }
       }
-    // A weak pull to where it is: smooth bone constrains nothing.
+    // A weak pull to the present pose, because smooth bone constrains nothing.
     a[0][0] += 1e3, a[1][1] += 1e3, a[2][2] += 1;
     const Vec3 c0{a[0][0], a[1][0], a[2][0]}, c1{a[0][1], a[1][1], a[2][1]}, c2{a[0][2], a[1][2], a[2][2]};
     const Vec3 rhs{b[0], b[1], b[2]};
@@ -215,7 +215,7 @@ MirrorPlane find_mirror_plane(const FieldView& skin, const FieldView& skull, con
   if (mirror.points() < 500) return plane;
   Pose pose = search(mirror, progress.part(0.8, 1));
   const Mirror::Score whole = mirror.score(pose, 2, 1e9, true);
-  // How much worse the neighbours are: what makes it the plane, and not one of many.
+  // How much worse the neighbouring planes are: this tells whether it is the plane or one of many.
   plane.rise_mm = cut_off_mm;
   for (int axis = 0; axis < 3; ++axis)
     for (double sign : {-1.0, 1.0}) {

@@ -18,22 +18,22 @@
 namespace trephine::segmentation {
 namespace {
 
-constexpr double strength_ratio = 0.4;   ///< of denoising to the noise, mm^-0.5
+constexpr double strength_ratio = 0.4;   ///< strength of denoising for each unit of noise, mm^-0.5
 constexpr double envelope_close_mm = 8;  ///< sulci narrower than twice this do not count as the brain's outside
-constexpr double shell_mm = 4;           ///< so near to it no ventricle is looked for
+constexpr double shell_mm = 4;           ///< no ventricle is searched for this near to the outside
 constexpr double cut_sigma_mm = 1.0;
 constexpr double cut_scale_hu = 8;
 constexpr double cut_scale_mm = 0.8;
 constexpr double most_voxel_mm = 1.0;
-constexpr double clear_mm = 1;          ///< of other fluid, the edge is not looked for
-constexpr double start_sigma_mm = 0.5;  ///< rounds the voxels off before the fit
+constexpr double clear_mm = 1;          ///< the edge is not searched for this near to other fluid
+constexpr double start_sigma_mm = 0.5;  ///< smooths the steps of the voxels before the fit
 constexpr double edge_may_move_hu = 5;
 constexpr double edge_share = 0.5;
-constexpr double horns_reach_mm = 45;  ///< beyond the ventricles found, horns are looked for
+constexpr double horns_reach_mm = 45;  ///< horns are searched for this far from the ventricles
 
 constexpr BrainBox about_monro{{-10, -28, -12}, {10, -2, 14}};  ///< foramina and septum
 
-/// The mean of the middle half: as robust as a median, finer than a unit on integers.
+/// The mean of the middle half of the sorted values: as robust as the median, and finer than one unit on integers.
 double middle_of(std::vector<float>& v) {
   const auto from = v.begin() + std::ptrdiff_t(v.size() / 4), to = v.begin() + std::ptrdiff_t(v.size() - v.size() / 4);
   std::sort(v.begin(), v.end());
@@ -63,7 +63,7 @@ double half_of_both_sides(const Grid<float>& hu, const BitMask& shape, const Bit
   return std::clamp(low + edge_share * (high - low), otherwise - edge_may_move_hu, otherwise + edge_may_move_hu);
 }
 
-/// a x a voxels of each slice merged into their mean.
+/// Merges a x a voxels of each slice into their mean.
 Grid<float> merged(const Grid<float>& g, int a) {
   Lattice l = g;
   l.size = {g.size[0] / a, g.size[1] / a, g.size[2]};
@@ -82,7 +82,7 @@ Grid<float> merged(const Grid<float>& g, int a) {
   return out;
 }
 
-/// Where at least half of the a x a voxels are set.
+/// Set where at least half of the a x a voxels are set.
 BitMask merged(const BitMask& m, const Lattice& l, int a) {
   return make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) {
@@ -94,8 +94,8 @@ BitMask merged(const BitMask& m, const Lattice& l, int a) {
   });
 }
 
-/// The grid between its voxels, at the voxels of another whose axes are parallel, by cubic interpolation (Catmull-Rom):
-/// linear would flatten what is curved. Its ends go on.
+/// The grid at the voxels of another lattice with parallel axes, by cubic interpolation (Catmull-Rom), because linear
+/// interpolation would flatten curved parts. Beyond its ends the values continue.
 Field resampled(Field from, const Lattice& to, const Progress& progress) {
   const Vec3 first = from.to_index(to.origin_mm);
   for (int axis = 0; axis < 3; ++axis) {
@@ -152,7 +152,7 @@ Field ventricles_in(const HuView& hu, const VentriclesMasks& masks, const Ventri
     if (box.begin[a] < 0 || box.end[a] > hu.lattice().size[a])
       throw Error(ExitCode::bad_input, "", "brain", "the field reaches beyond the volume");
   const bool fitted = p.edge == SegmentEdge::half_maximum;
-  // Finer voxels hold no more of the shape than these; the edge is fitted between them.
+  // Finer voxels add no information about the shape; the edge is fitted between the voxels.
   const int merge = fitted ? std::clamp(int(most_voxel_mm / std::max(whole.spacing_mm.x, whole.spacing_mm.y)), 1,
                                         std::min(whole.size[0], whole.size[1]))
                            : 1;
@@ -166,7 +166,7 @@ Field ventricles_in(const HuView& hu, const VentriclesMasks& masks, const Ventri
   if (masks.without) free.remove(positive(*masks.without, whole));
   const BitMask allowed = merged(free, l, merge);
 
-  // The brain's surface with its sulci closed: how deep something lies is meant from there.
+  // The brain's surface with its sulci closed, from which depths are measured.
   BitMask envelope = closed(brain, envelope_close_mm, progress);
   envelope |= holes(envelope, {0, 1000, true}, progress);
   BitMask known = eroded(envelope, shell_mm, progress);

@@ -52,7 +52,7 @@ void read_manifest_of(const fs::path& folder, CaseRow& row) {
   if (!error) row.age_s = std::chrono::duration<double>(fs::file_time_type::clock::now() - written).count();
 }
 
-// run.json is for people and may be missing.
+// run.json is only for people and may be missing.
 void read_run(const fs::path& file, CaseRow& row) {
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return;

@@ -29,47 +29,48 @@ struct LibraryFilter {
               {"shifted", CaseClass::shifted},
               {"small", CaseClass::small},
               {"unknown", CaseClass::unknown}},
-             "Only cases of that class; unknown: cases that do not say.");
+             "Only cases of that class; unknown: cases without a class.");
     v.number(&P::max_deviation_mm, "max_deviation_mm", Range{0, 1000},
-             "Only cases none of whose surfaces lies farther from its unreduced one; 0: all.");
+             "Only cases none of whose surfaces lies farther from its unreduced surface; 0: all.");
     v.integer(&P::max_warnings_count, "max_warnings_count", Range{-1, 1e9},
-              "Only cases whose run gave at most so many warnings; -1: all.");
+              "Only cases whose run gave at most this many warnings; -1: all.");
     v.flag(&P::failed, "failed", "Only cases that are damaged or whose last build failed.");
   }
 };
 
-/// One case of a library, as case.json and run.json say; its other files are not looked at (library verify).
+/// One case of a library, as case.json and run.json describe it; its other files are not read (library verify reads
+/// them).
 struct CaseRow {
   std::string token;
-  std::string fault;  ///< why case.json cannot be read; empty: it can
+  std::string fault;  ///< why case.json cannot be read; empty: it can be read
   CaseManifest manifest;
-  std::string patient_class;  ///< empty: not said
+  std::string patient_class;  ///< empty: not known
   std::uint64_t triangles = 0, bytes = 0;
   double deviation_max_mm = 0;
   std::vector<std::string> warnings;
   double seconds = 0;  ///< of its last run
-  double age_s = 0;    ///< of case.json
+  double age_s = 0;    ///< age of case.json
   JobResult last;      ///< of its last library build; code 0 where there was none
   const ParameterValue* figure(const std::string& name) const;
-  /// The anatomy by which the case is classed, as its recipe says; empty where it is not.
+  /// The anatomy by which the case is classed according to its recipe; empty where there is none.
   std::string classed_by() const;
 };
 
-/// All folders of the library with a case.json, and those whose first build failed, by token. Throws 66 where there is
-/// no library.
+/// All folders of the library that hold a case.json, and those whose first build failed, by token. Throws Error 66
+/// where there is no library.
 std::vector<CaseRow> read_library(const std::filesystem::path& library, const LibraryFilter& filter = {});
 CaseRow read_library_case(const std::filesystem::path& library, const std::string& token);
 
 std::string library_table(const std::vector<CaseRow>& rows);
 std::string library_json(const std::vector<CaseRow>& rows);
-/// One case in full.
+/// Everything that is known of one case, as text.
 std::string case_text(const CaseRow& row);
 
-/// "3 min", "5 h", "12 d"
+/// An age as text: "3 min", "5 h", "12 d".
 std::string age_text(double seconds);
-/// The number with so many decimals.
+/// The number with that many decimals.
 std::string fixed_text(double v, int decimals);
-/// A figure for a cell: fixed decimals; "" where it is not there.
+/// A figure as the text of a cell, with a fixed count of decimals; "" where the figure is missing.
 std::string figure_text(const CaseRow& row, const std::string& name, int decimals, double factor = 1);
 
 }  // namespace trephine

@@ -30,7 +30,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int busy_tries = 6;
 constexpr double busy_pause_s = 0.5, patience_s = 10;
 constexpr std::size_t most_reason = 1500;
-constexpr int stopped = -1;  // in place of an exit code: by us, for its time was up
+constexpr int stopped = -1;  // stands for an exit code: we stopped the job because its time was up
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -60,7 +60,7 @@ void send(const JobEvent& event) {
   if (fd < 0) return;
   const std::string line = event_line(event);
   if (write(fd, line.data(), line.size()) < 0) {
-  }  // a build that is gone needs no events
+  }  // if the build is gone, nobody needs the events
   close(fd);
 }
 
@@ -77,21 +77,21 @@ void replace_all(std::string& text, const std::string& what, const std::string& 
     text.replace(at, what.size(), by);
 }
 
-// The log without the series' path, in which a patient's name may stand.
+// The log without the series' path, which may hold a patient's name.
 std::string clean_log(const fs::path& log, const fs::path& series) {
   const std::string before = read_log(log);
   std::string text = before;
   replace_all(text, series.string(), "SERIES");
   if (text != before) try {
       write_file(log, text);
-    } catch (const Error&) {  // without a log rather than with the path
+    } catch (const Error&) {  // no log is better than a log with the path
       std::error_code ignored;
       fs::remove(log, ignored);
     }
   return text;
 }
 
-// The errors that the command ended with, without its name; the last line where there is none.
+// The errors with which the command ended, without the command's name; the last line where there is no error.
 std::string reason_in(const std::string& log, const std::string& tool, const std::string& token) {
   std::istringstream lines(log);
   std::string line, last, reason;
@@ -106,7 +106,7 @@ std::string reason_in(const std::string& log, const std::string& tool, const std
   return printable(reason.empty() ? last : reason).substr(0, most_reason);
 }
 
-// Runs the command once, within its time; afterwards nothing of it runs any more.
+// Runs the command once, within its time limit. Afterwards none of its processes runs any more.
 Ended run_once(const LibraryJob& job, const fs::path& log) {
   SpawnRequest request;
   request.argv = job.arguments;
@@ -119,13 +119,13 @@ Ended run_once(const LibraryJob& job, const fs::path& log) {
     Ended end = wait_for(pid, std::clamp(left_s, 0.0, 1.0));
     if (end.ended) return end;
     if (job.time_limit_s <= 0 || seconds_since(start) < job.time_limit_s) continue;
-    kill(pid, SIGTERM);  // it tidies up; its own children die with it
+    kill(pid, SIGTERM);  // the command cleans up, and its children die with it
     end = wait_for(pid, patience_s);
     if (!end.ended) {
       kill(pid, SIGKILL);
       end = wait_for(pid, 1e6);
     }
-    if (end.code != 0 || end.signal) end.code = stopped;  // else it ended well just then
+    if (end.code != 0 || end.signal) end.code = stopped;  // otherwise it ended successfully at that moment
     return end;
   }
 }
@@ -170,7 +170,7 @@ JobResult do_job(const LibraryJob& job) {
       record_phantom(state, job);
     } else {
       const BuiltCase built = describe_built(job.library / job.token, job.settings_sha256);
-      // The series of a phantom that was just made was not known to the plan.
+      // The plan did not know the series of a phantom that was only just made.
       if (!job.phantom.empty()) write_inputs(state, job.token, built.inputs);
       write_built(state, job.token, built);
     }
@@ -237,7 +237,7 @@ bool parse_event(const std::string& line, JobEvent& event) {
 }
 
 int run_library_job(const std::string& name) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // of Ninja's end, however it came
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // when Ninja ends, however that happens
   LibraryJob job;
   try {
     job = find_job(name);

@@ -8,23 +8,23 @@
 
 namespace trephine {
 
-/// One command that Ninja starts for a library build: `trephine library job NAME`. What it has to do stands in memory
-/// of the build that started Ninja (paths of series are never written to disk), and what becomes of it goes there too.
+/// One command that Ninja starts for a library build: `trephine library job NAME`. Its task stands in memory of the
+/// build that started Ninja (paths of series are never written to disk), and its result goes there too.
 
 struct LibraryJob {
   std::string name;   ///< "case.TOKEN" or "phantom.NAME"
-  std::string token;  ///< of the case; of a phantom its name
+  std::string token;  ///< of the case, or the name of the phantom
   bool is_phantom = false;
-  std::vector<std::string> arguments;  ///< of trephine
-  std::string settings_sha256;         ///< case
-  std::string phantom;                 ///< case: whose series it needs; empty: none
-  std::string identity;                ///< of the phantom
+  std::vector<std::string> arguments;  ///< command line of trephine
+  std::string settings_sha256;         ///< for a case
+  std::string phantom;                 ///< for a case: the phantom whose series it needs; empty: none
+  std::string identity;                ///< for a phantom
   std::filesystem::path library, series;
   double time_limit_s = 0;
   bool keep_going = true;
 };
 
-/// The environment's variables that say where jobs are read and events are written.
+/// The environment variables that tell a job where to read its task and where to write its events.
 constexpr const char* jobs_variable = "TREPHINE_LIBRARY_JOBS";
 constexpr const char* events_variable = "TREPHINE_LIBRARY_EVENTS";
 
@@ -35,15 +35,15 @@ struct JobEvent {
   bool is_end = false;
   JobResult result;
 };
-/// One line, at most 4 KiB, so that it goes into a pipe in one piece.
+/// The event as one line of at most 4 KiB, so that it goes into a pipe in one piece.
 std::string event_line(const JobEvent& event);
-/// False where it is none.
+/// Returns false where the line is not an event.
 bool parse_event(const std::string& line, JobEvent& event);
 
-/// Does one job: runs trephine with its arguments, its output into the job's log, and records what was built.
-/// Idempotent. A case that another run holds is tried again for a few seconds. Returns 0 where the job ended, well or
-/// not, and the build wants the others all the same; else the job's exit code. Throws 64 where it was not started by a
-/// build.
+/// Does one job: runs trephine with its arguments, writes the output into the job's log, and records what was built.
+/// The function is idempotent. A case that another run holds is tried again for a few seconds. Returns 0 where the job
+/// ended, successfully or not, and the build wants to do the others in any case; else the job's exit code. Throws Error
+/// 64 where it was not started by a build.
 int run_library_job(const std::string& name);
 
 }  // namespace trephine

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* cache_name = ".trephine-cache";
-// A store of the cache writes the data first and its index soon after.
+// Storing in the cache writes the data first and its index soon after.
 constexpr double torn_s = 3600;
 constexpr int verify_tries = 3;
 
@@ -54,7 +54,7 @@ std::string verify_case(const fs::path& library, const std::string& token, bool 
       sum.bytes += fs::file_size(folder / "case.json", ignored);
       return "";
     } catch (const Error& e) {
-      // A run that publishes meanwhile takes away the older case's files.
+      // A run that publishes at the same time removes the older case's files.
       if (e.code() != ExitCode::no_input || attempt == verify_tries) return line_of(e, library);
     }
   }
@@ -116,7 +116,8 @@ class Collector {
         left_over(folder);
     } catch (const Error& e) {
       if (e.code() == ExitCode::busy) ++out_.busy;
-      // Damaged: what it names is not known, so nothing of it goes; `verify` tells.
+      // A damaged case.json does not tell which files the case needs, so none of its files is removed; `verify` reports
+      // it.
     }
   }
 
@@ -134,7 +135,7 @@ class Collector {
       }
     }
   }
-  // NAME-<16 digits>.EXTENSION, as a run writes them: nothing else is ours to remove.
+  // Only files named NAME-<16 digits>.EXTENSION, as a run writes them, may be removed.
   static bool has_content_name(const fs::path& file) {
     const std::string stem = file.stem().string();
     const auto dash = stem.rfind('-');
@@ -160,10 +161,10 @@ class Collector {
     std::error_code error;
     for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
       if (it->is_regular_file(error)) out_.bytes += it->file_size(error);
-    if (!params_.dry_run) fs::remove_all(folder, error);  // lock and all, as a run that fails does
+    if (!params_.dry_run) fs::remove_all(folder, error);  // with its lock file, as a run that fails does
   }
 
-  // Of cases that are gone, and settings that no record names.
+  // Removes records of cases that are gone, and settings that no record names.
   void records() {
     std::error_code error;
     std::set<std::string> settings;
@@ -179,7 +180,7 @@ class Collector {
       if (built) settings.insert(built->inputs.settings_sha256);
       std::error_code ignored;
       const bool gone = !fs::exists(state_.library() / token, ignored);
-      // What was never built is still wanted; what was built and is gone was taken away.
+      // A case that was never built is still wanted; a case that was built and is gone was removed by somebody.
       if (gone && built && age_of(file) > torn_s) out_.records += remove(file);
     }
     if (error) return;
@@ -205,7 +206,8 @@ class Collector {
       const bool torn = index == files.end() && age_s > torn_s;
       if (!torn && age_s <= params_.cache_days * 86400) continue;
       ++out_.cache_entries;
-      if (index != files.end()) std::iter_swap(files.begin(), index);  // the index goes first: data alone is no entry
+      if (index != files.end())
+        std::iter_swap(files.begin(), index);  // the index is removed first: data without an index is no entry
       for (const fs::path& f : files) remove(f);
     }
     if (!params_.dry_run) StageCache(folder).shrink_to(static_cast<std::uint64_t>(params_.cache_limit_mb) * 1'000'000);
@@ -224,7 +226,7 @@ VerifyResult verify_library(const fs::path& library, const std::vector<std::stri
   std::vector<std::string> tokens;
   for (const CaseRow& row : read_library(library)) {
     std::error_code ignored;
-    // What was never published has no bytes to be wrong.
+    // A case that was never published has no bytes that could be wrong.
     if (fs::exists(library / row.token / "case.json", ignored) &&
         (only.empty() || std::find(only.begin(), only.end(), row.token) != only.end()))
       tokens.push_back(row.token);

@@ -18,9 +18,9 @@ struct VerifyResult {
   std::string table;
 };
 
-/// Reads every byte of every case (or of those named) and compares it with the checksums of case.json; with `load`,
-/// every case is also loaded as the simulator would (cases/load_case.h). A case that is published anew meanwhile is
-/// read again. Throws 66 where there is no library or no such case; Cancelled.
+/// Reads every byte of every case (or of the named cases) and compares it with the checksums of case.json; with `load`,
+/// every case is also loaded as the simulator would load it (cases/load_case.h). A case that is published again
+/// meanwhile is read again. Throws Error 66 where there is no library or no such case; Cancelled.
 VerifyResult verify_library(const std::filesystem::path& library, const std::vector<std::string>& only, bool load,
                             const Progress& progress);
 
@@ -33,23 +33,24 @@ struct GcParams {
   static void describe(V& v) {
     using P = GcParams;
     v.flag(&P::dry_run, "dry_run", "Say what would be removed and remove nothing.");
-    v.number(&P::cache_days, "cache_days", Range{0, 1e6}, "Outputs of stages that no run used for so long go.");
+    v.number(&P::cache_days, "cache_days", Range{0, 1e6},
+             "Outputs of stages that no run has used for this many days are removed.");
     v.integer(&P::cache_limit_mb, "cache_limit_mb", Range{0, 1e9},
-              "What the cache may hold afterwards, in MB; the oldest goes first.");
+              "Largest size of the cache afterwards, in MB; the oldest entries go first.");
   }
 };
 
 struct GcResult {
   int case_files = 0, folders = 0, cache_entries = 0, records = 0, temporaries = 0;
-  int busy = 0;  ///< cases that another run builds: left alone
+  int busy = 0;  ///< cases that another run is building; they are left alone
   std::uint64_t bytes = 0;
   std::string table;
 };
 
-/// Removes what nothing names: files of a case that its case.json does not name, what killed runs left (temporaries,
-/// case folders in which nothing was published and that nobody works on), stale and torn entries of the cache, records
-/// of cases that are gone. A case whose case.json is damaged is left as it is. Safe beside running builds: a case's
-/// files are touched under its lock only. Throws 66; Cancelled.
+/// Removes what nothing refers to: files of a case that its case.json does not name, remains of killed runs (temporary
+/// files, and case folders in which nothing was published and that no run works on), stale and torn entries of the
+/// cache, and records of cases that are gone. A case whose case.json is damaged is left as it is. It is safe beside
+/// running builds, because a case's files are touched only under its lock. Throws Error 66; Cancelled.
 GcResult collect_garbage(const std::filesystem::path& library, const GcParams& params, const Progress& progress);
 
 }  // namespace trephine

@@ -18,7 +18,7 @@ namespace trephine {
 namespace fs = std::filesystem;
 namespace {
 
-// "anatomy.stage.parameter" whose value names a file.
+// Whether the value of "anatomy.stage.parameter" names a file.
 bool names_file(const std::string& path) {
   const auto last = path.rfind('.');
   if (last == std::string::npos || last == 0) return false;
@@ -42,7 +42,7 @@ class Reader {
     DeclaredReading reading{out_.file, faults_, {}, {}};
     reading.fault_of_name = [this](const std::string& kind, const std::string& name) {
       std::string fault;
-      // The folders of `series` are looked for below, and paths in `set` where they are read.
+      // The folders of `series` are searched later, and paths in `set` are checked where they are read.
       if (kind == "file" && name.find_first_of("*?[") == std::string::npos) in_root(name, fault);
       return fault;
     };
@@ -72,12 +72,12 @@ class Reader {
     if (!fault.empty()) faults_.add(out_.file, at, where, fault);
     return path;
   }
-  // Faults of its path were told already.
+  // Faults of the path have been reported already.
   fs::path file_of(const std::string& text) const {
     std::string ignored;
     return text.empty() ? fs::path() : in_root(text, ignored);
   }
-  // The node of an item of a list at the top, or the file where there is none.
+  // The node of one item of a list at the top level, or the whole file where there is none.
   const YamlNode& item(const YamlNode* list, std::size_t i) const {
     return list && i < list->items.size() ? list->items[i] : tree_;
   }
@@ -89,7 +89,7 @@ class Reader {
       faults_.add(out_.file, *tree_.find("configs"), "configs", "stands beside config: give one of them");
   }
 
-  // Settings as --set takes them; a path in one is meant from this file.
+  // Settings as --set takes them. A path in one is relative to this file.
   std::vector<std::string> set_of(const YamlNode& node, const Named<SaidValue>& values, const std::string& where) {
     const YamlNode* set = node.find("set");
     std::vector<std::string> all;
@@ -102,7 +102,7 @@ class Reader {
     return all;
   }
 
-  // The cases of one patient: of its own configuration, or of each of the library's.
+  // Adds the cases of one patient: a case of its own configuration, or of each configuration of the library.
   void add_cases(LibraryCase one, const fs::path& own_config, const YamlNode& at, const std::string& where,
                  const std::vector<std::string>& own_set) {
     one.set = shared_set_;
@@ -176,7 +176,7 @@ class Reader {
     for (std::size_t i = 0; i < said_.phantoms->list.size(); ++i) {
       const std::string where = "phantoms.list[" + std::to_string(i) + "]";
       const YamlNode& node = item(list, i);
-      // What the phantom says of itself, over what is shared; its faults are known already.
+      // The phantom's own keys override the shared ones; faults of these are known already.
       LibraryPhantomParams said;
       static_cast<PhantomValues&>(said) = said_.phantoms->shared;
       ConfigFaults told;

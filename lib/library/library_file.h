@@ -8,7 +8,7 @@
 
 namespace trephine {
 
-/// LIBRARY.yaml, declared.
+/// The declaration of LIBRARY.yaml.
 
 struct PhantomValues {
   phantom::HeadParams head;
@@ -33,8 +33,8 @@ struct LibraryPhantomParams : PhantomValues {
   static void describe(V& v) {
     using P = LibraryPhantomParams;
     v.text(&P::name, "name", "Name of the patient and of its cases.").is_required();
-    v.text(&P::config, "config", "Its own configuration, instead of the library's.").names("file");
-    v.map(&P::set, "set", "Its own parameters by their paths.");
+    v.text(&P::config, "config", "The phantom's own configuration, instead of the library's.").names("file");
+    v.map(&P::set, "set", "The phantom's own parameters by their paths.");
     v.template all_of<PhantomValues>();
   }
 };
@@ -45,7 +45,7 @@ struct LibraryPhantomsParams {
   template <class V>
   static void describe(V& v) {
     using P = LibraryPhantomsParams;
-    v.group(&P::shared, "shared", "What holds for every phantom that does not say otherwise.");
+    v.group(&P::shared, "shared", "Parameters of every phantom that does not set them itself.");
     v.list(&P::list, "list", "The phantoms.").is_required();
   }
 };
@@ -56,11 +56,11 @@ struct LibraryCaseParams {
   template <class V>
   static void describe(V& v) {
     using P = LibraryCaseParams;
-    v.text(&P::case_token, "case", "Name of the case: a-z, 0-9, _ and -, never a patient's.").is_required();
+    v.text(&P::case_token, "case", "Name of the case: a-z, 0-9, _ and -; never a patient's name.").is_required();
     v.text(&P::series, "series", "Folder, ZIP archive or file with its CT series.").names("file");
-    v.text(&P::landmarks_file, "landmarks_file", "Landmarks that are known.").names("file");
-    v.text(&P::config, "config", "Its own configuration, instead of the library's.").names("file");
-    v.map(&P::set, "set", "Its own parameters by their paths.");
+    v.text(&P::landmarks_file, "landmarks_file", "A file of known landmarks.").names("file");
+    v.text(&P::config, "config", "The case's own configuration, instead of the library's.").names("file");
+    v.map(&P::set, "set", "The case's own parameters by their paths.");
   }
 };
 
@@ -76,12 +76,14 @@ struct LibraryFileParams : VersionParams {
     using P = LibraryFileParams;
     v.template all_of<VersionParams>();
     v.text(&P::config, "config", "The configuration of every case that names none.").names("file");
-    v.map(&P::configs, "configs", "Instead of config several by name: each patient becomes a case of each.")
+    v.map(&P::configs, "configs",
+          "Several configurations by name, instead of config: each patient becomes one case of each.")
         .names("name");
-    v.map(&P::set, "set", "Parameters by their paths, of every case.");
-    v.list(&P::cases, "cases", "Cases by name.");
-    v.list(&P::series, "series", "Folders of which each is a case; in the last part * stands for any letters.");
-    v.group(&P::phantoms, "phantoms", "Synthetic patients that the library makes itself.");
+    v.map(&P::set, "set", "Parameters of every case, by their paths.");
+    v.list(&P::cases, "cases", "The cases by name.");
+    v.list(&P::series, "series",
+           "Folders, each of which is a case; in the last part of the path * stands for any letters.");
+    v.group(&P::phantoms, "phantoms", "Synthetic patients that the library makes.");
   }
 };
 

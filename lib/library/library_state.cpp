@@ -29,7 +29,7 @@ std::optional<Json> read_json(const fs::path& file) {
   }
 }
 
-// `read` may throw what it likes on a damaged file.
+// Returns nothing where `read` throws, whatever it throws on a damaged file.
 template <class T, class F>
 std::optional<T> read_record(const fs::path& file, F read) {
   const auto json = read_json(file);

@@ -10,15 +10,16 @@
 
 namespace trephine {
 
-/// What `library build` keeps beside the cases, in <library>/.library/: only tokens, hashes and figures, no path, name
-/// or identifier of a patient. All of it can be lost: then everything is looked at, and built where need be, again.
+/// What `library build` keeps beside the cases, in <library>/.library/: only tokens, hashes and figures, never a
+/// patient's path, name or identifier. All of it may be lost: then everything is examined again and built where
+/// necessary.
 ///   cases/CASE.inputs.json   what the case should be made of; rewritten only when that changes
 ///   cases/CASE.built.json    what it was made of when it was published last
 ///   cases/CASE.result.json   how its last build ended
 ///   settings/HASH.json       settings that these two name
 ///   phantoms/NAME.json       what a phantom was made of
 ///   series.json              content of series by signature of their files
-///   logs/CASE.log            all that the case's last build said
+///   logs/CASE.log            the whole output of the case's last build
 class LibraryState {
  public:
   explicit LibraryState(std::filesystem::path library) : library_(std::move(library)) {}
@@ -37,14 +38,14 @@ class LibraryState {
   std::filesystem::path case_file(const std::string& token, const char* what) const {
     return folder() / "cases" / (token + "." + what + ".json");
   }
-  /// Makes the folders (0700). Throws 73.
+  /// Makes the folders (mode 0700). Throws Error 73.
   void make_folders() const;
 
  private:
   std::filesystem::path library_;
 };
 
-/// What a case is, or should be, made of.
+/// What a case is made of, or should be made of.
 struct CaseInputs {
   std::string settings_sha256, series_sha256;
 };
@@ -52,8 +53,8 @@ struct CaseInputs {
 /// A case that was published by a library build.
 struct BuiltCase {
   CaseInputs inputs;
-  std::string case_sha256;                                   ///< of case.json
-  std::vector<std::pair<std::string, std::uint64_t>> files;  ///< that it names, and their sizes
+  std::string case_sha256;                                   ///< hash of case.json
+  std::vector<std::pair<std::string, std::uint64_t>> files;  ///< the files that case.json names, and their sizes
 };
 
 struct JobResult {
@@ -63,22 +64,22 @@ struct JobResult {
   double cpu_s = 0;  ///< of all its threads and processes
 };
 
-/// Nothing where the file is missing or damaged.
+/// Reads a record; nothing where the file is missing or damaged.
 std::optional<CaseInputs> read_inputs(const LibraryState& state, const std::string& token);
 std::optional<BuiltCase> read_built(const LibraryState& state, const std::string& token);
 std::optional<JobResult> read_result(const LibraryState& state, const std::string& token);
 std::optional<std::map<std::string, std::string>> read_settings(const LibraryState& state, const std::string& sha256);
 
-/// Throw 73 and 74. write_inputs leaves a file alone that says the same.
+/// These write a record. They throw Error 73 and 74. write_inputs leaves a file alone that holds the same already.
 void write_inputs(const LibraryState& state, const std::string& token, const CaseInputs& inputs);
 void write_built(const LibraryState& state, const std::string& token, const BuiltCase& built);
 void write_result(const LibraryState& state, const std::string& token, const JobResult& result);
 
-/// Reads case.json as it is now and says what the record of it is. Throws as parse_case_json does.
+/// Reads case.json as it is now and makes its record. Throws what parse_case_json throws.
 BuiltCase describe_built(const std::filesystem::path& case_folder, const std::string& settings_sha256);
 
-/// Why the case's folder is not what was built: case.json or a file that it names is missing or of another size. Empty:
-/// it is. Contents are not read (library verify does).
+/// Says why the case's folder is not what was built: case.json or a file that it names is missing or has another size.
+/// Empty where it is. Contents are not read (library verify reads them).
 std::string fault_of_built(const std::filesystem::path& case_folder, const BuiltCase& built);
 
 }  // namespace trephine

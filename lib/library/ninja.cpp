@@ -26,7 +26,7 @@ namespace {
 constexpr double smallest_class_mb = 256;
 constexpr std::uintmax_t smallest_disk_bytes = 1 << 20;
 
-// What the heaviest choice of jobs takes.
+// The memory that the heaviest possible choice of jobs takes.
 double worst_case_mb(const MemoryPools& pools) {
   double sum = 0;
   int left = pools.jobs;
@@ -38,7 +38,7 @@ double worst_case_mb(const MemoryPools& pools) {
   return sum;
 }
 
-// For a path in Ninja's file: in single quotes for the shell, $ doubled for Ninja.
+// A path for Ninja's file: in single quotes for the shell, with $ doubled for Ninja.
 std::string quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) {
@@ -52,7 +52,7 @@ std::string quoted(const std::string& text) {
   return out + "'";
 }
 
-// What the jobs read: memory that a path leads to as long as we live.
+// What the jobs read: memory behind a path that exists as long as this process.
 FileDescriptor memory_file(const std::string& bytes) {
   FileDescriptor fd(memfd_create("trephine-library-jobs", MFD_CLOEXEC));
   std::size_t done = 0;
@@ -75,10 +75,10 @@ class Events {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) throw Error(ExitCode::internal, "", "pipe", std::strerror(errno));
     read_ = FileDescriptor(ends[0]);
-    write_ = FileDescriptor(ends[1]);  // stays open: the pipe never ends
+    write_ = FileDescriptor(ends[1]);  // kept open, so that the pipe never ends
   }
   std::string path() const { return path_to(write_); }
-  // Waits at most so long for the first.
+  // Waits at most this long for the first event.
   std::vector<JobEvent> take(double seconds) {
     pollfd p{read_.get(), POLLIN, 0};
     poll(&p, 1, static_cast<int>(seconds * 1000));
@@ -98,14 +98,15 @@ class Events {
   std::string text_;
 };
 
-// However run_ninja is left (no memory, say), the jobs are asked to stop, so that they tidy up, and are waited for.
+// However run_ninja is left (for lack of memory, say), the jobs are asked to stop, so that they clean up, and are
+// waited for.
 struct Running {
   explicit Running(pid_t p) : pid(p) {}
   Running(const Running&) = delete;
   ~Running() {
     constexpr double patience_s = 10;
     if (pid == 0) return;
-    kill(pid, SIGINT);  // it hands it on to the jobs and waits for them
+    kill(pid, SIGINT);  // Ninja passes it on to the jobs and waits for them
     if (wait_for(pid, patience_s).ended) return;
     kill(pid, SIGKILL);
     wait_for(pid, 1e6);
@@ -130,7 +131,7 @@ MemoryPools make_pools(const std::vector<double>& memory_mb, double budget_mb, i
     while (limit < mb) limit *= 2;
     classes.insert(limit);
   }
-  // The class's bound is what its largest job takes, not the power of two above it.
+  // The bound of a class is the memory of its largest job, not the power of two above it.
   for (const double limit : classes) {
     double most = 0;
     for (const double mb : memory_mb)
@@ -138,7 +139,7 @@ MemoryPools make_pools(const std::vector<double>& memory_mb, double budget_mb, i
     pools.class_mb.push_back(most);
     pools.places.push_back(pools.jobs);
   }
-  // Places are taken from the heaviest class that has more than one, then from all.
+  // Places are taken from the heaviest class that has more than one, then from all classes.
   while (worst_case_mb(pools) > budget_mb) {
     const auto many = std::find_if(pools.places.rbegin(), pools.places.rend(), [](int n) { return n > 1; });
     if (many != pools.places.rend())
@@ -146,7 +147,7 @@ MemoryPools make_pools(const std::vector<double>& memory_mb, double budget_mb, i
     else if (pools.jobs > 1)
       --pools.jobs;
     else
-      break;  // one alone exceeds it: it is tried all the same
+      break;  // one job alone exceeds the budget: it is tried nevertheless
   }
   return pools;
 }
@@ -157,7 +158,7 @@ std::string ninja_file(const std::vector<NinjaJob>& jobs, const MemoryPools& poo
   text += "ninja_required_version = 1.8\nbuilddir = .\n\n";
   for (std::size_t k = 0; k < pools.places.size(); ++k)
     text += "pool memory" + std::to_string(k) + "\n  depth = " + std::to_string(pools.places[k]) + "\n";
-  // exec: the job is Ninja's own child and dies with it.
+  // With exec the job is Ninja's own child and dies with it.
   text += "\nrule job\n  command = exec " + quoted(program) + " library job $out\n  description = $out\n\n";
   for (const NinjaJob& j : jobs) {
     text += "build " + j.job.name + ": job";
@@ -215,10 +216,10 @@ void run_ninja(const std::vector<NinjaJob>& jobs, const MemoryPools& pools, cons
   }
   take(0);
   if (cancel_requested()) throw Cancelled{};
-  // Out of memory, or killed by somebody: the others were built all the same.
+  // These jobs ran out of memory or were killed from outside; the others were built nevertheless.
   for (const std::string& name : std::set<std::string>(open))
     hand_on({name, true, {static_cast<int>(ExitCode::internal), "ended without a word, see its log", 0, 0, 0}});
-  // A job that failed is told by its own reason; Ninja may have stopped for the same one, a full disk.
+  // The job that failed gives its own reason; Ninja may have stopped for the same one, such as a full disk.
   if (end.code == 0 || failed > 0) return;
   std::error_code error;
   if (fs::space(options.folder, error).available < smallest_disk_bytes && !error)

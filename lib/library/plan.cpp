@@ -22,14 +22,14 @@ namespace {
 
 constexpr int token_digits = 10;
 
-// Measured: memory 368 MB at 6.3 million voxels, 1.1 GB at 50 million; a case 2 MB at 16,000 voxels, 37 MB at 50
-// million; its stages in the cache, fields (by volume) and surfaces (by area), 80 MB at 6.3 million, 560 MB at 50
-// million.
+// Measured values. Memory: 368 MB at 6.3 million voxels, 1.1 GB at 50 million. A case: 2 MB at 16,000 voxels, 37 MB at
+// 50 million. Its stages in the cache, fields (growing with volume) and surfaces (growing with area): 80 MB at 6.3
+// million, 560 MB at 50 million.
 Estimate case_estimate(std::uint64_t voxels) {
   const double mega = static_cast<double>(voxels) / 1e6;
   return {250 + 20 * mega, 3 + 0.8 * mega, 6 * mega + 20 * std::cbrt(mega * mega)};
 }
-// Measured at 512 x 512 x 192: 0.5 GB. Lossless JPEG-LS of noisy slices takes about a byte a voxel.
+// Measured at 512 x 512 x 192: 0.5 GB. Lossless JPEG-LS of noisy slices takes about one byte for each voxel.
 Estimate phantom_estimate(const phantom::ScanParams& scan) {
   const double mega = 1e-6 * scan.columns_count * scan.rows_count * scan.slices_count;
   return {100 + 12 * mega, 5 + 2 * mega, 0};
@@ -46,7 +46,7 @@ std::string identity_of(const LibraryPhantom& p, const std::string& program_vers
   return sha.hex();
 }
 
-// Why it is made, or what it is.
+// Finds why the phantom must be made, or which series it is.
 void look_at_phantom(const LibraryState& state, PlannedPhantom& p) {
   try {
     const std::vector<char> bytes = read_file(state.phantom_record(p.name), 1 << 16);
@@ -101,7 +101,7 @@ class Planner {
   bool is_asked_for(const std::string& token) const {
     return options_.only.empty() || std::find(options_.only.begin(), options_.only.end(), token) != options_.only.end();
   }
-  // Of cases with a token of their own those that were asked for; found ones have none yet.
+  // Chooses the requested cases among those with a token of their own; found cases have none yet.
   void choose() {
     if (options_.only.empty()) return;
     for (const PlannedCase& c : plan_.cases) known_.push_back(c.token);
@@ -135,7 +135,7 @@ class Planner {
         c.settings = settings;
         c.inputs.settings_sha256 = settings->sha256;
       } catch (const Error& e) {
-        // What all cases have is told once and as it is, with every line.
+        // A fault that all cases share is reported once and unchanged, with every line.
         const bool own = !c.entry.landmarks.empty() || users[c.entry.config] < static_cast<int>(plan_.cases.size());
         if (!own || plan_.cases.size() == 1) throw;
         c.fault = e;
@@ -181,11 +181,11 @@ class Planner {
     if (options_.write) memory_.save(true);
   }
 
-  // Reads all of a phantom's series; false where it is not what was made.
+  // Reads a phantom's whole series; returns false where it is not the one that was made.
   bool look_again(PlannedPhantom& p, const fs::path& series) {
     try {
       if (!looked_.insert(p.name).second || hash_of_series_input(series, {}) == p.series_sha256) return true;
-    } catch (const Error&) {  // it is made anew, whatever it is
+    } catch (const Error&) {  // the phantom is made again, whatever is there
     }
     p.reasons = {"its files changed"};
     return false;
@@ -200,7 +200,7 @@ class Planner {
       if (options_.write) memory_.save(false);
     } catch (const Error& e) {
       if (e.code() == ExitCode::io || e.code() == ExitCode::cannot_create) throw;
-      // A folder's name may say who it is: the case's token stands for it.
+      // A folder's name may identify the patient, so the case's token stands for it.
       fault = Error(e.code(), "", e.field().empty() ? "its series" : e.field(), e.what());
     }
     for (PlannedCase* c : cases) {
@@ -212,7 +212,7 @@ class Planner {
     }
   }
 
-  // The same series in two folders is one patient; a found one that is listed too is the listed one.
+  // The same series in two folders is one patient. If a found series is also listed, the listed case counts.
   void drop_repeated() {
     std::set<std::string> tokens, listed;
     std::vector<PlannedCase> kept;
@@ -264,7 +264,7 @@ class Planner {
       if (!fault.empty()) c.reasons.push_back(fault);
     }
     if (c.reasons.empty()) return;
-    // What it took last time, with some room, where that is more than what is known of others.
+    // The memory of the last build with some room, where that is more than the estimate from other cases.
     if (const auto last = read_result(state_, c.token); last && last->code == 0)
       c.estimate.memory_mb = std::max(c.estimate.memory_mb, 1.1 * last->memory_mb);
   }

@@ -12,48 +12,49 @@
 
 namespace trephine {
 
-/// What one case or phantom needs; rough, from its voxels, or from its last build where that is known.
+/// What one case or phantom needs: a rough estimate from its voxels, or from its last build where that is known.
 struct Estimate {
   double memory_mb = 0, disk_mb = 0;
-  double cache_mb = 0;  ///< disk, too, but the cache has a limit
+  double cache_mb = 0;  ///< on disk as well, but the cache has a limit
 };
 
 struct PlannedPhantom {
-  std::string name, identity;        ///< identity: SHA-256 of all that it is made of
-  std::string series_sha256;         ///< of what was made; empty where it must be made
-  std::vector<std::string> reasons;  ///< why it is made; none: it is there
-  bool needed = false;               ///< a case that is built needs it
+  std::string name, identity;        ///< identity: SHA-256 of everything that it is made of
+  std::string series_sha256;         ///< of the series that was made; empty where it must be made
+  std::vector<std::string> reasons;  ///< why it must be made; empty: it exists
+  bool needed = false;               ///< a case that will be built needs it
   Estimate estimate;
 };
 
 struct PlannedCase {
   LibraryCase entry;
-  std::string token;  ///< where planning failed perhaps what entry.origin says
+  std::string token;  ///< where planning failed, entry.origin may have to stand for it
   std::shared_ptr<const CaseSettings> settings;
-  std::filesystem::path series;      ///< of the case; a phantom's too
-  CaseInputs inputs;                 ///< series empty while its phantom is not made
-  std::vector<std::string> reasons;  ///< why it is built; none: it is what it should be
-  std::optional<Error> fault;        ///< its series or configuration cannot be used: not built
+  std::filesystem::path series;      ///< of the case, also if it is a phantom's
+  CaseInputs inputs;                 ///< without a series hash as long as its phantom is not made
+  std::vector<std::string> reasons;  ///< why it must be built; empty: it is up to date
+  std::optional<Error> fault;        ///< its series or configuration cannot be used, so it is not built
   std::uint64_t voxels = 0;
   Estimate estimate;
 };
 
 struct LibraryPlan {
   std::vector<PlannedPhantom> phantoms;
-  std::vector<PlannedCase> cases;  ///< as in the configuration; of found series with equal content the first alone
-  int repeated = 0;                ///< found series that were left out for that
+  std::vector<PlannedCase> cases;  ///< as in the configuration; of found series with equal content only the first
+  int repeated = 0;                ///< how many found series were left out for that reason
 };
 
 struct PlanOptions {
   bool rehash = false, rebuild = false, pictures = true;
-  std::vector<std::string> only;  ///< tokens; none: all
+  std::vector<std::string> only;  ///< tokens of the wanted cases; empty: all
   std::string program_version;
-  bool write = true;  ///< inputs and settings are recorded; false: nothing on disk changes
+  bool write = true;  ///< record inputs and settings; false: nothing on disk changes
 };
 
-/// Finds what is stale, by content: reads configurations (each once, however many cases share it) and hashes series, or
-/// trusts their unchanged files. Faults of a configuration that several cases share are thrown (78, 66); what is wrong
-/// with one case is in its `fault`. Throws 64 where `only` names no case; 73, 74; Cancelled.
+/// Finds by content which cases are stale. It reads configurations (each once, however many cases share it) and hashes
+/// series, or trusts the record where their files are unchanged. Faults of a configuration that several cases share are
+/// thrown (78, 66); a fault of one case is kept in its `fault`. Throws Error 64 where `only` names no case; 73, 74;
+/// Cancelled.
 LibraryPlan make_plan(const LibraryConfig& config, const LibraryState& state, const PlanOptions& options,
                       const Progress& progress);
 

@@ -20,8 +20,8 @@ namespace trephine {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int deepest_level = 5;  // as the import searches
-// A file that changed so shortly before it was looked at may change again within the same tick of its clock.
+constexpr int deepest_level = 5;  // as deep as the import searches
+// A file that changed this shortly before it was examined may change again within the same tick of its clock.
 constexpr double racy_s = 0.1;
 constexpr const char* format_name = "trephine-library-series 1";
 
@@ -59,7 +59,7 @@ bool add_folder(int fd, int level, std::vector<Item>& items, double& latest_s) {
   return good;
 }
 
-// The size of the series that was chosen; 0 where it is not told.
+// The size of the chosen series in voxels; 0 where it is unknown.
 std::uint64_t voxels_of(const fs::path& series, const ImportParams& params, const Progress& progress) {
   std::uint64_t largest = 0;
   for (const SeriesSummary& s : list_series(series, params, progress).series) {
@@ -105,7 +105,7 @@ SeriesMemory::SeriesMemory(fs::path file) : file_(std::move(file)) {
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception&) {
-    entries_.clear();  // damaged: everything is read again
+    entries_.clear();  // the file is damaged: everything is read again
   }
 }
 

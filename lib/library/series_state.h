@@ -13,32 +13,33 @@ namespace trephine {
 
 /// What is known of a series' content.
 struct SeriesContent {
-  std::string sha256;        ///< hash_of_series_input; empty: not known
-  std::uint64_t voxels = 0;  ///< as stored
+  std::string sha256;        ///< from hash_of_series_input; empty: not known
+  std::uint64_t voxels = 0;  ///< count of stored voxels
 };
 
-/// Number, size, inode, mtime and ctime of all files of a folder (five levels deep) or of one file, as one hash: no
-/// name goes into it. `latest_change_s`: the newest ctime, seconds since the epoch. Empty where it cannot be read.
+/// One hash over number, size, inode, mtime and ctime of all files of a folder (five levels deep) or of one file; no
+/// name goes into it. `latest_change_s` is the newest ctime in seconds since the epoch. Empty where the files cannot be
+/// read.
 struct FileSignature {
   std::string sha256;
   double latest_change_s = 0;
 };
 FileSignature sign_files(const std::filesystem::path& folder_or_file);
 
-/// Remembers the content of series by the signature of their files, so that unchanged ones need not be read again
-/// (acceptance B8). Holds neither names nor paths. Safe from several threads.
+/// Remembers the content of series by the signature of their files, so that unchanged series need not be read again
+/// (acceptance case B8). Holds neither names nor paths. Safe from several threads.
 class SeriesMemory {
  public:
-  /// A damaged or missing file remembers nothing.
+  /// With a damaged or missing file nothing is remembered.
   explicit SeriesMemory(std::filesystem::path file);
 
-  /// The content of a series: remembered where the files' signature is known and `rehash` is not set, else read.
-  /// Throws as hash_of_series_input does.
+  /// The content of a series: remembered where the signature of the files is known and `rehash` is not set, else read.
+  /// Throws what hash_of_series_input throws.
   SeriesContent content_of(const std::filesystem::path& series, const ImportParams& params, bool rehash,
                            const Progress& progress);
-  /// Writes what is new, at most once a second unless `now`. Throws 73 and 74.
+  /// Writes what is new, at most once a second unless `now` is set. Throws Error 73 and 74.
   void save(bool now);
-  /// Forgets what content_of was not asked for since this object was made.
+  /// Forgets the series for which content_of was not called since this object was made.
   void forget_others();
 
  private:

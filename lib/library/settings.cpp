@@ -15,7 +15,8 @@ namespace {
 
 using Values = std::map<std::string, std::string>;
 
-constexpr const char* key_prefix = "key ";  // what stands for all of a node; never shown beside a parameter of it
+constexpr const char* key_prefix =
+    "key ";  // stands for all settings of a node; never shown beside a single parameter of it
 
 void add_graph(const Graph& graph, Values& out) {
   for (const Node& node : graph.nodes) {
@@ -44,7 +45,7 @@ CaseSettings read_case_settings(const LibraryCase& one, const std::vector<fs::pa
   out.series = config.series;
   out.import = config.import;
   add_graph(make_graph(config, ""), out.values);
-  // What a scene says besides the stages' parameters, and what publishes them: nothing of it may be forgotten.
+  // What a scene sets besides the stages' parameters, and what publishes the case: none of it may be forgotten.
   for (const ParameterLeaf& leaf : leaves_of(config.scene_file))
     if (leaf.path != "materials") out.values["scene." + leaf.path] = to_text(leaf.value());
   for (const SceneShape& shape : config.haptic.shapes)

@@ -10,14 +10,14 @@
 
 namespace trephine {
 
-/// All that a case's bytes depend on besides its series, as text by name: effective parameters of the stages that the
-/// scene demands ("skull.decimate.max_deviation_mm"), versions of these stages ("stage skull.decimate"), what the
-/// configuration's files say elsewhere ("scene.anatomies.skin.max_triangles"; comments and layout do not count),
-/// landmarks, the program.
+/// Everything except the series that a case's bytes depend on, as text by name: effective parameters of the stages that
+/// the scene needs ("skull.decimate.max_deviation_mm"), versions of these stages ("stage skull.decimate"), other
+/// content of the configuration's files ("scene.anatomies.skin.max_triangles"; comments and layout do not count),
+/// landmarks, and the program.
 struct CaseSettings {
   std::map<std::string, std::string> values;
-  std::string sha256;            ///< of them
-  std::filesystem::path series;  ///< that the configuration names; may be empty
+  std::string sha256;            ///< hash of the settings
+  std::filesystem::path series;  ///< the series that the configuration names; may be empty
   ImportParams import;
 };
 
@@ -25,11 +25,11 @@ struct CaseSettings {
 CaseSettings read_case_settings(const LibraryCase& one, const std::vector<std::filesystem::path>& roots, bool pictures,
                                 const std::string& program_version);
 
-/// The same as a JSON object, and back (throws Error 65).
+/// Writes the settings as a JSON object, and reads it back (throws Error 65).
 std::string settings_json(const CaseSettings& settings);
 std::map<std::string, std::string> parse_settings_json(std::string_view json);
 
-/// What differs, a line each: "skull.decimate.max_deviation_mm: 0.2, was 0.3".
+/// The differences, one on each line: "skull.decimate.max_deviation_mm: 0.2, was 0.3".
 std::vector<std::string> explain_difference(const std::map<std::string, std::string>& before,
                                             const std::map<std::string, std::string>& now);
 

@@ -14,10 +14,10 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char *picture_name = "contact_sheet.png", *page_name = "index.html";
-constexpr double most_pixels = 4e7;  // of the whole picture: with many cases they become smaller
+constexpr double most_pixels = 4e7;  // of the whole picture: with many cases the thumbnails become smaller
 constexpr int most_side_px = 240, least_side_px = 40, columns_count = 5, most_png_bytes = 1 << 26;
 
-// What sets a case apart, the first that there is, and a slice through it.
+// The first existing picture of what sets the case apart, and a slice through it.
 std::vector<std::string> pictures_of(const fs::path& library, const CaseRow& row) {
   std::vector<std::string> out;
   std::error_code ignored;
@@ -30,7 +30,7 @@ std::vector<std::string> pictures_of(const fs::path& library, const CaseRow& row
       }
     }
   };
-  // What it is classed by, else the anatomy that the recipe makes last: it lies within the others.
+  // The anatomy by which the case is classed, else the one that the recipe makes last, which lies within the others.
   std::vector<std::string> anatomies = {row.classed_by()};
   for (auto a = row.manifest.anatomies.rbegin(); a != row.manifest.anatomies.rend(); ++a) anatomies.push_back(a->name);
   add_first(anatomies);
@@ -38,7 +38,7 @@ std::vector<std::string> pictures_of(const fs::path& library, const CaseRow& row
   return out;
 }
 
-// Into a box, each pixel the mean of those that it covers.
+// Scales the image into a box. Each new pixel is the mean of the pixels that it covers.
 Image scaled(const Image& image, int width, int height) {
   Image out(width, height, {1, 1, 1});
   if (image.width < 1 || image.height < 1) return out;
@@ -84,13 +84,13 @@ std::vector<std::string> lines_of(const CaseRow& row) {
 Image cell_of(const fs::path& library, const CaseRow& row, int side) {
   const double capital_px = std::max(5.0, side * 0.042);
   const int line_px = static_cast<int>(std::lround(capital_px * 2)), lines = 4;
-  const int height = side * 2 / 3;  // of a case's pictures
+  const int height = side * 2 / 3;  // height of a case's pictures
   Image cell(2 * side + 2, height + lines * line_px + line_px / 2, {1, 1, 1});
   const std::vector<std::string> pictures = pictures_of(library, row);
   for (std::size_t i = 0; i < pictures.size(); ++i) try {
       const std::vector<char> png = read_file(library / pictures[i], most_png_bytes);
       paste(scaled(decode_png({png.data(), png.size()}), side, height), cell, static_cast<int>(i) * (side + 2), 0);
-    } catch (const Error&) {  // a picture that is gone or damaged is no reason to show none
+    } catch (const Error&) {  // a missing or damaged picture must not keep the others from being shown
     }
   const std::vector<std::string> text = lines_of(row);
   for (std::size_t i = 0; i < text.size(); ++i)

@@ -9,9 +9,9 @@
 
 namespace trephine {
 
-/// contact_sheet.png and index.html in the library's folder: a thumbnail of every case (two pictures of its report
-/// folder: what sets the case apart, and an axial slice) and its figures. The page is static and refers to the pictures
-/// where they lie; it holds nothing but tokens and figures. Throws 66, 73, 74.
+/// Writes contact_sheet.png and index.html into the library's folder: a thumbnail of every case (two pictures of its
+/// report folder, of what sets the case apart and of an axial slice) and its figures. The page is static and refers to
+/// the pictures where they lie. It holds only tokens and figures. Throws Error 66, 73 and 74.
 void make_sheet(const std::filesystem::path& library);
 bool has_sheet(const std::filesystem::path& library);
 

@@ -12,8 +12,8 @@
 namespace trephine::segmentation {
 namespace {
 
-constexpr double edge_sigma_mm = 1.0;    ///< of the gradients
-constexpr double tensor_sigma_mm = 2.0;  ///< and of the mean of their products
+constexpr double edge_sigma_mm = 1.0;    ///< sigma of the gradients
+constexpr double tensor_sigma_mm = 2.0;  ///< sigma of the mean of their products
 constexpr double block_mm = 2;           ///< the planes are found on this raster
 constexpr double across_mm = 0.35;
 constexpr int planes_count = 144;
@@ -21,7 +21,7 @@ constexpr double pi = 3.14159265358979323846;
 
 using Tensor = std::array<Grid<float>, 6>;  ///< xx, yy, zz, xy, xz, yz
 
-/// Directions spread evenly over half a sphere (a Fibonacci lattice).
+/// Directions spread evenly over a hemisphere (a Fibonacci lattice).
 std::vector<Vec3> directions() {
   std::vector<Vec3> d;
   for (int n = 0; n < planes_count; ++n) {
@@ -53,7 +53,7 @@ std::vector<Tap> disc(const Lattice& l, Vec3 normal, double sigma_mm) {
   return taps;
 }
 
-/// The products of gradients, summed over blocks, then averaged.
+/// The products of gradients, summed over blocks and then averaged.
 Tensor structure_of(const Grid<float>& smooth, const BitMask& known, const CoarseRaster& r, const Progress& progress) {
   Tensor t;
   for (auto& g : t) g = Grid<float>(r.cells);
@@ -89,7 +89,7 @@ Tensor structure_of(const Grid<float>& smooth, const BitMask& known, const Coars
   return t;
 }
 
-/// For each block the plane most nearly square to the tensor's principal direction.
+/// For each block, the plane that is most nearly perpendicular to the tensor's principal direction.
 Grid<std::uint8_t> planes_of(const Tensor& t, const std::vector<Vec3>& normals, const Progress& progress) {
   Grid<std::uint8_t> plane(t[0]);
   parallel_for(0, plane.size[2], 2, [&](std::int64_t from, std::int64_t to) {

@@ -6,11 +6,11 @@
 
 namespace trephine::segmentation {
 
-/// Averages each known voxel with known ones beside it in the plane that edges and sheets about it lie in: a Gaussian
-/// of `sigma_mm` along the plane, hardly any across. A cleft of fluid 2 mm wide keeps its depth while noise falls as if
-/// over 4 pi sigma^2. The plane is square to the principal direction of the structure tensor (Weickert, Anisotropic
-/// Diffusion in Image Processing, 1998), of gradients at `edge_sigma_mm`, over `tensor_sigma_mm`; where nothing has a
-/// direction it is any plane. Voxels not known keep their value.
+/// Averages each known voxel with the known voxels beside it in the plane of the edges and sheets around it: a Gaussian
+/// of `sigma_mm` along the plane and hardly any smoothing across. A cleft of fluid 2 mm wide keeps its depth, while
+/// noise falls as if it were averaged over 4 pi sigma^2. The plane is perpendicular to the principal direction of the
+/// structure tensor [Weickert1998], which is made of gradients at `edge_sigma_mm` and averaged over `tensor_sigma_mm`;
+/// where there is no direction, any plane is taken. Voxels that are not known keep their value.
 Grid<float> averaged_along_sheets(const Grid<float>& hu, const BitMask& known, double sigma_mm,
                                   const Progress& progress = {});
 

@@ -92,7 +92,7 @@ void BitMask::trim() {
 
 namespace {
 
-/// A bit for every byte that is not 0, eight at a time.
+/// One bit for every byte, set where the byte is not 0, eight at a time.
 void pack(const std::vector<std::uint8_t>& flags, Word* row) {
   constexpr Word low = 0x0101010101010101, gather = 0x0102040810204080;
   for (std::size_t i = 0; i < flags.size(); i += 8) {
@@ -105,7 +105,7 @@ void pack(const std::vector<std::uint8_t>& flags, Word* row) {
   }
 }
 
-/// Bits [from, from + count) of a row, to where `to` begins in another whose bits there are 0.
+/// Copies the bits [from, from + count) of one row to position `to` of another, whose bits there are 0.
 void copy_bits(const Word* in, int from, Word* out, int to, int count) {
   while (count > 0) {
     const int shift = from & 63, room = 64 - (to & 63), n = std::min(room, count);
@@ -132,7 +132,7 @@ void for_each_row(const Lattice& lattice, const std::function<void(int j, int k)
 BitMask make_mask(const Lattice& lattice, const std::function<void(int, int, std::uint8_t*)>& test) {
   BitMask mask(lattice);
   parallel_for(0, lattice.size[2], 4, [&](std::int64_t from, std::int64_t to) {
-    std::vector<std::uint8_t> flags(std::size_t(mask.words()) * 64);  // those beyond the row's end stay 0
+    std::vector<std::uint8_t> flags(std::size_t(mask.words()) * 64);  // bits beyond the row's end stay 0
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < lattice.size[1]; ++j) {
         std::fill(flags.begin(), flags.end(), 0);
@@ -174,7 +174,7 @@ BitMask placed(const BitMask& mask, const Lattice& lattice) {
 
 namespace {
 
-/// out |= in shifted by n bits towards higher x (n > 0) or lower x (n < 0), |n| < 64.
+/// out |= in, shifted by n bits towards higher x (n > 0) or lower x (n < 0), |n| < 64.
 void or_shifted(const Word* in, Word* out, int words, int n) {
   if (n > 0) {
     for (int w = words - 1; w >= 0; --w) out[w] |= in[w] << n | (w ? in[w - 1] >> (64 - n) : 0);
@@ -183,7 +183,7 @@ void or_shifted(const Word* in, Word* out, int words, int n) {
   }
 }
 
-/// row |= itself shifted by every distance up to `half` to both sides.
+/// row |= row, shifted by every distance up to `half` to both sides.
 void dilate_row(Word* row, Word* scratch, int words, int half) {
   for (int reached = 0; reached < half;) {
     const int step = std::min({reached + 1, half - reached, 63});
@@ -198,7 +198,7 @@ struct Chord {
   int dj, dk, half;
 };
 
-// What a row of voxels costs: 113 voxels of radius, minutes for a head.
+// Limits the time for rows of voxels: a radius of 113 voxels takes minutes for a head.
 constexpr long long most_rows = 40000;
 
 /// The rows of a ball of that radius, by half-width, widest first.
@@ -233,7 +233,7 @@ BitMask dilated(const BitMask& mask, double radius_mm, const Progress& progress)
     std::vector<Word> acc(words), scratch(words);
     for (int k = int(from); k < to; ++k)
       for (int j = 0; j < lattice.size[1]; ++j) {
-        // Rows of equal width are united before they are widened.
+        // Rows of equal width are joined before they are widened.
         Word* result = out.row(j, k);
         for (std::size_t c = 0; c < chords.size();) {
           const int half = chords[c].half;

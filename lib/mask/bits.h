@@ -9,8 +9,8 @@
 
 namespace trephine::segmentation {
 
-/// A binary mask, one bit a voxel, rows (x) in whole 64-bit words: 6 MB for 50 million voxels, and morphology with a
-/// true ball in mm costs a few word operations a row. Bits beyond a row's end stay 0.
+/// A binary mask with one bit for each voxel. Rows (along x) take whole 64-bit words: 6 MB for 50 million voxels, and
+/// morphology with a true ball in mm needs only a few word operations for each row. Bits beyond a row's end stay 0.
 class BitMask {
  public:
   BitMask() = default;
@@ -21,7 +21,7 @@ class BitMask {
   std::uint64_t* row(int j, int k) { return bits_.data() + (std::size_t(k) * lattice_.size[1] + j) * words_; }
   const std::uint64_t* row(int j, int k) const { return const_cast<BitMask*>(this)->row(j, k); }
   bool get(int i, int j, int k) const { return row(j, k)[i >> 6] >> (i & 63) & 1; }
-  /// False beyond the lattice.
+  /// Whether the voxel is set; false beyond the lattice.
   bool at(int i, int j, int k) const { return lattice_.contains(i, j, k) && get(i, j, k); }
   void set(int i, int j, int k) { row(j, k)[i >> 6] |= std::uint64_t{1} << (i & 63); }
   void clear(int i, int j, int k) { row(j, k)[i >> 6] &= ~(std::uint64_t{1} << (i & 63)); }
@@ -30,7 +30,7 @@ class BitMask {
   bool any() const;
   /// The smallest box around the set voxels; empty where there are none.
   Box bounds() const;
-  /// The mean of the set voxels' centres, LPS; of the lattice's first voxel where there are none.
+  /// The mean of the set voxels' centres, LPS; the centre of the lattice's first voxel where there are none.
   Vec3 centre_mm() const;
 
   BitMask& operator&=(const BitMask& o);
@@ -45,25 +45,26 @@ class BitMask {
   std::vector<std::uint64_t> bits_;
 };
 
-/// test(j, k, row of flags) fills one byte a voxel; called in parallel, each row once.
+/// Calls test(j, k, row of flags), which fills one byte for each voxel. It is called in parallel, once for each row.
 BitMask make_mask(const Lattice& lattice, const std::function<void(int j, int k, std::uint8_t* row)>& test);
-/// The voxels where the field is above 0, laid onto `lattice` (the same raster, else Error 65).
+/// The voxels where the field is above 0, placed on `lattice` (of the same raster, else Error 65).
 BitMask positive(const Field& field, const Lattice& lattice);
 /// The part of the mask in `box`; the lattice is cropped(mask.lattice(), box).
 BitMask crop(const BitMask& mask, const Box& box);
 
-/// The mask moved to another lattice of the same raster; what lies beyond it is lost.
+/// The mask on another lattice of the same raster; voxels beyond that lattice are lost.
 BitMask placed(const BitMask& mask, const Lattice& lattice);
 
-/// All voxels whose centre is within radius_mm of a set one's (a ball in mm, whatever the spacing). A mask that is cut
-/// by the lattice's edge is treated as if the outside were background when dilated and foreground when eroded: edges
-/// neither grow nor wear off. Throws Error 65 where the ball has more than 40,000 rows of voxels (a radius of 113).
+/// All voxels whose centre is within radius_mm of the centre of a set voxel (a ball in mm, whatever the spacing).
+/// Beyond the lattice's edge everything counts as background when a mask is dilated and as foreground when it is
+/// eroded, so a mask neither grows nor shrinks there. Throws Error 65 where the ball has more than 40,000 rows of
+/// voxels (a radius of 113).
 BitMask dilated(const BitMask& mask, double radius_mm, const Progress& progress = {});
 BitMask eroded(const BitMask& mask, double radius_mm, const Progress& progress = {});
 BitMask closed(const BitMask& mask, double radius_mm, const Progress& progress = {});
-/// One step to the 6 neighbours.
+/// One step of dilation to the 6 face neighbours.
 BitMask dilated_6(const BitMask& mask);
-/// `mask` grown inside `domain` along paths of face neighbours, to at most radius_mm from where it started.
+/// `mask` grown inside `domain` along paths of face neighbours, up to radius_mm from its start.
 BitMask grown_within(const BitMask& mask, const BitMask& domain, double radius_mm, const Progress& progress = {});
 
 struct Component {
@@ -72,7 +73,8 @@ struct Component {
   int faces = 0;  ///< how many of the lattice's six faces it touches
 };
 
-/// Connected components by runs: face neighbours, or all 26. Numbered in the order of their first voxel.
+/// Connected components, found by runs: by face neighbours, or by all 26. They are numbered in the order of their first
+/// voxel.
 struct Components {
   struct Run {
     std::int32_t begin, end, component;
@@ -83,13 +85,13 @@ struct Components {
   std::vector<Component> list;
 };
 Components components(const BitMask& mask, bool diagonal = false);
-/// The union of those for which keep[component] is not 0.
+/// The union of the components for which keep[component] is not 0.
 BitMask select(const Components& components, const std::vector<char>& keep);
-/// The union of those of at least `ml`.
+/// The union of the components of at least `ml`.
 BitMask at_least_ml(const Components& components, double ml);
-/// The one with most voxels (the first of equals); empty where there is none.
+/// The component with most voxels (the first of equals); empty where there is none.
 BitMask largest(const Components& components);
-/// keep[c] = 1 where component c has a voxel in `other` (the same lattice).
+/// keep[c] is 1 where component c has a voxel in `other` (on the same lattice).
 std::vector<char> touching(const Components& components, const BitMask& other);
 
 }  // namespace trephine::segmentation

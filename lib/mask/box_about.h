@@ -7,8 +7,8 @@
 
 namespace trephine::segmentation {
 
-/// Calls f(i, j, k, distance from the centre in mm) for the lattice's voxels within `reach_mm` of it along each axis,
-/// until it says true.
+/// Calls f(i, j, k, distance from the centre in mm) for the lattice's voxels within `reach_mm` of the centre along each
+/// axis, until f returns true.
 template <class F>
 void for_box_about(const Lattice& l, Vec3 centre_mm, double reach_mm, F&& f) {
   const Vec3 c = l.to_index(centre_mm);

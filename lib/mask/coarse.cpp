@@ -9,7 +9,7 @@
 namespace trephine::segmentation {
 namespace {
 
-/// Between which two cells each voxel's centre lies along one axis, and how far.
+/// The two cells between which each voxel's centre lies along one axis, and its position between them.
 struct Between {
   std::vector<int> low, high;
   std::vector<float> part;
@@ -36,7 +36,7 @@ CoarseRaster coarse_raster(const Lattice& fine, double cell_mm, bool at_most) {
   Vec3 middle;
   for (int a = 0; a < 3; ++a) {
     const double voxels = cell_mm / fine.spacing_mm[a];
-    // Spacings that were rounded to float lie within 1e-7.
+    // Spacings that were rounded to float differ by at most 1e-7.
     const double whole = at_most ? std::floor(voxels + 1e-6) : std::round(voxels);
     r.factor[a] = int(std::clamp(whole, 1.0, std::max(1.0, double(fine.size[a]))));
     r.cells.size[a] = (fine.size[a] + r.factor[a] - 1) / r.factor[a];

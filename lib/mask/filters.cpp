@@ -94,7 +94,7 @@ std::vector<float> kernel_of(double sigma_voxels) {
   std::vector<double> k(2 * reach + 1);
   double sum = 0;
   for (int i = -reach; i <= reach; ++i) {
-    // The Gaussian's integral over the voxel: right also where sigma is below a voxel.
+    // The Gaussian's integral over the voxel, which is correct also where sigma is smaller than a voxel.
     const double s = sigma_voxels * std::sqrt(2.0);
     k[i + reach] = std::erf((i + 0.5) / s) - std::erf((i - 0.5) / s);
     sum += k[i + reach];
@@ -211,7 +211,7 @@ Mask flood(const Grid<float>& height, const BitMask& domain, const Mask& seeds, 
   const std::size_t sy = nx, sz = std::size_t(nx) * ny;
   for (std::size_t level = queue.size(); level-- > 0;) {
     progress.check();
-    // The queue of this level grows while it is worked off: first in, first out.
+    // The queue of this level grows while it is processed: first in, first out.
     for (std::size_t q = 0; q < queue[level].size(); ++q) {
       const std::size_t v = queue[level][q];
       const int i = int(v % sy), j = int(v / sy % ny), k = int(v / sz);

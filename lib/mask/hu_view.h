@@ -7,7 +7,7 @@
 
 namespace trephine::segmentation {
 
-/// The volume's samples as float, whichever type they are stored in.
+/// The volume's samples as float, whatever type they are stored in.
 class HuView {
  public:
   explicit HuView(const HuVolume& v)
@@ -26,25 +26,25 @@ class HuView {
 /// The box as float HU.
 Grid<float> crop(const HuView& hu, const Box& box);
 
-/// The box of voxels whose centres lie within the region of interest, given by its corners in LPS mm: exact for
-/// volumes along the axes, the enclosing box for oblique ones. Throws Error 80 where there are none, 64 where the lower
-/// corner lies beyond the upper one.
+/// The box of voxels whose centres lie within the region of interest, which is given by its corners in LPS mm. The box
+/// is exact for volumes along the axes and encloses the region for oblique ones. Throws Error 80 where there are none,
+/// 64 where the lower corner lies beyond the upper one.
 Box region_of_interest(const Lattice& lattice, const std::array<double, 3>& roi_min_mm,
                        const std::array<double, 3>& roi_max_mm);
 
 struct FillRule {
   double close_mm = 0;
   double max_ml = 1000;
-  bool cut_open = false;  ///< a cavity that only one face of the lattice cuts open is enclosed
+  bool cut_open = false;  ///< a cavity that only one face of the lattice cuts open counts as enclosed
 };
-/// What is not in `shape` and cannot be reached from outside: the outside are the components of the closed shape's
-/// complement that touch the lattice's edge or exceed max_ml, grown back by close_mm along free ways.
+/// The voxels that are not in `shape` and cannot be reached from outside. The outside consists of the components of the
+/// closed shape's complement that touch the lattice's edge or exceed max_ml, grown back by close_mm along free paths.
 BitMask holes(const BitMask& shape, const FillRule& rule, const Progress& progress = {});
 
-/// Throws Error 80 where the mask is empty, all of the volume, or flat; adds "voxels_count" and "volume_ml".
+/// Throws Error 80 where the mask is empty, fills the volume, or is flat; adds "voxels_count" and "volume_ml".
 void check_mask(const BitMask& mask, std::size_t volume_voxels, Report& report);
 
-/// Throws Error 80 where all voxels are alike: a volume that shows nothing of what other fields say is in it.
+/// Throws Error 80 where all voxels are alike, so that the volume cannot show what other fields say is in it.
 void check_varies(const HuVolume& volume);
 
 /// Throws Error 65 where a voxel is NaN or infinite.

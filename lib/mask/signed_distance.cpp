@@ -11,7 +11,7 @@ namespace {
 struct Sweeper {
   const Lattice& l;
   std::vector<Vec3> points;           ///< on the surface, mm from voxel (0, 0, 0) along the axes
-  std::vector<std::int32_t> closest;  ///< of each voxel, -1 unknown
+  std::vector<std::int32_t> closest;  ///< index for each voxel, -1 unknown
   Grid<float> distance;
 
   double to_point(int i, int j, int k, std::int32_t p) const {
@@ -58,8 +58,9 @@ Grid<float> signed_distance_mm(const Field& field, const Progress& progress) {
   const Lattice& l = field;
   const Vec3 s = l.spacing_mm;
   Sweeper w{l, {}, std::vector<std::int32_t>(l.count(), -1), Grid<float>(l, 1e6f)};
-  // Surface points: where the field crosses 0 along the edges of each cell of the lattice, the middle of these, and the
-  // middles between the two. None lies off the surface by more than its sag within a cell.
+  // Surface points in each cell of the lattice: where the field crosses 0 along the cell's edges, the mean of these
+  // points, and the midpoints between the mean and each of them. None is further from the surface than the surface
+  // bends within a cell.
   const auto add = [&](Vec3 p) {
     w.points.push_back({p.x * s.x, p.y * s.y, p.z * s.z});
     const std::int32_t id = std::int32_t(w.points.size() - 1);

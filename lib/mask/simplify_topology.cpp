@@ -18,12 +18,12 @@ using segmentation::BitMask;
 using segmentation::Components;
 using Word = std::uint64_t;
 
-/// Bit 9 (dk + 1) + 3 (dj + 1) + (di + 1) of a neighbourhood.
+/// The bit of a neighbour in a neighbourhood: 9 (dk + 1) + 3 (dj + 1) + (di + 1).
 constexpr int bit_of(int di, int dj, int dk) { return 9 * (dk + 1) + 3 * (dj + 1) + di + 1; }
 constexpr int middle = bit_of(0, 0, 0);
 
 struct Tables {
-  std::uint32_t faces = 0, within_edges = 0;        ///< the 6, and the 18 neighbours
+  std::uint32_t faces = 0, within_edges = 0;        ///< the 6 and the 18 neighbours
   std::array<std::uint32_t, 27> by_face{}, near{};  ///< neighbours of each place within the 27
   std::array<std::uint32_t, 12> squares{};          ///< the three others of the squares at the middle
   std::array<std::uint32_t, 8> cubes{};             ///< the seven others
@@ -71,7 +71,7 @@ std::uint32_t three_bits(const BitMask& m, int i, int j, int k) {
   return bits;
 }
 
-/// The voxel's 27, outside of the lattice 0.
+/// The voxel's 27 neighbours and itself; outside of the lattice they are 0.
 std::uint32_t neighbourhood(const BitMask& m, int i, int j, int k) {
   std::uint32_t bits = 0;
   for (int dk = -1; dk <= 1; ++dk)
@@ -79,7 +79,7 @@ std::uint32_t neighbourhood(const BitMask& m, int i, int j, int k) {
   return bits;
 }
 
-/// All that is joined to `seed` within `of`.
+/// Everything that is connected to `seed` within `of`.
 std::uint32_t flooded(std::uint32_t seed, std::uint32_t of, const std::array<std::uint32_t, 27>& joined) {
   std::uint32_t reached = seed, fresh = seed;
   while (fresh) {
@@ -91,7 +91,7 @@ std::uint32_t flooded(std::uint32_t seed, std::uint32_t of, const std::array<std
   return reached;
 }
 
-/// Whether the middle can go, or come, without a change of topology.
+/// Whether the middle voxel can be removed, or added, without a change of topology (a simple point).
 bool is_simple(std::uint32_t n) {
   const Tables& t = tables();
   const std::uint32_t in = n & t.within_edges, out = ~n & ((1u << 27) - 1) & ~(1u << middle);
@@ -101,7 +101,7 @@ bool is_simple(std::uint32_t n) {
   return !(out & ~flooded(out & -out, out, t.near));
 }
 
-/// What the solid's Euler characteristic gains when the middle comes.
+/// How much the solid's Euler characteristic grows when the middle voxel is added.
 int gain(std::uint32_t n) {
   const Tables& t = tables();
   int chi = 1 - __builtin_popcount(n & t.faces);
@@ -125,7 +125,7 @@ void for_voxels(const BitMask& m, F&& f) {
     }
 }
 
-/// Of the solid: voxels less pairs, squares more, cubes less.
+/// The Euler characteristic of the solid: voxels less pairs, plus squares, less cubes.
 long euler_characteristic(const BitMask& m) {
   const Lattice& l = m.lattice();
   std::vector<long> of_slice(l.size[2], 0);
@@ -153,7 +153,7 @@ long euler_characteristic(const BitMask& m) {
   return chi;
 }
 
-/// Peels voxels of `added` off `shape`, layer by layer, where that leaves its topology.
+/// Peels voxels of `added` off `shape`, layer by layer, where this keeps the topology.
 class Peeler {
  public:
   Peeler(BitMask& shape, BitMask& added) : shape_(shape), added_(added), queued_(shape.lattice()) {}
@@ -165,7 +165,7 @@ class Peeler {
     drain(progress);
   }
 
-  /// Removes the voxels that would rather not be there: they make a handle, join two pieces, or hang on nothing.
+  /// Removes the voxels that are not wanted: those that make a handle, join two pieces, or are connected to nothing.
   void cut_bridges(const Progress& progress) {
     std::vector<Voxel> all;
     for_voxels(added_, [&](int i, int j, int k) { all.push_back({i, j, k}); });
@@ -216,7 +216,7 @@ BitMask complement(const BitMask& m) {
   return out;
 }
 
-/// The components of the complement that do not reach the lattice's faces.
+/// The components of the complement that do not touch the lattice's faces.
 struct Cavities {
   Components all;
   std::vector<char> enclosed;
@@ -251,7 +251,7 @@ BitMask membranes(const BitMask& shape, double width_mm, const Progress& progres
   return added;
 }
 
-/// Takes back those membranes that border on a new cavity of more voxels than allowed.
+/// Takes back the membranes that border on a new cavity with more voxels than allowed.
 void open_large_cavities(const BitMask& shape, const Cavities& before, double max_voxels, BitMask& added) {
   BitMask sum = shape;
   sum |= added;
@@ -268,7 +268,7 @@ void open_large_cavities(const BitMask& shape, const Cavities& before, double ma
   added.remove(select(parts, touching(parts, beside)));
 }
 
-/// Distance from the voxel's centre to the nearest one of the shape, within reach.
+/// Distance from the voxel's centre to the nearest voxel of the shape, within reach.
 double distance_mm(const BitMask& shape, int i, int j, int k, double reach_mm) {
   const Lattice& l = shape.lattice();
   const Vec3 s = l.spacing_mm;
@@ -323,7 +323,7 @@ Field simplify_topology(const Field& field, const SimplifyParams& params, Report
 
   double moved = 0;
   for_voxels(added, [&](int i, int j, int k) {
-    // As strong as what it parts: so the membrane is about a voxel thick.
+    // The value has the size of its neighbours' values, so the membrane is about one voxel thick.
     float beside = 0;
     for (int axis = 0; axis < 3; ++axis)
       for (const int side : {-1, 1}) {

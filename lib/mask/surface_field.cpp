@@ -33,7 +33,8 @@ std::vector<Tap> cut_kernel(const Lattice& l, double sigma_mm) {
   return taps;
 }
 
-/// The mask smoothed at one voxel, as a signed share: -1 to 1, never nearer to 0 than 0.02 nor on the wrong side.
+/// The mask smoothed at one voxel, as a signed share from -1 to 1. It is never nearer to 0 than 0.02 and never on the
+/// wrong side.
 float smoothed(const BitMask& shape, const std::vector<Tap>& kernel, int i, int j, int k, bool inside) {
   const Lattice& l = shape.lattice();
   float sum = 0;
@@ -56,7 +57,7 @@ std::size_t place_surface(Field& edge, const BitMask& shape, double cut_sigma_mm
   const BitMask material = make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) row[i] = edge.at(i, j, k) > 0;
   });
-  // Those beside a voxel of the other kind.
+  // The voxels beside a voxel of the other kind.
   BitMask outside = shape, rim = dilated_6(shape);
   outside.invert();
   BitMask inner = dilated_6(outside);
@@ -77,7 +78,7 @@ std::size_t place_surface(Field& edge, const BitMask& shape, double cut_sigma_mm
             if (!std::isfinite(f)) f = inside ? least : -least;
             continue;
           }
-          // What the six neighbours are: where the crossing on each lattice edge lies is between this voxel and them.
+          // What the six neighbours are, for the crossing on each lattice edge lies between this voxel and one of them.
           bool other_material = false, shape_material = false;
           const bool is_material = material.get(i, j, k);
           for (int axis = 0; axis < 3; ++axis)
@@ -107,7 +108,7 @@ std::size_t place_surface(Field& edge, const BitMask& shape, double cut_sigma_mm
 
 namespace {
 
-/// Values of the field along a ray, trilinear, clamped to the lattice.
+/// Values of the field along a ray: trilinear, clamped to the lattice.
 float sample(const Field& f, double x, double y, double z) {
   x = std::clamp(x, 0.0, f.size[0] - 1.0);
   y = std::clamp(y, 0.0, f.size[1] - 1.0);
@@ -125,7 +126,7 @@ float sample(const Field& f, double x, double y, double z) {
 }
 
 Vec3 gradient(const Field& f, int i, int j, int k) {
-  // Central differences, smoothed over the 3 x 3 neighbours across: 12 HU of noise turn no bone edge by more than a
+  // Central differences, smoothed over the 3 x 3 neighbours across: 12 HU of noise turn a bone edge by at most one
   // degree.
   Vec3 g;
   const auto at = [&](int x, int y, int z) {
@@ -141,14 +142,14 @@ Vec3 gradient(const Field& f, int i, int j, int k) {
   return {g.x / f.spacing_mm.x, g.y / f.spacing_mm.y, g.z / f.spacing_mm.z};
 }
 
-constexpr float sharp_mm = 0.9f;  ///< slices that blur a table of bone hardly
-// A table of the skull as the model has it: its thickness, what spongy bone under it reaches of its HU, and the blur of
-// a usual kernel.
+constexpr float sharp_mm = 0.9f;  ///< slices this thin hardly blur a table of bone
+// A table of the skull in the model: its thickness, the HU of the spongy bone under it as a share of its own, and the
+// blur of a usual kernel.
 constexpr double table_mm = 1.8, spongy_ratio = 0.4, kernel_sigma_mm = 0.4;
 struct Profile {
   float high, low;
-  bool leaves;        ///< the way downhill leaves the mask
-  float blur_mm = 0;  ///< what the slices' thickness blurs along the way
+  bool leaves;        ///< the path downhill leaves the mask
+  float blur_mm = 0;  ///< blur by the slices' thickness along the path
 };
 
 Profile profile(const Field& hu, const BitMask& shape, int i, int j, int k, float ceiling, double reach_mm,
@@ -158,9 +159,10 @@ Profile profile(const Field& hu, const BitMask& shape, int i, int j, int k, floa
                   uphill.z * step_mm / hu.spacing_mm.z};
   const float here = std::min(hu.at(i, j, k), ceiling);
   Profile p{here, here, !shape.get(i, j, k), 0};
-  // A turn of a tenth of the contrast so far, and more than noise, ends the profile: another structure begins.
+  // A reversal by more than a tenth of the contrast so far, and by more than noise, ends the profile: there another
+  // structure begins.
   const auto turned = [&](float back) { return back > 40 && back > 0.1f * (p.high - p.low); };
-  // Slices blur by their thickness, too: across them a profile takes longer to end.
+  // Slices also blur by their thickness, so a profile across them takes longer to end.
   p.blur_mm = float(std::abs(uphill.z) * hu.spacing_mm.z);
   const int steps = int(std::sqrt(reach_mm * reach_mm + double(p.blur_mm) * p.blur_mm) / step_mm);
   for (int s = 1; s <= steps; ++s) {
@@ -179,7 +181,7 @@ Profile profile(const Field& hu, const BitMask& shape, int i, int j, int k, floa
   return p;
 }
 
-/// What bone's tables reach where the slices' thickness does not blur them.
+/// The HU that tables of bone reach where the slices' thickness does not blur them.
 float compact_bone(const std::vector<Profile>& profiles) {
   std::vector<float> high;
   for (std::size_t n = 0; n < profiles.size(); n += 7)
@@ -190,8 +192,8 @@ float compact_bone(const std::vector<Profile>& profiles) {
   return *at;
 }
 
-/// What part of an edge lies before x, in slices of `thick_mm` along the way and interpolated linearly between them (a
-/// quadratic B-spline on average), and blurred by the kernel.
+/// The share of an edge that lies before x, blurred by slices of `thick_mm` along the path, by linear interpolation
+/// between them (a quadratic B-spline on average), and by the kernel.
 double passed(double x, double thick_mm) {
   constexpr int half = 12;
   double sum = 0, weights = 0;
@@ -208,9 +210,9 @@ double passed(double x, double thick_mm) {
 constexpr int gain_steps = 32;
 constexpr double gain_step_mm = 0.2;
 
-/// A table thinner than the blur never reaches its own HU, and half of what it does reach lies outside of it. How many
-/// times half of what is reached the value at its edge is, by what slices blur along the way (steps of gain_step_mm):
-/// of a table, and about the same of plates and thicker tables.
+/// A table thinner than the blur never reaches its own HU, and the level at half of what it reaches lies outside of it.
+/// The gain is the value at the table's edge divided by that half, for each blur along the path (in steps of
+/// gain_step_mm). It is computed for a table and is about the same for plates and thicker tables.
 std::array<float, gain_steps> edge_gains() {
   std::array<float, gain_steps> gains;
   for (int n = 0; n < gain_steps; ++n) {
@@ -226,7 +228,7 @@ std::array<float, gain_steps> edge_gains() {
   return gains;
 }
 
-/// What half is taken of at the bone's edge. Thick bone does reach its HU, hence no more than `compact`.
+/// The HU of which half is taken at the bone's edge. Thick bone does reach its HU, so the result is at most `compact`.
 float unblurred(const Profile& p, float compact, const std::array<float, gain_steps>& gains, float water) {
   const float at = std::min(p.blur_mm / float(gain_step_mm), float(gain_steps - 1));
   const int n = std::min(int(at), gain_steps - 2);
@@ -241,13 +243,13 @@ void apply_half_maximum(Field& hu, BitMask& shape, double lower_hu, double reach
   const Lattice& l = hu;
   BitMask outside = shape;
   outside.invert();
-  // Every voxel that may lose its bone, the next slice's too however thick it is.
+  // Every voxel that may lose its bone, also those of the next slice however thick it is.
   BitMask shell = dilated(outside, std::hypot(reach_mm, hu.spacing_mm.z), progress);
   shell &= shape;
   BitMask rim = dilated_6(shape);
   rim.remove(shape);
   shell |= rim;
-  // The new values go into a copy of the shell alone: rays read the old ones.
+  // The new values go into a copy that covers the shell alone, because rays must read the old ones.
   std::vector<std::size_t> first(std::size_t(l.size[2]) + 1);
   parallel_for(0, l.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < to; ++k)

@@ -9,17 +9,17 @@
 
 namespace trephine {
 
-/// A closed, 2-manifold mesh that shrinks by edge collapses, any of which can be undone later, whatever came after it.
-/// Points are kept in float32: they must lie on its raster (snap_to_float32), then nothing is rounded.
+/// A closed 2-manifold mesh that shrinks by edge collapses. Any collapse can be undone later, whatever came after it.
+/// Points are kept in float32: they must lie on its raster (snap_to_float32), so that nothing is rounded.
 ///
 /// Half-edge 3 t + c runs from corner c of triangle t to the next one. A collapse of half-edge h (u to v) removes v and
-/// the two triangles at the edge; u stays, at a new place. What is dead keeps its labels and links, so that undoing
-/// needs little more than h and u's old place. Each live triangle knows the collapse that last changed it: a collapse
-/// can be undone once every triangle around its point is as it left it, so undoing one first undoes those that came
-/// later there.
+/// the two triangles at the edge; u stays, at a new place. Dead elements keep their labels and links, so that undoing
+/// needs little more than h and u's old place. Each live triangle knows the collapse that last changed it. A collapse
+/// can be undone once every triangle around its point is as the collapse left it, so undoing it first undoes the later
+/// collapses there.
 ///
-/// Collapses may run at the same time, each thread with a log of its own, where no point's triangles are shared: a
-/// collapse writes the triangles around its two ends and the links of those beside them across their shared edges.
+/// Collapses may run at the same time, each thread with its own log, where they share no point's triangles: a collapse
+/// writes the triangles around its two ends and the links of the triangles beside them across their shared edges.
 class CollapseMesh {
  public:
   static constexpr std::uint32_t none = 0xffffffffu;
@@ -32,15 +32,15 @@ class CollapseMesh {
     std::array<float, 3> old_place_mm;
     std::uint32_t journal;  ///< into the log's journal: what last changed the triangles around u before; none: undone
   };
-  /// Some collapses, one after another; their ids begin at first_id.
+  /// A sequence of collapses; their ids begin at first_id.
   struct Log {
     std::uint32_t first_id = 0;
     std::vector<Record> records;
     std::vector<std::uint32_t> journal;
   };
-  /// A log for at most that many collapses.
+  /// Opens a log for at most that many collapses.
   Log open_log(std::size_t capacity);
-  /// Ends the log; in the order in which they were opened.
+  /// Closes the log. Logs must be closed in the order in which they were opened.
   void keep(Log&& log);
 
   std::size_t live_triangles() const { return live_triangles_; }
@@ -63,7 +63,7 @@ class CollapseMesh {
   std::uint32_t from(std::uint32_t h) const { return triangles_[h / 3][h % 3]; }
   std::uint32_t to(std::uint32_t h) const { return from(next(h)); }
 
-  /// Calls visit(h) for the half-edges that leave the live point v, in a fixed turn.
+  /// Calls visit(h) for the half-edges that leave the live point v, in a fixed order.
   template <class Visit>
   void for_each_leaving(std::uint32_t v, Visit&& visit) const {
     const std::uint32_t start = out_[v];
@@ -74,23 +74,24 @@ class CollapseMesh {
     } while (h != start);
   }
 
-  /// The collapse leaves the surface a closed 2-manifold (link condition).
+  /// Whether the collapse leaves the surface a closed 2-manifold (link condition).
   bool keeps_manifold(std::uint32_t h) const;
-  /// live_triangles() counts it once the log is kept.
+  /// Collapses h. live_triangles() counts it once the log is kept.
   void collapse(std::uint32_t h, Vec3 place_mm, Log& log);
 
   /// The collapse that last changed the triangle, or none.
   std::uint32_t last_change(std::uint32_t t) const { return changed_by_[t]; }
-  /// The collapse that took the dead point.
+  /// The collapse that removed the dead point.
   std::uint32_t killer(std::uint32_t v) const { return killed_by_[v]; }
-  /// Undoes the collapse, and first those that depend on it; calls undone(u, v) after each, and before(u, v) before.
+  /// Undoes the collapse after the collapses that depend on it. Calls before(u, v) before each and undone(u, v) after
+  /// each.
   using Visit = std::function<void(std::uint32_t u, std::uint32_t v)>;
   void undo(std::uint32_t collapse, const Visit& before, const Visit& undone);
 
-  /// For each point itself where it is alive, else a live point that it was collapsed into.
+  /// For each point itself if it is alive, else the live point into which it was collapsed.
   std::vector<std::uint32_t> survivors() const;
 
-  /// What is alive, as a mesh; triangle_of gives for each of its triangles the one here.
+  /// The live part as a mesh; triangle_of gives for each of its triangles the number here.
   TriMesh to_mesh(Vec3 origin_mm, std::vector<std::uint32_t>* triangle_of = nullptr) const;
 
  private:

@@ -18,24 +18,26 @@ struct ContourParams {
     v.number(&P::isovalue_hu, "isovalue_hu", Range{-32768, 65535},
              "HU at which the surface lies; only for CT volumes, a field's surface lies at 0.");
     v.number(&P::min_component_mm3, "min_component_mm3", Range{0, 1e9},
-             "Separate pieces below this volume are left out; the largest always stays.");
-    v.flag(&P::keep_cavities, "keep_cavities", "Keep the inner surfaces of enclosed cavities, and what lies in them.");
+             "Separate pieces below this volume are left out; the largest piece always stays.");
+    v.flag(&P::keep_cavities, "keep_cavities",
+           "Keep the inner surfaces of enclosed cavities, and everything within them.");
   }
 };
 
-/// The surface of a field (at 0, positive inside) or of a CT volume (at isovalue_hu, denser inside): closed,
-/// 2-manifold, oriented outwards whatever the lattice's handedness, free of self-intersections and degenerate
-/// triangles, all of that also in float32 (validity.h). Beyond the lattice is outside: what its border cuts is capped
-/// half a voxel outside the last voxel's centre. The mesh's origin is the centre of its bounds, rounded to whole mm.
+/// The surface of a field (at 0, positive inside) or of a CT volume (at isovalue_hu, denser inside). It is closed,
+/// 2-manifold, oriented outwards whatever the lattice's handedness, and free of self-intersections and degenerate
+/// triangles, all of that also in float32 (validity.h). Everything beyond the lattice is outside: an anatomy that the
+/// border cuts is capped half a voxel outside the last voxel's centre. The mesh's origin is the centre of its bounds,
+/// rounded to whole mm.
 ///
-/// Marching cubes (Lorensen, Cline 1987) in which faces of ambiguous cells are joined as the bilinear interpolant says
-/// (Nielson, Hamann 1991) and no diagonal lies in a cell's face. Points keep 0.002 of a lattice edge away from its
-/// ends, more (up to 0.05) in the few places where float32 needs it: that is how far the surface may lie from the
-/// interpolated one, and why samples equal to the isovalue do no harm. In integer volumes an integer isovalue is
-/// lowered by 1/2, so that a voxel of exactly that value is inside; the report's isovalue_hu is the effective one.
+/// The method is marching cubes [Lorensen1987]. The faces of ambiguous cells are joined as the bilinear interpolant
+/// says [Nielson1991], and no diagonal lies in a cell's face. Points keep a distance of 0.002 of a lattice edge from
+/// its ends, and more (up to 0.05) in the few places where float32 needs it: the surface may lie that far from the
+/// interpolated one, and samples equal to the isovalue do no harm. In integer volumes an integer isovalue is lowered by
+/// 1/2, so that a voxel of exactly that value is inside; the report's isovalue_hu is the effective one.
 ///
-/// Throws Error 80 naming the count of inside voxels where it is none, all, or lies in a single slice; 65 where a
-/// sample is not finite; 80 where no valid surface can be had.
+/// Throws Error 80, naming the count of inside voxels, where no voxel, every voxel or only voxels of a single slice are
+/// inside; 65 where a sample is not finite; 80 where no valid surface can be made.
 TriMesh contour(const Field& field, const ContourParams& params, Report& report, const Progress& progress = {});
 TriMesh contour(const HuVolume& volume, const ContourParams& params, Report& report, const Progress& progress = {});
 

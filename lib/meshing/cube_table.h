@@ -6,8 +6,8 @@
 
 namespace trephine::cubes {
 
-// A cell's corner c lies at (c & 1, c >> 1 & 1, c >> 2 & 1). Its edges: 0-3 along x at (y, z) = (0,0), (1,0), (0,1),
-// (1,1); 4-7 along y at (x, z) likewise; 8-11 along z at (x, y) likewise.
+// Corner c of a cell lies at (c & 1, c >> 1 & 1, c >> 2 & 1). Its edges: 0-3 along x at (y, z) = (0,0), (1,0), (0,1),
+// (1,1); 4-7 along y at (x, z) in the same order; 8-11 along z at (x, y) in the same order.
 constexpr int edge_count = 12;
 
 /// Corner at the edge's lower end, and its axis.
@@ -23,8 +23,8 @@ constexpr std::array<std::array<int, 4>, 6> face_corners{
 
 /// How the 256 configurations (bit c: corner c is inside) are cut. On an ambiguous face (two inside corners across a
 /// diagonal) the inside corners are joined, so that a wall of a voxel's width has no holes. The surface in a cell is
-/// one disc per loop; no diagonal of a disc lies in a face of the cell, so cells share exactly the segments in their
-/// faces, and the whole is closed and 2-manifold.
+/// one disc for each loop. No diagonal of a disc lies in a face of the cell, so cells share exactly the segments in
+/// their faces, and the whole surface is closed and 2-manifold.
 struct Table {
   std::array<std::uint16_t, 257> first{};  ///< signs -> begin and end in `edges`
   std::vector<std::uint8_t> edges;         ///< triples of edges: triangles that look from inside to outside

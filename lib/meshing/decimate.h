@@ -19,29 +19,29 @@ struct DecimateParams {
     v.integer(&P::target_triangles_count, "target_triangles_count", Range{0, 1e9},
               "Stop at this many triangles; 0: no such limit.");
     v.number(&P::keep_ratio, "keep_ratio", Range{0, 1},
-             "Stop at this share of the triangles; 0: no such limit. The larger of the two counts holds.");
+             "Stop at this share of the triangles; 0: no such limit. Of the two counts the larger one applies.");
     v.number(&P::max_deviation_mm, "max_deviation_mm", Range{0, 1e6},
-             "Largest distance between the surface and the input, either way; 0: no such limit.");
+             "Largest distance between the surface and the input, in either direction; 0: no such limit.");
   }
 };
 
-/// Fewer triangles for the same shape: edge collapses in the order of their quadric error (Garland, Heckbert 1997),
-/// until the count is reached or no collapse is left that keeps the deviation and the surface valid; the report's
+/// Reduces the triangles of a surface by edge collapses in the order of their quadric error [Garland1997], until the
+/// count is reached or every further collapse would exceed the deviation or make the surface invalid; the report's
 /// stopped_by says "count", "deviation" or "validity". With no limit given, or where the input has no more triangles
-/// than asked for, the mesh comes back as it was.
+/// than requested, the mesh is returned unchanged.
 ///
 /// The result is closed, 2-manifold and free of self-intersections, also in float32 (validity.h): where collapses led
-/// to an intersection, they are undone and counted. The deviation is two-sided: every input point's distance to the
-/// surface is carried through the collapses, and at the end both directions are measured by samples (deviation_max_mm,
-/// deviation_p99_mm, deviation_rms_mm, each the larger of the two directions): the input's points and the middles of
-/// its edges and triangles, and a raster over the result's triangles.
+/// to an intersection, they are undone and counted. The deviation is two-sided. Every input point's distance to the
+/// surface is tracked through the collapses, and at the end both directions are measured by samples (deviation_max_mm,
+/// deviation_p99_mm, deviation_rms_mm, each the larger of the two directions): the input's points, the midpoints of its
+/// edges and the centres of its triangles, and a raster over the result's triangles.
 ///
-/// max_deviation_mm holds for every point of both surfaces, not for samples alone: between samples it is proven from
-/// the distances around (prove_within.h), in finer steps where they lie near the bound, and what cannot be proven is
-/// undone. Exact but for the input's rounding to float32 (half a unit in the last place of its coordinates about its
-/// origin, 4e-6 mm for a head). deviation_max_mm is the largest of the samples, kept within 0.9 of the bound, so that
-/// few proofs fail; a point between samples can lie further, up to the bound, which the report repeats as
-/// deviation_proven_mm.
+/// max_deviation_mm holds for every point of both surfaces, not for samples alone. Between samples it is proven from
+/// the distances around (prove_within.h), in finer steps where they lie near the bound, and where the proof fails the
+/// collapses are undone. The bound is exact except for the input's rounding to float32 (half a unit in the last place
+/// of its coordinates about its origin, 4e-6 mm for a head). deviation_max_mm is the largest of the samples, which is
+/// kept within 0.9 of the bound, so that few proofs fail. A point between samples can lie further, up to the bound,
+/// which the report repeats as deviation_proven_mm.
 ///
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed, 2-manifold
 /// and free of self-intersections, or no limit can be kept.

@@ -13,31 +13,32 @@
 namespace trephine {
 
 /// Edge collapses in the order of their quadric error. Every collapse keeps the surface a closed 2-manifold, turns no
-/// triangle over, makes none thinner than it must, and takes no carried point, nor a few
-/// samples of the triangles around it, further than the limit. Points lie on the
-/// raster of step_mm. The same result whatever the thread count.
+/// triangle over, makes no triangle thinner than necessary, and moves neither a carried point nor a few samples of the
+/// triangles around it beyond the limit. Points lie on the raster of step_mm. The result is the same whatever the
+/// thread count.
 ///
-/// Far from the target the exact order matters little. There the mesh is thinned in rounds, each up to a cost that a
-/// share of the edges stays below: space is cut into cells, other ones each time, and each cell works off its edges in
-/// order, beside the other cells; an edge near a cell's wall waits for another round. What the rounds leave is done in
-/// one go. While the quadrics say that the surface lies far within the limit, and the count is far from the target,
-/// the input's points are not carried; they are taken up after that.
+/// Far from the target the exact order matters little. There the mesh is thinned in rounds, each up to a cost below
+/// which a share of the edges lies. Space is divided into cells, differently in each round, and every cell processes
+/// its edges in order, in parallel with the other cells; an edge near a cell's wall waits for another round. The edges
+/// that the rounds leave are processed in one sequence. While the quadrics say that the surface lies far within the
+/// limit, and the count is far from the target, the input's points are not carried; they are taken up after that.
 class EdgeCollapse {
  public:
-  /// `input` must outlive this. limit_mm 0: no limit.
+  /// `input` must outlive this object. limit_mm 0: no limit.
   EdgeCollapse(const TriMesh& input, double limit_mm, double step_mm);
 
-  /// Collapses until at most target triangles are left, or no collapse is possible. Returns whether the limit was what
-  /// kept an edge from collapsing. Afterwards the points are carried.
+  /// Collapses until at most `target` triangles are left, or no collapse is possible. Returns whether the limit kept an
+  /// edge from collapsing. Afterwards the points are carried.
   bool run(std::size_t target, const Progress& progress);
 
-  /// Undoes what last changed these triangles, or the nearest around them that were changed, with what depends on it,
-  /// and locks the points there. Returns how many collapses went; 0 only where there is none on these components.
+  /// Undoes the last change of these triangles, or of the nearest ones around them that were changed, with everything
+  /// that depends on it, and locks the points there. Returns how many collapses were undone; 0 only where these
+  /// components have none.
   std::size_t undo(const std::vector<std::uint32_t>& triangles);
 
   const CollapseMesh& mesh() const { return mesh_; }
   CarriedPoints& carried() { return carried_; }
-  /// After the first run.
+  /// To be called after the first run.
   const NearInput& input() const { return *input_; }
 
  private:
@@ -52,14 +53,14 @@ class EdgeCollapse {
     }
   };
   enum class Outcome { done, shape, limit };
-  /// A triangle around a moving point, which leaves the point by half_edge to b and has c as the third corner.
+  /// A triangle around a moving point: half_edge leads from the point to b, and c is the third corner.
   struct Wing {
     std::uint32_t half_edge, b, c;
   };
-  /// What one thread needs to work off edges.
+  /// The working memory of one thread.
   struct Worker {
-    std::vector<Candidate> sorted;  ///< what there was to begin with, the first in order last
-    std::vector<Candidate> heap;    ///< what came up since
+    std::vector<Candidate> sorted;  ///< the initial candidates, the first in order last
+    std::vector<Candidate> heap;    ///< candidates that were added since
     std::vector<Wing> wings_u, wings_v;
     std::vector<std::uint32_t> staying;  ///< the triangles that stay, with their corners after the collapse
     std::vector<std::array<Vec3, 3>> corners;
@@ -96,8 +97,8 @@ class EdgeCollapse {
   std::optional<NearInput> input_;       ///< once points are carried
   std::vector<StoredQuadric> quadrics_;  ///< about the points themselves
   std::vector<std::uint32_t> versions_;
-  /// Per half-edge that is the lower of its two: the edge's cost as last computed; negative where its points have
-  /// changed since; no number: not known.
+  /// For each half-edge that is the lower of its two, the last computed cost of the edge; negative where its points
+  /// have changed since; NaN: not known.
   std::vector<float> costs_;
   std::vector<char> flags_;     ///< per point
   std::vector<char> rejected_;  ///< per triangle a bit for each half-edge that did not collapse as things were

@@ -5,9 +5,9 @@
 
 namespace trephine {
 
-/// Removes the components that look inwards (the surfaces of enclosed cavities) and every component that lies within
-/// one of them. The mesh must be closed and 2-manifold (one fan a point), without self-intersections but for rounding.
-/// Returns how many went, and how many pieces are left.
+/// Removes the components that are oriented inwards (the surfaces of enclosed cavities) and every component that lies
+/// within one of them. The mesh must be closed and 2-manifold (one fan at each point), and free of self-intersections
+/// except for rounding. Returns how many were removed, and how many pieces are left.
 int drop_cavities(TriMesh& mesh, int& pieces_left, const Progress& progress);
 
 }  // namespace trephine

@@ -9,30 +9,30 @@
 
 namespace trephine {
 
-/// Where a surface has its faults: of each kind the first `limit`, in the mesh's own order (edges and points by their
-/// lowest point, triangles by their index, pairs by the lower triangle). World, LPS, mm.
+/// Where the faults of a surface are: for each kind the first `limit`, in the mesh's own order (edges and points by
+/// their lowest point, triangles by their index, pairs by the lower triangle). World, LPS, mm.
 struct FaultPlaces {
   static constexpr std::size_t limit = 20;
-  std::vector<Vec3> open_edges;           ///< their middles
-  std::vector<Vec3> nonmanifold_edges;    ///< middles
+  std::vector<Vec3> open_edges;           ///< their midpoints
+  std::vector<Vec3> nonmanifold_edges;    ///< their midpoints
   std::vector<Vec3> nonmanifold_points;   ///< where the surface meets itself
-  std::vector<Vec3> misoriented_edges;    ///< middles
-  std::vector<Vec3> duplicate_triangles;  ///< centroids of the second and any further one
+  std::vector<Vec3> misoriented_edges;    ///< their midpoints
+  std::vector<Vec3> duplicate_triangles;  ///< centroids of the second and any further triangle
   std::vector<Vec3> degenerate;           ///< centroids
   std::vector<Vec3> slivers;              ///< centroids
   std::vector<Vec3> self_intersections;   ///< a point that both triangles hold, to the last digits
 };
 
 /// Appends the faults that follow from the triangles alone: open, non-manifold and misoriented edges, points,
-/// duplicates. A walk over the whole mesh, for meshes that are known to have some.
+/// duplicates. It walks over the whole mesh and is meant for meshes that are known to have faults.
 void locate_topology_faults(const TriMesh& mesh, const Incidence& incidence, FaultPlaces& places);
 
-/// Six times the signed volume of each piece (label_components), about a point of its own. Where its sign changes, the
-/// piece was turned inside out, which no other check finds: none of its triangles need meet.
+/// Six times the signed volume of each piece (label_components), about a point of the piece. A change of its sign means
+/// that the piece was turned inside out, which no other check finds, because its triangles need not meet.
 std::vector<double> piece_volumes(const TriMesh& mesh, const std::vector<int>& piece_of, int pieces);
 
-/// A point where two triangles that intersect (self_intersections) do so, beyond the point or edge that they share: the
-/// middle of what they have in common where they cross, one of its corners where they overlap in a plane.
+/// A point where two intersecting triangles (self_intersections) meet, beyond the point or edge that they share: the
+/// midpoint of their common part where they cross, one of its corners where they overlap in a plane.
 Vec3 place_of_intersection_mm(const TriMesh& mesh, std::uint32_t s, std::uint32_t t);
 
 }  // namespace trephine

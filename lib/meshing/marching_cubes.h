@@ -17,9 +17,10 @@ template <class T>
 InsideVoxels find_inside(const Grid<T>& grid, double isovalue);
 
 /// Marching cubes over the voxels of `inside` and one layer around them, in continuous indices of the grid (points_mm
-/// holds them, origin 0); right-handed, so outwards-looking there. Samples above the isovalue are inside. A point lies
-/// between the two samples of its lattice edge, at least `margin` (of the edge) from either; half-way where one of the
-/// two lies outside the grid. The same bytes whatever the thread count.
+/// holds them, with origin 0). That frame is right-handed, and the triangles face outwards in it. Samples above the
+/// isovalue are inside. A point lies between the two samples of its lattice edge, at least `margin` (of the edge) from
+/// either, and halfway where one of the two lies outside the grid. The result has the same bytes whatever the thread
+/// count.
 template <class T>
 TriMesh marching_cubes(const Grid<T>& grid, double isovalue, const InsideVoxels& inside, double margin,
                        const Progress& progress);

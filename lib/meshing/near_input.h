@@ -8,16 +8,16 @@
 
 namespace trephine {
 
-/// Distances to a mesh from places that lie near one of its points: no search from the top of a tree, and little
-/// memory. Refers to the mesh.
+/// Distances to a mesh from places that lie near one of its points, without a search from the top of a tree and with
+/// little memory. Refers to the mesh.
 class NearInput {
  public:
   explicit NearInput(const TriMesh& mesh) : mesh_(mesh), incidence_(mesh) {}
 
-  /// Looks at the triangles around the point `near`, and where the nearest place lies on their rim goes on to the
-  /// triangles around the rim's point, as long as that leads nearer and the bound is above `enough`: an upper bound of
-  /// the squared distance to the surface. `near` becomes the point where it ended, `triangle` the one that the bound is
-  /// to.
+  /// An upper bound of the squared distance to the surface. It examines the triangles around the point `near`; where
+  /// the nearest place lies on their rim, it continues with the triangles around the rim's point, as long as that gets
+  /// nearer and the bound is above `enough`. `near` becomes the point where it ended, and `triangle` the one to which
+  /// the bound is the distance.
   double squared_bound(Vec3 place, std::uint32_t& near, double enough, std::uint32_t* triangle = nullptr) const {
     const Vec3 start = place - mesh_.points_mm[near];
     double best = dot(start, start);

@@ -15,14 +15,14 @@ struct NormalsParams {
   static void describe(V& v) {
     using P = NormalsParams;
     v.choice(&P::weight, "weight", {{"area", NormalWeight::area}, {"angle", NormalWeight::angle}},
-             "What a triangle counts for at its point: its area, or its angle there.");
+             "Weight of a triangle at its point: its area, or its angle there.");
   }
 };
 
-/// One unit normal a point, the weighted mean of its triangles' normals, looking to where these do: outwards of a
-/// closed surface. Points and triangles stay as they are (no vertex is split at an edge), so a closed mesh stays
-/// closed, and an open one open: nothing here needs more. Where the mean vanishes, the normal of the largest triangle
-/// there stands in and is counted; a point without triangles gets (0, 0, 1). Throws as check_mesh does.
+/// Gives each point one unit normal, the weighted mean of its triangles' normals, which faces the way that these do
+/// (outwards for a closed surface). Points and triangles stay as they are (no vertex is split at an edge), so a closed
+/// mesh stays closed; an open mesh is accepted too. Where the mean vanishes, the normal of the largest triangle there
+/// is used and counted; a point without triangles gets (0, 0, 1). Throws as check_mesh does.
 void compute_normals(TriMesh& mesh, const NormalsParams& params, Report& report, const Progress& progress = {});
 
 }  // namespace trephine

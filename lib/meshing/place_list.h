@@ -10,12 +10,12 @@
 
 namespace trephine {
 
-/// Some places on float32's raster, coordinate by coordinate, for quick searches among them.
+/// A list of places on float32's raster, stored coordinate by coordinate for quick searches.
 class PlaceList {
  public:
   void clear() { size_ = 0; }
   void add(Vec3 p) {
-    if (size_ % block == 0) {  // a whole number of blocks; what lies beyond the size is far away
+    if (size_ % block == 0) {  // a whole number of blocks; places beyond the size are far away
       if (size_ == x_.size())
         for (auto* v : {&x_, &y_, &z_}) v->resize(size_ + block);
       std::fill_n(x_.begin() + static_cast<std::ptrdiff_t>(size_), block, far);
@@ -28,8 +28,8 @@ class PlaceList {
   std::size_t size() const { return size_; }
   Vec3 at(std::size_t n) const { return {x_[n], y_[n], z_[n]}; }
 
-  /// The number of the place nearest to p, to float32's precision; or of any place certainly nearer than the root of
-  /// `enough`, the first block of places that has one. The list must not be empty.
+  /// The number of the place nearest to p, to float32's precision, or of any place that is certainly nearer than the
+  /// root of `enough` (from the first block of places that has one). The list must not be empty.
   std::size_t nearest(Vec3 p, double enough, bool& certainly) const {
     const float px = static_cast<float>(p.x), py = static_cast<float>(p.y), pz = static_cast<float>(p.z);
     const float sure = static_cast<float>(enough * 0.99);

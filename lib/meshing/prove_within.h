@@ -14,17 +14,17 @@ namespace trephine {
 /// A place on one surface and where the other lies.
 struct NearbyPlace {
   Vec3 at;
-  double distance = 0;         ///< to the other surface: an upper bound
-  std::uint32_t near = 0;      ///< where the search starts, as its owner likes
-  std::uint32_t triangle = 0;  ///< of the other surface, near
+  double distance = 0;         ///< upper bound of the distance to the other surface
+  std::uint32_t near = 0;      ///< where the search starts; its meaning is the caller's
+  std::uint32_t triangle = 0;  ///< a triangle of the other surface, nearby
 };
 
-/// Whether no point of a triangle lies further than the limit from the surface `to`: proven, not sampled. Distance
-/// grows by no more than one goes, and no point of a triangle is further from all its corners than the longest side by
-/// the root of 3; and the distance to one triangle is convex, so largest at a corner. Where neither is enough, the
-/// triangle is cut in four. A new corner's distance is that to its neighbours' triangles where that leaves much of the
-/// limit; else look(place) may find a nearer triangle. False also where it would take too many pieces. `stack` is room
-/// to work.
+/// Proves, without sampling, that no point of a triangle lies further than the limit from the surface `to`. Two
+/// arguments are used. The distance to a surface is 1-Lipschitz, and no point of a triangle is further from all its
+/// corners than the longest side divided by the root of 3. The distance to one triangle is convex, and so largest at a
+/// corner. Where neither is enough, the triangle is cut in four. The distance of a new corner is that to its
+/// neighbours' triangles where that leaves much of the limit; otherwise look(place) may find a nearer triangle. Returns
+/// false where the proof fails or would take too many pieces. `stack` is working memory.
 template <class Look>
 bool proven_within(const std::array<NearbyPlace, 3>& corners, double limit, const TriMesh& to, const Look& look,
                    std::vector<std::array<NearbyPlace, 3>>& stack) {

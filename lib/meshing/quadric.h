@@ -7,14 +7,14 @@
 
 namespace trephine {
 
-/// Sum of weighted squared distances to planes and points (Garland, Heckbert 1997): x^T A x + 2 b^T x + c, with x from
-/// a centre that the user keeps in mind; near the surface float32 holds the coefficients.
+/// Sum of weighted squared distances to planes and points [Garland1997]: x^T A x + 2 b^T x + c. x is measured from a
+/// centre that the caller keeps; near the surface float32 is precise enough for the coefficients.
 struct Quadric {
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   Vec3 b;
   double c = 0;
 
-  /// A plane through the centre.
+  /// Adds a plane through the centre.
   void add_plane(Vec3 unit_normal, double weight) {
     const Vec3 n = unit_normal * weight;
     xx += n.x * unit_normal.x;
@@ -24,7 +24,7 @@ struct Quadric {
     yz += n.y * unit_normal.z;
     zz += n.z * unit_normal.z;
   }
-  /// The centre itself.
+  /// Adds the centre itself.
   void add_point(double weight) {
     xx += weight;
     yy += weight;
@@ -50,9 +50,9 @@ struct Quadric {
     c += dot(d, ad + b * 2);
     b += ad;
   }
-  /// The sum of the weights (the planes' once, the points' three times).
+  /// The sum of the weights (planes count once, points three times).
   double weight() const { return xx + yy + zz; }
-  /// Where the sum is least; false where that is ill-conditioned.
+  /// The point where the sum is least; returns false where it is ill-conditioned.
   bool minimum(Vec3& p) const {
     const double c00 = yy * zz - yz * yz, c01 = xz * yz - xy * zz, c02 = xy * yz - xz * yy;
     const double determinant = xx * c00 + xy * c01 + xz * c02;
@@ -65,7 +65,7 @@ struct Quadric {
   }
 };
 
-/// In float32, half the size.
+/// A quadric in float32, half the size.
 struct StoredQuadric {
   std::array<float, 10> v{};
   StoredQuadric() = default;

@@ -18,25 +18,29 @@ struct RemeshParams {
   template <class V>
   static void describe(V& v) {
     using P = RemeshParams;
-    v.number(&P::edge_mm, "edge_mm", Range{0, 1000}, "Edge length aimed at; 0: the input's mean.");
-    v.integer(&P::iterations_count, "iterations_count", Range{1, 50}, "How often edges are split, joined and turned.");
+    v.number(&P::edge_mm, "edge_mm", Range{0, 1000}, "Target edge length; 0: the input's mean.");
+    v.integer(&P::iterations_count, "iterations_count", Range{1, 50},
+              "How often edges are split, collapsed and flipped.");
     v.number(&P::feature_angle_deg, "feature_angle_deg", Range{1, 180},
-             "Edges at which the surface turns by more stay; 180: none.");
-    v.number(&P::max_deviation_mm, "max_deviation_mm", Range{1e-6, 1e6},
-             "Largest distance between the surface and the input, either way; the edge is shortened to keep it.");
-    v.number(&P::time_limit_s, "time_limit_s", Range{0.1, 3600}, "Wall clock; beyond it remeshing is refused.");
+             "Edges at which the surface turns by more than this are kept; 180: none.");
+    v.number(
+        &P::max_deviation_mm, "max_deviation_mm", Range{1e-6, 1e6},
+        "Largest distance between the surface and the input, in either direction; the edge is shortened to keep it.");
+    v.number(&P::time_limit_s, "time_limit_s", Range{0.1, 3600},
+             "Limit on the wall clock time; remeshing that takes longer is refused.");
   }
 };
 
-/// The same surface of even triangles, near equilateral and with edges of about edge_mm (Botsch, Kobbelt 2004; CGAL's
-/// isotropic remeshing in the bounded child), every point projected onto the input. For consumers that want it, as
-/// finite elements do; decimation gives a smaller deviation at the same count.
+/// Gives the same surface even triangles, near equilateral and with edges of about edge_mm ([Botsch2004]; CGAL's
+/// isotropic remeshing in the bounded child), with every point projected onto the input. It is for consumers that need
+/// even triangles, such as finite elements; decimation gives a smaller deviation at the same count.
 ///
-/// The result is closed, 2-manifold and free of self-intersections, also in float32 (validity.h); where it is not, or
-/// lies further than max_deviation_mm from the input or the input from it (points and triangles' middles of both), the
-/// edge is shortened to 0.7 of itself and all is done again, four times at most; the report's tries_count says how
-/// often. Reported too: edge_mm as it ended, triangles_count, deviation_max_mm, edge_{min,mean,max}_mm, angle_min_deg
-/// (the mean of the triangles' least angles: 60 is best), volume_change_percent. The same bytes whatever the threads.
+/// The result is closed, 2-manifold and free of self-intersections, also in float32 (validity.h). Where it is not, or
+/// where it lies further than max_deviation_mm from the input or the input from it (measured at the points and triangle
+/// centres of both), the edge length is multiplied by 0.7 and all is done again, four times at most; the report's
+/// tries_count says how often. The report also has the final edge_mm, triangles_count, deviation_max_mm,
+/// edge_{min,mean,max}_mm, angle_min_deg (the mean of the triangles' smallest angles: 60 is best) and
+/// volume_change_percent. The result has the same bytes whatever the thread count.
 ///
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not valid, or no try
 /// was good enough; 70 where the child dies or runs longer than time_limit_s; Cancelled.

@@ -14,7 +14,7 @@
 namespace trephine {
 namespace {
 
-/// Of the triangle seen from p, over 4 pi (Van Oosterom, Strackee 1983).
+/// The solid angle of the triangle as seen from p, divided by 4 pi [VanOosterom1983].
 double solid_angle(Vec3 a, Vec3 b, Vec3 c, Vec3 p) {
   a = a - p;
   b = b - p;

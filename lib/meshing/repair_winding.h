@@ -8,13 +8,13 @@
 
 namespace trephine {
 
-/// The generalized winding number (Jacobson, Kavan, Sorkine 2013) of the triangles about a point, in the mesh's own
-/// coordinates: 1 within a closed outwards oriented surface, 0 outside, between where it has holes. Exact; linear in
-/// the number of triangles.
+/// The generalized winding number [Jacobson2013] of the triangles about a point, in the mesh's own coordinates: 1
+/// within a closed surface oriented outwards, 0 outside, and in between where the surface has holes. Exact; the time is
+/// linear in the number of triangles.
 double winding_number(const TriMesh& mesh, Vec3 local);
 
-/// The same within about 0.01, in logarithmic time: what lies further off than twice its size counts as a dipole
-/// (Barill, Dickson, Schmidt, Levin, Jacobson 2018, first order). Refers to the mesh.
+/// The generalized winding number within about 0.01, in logarithmic time: a group of triangles that is further away
+/// than twice its size counts as a dipole ([Barill2018], first order). Refers to the mesh.
 class WindingNumber {
  public:
   explicit WindingNumber(const TriMesh& mesh);
@@ -24,7 +24,7 @@ class WindingNumber {
   struct Node {
     Vec3 centre, area_normal;
     double radius = 0;
-    std::uint32_t begin = 0, end = 0;   ///< of order_
+    std::uint32_t begin = 0, end = 0;   ///< indices into order_
     std::uint32_t left = 0, right = 0;  ///< 0: a leaf
   };
   std::uint32_t build(std::uint32_t begin, std::uint32_t end);
@@ -34,9 +34,9 @@ class WindingNumber {
   std::vector<Node> nodes_;
 };
 
-/// A closed surface where the winding number is 1/2, on voxels_count voxels along the longest side of its bounds;
-/// within a voxel of the triangles where they are whole. voxel_mm receives the voxel's side. Throws Error 80 where
-/// nothing is inside.
+/// A closed surface where the winding number is 1/2, on voxels_count voxels along the longest side of its bounds. It
+/// lies within a voxel of the triangles where these have no holes. voxel_mm receives the voxel's side. Throws Error 80
+/// where nothing is inside.
 TriMesh recontour(const TriMesh& mesh, int voxels_count, double& voxel_mm, const Progress& progress = {});
 
 }  // namespace trephine

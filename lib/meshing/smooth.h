@@ -25,27 +25,29 @@ struct SmoothParams {
              {{"windowed_sinc", SmoothMethod::windowed_sinc},
               {"laplacian", SmoothMethod::laplacian},
               {"feature", SmoothMethod::feature}},
-             "Low-pass filter; mean of the neighbours; or filtered normals, which keep sharp edges.");
+             "windowed_sinc: low-pass filter; laplacian: mean of the neighbours; feature: filtered normals, which keep "
+             "sharp edges.");
     v.integer(&P::iterations_count, "iterations_count", Range{0, 100000},
               "Degree of the filter, or how often it is applied; 0 leaves the mesh as it is.");
     v.number(&P::pass_band_ratio, "pass_band_ratio", Range{1e-4, 2},
-             "windowed_sinc: highest frequency of the mesh that passes: 2 passes all; 1 takes the unevenness of a "
-             "decimated surface away, 0.1 smooths a dense one visibly.");
-    v.number(&P::feature_angle_deg, "feature_angle_deg", Range{1, 180}, "feature: edges sharper than about this stay.");
+             "windowed_sinc: highest frequency of the mesh that passes. 2 passes all; 1 removes the unevenness of a "
+             "decimated surface; 0.1 smooths a dense surface visibly.");
+    v.number(&P::feature_angle_deg, "feature_angle_deg", Range{1, 180},
+             "feature: edges sharper than about this are kept.");
     v.number(&P::max_displacement_mm, "max_displacement_mm", Range{0, 1e6}, "No point moves further than this.");
     v.number(&P::max_volume_change_percent, "max_volume_change_percent", Range{0, 100},
-             "Where the volume would change by more, all points move less.");
+             "Where the volume would change by more than this, all points move less.");
   }
 };
 
-/// Smoothing by one of three filters: a low-pass of the points (windowed sinc; Taubin, Zhang, Golub 1996), half-steps
+/// Smooths a surface by one of three filters: a low-pass filter of the points (windowed sinc, [Taubin1996]), half-steps
 /// towards the mean of the neighbours (Laplacian), or points fitted to filtered normals (feature_smooth.h). Of the
-/// movement each point takes the part along its normal, with an even offset that gives back the volume, cut off at
-/// max_displacement_mm. Where the volume changes by more than max_volume_change_percent all the same, the movement is
-/// halved until it does not. The triangles stay as they are; normals are dropped. Where the result would intersect
-/// itself or hold a degenerate triangle, the points around it go back to where they were, and are counted. Reported:
-/// the largest and RMS displacement, the share of the movement that was taken, the change of volume in percent, and
-/// the points held back.
+/// filter's movement each point takes the part along its normal, plus a uniform offset that restores the volume,
+/// limited to max_displacement_mm. Where the volume still changes by more than max_volume_change_percent, the movement
+/// is halved until it does not. The triangles stay as they are; normals are dropped. Where the result would intersect
+/// itself or hold a degenerate triangle, the points around that place return to where they were, and are counted. The
+/// report has the largest and RMS displacement, the share of the movement that was taken, the change of volume in
+/// percent, and the count of points held back.
 ///
 /// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed and
 /// 2-manifold, or intersects itself already.

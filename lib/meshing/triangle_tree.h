@@ -9,7 +9,7 @@
 
 namespace trephine {
 
-/// Axis-parallel box in float, rounded outwards.
+/// An axis-parallel box in float, rounded outwards.
 struct FloatBox {
   std::array<float, 3> min{3e38f, 3e38f, 3e38f}, max{-3e38f, -3e38f, -3e38f};
   void add(Vec3 p);
@@ -18,12 +18,12 @@ struct FloatBox {
     return min[0] <= b.max[0] && b.min[0] <= max[0] && min[1] <= b.max[1] && b.min[1] <= max[1] && min[2] <= b.max[2] &&
            b.min[2] <= max[2];
   }
-  /// Squared distance from the point, 0 inside.
+  /// Squared distance from the point to the box, 0 inside.
   double squared_distance(Vec3 p) const;
 };
 
-/// Boxes over a mesh's triangles, sorted along a Morton curve, four to a leaf and four children to a node. Refers to
-/// the mesh: it must not change meanwhile. Coordinates are points_mm, without the origin.
+/// Boxes over a mesh's triangles, sorted along a Morton curve, with four triangles in a leaf and four children of a
+/// node. It refers to the mesh, which must not change meanwhile. Coordinates are points_mm, without the origin.
 class TriangleTree {
  public:
   explicit TriangleTree(const TriMesh& mesh);
@@ -40,14 +40,14 @@ class TriangleTree {
   template <class Visit>
   void for_each_leaf(const FloatBox& box, std::size_t first_leaf, Visit&& visit) const;
 
-  /// Squared distance to the surface, and the triangle there; gives up (returning the limit) beyond squared_limit.
+  /// Squared distance to the surface, and the nearest triangle; stops beyond squared_limit and returns that limit.
   double squared_distance(Vec3 p, double squared_limit, std::uint32_t* triangle = nullptr) const;
 
  private:
   const TriMesh& mesh_;
   std::vector<std::uint32_t> order_;
   std::vector<FloatBox> boxes_;
-  std::vector<std::vector<FloatBox>> levels_;  ///< 0: leaves; the last has one node
+  std::vector<std::vector<FloatBox>> levels_;  ///< level 0: leaves; the last level has one node
 };
 
 template <class Visit>

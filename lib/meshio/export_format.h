@@ -19,7 +19,7 @@ enum class Precision {
   float64_world,
 };
 
-/// Which other program reads a file back, and what its reader gives to compare.
+/// Which other program reads a file back, and what its reader returns for the comparison.
 struct ReadBack {
   ForeignReader reader;
   double relative = 0;  ///< of the largest coordinate: what the reader's own numbers lose
@@ -28,11 +28,11 @@ struct ReadBack {
   bool names = false;
 };
 
-/// A format of surfaces, declared once: --format, its help, the reference pages, the writer and the comparison of what
-/// was written come from it.
+/// A format of surfaces, declared once. --format, its help, the reference pages, the writer and the comparison of what
+/// was written come from the declaration.
 ///
-/// A format stands in the source of its writer, as `ExportFormat NAME_format()`, and in the list of export_formats.cpp,
-/// which puts them in order. Nothing else names one.
+/// A format is defined in the source of its writer, as `ExportFormat NAME_format()`, and listed in export_formats.cpp,
+/// which orders the formats. No other place names one.
 struct ExportFormat {
   const char* name = "";     ///< "stl": what --format takes, and the extension without its dot
   const char* help = "";     ///< "stl (binary)": what a list of the formats says
@@ -41,17 +41,17 @@ struct ExportFormat {
   bool says_space = false;   ///< says SPACE=LPS where 3D Slicer reads it
   bool metres_y_up = false;  ///< as glTF, about the mesh's origin_mm, with linear colours; else LPS, mm, sRGB
   Precision precision = Precision::float64_world;
-  /// The files, the main one last. One surface only, unless it holds several.
+  /// Makes the files, the main one last. Takes one surface only, unless the format holds several.
   std::vector<ExportFile> (*encode)(const std::vector<PreparedSurface>& surfaces, const std::string& stem) = nullptr;
   ReadBack read_back;
 };
 
 const std::vector<ExportFormat>& all_export_formats();
-/// Null where there is none of that name.
+/// The format with that name, or null.
 const ExportFormat* find_export_format(std::string_view name);
-/// Throws Error 70 where there is none.
+/// Throws Error 70 where there is no such format.
 const ExportFormat& export_format(std::string_view name);
-/// "obj, wrl and x3d": the formats of which that is so, with that word before the last.
+/// The formats for which is_so is true, as "obj, wrl and x3d", with `word` before the last.
 std::string format_names(bool (*is_so)(const ExportFormat&), const std::string& word = "and");
 
 }  // namespace trephine

@@ -31,12 +31,12 @@ struct ExportFile {
   std::string bytes;
 };
 
-/// The files of one export, the main one last; others that belong to it stand before it. `stem` is their name without
+/// Makes the files of one export, the main one last, after the others that belong to it. `stem` is their name without
 /// extension. Normals are the mesh's, or area-weighted ones where it has none.
 ///
-/// Throws Error, field the surface's name: 65 as check_mesh does; 80 where it has no triangles, or is not valid
-/// (meshing/validity.h) in the coordinates as written, after rounding; 70 where the format takes one surface and
-/// several were given, or a name, colour or opacity is out of range.
+/// Throws Error with the surface's name as field: 65 as check_mesh does; 80 where it has no triangles, or is not valid
+/// (meshing/validity.h) in the written coordinates, after rounding; 70 where the format takes one surface and several
+/// were given, or a name, colour or opacity is out of range.
 std::vector<ExportFile> encode_surfaces(const ExportFormat& format, const std::vector<ExportSurface>& surfaces,
                                         const std::string& stem, const Progress& progress = {});
 
@@ -45,20 +45,20 @@ struct ExportCheck {
   std::string read_by;  ///< "assimp", "VTK"
   std::size_t triangles = 0;
   Bounds bounds_mm;
-  double largest_difference_mm = 0;  ///< of a coordinate of a corner
+  double largest_difference_mm = 0;  ///< largest difference of a coordinate of a corner
 };
 
-/// Reads the files back with another program's reader, which the format names, in a bounded child and compares with
-/// what they were made of: surfaces, their names where the reader gives them, triangles, every corner and so the
-/// bounds, to the precision of the reader's numbers, colour and opacity where the format has them, that texture
+/// Reads the files back in a bounded child with another program's reader, which the format names, and compares the
+/// result with the surfaces: their number, their names where the reader gives them, triangles, every corner and so the
+/// bounds (to the precision of the reader's numbers), colour and opacity where the format has them, and whether texture
 /// coordinates are there.
 ///
-/// Throws Error 80 with the file and what differs, also where the reader refuses the file; 70 where it dies.
+/// Throws Error 80 with the file and the difference, also where the reader refuses the file; 70 where it dies.
 ExportCheck verify_export(const ExportFormat& format, const std::vector<ExportSurface>& surfaces,
                           const std::vector<ExportFile>& files, const Progress& progress = {});
 
-/// Writes all files, through FileWriter: every one is written whole before the first takes its name. Throws 73 and 74;
-/// then nothing new is there (but for a rename that fails between two, which is said).
+/// Writes all files through FileWriter: every file is written completely before the first takes its name. Throws Error
+/// 73 and 74; then no new file is there (unless a rename fails between two files, which is reported).
 void write_export(const std::filesystem::path& folder, const std::vector<ExportFile>& files);
 
 }  // namespace trephine

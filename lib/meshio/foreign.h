@@ -27,7 +27,8 @@ struct ForeignSurface {
 };
 
 /// Reads the bytes. `companion` stands for any .mtl that they name (empty: there is none); nothing else is opened.
-/// Throws Error 65 where the reader refuses them or gives nonsense; 70 where the child dies or exceeds the limits.
+/// Throws Error 65 where the reader refuses the bytes or returns an inconsistent mesh; 70 where the child dies or
+/// exceeds the limits.
 std::vector<ForeignSurface> read_foreign(const ForeignReader& reader, std::string_view bytes,
                                          std::string_view companion, const ChildLimits& limits,
                                          const Progress& progress = {});
@@ -35,7 +36,7 @@ std::vector<ForeignSurface> read_foreign(const ForeignReader& reader, std::strin
 /// Limits for a file of that size.
 ChildLimits foreign_limits(std::size_t bytes);
 
-/// In the child only: they can crash or hang on damaged bytes. Throw Error 65.
+/// To be called in the child only, because they can crash or hang on damaged bytes. They throw Error 65.
 std::vector<ForeignSurface> read_with_assimp(const ForeignReader& reader, std::string_view bytes,
                                              std::string_view companion);
 std::vector<ForeignSurface> read_with_vtk(const ForeignReader& reader, std::string_view bytes);

@@ -21,15 +21,15 @@ struct CertifyParams {
     v.number(&P::certify_tolerance_mm, "certify_tolerance_mm", Range{1e-6, 10},
              "With --certify: how far the proven bound may lie above a distance that was found.");
     v.integer(&P::certify_max_pieces_count, "certify_max_pieces_count", Range{1000, 1e12},
-              "With --certify: gives up where either surface would have to be cut into more pieces; a million take a "
-              "second or two.");
+              "With --certify: gives up where a surface would have to be cut into more pieces than this; a million "
+              "take a second or two.");
   }
 };
 
 /// The Hausdorff distance lies in [lower_mm, upper_mm].
 struct CertifiedDistance {
-  double lower_mm = 0;  ///< of a point that was looked at
-  double upper_mm = 0;  ///< no point lies further off
+  double lower_mm = 0;  ///< distance of a point that was examined
+  double upper_mm = 0;  ///< no point lies further away
   Vec3 at_mm;           ///< world, the point of lower_mm
 };
 
@@ -39,13 +39,14 @@ struct CertifiedDeviation {
   double upper_mm() const { return std::max(mesh_to_reference.upper_mm, reference_to_mesh.upper_mm); }
 };
 
-/// An upper bound of the distance of every point of either surface to the other, not of samples. A triangle's distance
-/// to the surface is at most that to one triangle of it, which is convex, so largest at a corner; where that is not
-/// good enough the triangle is cut in four (as Guthe, Borodin, Klein 2005). Ends at upper - lower <= the tolerance but
-/// where a triangle would need more than 200,000 pieces: there the bound is the larger one. Throws 70 where all of a
-/// surface's triangles would need more than the most pieces, which does not hang on threads or clock either. Rounding
-/// is on the safe side (1e-9 of the surfaces' size is added). In-process and bounded; the same bits whatever the thread
-/// count. Throws 65 as check_mesh does, and for a surface without triangles.
+/// An upper bound of the distance of every point of either surface to the other, not of samples alone. The distance of
+/// a triangle to the surface is at most its distance to one triangle of the surface, which is a convex function and
+/// therefore largest at a corner. Where that bound is not good enough the triangle is cut in four (as in [Guthe2005]).
+/// It ends when upper - lower <= the tolerance, except where a triangle would need more than 200,000 pieces: there the
+/// bound is larger. Throws Error 70 where all triangles of a surface together would need more than the largest count of
+/// pieces; this too does not depend on threads or clock. Rounding is on the safe side (1e-9 of the surfaces' size is
+/// added). It runs in this process within bounds, with the same bits whatever the thread count. Throws Error 65 as
+/// check_mesh does, and for a surface without triangles.
 CertifiedDeviation certify_deviation(const TriMesh& mesh, const TriMesh& reference, const CertifyParams& params,
                                      const Progress& progress = {});
 

@@ -14,17 +14,17 @@ namespace trephine {
 
 struct DeviationParams {
   int sample_count = 200000;
-  bool at_vertices = true;  ///< no parameter of a user: whether max_mm is also of every vertex
+  bool at_vertices = true;  ///< not a user's parameter: whether max_mm also includes every vertex
   template <class V>
   static void describe(V& v) {
     v.integer(&DeviationParams::sample_count, "sample_count", Range{1000, 100000000},
-              "Points on each surface from which RMS, mean, bias and p99 are taken.");
+              "Points on each surface from which RMS, mean, bias and p99 are computed.");
   }
 };
 
-/// Distances of one surface to another. RMS, mean, bias and p99 are of points spread evenly over the area (each the
-/// same share of it, so that dense triangles do not count more); max is also of every vertex. p99 is the nearest rank:
-/// the smallest distance that at least 99 % of the points do not exceed.
+/// Distances of one surface to another. RMS, mean, bias and p99 are taken over points spread evenly over the area (each
+/// stands for the same area, so that dense triangles do not count more); max also includes every vertex. p99 is the
+/// nearest rank: the smallest distance that at least 99 % of the points do not exceed.
 struct DeviationStats {
   double max_mm = 0, p99_mm = 0, rms_mm = 0, mean_mm = 0;
   /// Mean of the signed distances, positive where the mesh lies outside of the reference, in either direction of
@@ -47,7 +47,7 @@ struct Deviation {
   DeviationStats both;  ///< of the points of both sides together
 };
 
-/// Where the truth is known; null: everywhere. Called from several threads.
+/// The region in which the truth is known; null: everywhere. Called from several threads.
 using KnownRegion = std::function<bool(Vec3 world_mm)>;
 
 /// Two-sided deviation. The points are the same whatever the thread count, platform or order of calls: the area is cut,
@@ -57,10 +57,10 @@ using KnownRegion = std::function<bool(Vec3 world_mm)>;
 Deviation measure_deviation(const TriMesh& mesh, const TriMesh& reference, const DeviationParams& params = {},
                             const Progress& progress = {});
 
-/// The same against a known surface: from the mesh by its distance function (every sample and every vertex), from the
-/// truth's own mesh to the mesh by nearest points. What the truth's mesh leaves out of the truth counts for it. Points
-/// of either surface outside `within` are left out (a scan that ends in the middle of a head has caps without a truth);
-/// throws 65 where that leaves none.
+/// The same against a known surface: from the mesh by the distance function of the truth (every sample and every
+/// vertex), from the truth's own mesh to the mesh by nearest points. Parts of the truth that its mesh leaves out are
+/// not noticed in the second direction. Points of either surface outside `within` are left out (a scan that ends in the
+/// middle of a head has caps without a truth); throws Error 65 where that leaves none.
 Deviation measure_deviation_to_truth(const TriMesh& mesh, const DistanceFunction& truth, const TriMesh& truth_mesh,
                                      const DeviationParams& params = {}, const KnownRegion& within = {},
                                      const Progress& progress = {});
@@ -69,7 +69,7 @@ Deviation measure_deviation_to_truth(const TriMesh& mesh, const DistanceFunction
 /// each, and samples_count.
 void add_deviation(Report& report, const Deviation& deviation);
 
-/// The points described above, world. For `count` = 0 none.
+/// The points described above, world; none where `count` is 0.
 std::vector<Vec3> points_on_surface(const TriMesh& mesh, std::size_t count);
 
 }  // namespace trephine

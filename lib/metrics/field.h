@@ -11,23 +11,24 @@
 
 namespace trephine {
 
-/// What a field is measured against; what is pointed to must outlive the call.
+/// What a field is measured against. The objects behind the pointers must outlive the call.
 struct FieldTruth {
   const Mask* solid =
-      nullptr;                ///< 1 inside, on the field's raster (maybe more of it): there alone the two are compared
-  DistanceFunction distance;  ///< to the truth's surface, negative inside
+      nullptr;  ///< 1 inside, on the field's raster (perhaps on more of it); the two are compared only there
+  DistanceFunction distance;                    ///< to the truth's surface, negative inside
   const TriMesh* mesh = nullptr;                ///< the truth's own surface
-  std::function<bool(Vec3 world_mm)> is_inner;  ///< null, or whether a point near the truth's surface is of its inner
-                                                ///< side: a shell's thickness is then measured
+  std::function<bool(Vec3 world_mm)> is_inner;  ///< null, or whether a point near the truth's surface belongs to its
+                                                ///< inner side: a shell's thickness is then measured
   KnownRegion within;                           ///< where distances are taken
 };
 
-/// A field (positive inside) against a known shape: dice_ratio, volume_ml, reference_volume_ml, volume_difference_ratio
-/// of the voxels whose centres lie inside; of the surface at 0 to the truth's and back
-/// deviation_{max,p99,rms,mean,bias}_mm, to_reference_..., from_reference_... (metrics/deviation.h, over sample_count
-/// points a side), samples_count; with is_inner also inner_bias_mm and outer_bias_mm (positive where the surface lies
-/// outside of the truth's, from the surface's points) and their sum, width_bias_mm: how much too thick the shell is.
-/// Throws 65 where the rasters differ or nothing is there to be measured, 80 as contour() does.
+/// Measures a field (positive inside) against a known shape. The voxels whose centres lie inside give dice_ratio,
+/// volume_ml, reference_volume_ml and volume_difference_ratio. The distances between the field's surface at 0 and the
+/// truth's surface give deviation_{max,p99,rms,mean,bias}_mm, to_reference_..., from_reference_...
+/// (metrics/deviation.h, over sample_count points on each side) and samples_count. With is_inner the result also has
+/// inner_bias_mm and outer_bias_mm (positive where the surface lies outside of the truth's, from the surface's points)
+/// and their sum, width_bias_mm, which is how much too thick the shell is. Throws Error 65 where the rasters differ or
+/// nothing can be measured, 80 as contour() does.
 Report measure_field(const Field& field, const FieldTruth& truth, int sample_count, const Progress& progress = {});
 
 }  // namespace trephine

@@ -11,7 +11,7 @@
 
 namespace trephine {
 
-/// What a surface is measured against; what is pointed to must outlive the call.
+/// What a surface is measured against. The objects behind the pointers must outlive the call.
 struct MeshReference {
   const TriMesh* mesh = nullptr;
 };
@@ -34,7 +34,7 @@ struct MeasureParams {
     using P = MeasureParams;
     v.integer(&P::sample_count, "sample_count", Range{1000, 100000000},
               "Points on each surface from which RMS, mean, bias and p99 are taken.");
-    v.flag(&P::validity, "validity", "Look for self-intersections and degenerate triangles, too.");
+    v.flag(&P::validity, "validity", "Also look for self-intersections and degenerate triangles.");
   }
 };
 

@@ -10,9 +10,9 @@ Mask select_label(const Mask& labels, int label);
 /// Volume of the voxels that are not 0.
 double volume_mm3(const Mask& mask);
 
-/// Dice's coefficient 2 |a and b| / (|a| + |b|) of what is not 0 (Dice 1945): 1 the same, 0 apart; 1 where both are
-/// empty. The masks lie on one raster, each on any part of it; what one does not cover is outside of it. Throws 65
-/// where the rasters differ.
+/// Dice's coefficient 2 |a and b| / (|a| + |b|) of the voxels that are not 0 [Dice1945]: 1 where both masks are the
+/// same, 0 where they have nothing in common, 1 where both are empty. The masks lie on one raster and each may cover
+/// any part of it; what a mask does not cover counts as outside. Throws Error 65 where the rasters differ.
 double dice(const Mask& a, const Mask& b);
 
 }  // namespace trephine

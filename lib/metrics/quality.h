@@ -9,7 +9,7 @@ struct Quantiles {
   double min = 0, median = 0, p99 = 0, max = 0;  ///< nearest rank
 };
 
-/// What can be said of a surface alone, short of self-intersections (meshing/validity.h).
+/// The measures of a surface alone, except self-intersections (meshing/validity.h).
 struct MeshMeasures {
   Topology topology;
   double area_mm2 = 0;

@@ -29,18 +29,20 @@ struct HeadParams {
               {"shifted", Variant::shifted},
               {"small", Variant::small}},
              "The ventricles: of usual size, enlarged, displaced by about 8 mm to the right, or small.");
-    v.integer(&P::seed, "seed", Range{0, 2147483647},
-              "Which individual: sizes, proportions, asymmetry and cells vary with it within plausible bounds.");
+    v.integer(
+        &P::seed, "seed", Range{0, 2147483647},
+        "Number of the individual: sizes, proportions, asymmetry and air cells vary with it within plausible bounds.");
     v.choice(&P::level, "level", {{"simple", Level::simple}, {"clinical", Level::clinical}},
-             "simple leaves out sulci, a metal filling and the scanner's artefacts; clinical has them all.");
+             "simple has no sulci, metal filling or scanner artefacts; clinical has all of them.");
   }
 };
 
 /// The shapes whose surface is known.
-///   skin        the whole head, filled: air within it (nose, pharynx, cells) is inside
-///   skull       the filled solid of cranium, face, mandible and teeth: diploe, sinus and mastoid cells are inside
-///   brain       cerebrum, cerebellum and brainstem down to the foramen magnum, ventricles inside; the pial surface
-///   with sulci ventricles  both lateral and the third, joined by the foramina of Monro; without aqueduct and fourth
+/// - skin: the whole head, filled; air within it (nose, pharynx, cells) is inside
+/// - skull: the filled solid of cranium, face, mandible and teeth; diploe, sinus and mastoid cells are inside
+/// - brain: cerebrum, cerebellum and brainstem down to the foramen magnum, with the ventricles inside; the pial surface
+///   with sulci
+/// - ventricles: both lateral ventricles and the third, joined by the foramina of Monro; without aqueduct and fourth
 enum class Anatomy { skin, skull, brain, ventricles };
 constexpr std::array<Anatomy, 4> all_anatomies{Anatomy::skin, Anatomy::skull, Anatomy::brain, Anatomy::ventricles};
 const char* name_of(Anatomy anatomy);
@@ -61,11 +63,11 @@ class Head {
   explicit Head(const HeadParams& params);
   const HeadParams& params() const { return params_; }
 
-  /// Signed distance to the anatomy's surface, NEGATIVE INSIDE: found by projecting onto the analytic zero set and
-  /// moving the foot point until the residual is normal to the surface, from `implicit_mm` as a start. Within 6 mm of
-  /// the surface it agrees with brute force to 0.02 mm (p99) where the nearest point is unique; where several are
-  /// nearly as near (medial axis, deep creases) it may return the distance to another one of them, never less than the
-  /// true one by more than the projection's tolerance of 1e-4 mm. Farther away the sign is right and the value
+  /// Signed distance to the anatomy's surface, NEGATIVE INSIDE. Starting from `implicit_mm`, it projects onto the
+  /// analytic zero set and moves the foot point until the residual is normal to the surface. Within 6 mm of the surface
+  /// it agrees with brute force to 0.02 mm (p99) where the nearest point is unique. Where several points are nearly as
+  /// near (medial axis, deep creases) it may return the distance to another of them; it is never below the true
+  /// distance by more than the projection's tolerance of 1e-4 mm. Farther away the sign is correct and the value
   /// approximate.
   double signed_distance_mm(Anatomy anatomy, Vec3 lps_mm) const;
 
@@ -77,8 +79,8 @@ class Head {
   /// The same with its gradient.
   double implicit_mm(Anatomy anatomy, Vec3 lps_mm, Vec3& gradient) const;
 
-  /// HU averaged over about `width_mm` around a point, edges of tissue ramped linearly over that width: what a
-  /// sub-voxel of that size holds. `clearance_mm`: no tissue boundary is nearer than that (a lower bound, never
+  /// HU averaged over about `width_mm` around a point, with the edges of tissues ramped linearly over that width: the
+  /// content of a sub-voxel of that size. No tissue boundary is nearer than `clearance_mm` (a lower bound, never
   /// negative).
   struct Sample {
     double hu = -1000;

@@ -17,7 +17,7 @@ inline std::uint64_t random_bits(std::uint64_t seed, std::uint64_t stream, std::
 inline double uniform(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {
   return static_cast<double>(random_bits(seed, stream, index) >> 11) * 0x1p-52 - 1;
 }
-/// Standard normal (Box and Muller 1958), two a call.
+/// Standard normal numbers [Box1958], two for each call.
 inline void normal_pair(std::uint64_t seed, std::uint64_t stream, std::uint64_t index, float& a, float& b) {
   const std::uint64_t bits = random_bits(seed, stream, index);
   const float u = (static_cast<float>(bits >> 40) + 0.5f) * 0x1p-24f;

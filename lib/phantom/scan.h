@@ -15,7 +15,7 @@ enum class Plane { axial, sagittal, coronal };
 enum class Position { head_first_supine, head_first_prone, feet_first_supine, feet_first_prone };
 enum class Contents { head, head_with_fiducials, fiducials };
 
-/// The scanner: which planes it samples, and how.
+/// Parameters of the scanner: which planes it samples, and how.
 struct ScanParams {
   int columns_count = 512, rows_count = 512, slices_count = 192;
   double pixel_mm = 0.47, field_of_view_mm = 0;
@@ -38,17 +38,17 @@ struct ScanParams {
     v.integer(&P::slices_count, "slices_count", Range{1, 4096}, "Slices.");
     v.number(&P::pixel_mm, "pixel_mm", Range{0.05, 10}, "Distance of pixels in a slice.");
     v.number(&P::field_of_view_mm, "field_of_view_mm", Range{0, 2000},
-             "Width of a row; where not 0, it sets the pixels' distance.");
+             "Width of a row; where it is not 0, it sets the distance of the pixels.");
     v.number(&P::slice_step_mm, "slice_step_mm", Range{0.05, 20}, "Table feed from slice to slice.");
     v.number(&P::upper_step_mm, "upper_step_mm", Range{0, 20},
              "Table feed in the second half of the slices; 0: the same.");
     v.number(&P::slice_thickness_mm, "slice_thickness_mm", Range{0.05, 20}, "Thickness over which a slice averages.");
     v.number(&P::jitter_mm, "jitter_mm", Range{0, 5},
-             "Each slice lies off its place by up to this much along the feed, and says so.");
+             "Each slice lies off its place by up to this much along the feed; its position in the file says so.");
     v.numbers(&P::centre_mm, "centre_mm", Range{-500, 500},
-              "Middle of the scanned block: left, back, up from between the ear canals.");
+              "Centre of the scanned block: left, back and up from the midpoint between the ear canals.");
     v.number(&P::tilt_deg, "tilt_deg", Range{-45, 45},
-             "Gantry tilt: slices lean about their rows, the table moves on straight.");
+             "Gantry tilt: slices lean about their rows, while the table moves straight on.");
     v.choice(&P::plane, "plane", {{"axial", Plane::axial}, {"sagittal", Plane::sagittal}, {"coronal", Plane::coronal}},
              "Plane of the slices.");
     v.numbers(&P::rotation_deg, "rotation_deg", Range{-180, 180}, "Oblique slices: turned about x, then y, then z.");
@@ -62,11 +62,11 @@ struct ScanParams {
              "Full width at half maximum of the reconstruction kernel, Gaussian, in the slice.");
     v.number(&P::noise_hu, "noise_hu", Range{0, 500}, "Standard deviation of the noise, correlated by the kernel.");
     v.number(&P::cupping_hu, "cupping_hu", Range{0, 200},
-             "Depth of beam hardening's dip in the middle of the head; clinical level only.");
+             "Depth of the dip in HU that beam hardening causes in the middle of the head; clinical level only.");
     v.number(&P::streak_hu, "streak_hu", Range{0, 3000},
              "Height of the streaks beside the metal filling; clinical level only.");
     v.flag(&P::table, "table", "Head holder and its foam under the head.");
-    v.flag(&P::round_field, "round_field", "Outside the circle that the rows just hold, pixels are padding.");
+    v.flag(&P::round_field, "round_field", "Pixels outside the largest circle that fits into the slice are padding.");
     v.choice(&P::contents, "contents",
              {{"head", Contents::head},
               {"head_with_fiducials", Contents::head_with_fiducials},

@@ -7,8 +7,8 @@
 namespace trephine::phantom {
 namespace {
 
-// HU at 120 kV: soft tissues as in Hounsfield-unit tables of CT textbooks (Kalender, Computed Tomography); cortical
-// calvaria and diploe within what Lillie et al. 2015 (J Anat) and clinical head CT show; teeth after Mah et al. 2010.
+// HU at 120 kV. Soft tissues are as in the Hounsfield tables of CT textbooks [Kalender]; the cortical bone of the
+// calvaria and the diploe are within what [Lillie2015] and clinical head CT show; teeth are after [Mah2010].
 constexpr double air = -1000, skin_hu = 40, fat = -90, muscle = 55, cortical = 1400, diploe = 550, tooth = 2200,
                  csf = 8, grey = 37, white = 29, vitreous = 12, lens = 75, nerve = 35, mucosa = 50, suture = 250,
                  cell = -900, metal = 6000;

@@ -40,8 +40,8 @@ struct ScannedRegion {
 ScannedRegion scanned_region(const ScanParams& params);
 
 /// The truth's mesh of one anatomy within a region: marching tetrahedra on a lattice of at most `step_mm`, each point
-/// then put onto the analytic surface. Closed, 2-manifold, oriented outwards; where the region cuts the anatomy it is
-/// capped in the region's face. Empty where nothing of it lies within.
+/// then moved onto the analytic surface. It is closed, 2-manifold and oriented outwards; where the region cuts the
+/// anatomy the mesh is capped in the region's face. Empty where no part of the anatomy lies within.
 TriMesh truth_mesh(const Head& head, Anatomy anatomy, const ScannedRegion& region, double step_mm,
                    const Progress& progress = {});
 
@@ -54,14 +54,14 @@ Mask truth_labels(const Head& head, const Lattice& lattice, const Progress& prog
 void write_truth(const std::filesystem::path& folder, const Head& head, const Scan& scan, const ScanParams& scan_params,
                  const TruthParams& params, Report& report, const Progress& progress = {});
 
-/// What truth.json says.
+/// The content of truth.json.
 struct Truth {
   Head head;
   std::vector<Fiducial> fiducials;
   ScannedRegion scanned;  ///< beyond it nothing was seen
 };
-/// Reads truth.json and rebuilds the head. Throws 66 where it cannot be read, 65 naming the field where it is no truth
-/// of ours or of a version that this program does not know.
+/// Reads truth.json and rebuilds the head. Throws Error 66 where it cannot be read, 65 naming the field where it is not
+/// a truth file of ours or of a version that this program does not know.
 Truth read_truth(const std::filesystem::path& file);
 
 }  // namespace trephine::phantom

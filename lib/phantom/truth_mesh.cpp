@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Marching tetrahedra over Freudenthal's division of each cube into six: it is the same from both sides of every face,
-// so the surface is always closed and manifold (Doi and Koide 1991; Bloomenthal 1994 for the choice of tetrahedra).
+// Marching tetrahedra [Doi1991] over Freudenthal's division of each cube into six [Bloomenthal1994]. The division is
+// the same from both sides of every face, so the surface is always closed and manifold.
 #include <algorithm>
 #include <array>
 #include <cmath>

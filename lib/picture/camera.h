@@ -15,7 +15,7 @@ struct Camera {
     const Vec3 c = world_mm - target_mm;
     return {dot(c, right), dot(c, up), dot(c, toward)};
   }
-  /// What x and y are multiplied by at that depth; linear over a triangle on the screen.
+  /// The factor for x and y at that depth; it is linear over a triangle on the screen.
   double magnification(double z) const { return distance_mm > 0 ? distance_mm / (distance_mm - z) : 1; }
   double z_of_magnification(double m) const { return distance_mm - distance_mm / m; }
   double screen_x(Vec3 camera) const { return center_x + camera.x * magnification(camera.z) * px_per_mm; }
@@ -27,8 +27,8 @@ struct Camera {
   }
 };
 
-/// A camera that has all of the frame (or, without one, of the surfaces) in the picture with a margin. Screen
-/// coordinates are those of a picture of params.width x params.height.
+/// A camera that shows the whole frame (or, without one, the surfaces) with a margin. Screen coordinates are those of a
+/// picture of params.width x params.height.
 Camera camera_for(const std::vector<SurfaceView>& surfaces, const RenderParams& params);
 
 /// Letters and scale bar.

@@ -10,9 +10,10 @@ namespace trephine {
 /// should be closed and oriented.
 std::vector<double> signed_deviations_mm(const TriMesh& mesh, const TriMesh& reference, const Progress& progress = {});
 
-/// The mesh from four sides, coloured by its signed distance to the reference: blue where it lies inside, grey where
-/// on it, red where outside, full at full_scale_mm (0: the 99th percentile of the points' distances), with a scale.
-/// The same bytes whatever the thread count. Throws 65 as check_mesh does, and for a surface without triangles.
+/// The mesh from four sides, coloured by its signed distance to the reference: blue where it lies inside, grey where it
+/// lies on it, red where it lies outside, with full colour at full_scale_mm (0: the 99th percentile of the points'
+/// distances), and with a scale. The same bytes whatever the thread count. Throws Error 65 as check_mesh does, and for
+/// a surface without triangles.
 Image deviation_picture(const TriMesh& mesh, const TriMesh& reference, double full_scale_mm = 0,
                         const Progress& progress = {});
 

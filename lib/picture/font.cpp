@@ -108,7 +108,7 @@ double digit(char c) { return (c >= 'a' ? c - 'a' + 10 : c - '0') / units; }
 
 using Points = std::vector<std::array<double, 2>>;
 
-// Corner cutting after Chaikin (1974).
+// Corner cutting after [Chaikin1974].
 Points smoothed(Points p) {
   const bool closed = p.front() == p.back();
   if (closed) p.pop_back();

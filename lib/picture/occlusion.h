@@ -6,16 +6,16 @@
 
 namespace trephine::detail {
 
-/// What the creases need: the nearest opaque position (camera coordinates, mm) and normal of each pixel; no numbers
-/// where none is.
+/// What the darkening of creases needs: the nearest opaque position (camera coordinates, mm) and normal of each pixel;
+/// NaN where there is none.
 struct SurfaceBuffer {
   int width = 0, height = 0;
   std::vector<std::array<float, 3>> position, normal;
   std::vector<std::uint8_t> covered;
 };
 
-/// How much light reaches each pixel past its surroundings, 0 to 1: screen-space obscurance after McGuire and others,
-/// "The alchemy screen-space ambient obscurance algorithm" (2011), within radius_mm.
+/// How much light reaches each pixel past its surroundings, from 0 to 1: screen-space obscurance [McGuire2011] within
+/// radius_mm.
 std::vector<float> openness(const SurfaceBuffer& buffer, const Camera& camera, double radius_mm);
 
 }  // namespace trephine::detail

@@ -12,13 +12,13 @@ struct Projected {
   struct Point {
     std::int32_t x, y;  ///< 1/256 of a sample, so that neighbours share their edges exactly
     float depth;        ///< grows towards the viewer and is linear on the screen: z, or the magnification
-    float clip;         ///< signed distance from the clip plane times that magnification; above 0 is taken away
+    float clip;         ///< signed distance from the clip plane times that magnification; the part above 0 is removed
   };
   std::vector<Point> points;
   std::vector<std::array<float, 3>> normals;  ///< camera coordinates, unit
   const TriMesh* mesh = nullptr;
-  /// The triangles whose first row lies in band b are in_band[band_begin[b]] up to band_begin[b + 1]; they end in it or
-  /// in the next one. Those that reach further are in `tall`.
+  /// The triangles whose first row lies in band b are in_band[band_begin[b]] up to band_begin[b + 1]; they end in that
+  /// band or the next. Triangles that reach further are in `tall`.
   std::vector<std::uint32_t> band_begin, in_band, tall;
   std::vector<std::uint16_t> last_band;  ///< of each triangle
 };
@@ -28,7 +28,7 @@ constexpr int band_rows = 32;
 Projected project(const TriMesh& mesh, const Camera& camera, int samples, int rows,
                   const std::optional<ClipPlane>& clip);
 
-/// What of a surface is nearest in a band of sample rows.
+/// The nearest part of a surface in a band of sample rows.
 struct Layer {
   static constexpr std::uint32_t none = 0xffffffffu;
   std::vector<float> depth;

@@ -14,8 +14,9 @@ enum class SlicePlane { axial, coronal, sagittal };
 struct OverlayShape {
   const TriMesh* mesh = nullptr;
   Rgb colour_rgb{1, 0, 0};
-  std::string name;              ///< for the legend; not listed where empty
-  const Field* field = nullptr;  ///< in place of a mesh: the line at 0, as trilinear values in the pixels' corners say
+  std::string name;  ///< for the legend; not listed where empty
+  const Field* field =
+      nullptr;  ///< instead of a mesh: the line at 0 of the field, trilinear between the pixels' corners
 };
 
 struct SliceParams {
@@ -38,11 +39,11 @@ struct SliceGeometry {
 };
 SliceGeometry slice_geometry(const Lattice& volume, const SliceParams& params);
 
-/// The CT resampled in the plane (trilinear), in radiological convention: axial as seen from the feet and coronal from
-/// the front, the patient's right on the left; sagittal with the nose on the left. Over it the exact cuts of the meshes
-/// with the plane. Outside the volume is dark blue. Where the picture is too low for its marks they stand in a strip
-/// below it, which slice_geometry() does not count. The same bytes whatever the thread count. Throws Error 65 where the
-/// plane does not meet the volume, or a mesh is damaged.
+/// The CT resampled in the plane (trilinear), in radiological convention: axial slices as seen from the feet and
+/// coronal ones from the front, with the patient's right on the left; sagittal ones with the nose on the left. The
+/// exact cuts of the meshes with the plane are drawn over it. Places outside the volume are dark blue. Where the
+/// picture is too low for its marks they stand in a strip below it, which slice_geometry() does not count. The same
+/// bytes whatever the thread count. Throws Error 65 where the plane does not meet the volume, or a mesh is damaged.
 Image slice_overlay(const HuVolume& volume, const SliceParams& params, const std::vector<OverlayShape>& shapes);
 
 /// The coordinates along the plane's normal that the volume reaches.

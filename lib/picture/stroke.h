@@ -7,8 +7,8 @@
 
 namespace trephine::detail {
 
-/// How much of each pixel strokes cover: segments are joined by their largest coverage, so that a line of many short
-/// ones has no dots at the joints, and blended into the picture once.
+/// How much of each pixel is covered by strokes. Segments are joined by their largest coverage, so that a line of many
+/// short segments has no dots at the joints, and are blended into the picture once.
 class StrokeMask {
  public:
   StrokeMask(int width, int height) : width_(width), height_(height), coverage_(std::size_t(width) * height, 0.f) {}

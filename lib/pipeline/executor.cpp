@@ -35,10 +35,10 @@ double bytes_of(const StageData& data) {
   return 0;
 }
 
-// An output is worth its place on disk where it took much longer to make than it takes to write and read.
+// An output is worth its space on disk if it took much longer to make than to write and read.
 bool worth_storing(const StageData& data, double seconds) {
   constexpr double disk_bytes_per_s = 100e6, gain = 4;
-  // A haptic volume's file holds no hardness.
+  // The file of a haptic volume does not hold its hardness.
   if (const auto* h = std::get_if<std::shared_ptr<const HapticVolume>>(&data))
     if (!(*h)->hardness.voxels.empty()) return false;
   return seconds > gain * bytes_of(data) / disk_bytes_per_s;
@@ -52,7 +52,7 @@ class Executor {
         observer_(observer),
         results_(graph.nodes.size()),
         tasks_(graph.nodes.size()) {
-    // Every node's report is wanted: one that is not known from the cache makes its node run again.
+    // The report of every node is wanted, so a node whose report is not in the cache runs again.
     for (std::size_t i = 0; i < graph.nodes.size(); ++i)
       if (auto report = options_.cache ? options_.cache->load_report(graph.nodes[i].key) : std::nullopt)
         results_[i].report = std::move(*report);
@@ -62,13 +62,14 @@ class Executor {
       demand(w);
       ++tasks_[w].readers;  // the caller
     }
-    // From the last: when a node's turn comes, all who read it have been counted, and what nobody reads is let go.
+    // Starts with the last node: when a node's turn comes, all its readers have been counted, and a node without
+    // readers is dropped.
     for (std::size_t i = tasks_.size(); i-- > 0;) {
       const bool kept = !options_.keep.empty() && graph.nodes[i].output != DataKind::nothing;
       if (tasks_[i].unknown || kept) demand(static_cast<int>(i));
       if (tasks_[i].readers == 0) results_[i].data = {};
     }
-    // The more that waits for a node, the earlier it runs.
+    // A node runs the earlier, the more nodes wait for it.
     for (std::size_t i = graph.nodes.size(); i-- > 0;)
       if (tasks_[i].needed && !tasks_[i].done)
         for (const auto& [port, source] : graph.nodes[i].sources)
@@ -100,7 +101,8 @@ class Executor {
     std::exception_ptr error;
   };
 
-  // Stopped and joined however the scope is left: by the end of the work, or because a thread could not be made.
+  // The threads are stopped and joined however the scope is left: at the end of the work, or because a thread could not
+  // be made.
   struct Workers {
     explicit Workers(Executor& e) : executor(e) {}
     ~Workers() {
@@ -126,7 +128,7 @@ class Executor {
     }
   }
 
-  // Verified here, before anything runs: an entry that turns out damaged is one that was never there.
+  // Entries are verified before anything runs, so a damaged entry counts as missing.
   bool load_cached(int i) {
     if (!options_.cache) return false;
     const auto start = Clock::now();
@@ -185,7 +187,7 @@ class Executor {
 
   void finish(int i, const std::exception_ptr& error) {
     if (error) {
-      // What was stopped because another failed, or the user wished it, is no error of its own.
+      // A node that was stopped because another failed, or because the user asked for it, is not an error of its own.
       try {
         std::rethrow_exception(error);
       } catch (const Cancelled&) {
@@ -198,7 +200,7 @@ class Executor {
     tasks_[i].done = true;
     for (const auto& [port, source] : graph_.nodes[i].sources) release(source);
     if (tasks_[i].readers == 0) results_[i].data = {};
-    malloc_trim(0);  // what the stage let go of is none of the next one's
+    malloc_trim(0);  // gives freed memory back, so that it does not count for the next stage
   }
 
   void release(int i) {
@@ -214,7 +216,7 @@ class Executor {
     try {
       with_field(node.name, [&] { compute(node, result); });
     } catch (const Error& e) {
-      // What a stage takes for a wrong use of its parameters is, in a run, a wrong configuration.
+      // A wrong use of parameters is a usage error in a single tool, but in a run it is a wrong configuration.
       if (e.code() != ExitCode::usage) throw;
       throw Error(ExitCode::bad_config, e.file(), e.field(), e.what());
     }
@@ -224,7 +226,7 @@ class Executor {
     finish_output(i, "computed");
   }
 
-  // The cache only saves time: a case does not fail because its disk is full.
+  // The cache only saves time: a case does not fail because the cache's disk is full.
   void store(const Node& node, const NodeResult& result) {
     if (!options_.cache || cache_failed_) return;
     try {

@@ -10,7 +10,7 @@
 
 namespace trephine {
 
-/// Who watches a run. Called from several threads.
+/// Observes a run. Its functions are called from several threads.
 class RunObserver {
  public:
   virtual ~RunObserver() = default;
@@ -22,25 +22,26 @@ class RunObserver {
 
 struct NodeResult {
   enum class State { not_needed, computed, cached } state = State::not_needed;
-  StageData data;  ///< only of the nodes asked for; others are let go after their last reader
+  StageData data;  ///< only for wanted nodes; the data of others is dropped after the last reader
   Report report;
   double seconds = 0;
 };
 
 struct ExecuteOptions {
-  std::filesystem::path keep;  ///< every node's output is written here too, the cached ones as well; empty: not
+  std::filesystem::path keep;  ///< the output of every node is also written here, cached ones too; empty: not written
   const StageCache* cache =
-      nullptr;  ///< where storing fails (a full disk), a warning is logged, once, and no more stored
+      nullptr;  ///< if storing fails (a full disk), one warning is logged and nothing more is stored
   const std::atomic<bool>* cancel = nullptr;
 };
 
-/// One node's work: its stage on these inputs. Throws what the stage does; 65 where a series is no longer what the
-/// graph was made for.
+/// Computes one node: runs its stage on these inputs. Throws what the stage throws, and Error 65 where a series is no
+/// longer the one for which the graph was made.
 StageData compute_node(const Node& node, StageInputs inputs, Report& report, const Progress& progress);
 
-/// Computes the nodes asked for and what they need that the cache does not have; independent nodes run at the same time
-/// on up to thread_count() threads. The results, one a node, are the same whatever the thread count. The error of the
-/// first node (in the graph's order) that failed is thrown, its field naming the node, after the others were stopped.
+/// Computes the wanted nodes and what they need that is not in the cache. Independent nodes run at the same time on up
+/// to thread_count() threads. The results, one for each node, are the same whatever the thread count. If nodes fail,
+/// the others are stopped and the error of the first one in the graph's order is thrown, with its field naming the
+/// node.
 std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,
                                 RunObserver& observer);
 

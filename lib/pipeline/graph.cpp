@@ -12,7 +12,7 @@
 namespace trephine {
 namespace {
 
-// The parameters as text; of a file its content's hash stands for the path.
+// The parameters as text. The hash of a file's content stands for its path.
 std::string parameters_text(const Node& node) {
   if (node.file_sha256.empty()) return to_text(node.params);
   std::string text;
@@ -80,13 +80,13 @@ class Builder {
     return node;
   }
 
-  // A stage that looks at the scan as well gets it without being told.
+  // A stage that also reads the scan gets it without being told.
   static void give_scan(Node& node, int scan) {
     for (const Port& port : node.type->ports)
       if (port.kind == DataKind::volume && !node.sources.count(port.name)) node.sources[port.name] = scan;
   }
 
-  // `before` a face is taken away: of the scan as it came.
+  // With `before`, the node of the scan before its face is taken away.
   int node_of(const RecipeAnatomy& anatomy, std::size_t index, bool before = false) {
     const RecipeStep& step = anatomy.steps[index];
     before &= graph_.scan != original_ || defacing_;
@@ -108,7 +108,7 @@ class Builder {
     return -1;  // unreachable: read_case_config checked it
   }
 
-  // Skin and skull as they were before the face went: what tells its landmarks.
+  // Skin and skull before the face was taken away; the landmarks for defacing are found on them.
   Node whole_head(const RecipeStep& step, const std::string& name, bool required_only) {
     Node node = node_of_step(step, name);
     give_scan(node, original_);
@@ -120,7 +120,7 @@ class Builder {
     return node;
   }
 
-  // What the scene computes anyway, or a landmark that it wants is found by.
+  // Whether the scene computes the source anyway, or a wanted landmark is found by it.
   bool is_made(const std::string& source) const {
     if (graph_.find(source) >= 0) return true;
     const std::string anatomy = source.substr(0, source.find('.'));
@@ -131,7 +131,7 @@ class Builder {
     return false;
   }
 
-  // What a person placed, as a source of its own; -1 where nothing is given.
+  // The landmarks that a person placed, as a source node of their own; -1 where none are given.
   int given_landmarks() {
     if (graph_.given_landmarks >= 0 || config_.landmarks.empty()) return graph_.given_landmarks;
     PointsParams points;
@@ -168,7 +168,7 @@ class Builder {
     return false;
   }
 
-  // The scan on the voxels that the case asks for; as it came where it asks for none.
+  // The scan on the voxels that the case asks for; the original scan where it asks for none.
   int resampled() {
     const RecipeStep* step = config_.find_scan_step(resample_step);
     if (!step) return 0;
@@ -190,12 +190,12 @@ class Builder {
   int anatomy_gate() {
     const RecipeStep& step = *config_.find_scan_step(anatomy_step);
     Node node = node_of_step(step, anatomy_step);
-    // Of what the scene shows; what only helps to find that is nobody's concern.
+    // Only anatomies that the scene shows are checked, not those that merely help to find them.
     for (const auto& [port, source] : step.ports)
       if (config_.is_shown(source.substr(0, source.find('.')))) node.sources[port] = node_named(source);
     if (node.sources.size() < 2) return -1;
     give_scan(node, graph_.scan);
-    // What the case is classed by is measured against the midline.
+    // The figure by which the case is classed is measured against the midline.
     const bool classed = !config_.roles.class_of.empty() && config_.is_shown(config_.roles.class_of);
     if (classed && config_.find_scan_step(landmarks_step)) node.sources["landmarks"] = landmarks();
     return add(std::move(node));

@@ -9,37 +9,38 @@
 
 namespace trephine {
 
-/// One computation of a case: a stage with its parameters and where its inputs come from.
+/// One computation of a case: a stage with its parameters and the sources of its inputs.
 struct Node {
   std::string name;  ///< "import", "skull.decimate"
   const StageType* type = nullptr;
   AnyParams params;
-  std::map<std::string, int> sources;              ///< port -> node
-  std::map<std::string, std::string> file_sha256;  ///< of parameters that name files: their content stands for them
-  std::string key;  ///< SHA-256 of all that its output depends on: stage, version, parameters, keys of its sources
+  std::map<std::string, int> sources;  ///< port -> node
+  std::map<std::string, std::string>
+      file_sha256;  ///< for parameters that name files: the hash of the content stands for the path
+  std::string key;  ///< SHA-256 of what the output depends on: stage, version, parameters, sources' keys
   DataKind output = DataKind::volume;
-  /// What a case records of its parameters, those within others by their place: values, or a file's hash.
+  /// The parameters that a case records, nested ones by their path: their values, or a file's hash.
   std::vector<std::pair<std::string, ParameterValue>> recorded() const;
 };
 
-/// The nodes of what the scene demands and nothing else, sources before their readers. Node 0 is the import, a stage as
-/// any. Where the scene's policy takes the face away, that is done to the scan before any anatomy is made of it; nodes
-/// that still see the face are named "original....".
+/// The nodes that the scene needs and no others, sources before their readers. Node 0 is the import, which is a stage
+/// like any other. Where the scene's policy takes the face away, this is done to the scan before any anatomy is made of
+/// it; nodes that still see the face are named "original....".
 struct Graph {
   std::vector<Node> nodes;
   struct Anatomy {
     std::string name;
-    int first_surface = -1;  ///< the contour: what deviations are measured against
-    int finished = -1;       ///< decimated, smoothed
-    int surface = -1;        ///< what is published: finished, or that with its burr holes
-    int measure = -1;        ///< of `finished`: a burr hole is no deviation
+    int first_surface = -1;  ///< the contour, against which deviations are measured
+    int finished = -1;       ///< decimated and smoothed
+    int surface = -1;        ///< the published one: `finished`, or `finished` with its burr holes
+    int measure = -1;        ///< measures `finished`, because a burr hole is no deviation
   };
   std::vector<Anatomy> anatomies;  ///< as in the scene
   int scan = 0;                    ///< the volume that anatomies, pictures and haptic volume are made of
   int landmarks = -1;              ///< -1: none need be found
-  int given_landmarks = -1;        ///< -1: none are given, or none are needed
+  int given_landmarks = -1;        ///< -1: none are given or none are needed
   int anatomy_gate = -1, face_gate = -1;
-  std::vector<int> burr_holes;     ///< their cutters, as in the configuration
+  std::vector<int> burr_holes;     ///< the nodes of their cutters, in the configuration's order
   int haptic = -1, mismatch = -1;  ///< -1: not wanted
   int find(const std::string& name) const;
 };

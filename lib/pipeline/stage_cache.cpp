@@ -14,13 +14,13 @@
 namespace trephine {
 namespace fs = std::filesystem;
 
-// No data file has it: cutters are .json.
+// No data file has this extension: cutters are .json.
 constexpr const char* index_extension = ".index";
 
 StageCache::StageCache(fs::path folder) : folder_(std::move(folder)) {
   if (folder_.empty()) return;
   std::error_code ignored;
-  // Only a folder of our own making is closed to others: what the user names may be shared, /tmp even.
+  // Only a folder that we make is closed to others: a folder that the user names may be shared, even /tmp.
   const bool is_new = !fs::exists(folder_, ignored);
   make_output_folder(folder_);
   if (is_new) fs::permissions(folder_, fs::perms::owner_all, ignored);
@@ -44,7 +44,7 @@ std::optional<StageCache::Index> StageCache::load_index(const std::string& key) 
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception&) {
-    fs::remove(index, ignored);  // damaged, torn or of another version: as if it were not there
+    fs::remove(index, ignored);  // a damaged, torn or outdated entry counts as missing
     return {};
   }
 }
@@ -129,7 +129,7 @@ void StageCache::shrink_to(std::uint64_t max_bytes) const {
   std::stable_sort(by_age.begin(), by_age.end(), [](const Item* a, const Item* b) { return a->used < b->used; });
   for (const Item* item : by_age) {
     if (total <= max_bytes) break;
-    // The index goes first: data without an index is no entry.
+    // The index is removed first: data without an index is no entry.
     for (const fs::path& f : item->files)
       if (f.extension() == index_extension) fs::remove(f, ignored);
     for (const fs::path& f : item->files) fs::remove(f, ignored);

@@ -9,28 +9,30 @@
 
 namespace trephine {
 
-/// Outputs of stages on disk, by key. It holds patient data: the folder is made with mode 0700. An entry is a JSON file
-/// with the stage's report and, where the output was worth its place, a data file and its SHA-256; the JSON is written
-/// last. A torn or damaged entry is no entry.
+/// Outputs of stages on disk, by key. The cache holds patient data, so its folder is made with mode 0700. An entry is a
+/// JSON file with the stage's report and, where the output was worth its space, a data file with its SHA-256. The JSON
+/// is written last. A torn or damaged entry counts as missing.
 class StageCache {
  public:
-  /// An empty folder means no cache: nothing is found and nothing stored. Throws 73 where the folder cannot be made.
+  /// An empty folder name means no cache: nothing is found and nothing is stored. Throws Error 73 where the folder
+  /// cannot be made.
   explicit StageCache(std::filesystem::path folder);
 
   std::optional<Report> load_report(const std::string& key) const;
-  /// The output, verified; nothing where it was not stored or is damaged (then the entry is removed).
+  /// The verified output; nothing where it was not stored or is damaged (then the entry is removed).
   std::optional<StageData> load_data(const std::string& key, DataKind kind) const;
-  /// `data` may be empty: then only the report is kept. `seconds`: what it took, for who wants to know beforehand.
+  /// Stores an output. With empty `data` only the report is kept. `seconds` is the time that the stage took, for later
+  /// estimates.
   void store(const std::string& key, DataKind kind, const StageData& data, const Report& report, double seconds) const;
 
   struct Entry {
     bool has_report = false, has_data = false;
     std::optional<double> seconds;
   };
-  /// What is there, not verified and not marked as used.
+  /// What the entry holds; it is not verified and does not count as used.
   Entry look_up(const std::string& key) const;
 
-  /// Removes the entries used least recently until the rest is at most that large.
+  /// Removes the entries that were used least recently until the rest is at most this large.
   void shrink_to(std::uint64_t max_bytes) const;
 
  private:

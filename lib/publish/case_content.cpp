@@ -67,7 +67,7 @@ class Builder {
     return i < 0 ? none : at(i).report;
   }
 
-  // The middle of the surfaces' bounds, to whole mm: exact in float32 like the surfaces' own.
+  // The centre of the surfaces' bounds, rounded to whole mm: it is exact in float32, as the surfaces' own origins are.
   Vec3 center() const {
     Bounds all;
     for (const Graph::Anatomy& a : graph_.anatomies) include(all, bounds_of(mesh(a.surface)));
@@ -80,8 +80,7 @@ class Builder {
     m.case_token = config_.case_token;
     m.program_version = program_version;
     m.input_sha256 = input_sha256;
-    // Of the stages that the case was made by, and no others: parameters of what the scene does not demand change no
-    // byte.
+    // Only the stages by which the case was made: parameters that the scene does not need change no byte.
     for (const Node& node : graph_.nodes)
       for (const auto& [name, value] : node.recorded()) m.parameters.emplace_back(node.name + "." + name, value);
   }
@@ -93,7 +92,7 @@ class Builder {
     out_.files.push_back({stem, extension, std::move(bytes)});
   }
 
-  // The sum of the bounds that the stages which moved the surface were given, and of what they used.
+  // Adds up the bounds that were given to the stages which moved the surface, and what these stages used of them.
   void add_budget(const RecipeAnatomy& recipe, CaseAnatomy& out) const {
     for (const RecipeStep& step : recipe.steps)
       for (const char* bound : {"max_deviation_mm", "max_displacement_mm"})
@@ -125,7 +124,8 @@ class Builder {
     glb.colour_rgb = recipe.colour_rgb;
     glb.opacity = recipe.opacity_ratio;
     std::string bytes = make_glb(surface, glb);
-    // What is published is float32 about the case's centre: the invariant must hold for that, not for our doubles.
+    // The published coordinates are float32 about the case's centre, so validity is checked on these and not on our
+    // doubles.
     with_field(nodes.name, [&] { require_valid(read_glb(std::string_view(bytes)).mesh); });
 
     CaseAnatomy out;
@@ -145,7 +145,8 @@ class Builder {
     result.triangles_before = result_of<ContourResult>(at(nodes.first_surface).report).triangles_count;
     result.triangles_after = static_cast<std::int64_t>(out.triangles);
     result.bytes_after = bytes.size();
-    // A GLB is 24 bytes a vertex (position, normal) and 12 a triangle; a closed surface has half as many points.
+    // A GLB needs 24 bytes for a vertex (position, normal) and 12 for a triangle; a closed surface has half as many
+    // points as triangles.
     result.bytes_before = static_cast<std::uint64_t>(result.triangles_before) * 24;
     result.deviation_max_mm = out.deviation.max_mm;
     result.deviation_p99_mm = out.deviation.p99_mm;
@@ -179,7 +180,7 @@ class Builder {
     add_file("haptic", ".nrrd", std::move(made.bytes), made.manifest.file);
     if (!made.hardness_bytes.empty())
       add_file("hardness", ".nrrd", std::move(made.hardness_bytes), made.manifest.hardness_file);
-    // A shape that has no surface of its own is displayed from the volume.
+    // A shape that has no surface of its own is displayed from the haptic volume.
     for (CaseAnatomy& anatomy : made.anatomies) manifest().anatomies.push_back(std::move(anatomy));
     manifest().haptic = std::move(made.manifest);
   }
@@ -215,7 +216,7 @@ class Builder {
     hole.figures.emplace_back(of + shape + ".removed_mm3", removed.removed_mm3);
   }
 
-  // What is seen and what is felt lose the same bone.
+  // Compares the bone that the displayed surface lost with the bone that the haptic volume lost.
   void compare_removed(CaseBurrHole& hole, const std::string& bone) const {
     const auto removed_mm3 = [&](const std::string& figure) {
       for (const auto& [name, value] : hole.figures)
@@ -235,8 +236,8 @@ class Builder {
                   " % in the bone removed; a smaller haptic.spacing_mm brings them together");
   }
 
-  // A drill of the hole's own size, less a play, passes through the bone that is seen and through the bone that is
-  // felt.
+  // A drill of the hole's own size, less some clearance, must pass through the displayed bone and through the felt
+  // bone.
   void require_free(const SceneDrill& drilled, const Cutter& cutter, const std::string& name) const {
     const Cutter own = widened(cutter, drilled.widen_mm);
     for (const Graph::Anatomy& a : graph_.anatomies)
@@ -247,7 +248,7 @@ class Builder {
       throw Error(ExitCode::quality, "", name, "is not free in the haptic volume of " + drilled.anatomy);
   }
 
-  // As the simulator will show it, capped where the volume ends.
+  // The surface as the simulator will show it, capped where the volume ends.
   TriMesh felt_surface(int number) const {
     Report ignored;
     ContourParams params;
@@ -262,7 +263,7 @@ class Builder {
       const RecipeAnatomy& recipe = *config_.find_anatomy(a.name);
       shown.push_back({a.name, &mesh(a.surface), recipe.colour_rgb, recipe.opacity_ratio});
     }
-    // What is felt but has no surface of its own: as the simulator will show it.
+    // Felt shapes without a surface of their own, as the simulator will show them.
     std::vector<TriMesh> felt;
     felt.reserve(manifest().haptic.shapes.size());
     for (const CaseShape& shape : manifest().haptic.shapes)

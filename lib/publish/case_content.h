@@ -12,7 +12,7 @@
 
 namespace trephine {
 
-/// A case in memory: everything that will be published, nothing of it written yet.
+/// A case in memory: everything that will be published, before anything is written.
 struct CaseContent {
   struct File {
     std::string stem, extension;  ///< as write_case_file takes them
@@ -24,11 +24,11 @@ struct CaseContent {
   std::vector<CasePicture> pictures;
 };
 
-/// The nodes whose data or report the case needs; what only they need is computed too, nothing else.
+/// The nodes whose data or report the case needs. Only these and their sources are computed.
 std::vector<int> wanted_nodes(const Graph& graph, bool pictures);
 
-/// Makes the case of a run's results and holds it against the scene's limits: throws Error 80 naming the anatomy where
-/// a surface is not valid in float32, exceeds the scene's triangles or deviation, or a burr hole is not free.
+/// Makes the case from a run's results and checks it against the scene's limits. Throws Error 80, naming the anatomy,
+/// where a surface is not valid in float32, exceeds the scene's triangles or deviation, or a burr hole is not free.
 CaseContent make_case_content(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results,
                               const std::string& program_version, const std::string& input_sha256, bool pictures,
                               const Progress& cancelled);

@@ -18,7 +18,7 @@ CaseLock::CaseLock(const std::filesystem::path& case_folder) {
   fd_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (fd_ < 0) throw Error(ExitCode::cannot_create, file, "", std::strerror(errno));
   if (flock(fd_, LOCK_EX | LOCK_NB) == 0) {
-    // A run that failed takes its folder away, lock and all: a lock on a file that is gone keeps nobody out.
+    // A run that failed removes its folder with the lock file, and a lock on a removed file keeps nobody out.
     struct stat held, there;
     if (fstat(fd_, &held) == 0 && stat(file.c_str(), &there) == 0 && held.st_ino == there.st_ino) return;
     close(fd_);

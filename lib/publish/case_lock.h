@@ -4,8 +4,9 @@
 
 namespace trephine {
 
-/// Only one run at a time builds a case: an flock on <case>/.lock, which a killed process cannot leave behind. Throws
-/// Error 75 where another holds it, 73 where it cannot be made. Released with the object; the empty file stays.
+/// Lets only one run at a time build a case: an flock on <case>/.lock, which ends with the process even if it is
+/// killed. Throws Error 75 where another run holds it, 73 where it cannot be made. It is released with the object; the
+/// empty file stays.
 class CaseLock {
  public:
   explicit CaseLock(const std::filesystem::path& case_folder);

@@ -36,7 +36,7 @@ Image shaded(const std::vector<SurfaceView>& views, View from, const std::string
   return render_surfaces(views, params, progress);
 }
 
-// The largest shape lies outermost: seen alone it would hide the rest, so the others are shown through it.
+// The largest shape lies outermost and would hide the rest, so it is drawn transparent.
 std::vector<SurfaceView> see_through(const std::vector<PictureAnatomy>& anatomies) {
   std::vector<SurfaceView> views;
   double largest = 0;
@@ -48,7 +48,7 @@ std::vector<SurfaceView> see_through(const std::vector<PictureAnatomy>& anatomie
   return views;
 }
 
-// The same hue at full strength: tissue colours are too pale for lines on a grey picture.
+// The same hue at full saturation: tissue colours are too pale for lines on a grey picture.
 std::array<double, 3> vivid(std::array<double, 3> rgb) {
   const auto [low, high] = std::minmax_element(rgb.begin(), rgb.end());
   const double from = *low, range = *high - *low;
@@ -76,11 +76,11 @@ TriMesh ball_at(Vec3 position_mm) {
   return mesh_of(ball, 0.1);
 }
 
-// From red, a guess, to green.
+// From red (a guess) to green (certain).
 std::array<double, 3> colour_of(const CaseLandmark& l) { return {1 - l.confidence, 0.15 + 0.75 * l.confidence, 0.1}; }
 
-// Images, some of them on several sheets: one part of an image's work follows another, so that as many are made at once
-// as there are threads.
+// Images that may lie on several sheets. The parts of one image are made one after the other, so that as many images
+// are made at once as there are threads.
 struct Sheet {
   std::string name;
   std::vector<std::size_t> cells;  // images
@@ -116,7 +116,7 @@ class Sheets {
   std::vector<Sheet> sheets_;
 };
 
-/// Where landmarks are shown: kept by the images' makers.
+/// The scene in which landmarks are shown; the makers of the images keep it.
 struct LandmarksScene {
   std::vector<TriMesh> balls;
   std::vector<SurfaceView> views;
@@ -138,7 +138,8 @@ Sheet landmarks_sheet(Sheets& sheets, const HuVolume& volume, const std::vector<
         sheets.image([scene, v, &frame, &progress] { return shaded(scene->views, v, "landmarks", frame, progress); }));
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const CaseLandmark& l = landmarks[i];
-    // On the midline a profile says most, elsewhere the cut from ear to ear or through the ventricles.
+    // A landmark on the midline is best seen in a sagittal slice; elsewhere a coronal slice or one through the
+    // ventricles is better.
     const bool midline = l.name == "nasion" || l.name == "inion" || l.name == "vertex" || l.name == "bregma";
     SliceParams params;
     params.plane = midline                         ? SlicePlane::sagittal
@@ -173,7 +174,7 @@ std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::v
 
   std::vector<SurfaceView> solid;
   for (const PictureAnatomy& a : anatomies) solid.push_back({a.surface, a.colour_rgb, 1});
-  if (anatomies.size() > 1)  // else it is the anatomy's own
+  if (anatomies.size() > 1)  // with one anatomy it is that anatomy's own picture
     overview.cells.push_back(
         sheets.image([&] { return shaded(see_through(anatomies), View::oblique_left, "all", frame, progress); }));
   overview.cells.push_back(sheets.image([&] {
@@ -207,7 +208,7 @@ std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::v
     SliceParams params;
     params.plane = planes[p];
     params.longer_side_px = cell_px;
-    params.window_width_hu = 150;  // brain and CSF are to be told apart; bone is white in any window
+    params.window_width_hu = 150;  // brain and CSF must be distinguishable; bone is white in any window
     const auto slice = [&] {
       return sheets.image([&volume, &shapes, &progress, params] {
         progress.check();

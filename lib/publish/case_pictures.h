@@ -23,10 +23,11 @@ struct CasePicture {
   std::string png;   ///< the file's bytes
 };
 
-/// What a technician looks at before a case is used: overview.png (all of it on a page), <anatomy>.png (one surface
-/// from several sides), axial.png, coronal.png, sagittal.png (the CT with the surfaces' exact cuts), and where there
-/// are landmarks landmarks.png: balls of 3 mm on the largest shape, the surer the greener, and the slices through each.
-/// In memory, so that they can be written when nothing can fail any more. The same bytes for the same input.
+/// The pictures that a technician looks at before a case is used: overview.png (everything on one page), <anatomy>.png
+/// (one surface from several sides), axial.png, coronal.png and sagittal.png (the CT with the exact cuts of the
+/// surfaces). Where there are landmarks, landmarks.png shows them as balls of 3 mm on the largest shape, greener with
+/// more confidence, and the slices through each. The pictures are made in memory, so that they can be written when
+/// nothing can fail any more. The same input gives the same bytes.
 std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
                                             const std::vector<CaseLandmark>& landmarks, const Progress& progress = {});
 

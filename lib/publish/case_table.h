@@ -6,7 +6,7 @@
 
 namespace trephine {
 
-/// What became of one anatomy, after the dissertation's Table I.
+/// What the pipeline made of one anatomy, as [Rizzi, chapter 2, Table I] reports it.
 struct AnatomyResult {
   std::string name;
   std::int64_t triangles_before = 0, triangles_after = 0;
@@ -17,7 +17,7 @@ struct AnatomyResult {
   std::string stopped_by;
 };
 
-/// Aligned columns for a person, numbers the same whatever the locale.
+/// A table with aligned columns for a person. Numbers are the same whatever the locale.
 std::string case_table(const std::vector<AnatomyResult>& anatomies);
 
 }  // namespace trephine

@@ -17,7 +17,7 @@ std::string joined(const std::vector<std::string>& parts, const char* between) {
   return text;
 }
 
-// What the executor will do, without doing it (executor.cpp, demand).
+// Predicts what the executor will do, without doing it (executor.cpp, demand).
 class Forecast {
  public:
   Forecast(const Graph& graph, const std::vector<int>& wanted, const StageCache& cache)
@@ -112,7 +112,7 @@ Explanation explain(const CaseConfig& config, const Graph& graph, const std::vec
                     const StageCache& cache) {
   Explanation out;
   out.trade = config.trade;
-  // Of those stages that will be; of a node that sees the original scan they are its stage's.
+  // Only values of stages that will exist. For a node that sees the original scan, they are the values of its stage.
   for (const ValueRow& row : config.values)
     if (std::any_of(graph.nodes.begin(), graph.nodes.end(),
                     [&](const Node& node) {
@@ -139,7 +139,7 @@ Explanation explain(const CaseConfig& config, const Graph& graph, const std::vec
 
 namespace {
 
-// What is said somewhere, then how many values are the defaults.
+// The values that a source sets, then the count of those that are defaults.
 std::string values_table(const std::vector<ValueRow>& values) {
   std::vector<std::vector<std::string>> cells = {{"parameter", "value", "from", "where"}};
   std::size_t defaults = 0;

@@ -13,7 +13,7 @@ namespace trephine {
 /// The haptic part of a case.
 struct HapticContent {
   CaseHaptic manifest;                 ///< without the files' names
-  std::vector<CaseAnatomy> anatomies;  ///< of shapes that have no surface of their own
+  std::vector<CaseAnatomy> anatomies;  ///< for shapes that have no surface of their own
   std::string bytes, hardness_bytes;
 };
 

@@ -26,7 +26,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// From the system's entropy: a case's name is never derived from the patient (acceptance P3).
+// The name comes from the system's entropy: a case's name is never derived from the patient (acceptance case P3).
 std::string random_token() {
   std::random_device source;
   std::string token = "case-";
@@ -57,16 +57,17 @@ void require_face_policy(const CaseConfig& config) {
 
 namespace {
 
-// A case folder in which nothing was ever published goes again where the run fails: nothing is left behind that looks
-// like a case. Made and destroyed under the case's lock, for only there it is certain that no other run publishes.
+// Removes a case folder in which nothing was ever published if the run fails, so that nothing is left behind that looks
+// like a case. The object is made and destroyed under the case's lock, for only there it is certain that no other run
+// publishes.
 struct UnpublishedFolder {
   explicit UnpublishedFolder(const fs::path& f) : folder(f) {}
   fs::path folder;
   ~UnpublishedFolder() {
     std::error_code ignored;
-    // Where the disk does not say whether there is a case, there may be one.
+    // Where the disk does not tell whether there is a case, one may be there.
     if (fs::symlink_status(folder / "case.json", ignored).type() != fs::file_type::not_found) return;
-    // Only what a run of ours makes; a file of somebody else's keeps the folder.
+    // Only files that a run makes are removed; any other file keeps the folder.
     for (const char* ours : {"meshes", "report"}) fs::remove_all(folder / ours, ignored);
     for (const auto& entry : fs::directory_iterator(folder, ignored))
       if (entry.path().filename() != ".lock") return;
@@ -75,15 +76,15 @@ struct UnpublishedFolder {
   }
 };
 
-// Folders that the run makes and leaves empty, for it failed, go again.
+// Removes the folders that the run made and left empty because it failed.
 class NewFolders {
  public:
   ~NewFolders() {
     std::error_code ignored;
     for (auto f = missing_.rbegin(); f != missing_.rend(); ++f)
-      fs::remove(*f, ignored);  // not where something is in it
+      fs::remove(*f, ignored);  // fails where the folder holds something
   }
-  // Before it is made.
+  // To be called before the folder is made.
   void expect(const fs::path& folder) {
     std::vector<fs::path> missing;
     std::error_code error;
@@ -97,7 +98,7 @@ class NewFolders {
   std::vector<fs::path> missing_;
 };
 
-// A case's folder holds the case and nothing else: what the user asks for beside it goes elsewhere.
+// A case's folder holds the case and nothing else: other outputs must go elsewhere.
 void require_outside(const fs::path& case_folder, const fs::path& output, const char* flag) {
   if (output.empty()) return;
   const fs::path inside =
@@ -106,14 +107,14 @@ void require_outside(const fs::path& case_folder, const fs::path& output, const 
   throw Error(ExitCode::usage, output.string(), flag, "lies in the case's own folder, choose another");
 }
 
-// What a run's results are collected in on the way to the case.
+// Collects the results of a run on the way to the case.
 struct Run {
   explicit Run(const RunRequest& r) : request(r) {}
   const RunRequest& request;
   CaseConfig config;
   Graph graph;
   std::vector<NodeResult> results;
-  Report folder;  // what else lay in the series' folder
+  Report folder;  // other content of the series' folder
   std::vector<std::string> warnings;
 };
 
@@ -126,7 +127,8 @@ std::string hash_input(Run& run, const Progress& cancelled) {
   }
 }
 
-// Of every stage that the case needs, published or not, and before anything is refused: they may say why it will be.
+// Logs the warnings of every stage that the case needs, published or not. This happens before anything is refused,
+// because they may say why it will be.
 void tell_warnings(Run& run) {
   for (const std::string& w : run.folder.warnings) run.warnings.push_back("import: " + w);
   for (std::size_t i = 0; i < run.graph.nodes.size(); ++i)
@@ -135,7 +137,7 @@ void tell_warnings(Run& run) {
   for (const std::string& w : run.warnings) log_warning(run.config.case_token + ": " + w);
 }
 
-// A budget of time cannot be kept by force: the case is done and good, only later.
+// A budget of time cannot be enforced: the case is complete and valid, only later than wanted.
 void tell_overrun(Run& run, double seconds) {
   const double budget_s = run.config.trade.rule.seconds;
   if (budget_s <= 0 || seconds <= budget_s) return;
@@ -145,7 +147,7 @@ void tell_overrun(Run& run, double seconds) {
   log_warning(run.config.case_token + ": " + run.warnings.back());
 }
 
-// Pictures of an older state of the case would be taken for this one's.
+// Pictures of an older state of the case could be mistaken for this one's.
 void remove_other_pictures(const fs::path& folder, const std::vector<CasePicture>& pictures) {
   std::error_code ignored;
   std::vector<fs::path> others;
@@ -157,8 +159,9 @@ void remove_other_pictures(const fs::path& folder, const std::vector<CasePicture
   for (const fs::path& f : others) fs::remove(f, ignored);
 }
 
-// Everything is made and may be published: from here on nothing but the disk can stop it. The pictures are not part of
-// the case's bytes; they are written last before case.json, so that both change at nearly the same moment.
+// Publishes the case. Everything has been made and checked, so only the disk can still fail. The pictures are not part
+// of the case's checksummed bytes; they are written last, just before case.json, so that both change at nearly the same
+// moment.
 void publish(const Run& run, const fs::path& folder, const CaseContent& content) {
   for (const CaseContent::File& f : content.files) write_case_file(folder, f.stem, f.extension, f.bytes);
   for (const CasePicture& p : content.pictures) write_file(folder / "report" / p.name, p.png);
@@ -166,12 +169,12 @@ void publish(const Run& run, const fs::path& folder, const CaseContent& content)
   remove_other_pictures(folder / "report", content.pictures);
   try {
     remove_unnamed_case_files(folder);
-  } catch (const std::exception& e) {  // the case is published, whatever is left beside it
+  } catch (const std::exception& e) {  // the case is published, whatever old files remain beside it
     log_warning(run.config.case_token + ": files of the older case are left: " + e.what());
   }
 }
 
-// Beside the case's folder, in which there may be the last good case or nothing.
+// The file lies beside the case's folder, which may hold the last valid case or not exist.
 constexpr const char* refusal_ending = ".refused.png";
 
 void show_refusal(const fs::path& file, const AnatomyError& e) {
@@ -179,7 +182,7 @@ void show_refusal(const fs::path& file, const AnatomyError& e) {
   try {
     write_file(file, e.picture_png);
     log_warning(e.case_token() + ": a picture of what is wrong: " + file.string());
-  } catch (const Error& failed) {  // what matters is why the case is refused
+  } catch (const Error& failed) {  // the reason of the refusal matters more than this failure
     log_warning(e.case_token() + ": the picture of what is wrong could not be written: " + failed.what());
   }
 }

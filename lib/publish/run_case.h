@@ -13,7 +13,7 @@
 
 namespace trephine {
 
-/// What `trephine run` takes besides files and folders.
+/// The parameters of `trephine run`, without its files and folders.
 struct RunParams {
   std::string case_token;
   std::string profile;
@@ -25,14 +25,15 @@ struct RunParams {
   static void describe(V& v) {
     using P = RunParams;
     v.text(&P::case_token, "case",
-           "Name of the case: a-z, 0-9, _ and -, never a patient's; overrides the configuration's; random where "
-           "neither gives one.");
+           "Name of the case: a-z, 0-9, _ and -; never a patient's name. It overrides the configuration's; where "
+           "neither gives one, it is random.");
     v.text(&P::profile, "profile",
-           "draft, standard or fine, of the trade that the configuration names; instead of the rule that it holds.");
+           "draft, standard or fine: a point of the trade that the configuration names, instead of the configuration's "
+           "own rule.");
     v.flag(&P::use_cache, "use_cache",
            "Reuse and keep the outputs of stages whose inputs and parameters are the same.");
     v.integer(&P::cache_limit_mb, "cache_limit_mb", Range{0, 1e9},
-              "What the cache may hold after the run, in MB; the oldest goes first.");
+              "Largest size of the cache after the run, in MB; the entries used longest ago go first.");
     v.flag(&P::pictures, "pictures", "Make the pictures in the case's report folder.");
   }
 };
@@ -42,7 +43,7 @@ struct RunRequest {
   std::filesystem::path library;  ///< the case becomes <library>/<case>/
   ConfigOverrides overrides;
   RunParams params;
-  std::filesystem::path keep;   ///< intermediates of every stage go here as files; empty: not
+  std::filesystem::path keep;   ///< the output of every stage is written here too; empty: not written
   std::filesystem::path cache;  ///< empty: <library>/.trephine-cache
   std::filesystem::path json;   ///< where the caller will write RunResult::json; empty: nowhere
   std::string program_version;
@@ -57,20 +58,20 @@ struct RunResult {
   std::string table;                  ///< for a person
 };
 
-/// Skin of a head is a face, and so is a CT of it: throws 81 where the case would publish one and the scene does not
-/// say that it may, and why.
+/// The skin of a head shows the face, and so does a CT of it. Throws Error 81 where the case would publish one and the
+/// scene does not say that it may, and why.
 void require_face_policy(const CaseConfig& config);
 
 /// Builds one case, idempotently: afterwards the library holds the old case or the new one. Before any work it reads
-/// the configuration, refuses outputs of its own inside the case's folder (64), checks the face policy (81), makes and
-/// checks the folders (73) and takes the case's lock (75 where another run builds the same case). Then it computes what
-/// the scene demands, logs every stage's warnings, holds the results against the scene's limits (80), and publishes.
-/// Pictures of the run before and files that case.json no longer names are removed afterwards: who is still reading the
-/// older case may get a 66 that names such a file, and reads case.json again.
+/// the configuration, refuses outputs inside the case's folder (64), checks the face policy (81), makes and checks the
+/// folders (73) and takes the case's lock (75 where another run builds the same case). Then it computes what the scene
+/// demands, logs the warnings of every stage, checks the results against the scene's limits (80), and publishes.
+/// Pictures of the previous run and files that case.json no longer names are removed afterwards: a program that is
+/// still reading the older case may get Error 66 for such a file, and should read case.json again.
 RunResult run_case(const RunRequest& request, RunObserver& observer);
 
-/// What run_case would compute, what from its cache, what not, and why. Reads the configuration and the series, writes
-/// and computes nothing; the library need not exist.
+/// Says what run_case would compute, what it would take from its cache, what it would skip, and why. Reads the
+/// configuration and the series, but computes and writes nothing; the library need not exist.
 Explanation explain_case(const RunRequest& request);
 
 }  // namespace trephine

@@ -8,9 +8,9 @@
 
 namespace trephine {
 
-/// run.json: what differs between equal runs (times, peak memory of this process and its children, load, threads)
-/// beside each stage's report. Outside the case's checksummed files.
-/// `folder` is what else lay in the series' folder.
+/// The text of run.json: what differs between equal runs (times, peak memory of this process and its children, load,
+/// threads), beside the report of each stage. It is not one of the case's checksummed files. `folder` describes what
+/// else lay in the series' folder.
 std::string run_json(const Graph& graph, const std::vector<NodeResult>& results, const Report& folder,
                      const std::vector<AnatomyResult>& anatomies, const std::vector<std::string>& warnings,
                      double wall_s);

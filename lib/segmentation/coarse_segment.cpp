@@ -10,7 +10,7 @@
 namespace trephine::segmentation {
 namespace {
 
-/// The brightest voxel of each cell; no number where one is none.
+/// The brightest voxel of each cell; NaN where one of them is NaN.
 template <class T>
 Grid<T> brightest(const Grid<T>& fine, const CoarseRaster& raster, const Progress& progress) {
   const auto& factor = raster.factor;
@@ -29,7 +29,7 @@ Grid<T> brightest(const Grid<T>& fine, const CoarseRaster& raster, const Progres
   return cells;
 }
 
-/// Each voxel with its cell's value, in the box that the field's cells cover.
+/// Gives each voxel its cell's value, in the box that the field's cells cover.
 Field spread(const Field& field, const CoarseRaster& raster) {
   const auto& factor = raster.factor;
   const Box at = place_in(field, raster.cells);
@@ -57,7 +57,7 @@ Field segment_coarsely(const HuVolume& volume, const SegmentParams& params, Repo
   const CoarseRaster raster = coarse_raster(lattice_of(volume), params.coarse_mm, true);
   const HuVolume coarse =
       std::visit([&](const auto& grid) { return HuVolume(brightest(grid, raster, progress)); }, volume);
-  // What the cells widened is no wider a bridge.
+  // A bridge must not count as wider because cells are coarse.
   SegmentParams p = params;
   p.coarse_mm = 0;
   double widened_mm = 0;

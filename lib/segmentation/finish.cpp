@@ -14,7 +14,7 @@
 namespace trephine::segmentation {
 namespace {
 
-/// A fault of the shape found that names no parameter is the thresholds'.
+/// A fault of the shape that names no parameter is attributed to the thresholds.
 template <class F>
 auto of_thresholds(F&& f) {
   try {
@@ -43,7 +43,7 @@ Field moved(const Field& field, const Lattice& volume, double grow_mm, const Pro
   return out;
 }
 
-/// Whether the surface is one of a body.
+/// Checks whether the surface is that of a body.
 void check_scan_edge(const HuView& hu, const Field& field, const FinishParams& params, Report& report) {
   const double ratio = scan_edge_ratio(hu, field);
   report.add("scan_edge_ratio", ratio);

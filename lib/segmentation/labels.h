@@ -20,10 +20,11 @@ struct LabelParams {
   static void describe(V& v) {
     using P = LabelParams;
     v.text(&P::file, "file", "Labels to read: NRRD, .seg.nrrd, NIfTI (.nii, .nii.gz).").names("file");
-    v.text(&P::label, "label", "Which one: its value, or a segment's name or ID; empty for all that is not 0.");
+    v.text(&P::label, "label",
+           "Which label to take: its value, or a segment's name or ID; empty for everything that is not 0.");
     v.number(&P::smooth_mm, "smooth_mm", Range{0, 10},
-             "Sigma of the Gaussian that smooths the voxels' steps (none of them changes sides); where it is 0, a "
-             "voxel's mean side.");
+             "Sigma of the Gaussian that smooths the voxels' steps; no voxel changes sides. With 0, each voxel has the "
+             "mean of its own side.");
     v.number(&P::max_outside_ratio, "max_outside_ratio", Range{0, 1},
              "Refuse where more of the label than this lies outside of the volume.");
     v.number(&P::max_air_ratio, "max_air_ratio", Range{0, 1},
@@ -32,22 +33,22 @@ struct LabelParams {
 };
 
 /// A label as a field on the volume's raster, positive inside, cropped to the label and a margin where the volume has
-/// room. Where the label's grid is the volume's raster (its axes may be flipped or swapped, it may be a part, or reach
-/// beyond), voxels keep their side and the surface lies within half a voxel of theirs. Else the mask, smoothed so on
-/// its own grid, becomes a signed distance in mm that is interpolated linearly at the volume's voxels (shape-based:
-/// Raya and Udupa, IEEE Transactions on Medical Imaging 9 (1990)), and moved by up to half a voxel of the label's so
-/// that it holds as many ml as before: what is thinner than a voxel of the volume may go.
+/// room. Where the label's grid is the volume's raster (its axes may be flipped or swapped, it may cover a part, or
+/// reach beyond), voxels keep their side and the surface lies within half a voxel of theirs. Otherwise the mask is
+/// smoothed in the same way on its own grid and becomes a signed distance in mm, which is interpolated linearly at the
+/// volume's voxels (shape-based interpolation [Raya1990]) and moved by up to half a voxel of the label, so that it
+/// holds as many ml as before. Parts thinner than a voxel of the volume may vanish.
 ///
-/// Report: label (its name), format, label_voxels_count, label_ml, resampled, offset_max_ratio (of a voxel: how far the
-/// label's voxels lie off the volume's; not where resampled), outside_ratio (of the label, outside of the volume),
-/// air_ratio, moved_mm (where resampled: the surface, outwards), volume_ml (where resampled: within
-/// the surface), volume_change_ratio (against the label's part in the volume). Warns where that is beyond 0.02; where
-/// some of the label lies outside, or much in air; where it ends at its own grid's edge within the volume (cut off
-/// there); what the file itself makes suspicious.
+/// Report: label (its name), format, label_voxels_count, label_ml, resampled, offset_max_ratio (how far the label's
+/// voxels lie off the volume's, as a share of a voxel; not where resampled), outside_ratio (share of the label outside
+/// of the volume), air_ratio, moved_mm (how far the surface was moved outwards, where resampled), volume_ml (within the
+/// surface, where resampled), volume_change_ratio (compared with the label's part in the volume). Warns where that
+/// change is beyond 0.02; where some of the label lies outside, or much of it in air; where the label ends at its own
+/// grid's edge within the volume (cut off there); and of anything suspicious in the file itself.
 ///
 /// Throws Error 80 where the label is empty, lies outside of the volume or in air by more than is allowed (saying
-/// whether it would fit with x and y negated, RAS taken for LPS or the reverse), or nothing of it is left; 65 where
-/// the volume's voxels are not finite; Cancelled. The same bits whatever the thread count.
+/// whether it would fit with x and y negated, because RAS was taken for LPS or the reverse), or nothing of it is left;
+/// 65 where the volume's voxels are not finite; Cancelled. The result has the same bits whatever the thread count.
 Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParams& params, Report& report,
                   const Progress& progress = {});
 

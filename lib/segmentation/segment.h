@@ -38,16 +38,16 @@ struct SegmentParams {
     v.number(&P::lower_hu, "lower_hu", Range{-100000, 100000}, "Lowest HU of the material.");
     v.number(&P::upper_hu, "upper_hu", Range{-100000, 100000}, "Highest HU of the material.");
     v.number(&P::seed_lower_hu, "seed_lower_hu", Range{-100000, 100000},
-             "Hysteresis: only pieces that hold a voxel of at least this HU.");
+             "Hysteresis: only pieces that hold a voxel of at least this HU are kept.");
     v.choice(&P::edge, "edge", {{"fixed", SegmentEdge::fixed}, {"half_maximum", SegmentEdge::half_maximum}},
-             "Where the surface lies: at the HU given, or halfway between both sides as measured at every place, never "
-             "below lower_hu.");
+             "Where the surface lies. fixed: at the given HU. half_maximum: halfway between the HU of both sides as "
+             "measured at every place, never below lower_hu.");
     v.number(&P::smoothing_sigma_mm, "smoothing_sigma_mm", Range{0, 5},
              "Sigma of the Gaussian against noise before the thresholds.");
     v.numbers(&P::roi_min_mm, "roi_min_mm", Range{-1e6, 1e6}, "Lower corner of the region of interest, LPS.");
     v.numbers(&P::roi_max_mm, "roi_max_mm", Range{-1e6, 1e6}, "Upper corner of the region of interest, LPS.");
     v.number(&P::open_mm, "open_mm", Range{0, 10},
-             "Parts that hang together only by bridges thinner than twice this are told apart (head and head holder).");
+             "Parts that are connected only by bridges thinner than twice this are separated (head and head holder).");
     v.choice(&P::components, "components", {{"all", SegmentComponents::all}, {"largest", SegmentComponents::largest}},
              "Which connected pieces to keep.");
     v.number(&P::min_component_ml, "min_component_ml", Range{0, 10000}, "Pieces smaller than this are dropped.");
@@ -58,40 +58,42 @@ struct SegmentParams {
               {"cavities_and_cut", SegmentFill::cavities_and_cut}},
              "Fill what the material encloses; cavities_and_cut: also what only one face of the volume cuts open.");
     v.number(&P::fill_close_mm, "fill_close_mm", Range{0, 30},
-             "Fill also cavities whose ways out are narrower than twice this; the outer surface stays where it is.");
+             "Also fill cavities whose outlets are narrower than twice this; the outer surface stays where it is.");
     v.number(&P::fill_max_ml, "fill_max_ml", Range{0, 10000}, "Cavities larger than this stay open.");
     v.number(&P::grow_mm, "grow_mm", Range{-20, 20},
-             "Moves the surface outwards (or inwards, below 0) by this distance in the end; the field is then in mm.");
+             "Moves the surface outwards (inwards, if negative) by this distance at the end; the field is then in mm.");
     v.number(&P::max_scan_edge_ratio, "max_scan_edge_ratio", Range{0, 1},
-             "Refuse a shape more of whose rim in the slices than this is the edge of the scanned field: a skin that "
-             "was not scanned; 1 does not ask.");
+             "Refuse a shape if a larger share of its rim in the slices is the edge of the scanned field, as with a "
+             "skin that was not scanned completely; 1 turns the check off.");
     v.number(&P::coarse_mm, "coarse_mm", Range{0, 10},
-             "On cells of about this size, each as bright as its brightest voxel, in a fraction of the time: for an "
-             "anatomy that others only lie within; it is up to a cell too large, and its surface has steps; 0: on the "
-             "scan's voxels.");
+             "Work on cells of about this size, each as bright as its brightest voxel, in a fraction of the time. It "
+             "is for an anatomy that others only lie within: the result is up to a cell too large, and its surface has "
+             "steps. 0: work on the scan's voxels.");
   }
 };
 
-/// Fields of other anatomies (positive inside), on the volume's raster, maybe only a part of it. Null where not given.
+/// Fields of other anatomies (positive inside) on the volume's raster, perhaps covering only a part of it. Null where
+/// not given.
 struct SegmentMasks {
-  const Field* within = nullptr;   ///< nothing outside it
-  const Field* without = nullptr;  ///< nothing inside it
+  const Field* within = nullptr;   ///< the anatomy lies inside it
+  const Field* without = nullptr;  ///< the anatomy lies outside it
 };
 
-/// One anatomy out of a volume of HU by thresholds: a field, positive inside, whose zero crossing is the surface,
-/// cropped to the shape and a margin of two voxels where the volume has room. The mask that the parameters decide gives
-/// the sign; the values beside the surface are HU against the threshold (so that partial volume places it within a
-/// voxel), or a smoothed cut where the mask ends inside material. No voxel is 0.
+/// Finds one anatomy in a volume of HU by thresholds. The result is a field, positive inside, whose zero crossing is
+/// the surface, cropped to the shape and a margin of two voxels where the volume has room. The mask that the parameters
+/// decide gives the sign. The values beside the surface are HU relative to the threshold (so that partial volume places
+/// the surface within a voxel), or a smoothed cut where the mask ends inside material. No voxel is 0.
 ///
 /// The steps, in this order: window, masks, hysteresis, opening by pieces, components, closing, filling. With edge
-/// half_maximum the fixed threshold decides what is bone and the surface lies at half the contrast, which kernel blur
-/// moves far less. With coarse_mm the work is done on cells of whole voxels; the shape holds that of the scan's own
-/// voxels, as long as it is what exceeds lower_hu, and the field has steps of a cell.
+/// half_maximum the fixed threshold decides what is bone, and the surface lies at half the contrast, which kernel blur
+/// moves far less. With coarse_mm the work is done on cells of whole voxels: the shape then contains that of the scan's
+/// own voxels, provided the shape is everything above lower_hu, and the field has steps of a cell.
 ///
-/// The result is the same bits whatever the thread count. Safe to call from several threads at a time.
-/// Throws Error 65 where a voxel is not finite, or a mask is of another raster; 64 where coarse_mm is set and a mask is
-/// given, or corners or thresholds are exchanged; 80 where the mask is empty, fills the volume, or lies in a single
-/// slice, with the count of voxels, or more of its rim than max_scan_edge_ratio is the edge of the scan; Cancelled.
+/// The result has the same bits whatever the thread count, and the function is safe to call from several threads at a
+/// time. Throws Error 65 where a voxel is not finite, or a mask is on another raster; 64 where coarse_mm is set and a
+/// mask is given, or corners or thresholds are exchanged; 80, with the count of voxels, where the mask is empty, fills
+/// the volume, or lies in a single slice, or where more of its rim than max_scan_edge_ratio is the edge of the scan;
+/// Cancelled.
 Field segment(const HuVolume& volume, const SegmentMasks& masks, const SegmentParams& params, Report& report,
               const Progress& progress = {});
 

@@ -19,8 +19,8 @@ using segmentation::BandEnd;
 using segmentation::BandParams;
 using segmentation::BandRun;
 
-constexpr float largest_speed = 1.0001f;  // rounding of whoever made the image
-constexpr double most_held_back = 0.05;   // of a shape in noise about 0.01
+constexpr float largest_speed = 1.0001f;  // allows for rounding in other programs
+constexpr double most_held_back = 0.05;   // a shape in noise has about 0.01
 
 /// Throws Error 65 at the first voxel (in memory's order) for which bad() holds.
 template <class Bad>
@@ -53,7 +53,7 @@ void check_speed(const Field& speed) {
 struct Inside {
   Box box;  ///< of the voxels above 0
   std::size_t voxels = 0, edge = 0;
-  std::size_t held_back = 0;  ///< those at which the speed is negative
+  std::size_t held_back = 0;  ///< voxels at which the speed is negative
   double mean_speed = 0;
 };
 
@@ -153,7 +153,7 @@ Grid<float> pooled(const Grid<float>& fine, const Lattice& coarse) {
   return out;
 }
 
-/// Trilinear, the edge's values going on outside.
+/// Trilinear; outside, the values of the edge continue.
 Grid<float> refined(const Grid<float>& coarse, const Lattice& fine) {
   Grid<float> out(fine);
   struct Tap {
@@ -218,7 +218,8 @@ BandParams band_params(const SnakeParams& p, int most_iterations, const Lattice&
 
 bool ended_well(BandEnd end) { return end == BandEnd::converged || end == BandEnd::iterations; }
 
-/// A geodesic surface begins outside of the walls, thin ones too: within them no image would draw it out.
+/// A geodesic surface begins outside of the walls, also of thin ones: within them nothing in the image would move it
+/// out.
 void leave_walls(const Grid<float>& speed, Grid<float>& phi, const SnakeParams& p) {
   if (p.method != SnakeMethod::geodesic) return;
   const float outside = -0.5f * float(std::min({phi.spacing_mm.x, phi.spacing_mm.y, phi.spacing_mm.z}));
@@ -226,8 +227,8 @@ void leave_walls(const Grid<float>& speed, Grid<float>& phi, const SnakeParams& 
     if (speed.voxels[v] <= -1) phi.voxels[v] = std::min(phi.voxels[v], outside);
 }
 
-/// The finest level's run; `phi` is the start, and then the result. `levels` coarser ones before it, which take half of
-/// `most_iterations` at most; `iterations` counts all of them.
+/// Runs the finest level, after `levels` coarser ones, which take at most half of `most_iterations`. `phi` is the start
+/// and then the result; `iterations` counts all levels.
 BandRun evolve_levels(const Grid<float>& speed, Grid<float>& phi, const SnakeParams& p, int levels, int most_iterations,
                       int& iterations, const Progress& progress) {
   const Lattice coarse = halved(phi);
@@ -300,7 +301,7 @@ Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& pa
   else if (run.end == BandEnd::iterations && params.min_change_mm > 0)
     report.warn(
         fmt::format("snake: still moves by {:.3g} mm an iteration after {} of them", run.change_mm, iterations));
-  // A geodesic one is drawn beyond where a speed of both signs ends.
+  // A geodesic surface is drawn beyond the place where a speed of both signs ends.
   if (!geodesic && params.propagation > 0 && held_back > most_held_back)
     report.warn(
         fmt::format("snake: at {:.0f} % of what it holds the speed is negative: it leaked through noise, or began "

@@ -28,70 +28,72 @@ struct SnakeParams {
     using P = SnakeParams;
     v.choice(&P::method, "method",
              {{"region_competition", SnakeMethod::region_competition}, {"geodesic", SnakeMethod::geodesic}},
-             "What drives the surface: the speed's sign, outwards where it is positive and inwards where negative; or "
-             "outwards up to image edges, where the speed is near 0.");
+             "What drives the surface. region_competition: the sign of the speed, outwards where it is positive and "
+             "inwards where it is negative. geodesic: outwards up to image edges, where the speed is near 0.");
     v.number(&P::propagation, "propagation", Range{-10, 10},
              "Weight of the speed along the normal (1 as in ITK-SNAP).");
-    v.number(
-        &P::curvature, "curvature", Range{0, 10},
-        "Weight of the curvature, which keeps the surface smooth, in mm: at 0.2 (as in ITK-SNAP on voxels of 1 mm) "
-        "full speed holds a ball of radius 0.4 mm, and one of 4 mm loses a tenth of it.");
+    v.number(&P::curvature, "curvature", Range{0, 10},
+             "Weight of the curvature, which keeps the surface smooth, in mm. At 0.2 (as in ITK-SNAP on voxels of 1 "
+             "mm) full speed holds a ball of radius 0.4 mm, and a ball of 4 mm loses a tenth of its speed.");
     v.number(&P::advection, "advection", Range{0, 10},
              "geodesic: weight of the pull towards edges, in mm (2 as in ITK-SNAP); else not used.");
     v.integer(&P::max_iterations_count, "max_iterations_count", Range{0, 10000},
-              "Iterations, those of all resolutions together; the coarser ones take half of them at most.");
+              "Iterations of all resolutions together; the coarser ones take at most half of them.");
     v.number(&P::min_change_mm, "min_change_mm", Range{0, 1},
-             "Converged where the surface gets no farther than this an iteration, on the mean over it and over ten "
-             "iterations; 0 does not ask.");
+             "The surface has converged where it moves less than this in an iteration, on average over the surface and "
+             "over ten iterations; 0 turns the check off.");
     v.integer(&P::coarse_levels_count, "coarse_levels_count", Range{0, 4},
-              "So many coarser resolutions are evolved first, each of half as many voxels along the finer axes.");
+              "How many coarser resolutions are evolved first, each with half as many voxels along the finer axes.");
     v.number(&P::min_mean_speed, "min_mean_speed", Range{-1, 1},
-             "A result whose mean speed inside is below this lost its structure: refused; -1 does not ask.");
+             "A result whose mean speed inside is below this has lost its structure and is refused; -1 turns the check "
+             "off.");
     v.number(&P::max_volume_ml, "max_volume_ml", Range{0, 100000},
-             "A surface that grows beyond this volume leaked: refused at once; 100000 does not ask.");
-    v.text(&P::bubbles, "bubbles",
-           "Where to begin: balls as \"x,y,z,radius\" in mm, LPS, several parted by semicolons.");
+             "A surface that grows beyond this volume has leaked and is refused at once; 100000 turns the check off.");
+    v.text(&P::bubbles, "bubbles", "Where to begin: balls as \"x,y,z,radius\" in mm, LPS, separated by semicolons.");
     v.integer(&P::bubbles_count, "bubbles_count", Range{0, 100},
-              "So many balls are placed by themselves: the largest that fit where the speed is positive.");
+              "How many balls are placed automatically: the largest that fit where the speed is positive.");
     v.number(&P::bubble_min_radius_mm, "bubble_min_radius_mm", Range{0.1, 100},
-             "Least radius of a ball placed by itself.");
+             "Least radius of a ball that is placed automatically.");
   }
 };
 
-/// Evolves a surface in 3D over a speed image g in [-1, 1]: it moves outwards along its normal N by
+/// Evolves a surface in 3D over a speed image g in [-1, 1]. In a unit of time it moves outwards along its normal N by
 ///   propagation g - curvature kappa - advection (grad g . N)
-/// a unit of time, kappa the sum of both principal curvatures (2 / r of a ball), the last term for geodesic alone
-/// (Zhu and Yuille 1996; Caselles, Kimmel and Sapiro 1997; as in ITK-SNAP, Yushkevich et al. 2006, but in mm). A sparse
-/// field on the grid (segmentation/snake_band.h); the time step from the CFL bound; a speed of -1 is a wall that pulls
-/// nothing, as presegment makes it outside of its masks; first at the coarser resolutions,
-/// where a structure that vanishes there is begun anew at the finer one. `start` is positive inside, any field on the
-/// speed's raster; its crossing is the first surface. Only speed's lattice is looked at; its edge holds the surface.
+/// where kappa is the sum of both principal curvatures (2 / r of a ball), and the last term applies to geodesic alone
+/// ([Zhu1996]; [Caselles1997]; as in ITK-SNAP [Yushkevich2006], but in mm). The surface is a sparse field
+/// [Whitaker1998] on the grid (segmentation/snake_band.h), and the time step follows from the CFL bound. A speed of -1,
+/// as presegment sets it outside of its masks, is a wall that pulls nothing. Coarser resolutions come first; a
+/// structure that vanishes there is begun again at the finer one. `start` is any field on the speed's raster, positive
+/// inside, whose zero crossing is the first surface. Only the speed's lattice is used; its edge holds the surface.
 ///
-/// Returns the signed field, positive inside, mm within two voxels of the surface and a constant further away, cropped
-/// to the shape and a margin of two voxels. A surface does not part from noise that its speed calls its own, nor see
-/// that it leaked: bound it (max_volume_ml), or keep it inside another anatomy (snake()).
+/// Returns the signed field, positive inside, in mm within two voxels of the surface and constant further away, cropped
+/// to the shape and a margin of two voxels. A surface cannot separate noise to which its speed gives the structure's
+/// sign, and cannot tell that it leaked: bound it (max_volume_ml), or keep it inside another anatomy (snake()).
 ///
-/// Report: iterations_count (all levels), stopped_by (converged, iterations; of the finest), change_mm, time_step,
-/// mean_speed, negative_speed_ratio (of the voxels inside, those of negative speed), volume_ml. Warns where more than a
-/// twentieth is negative (region competition), where it still moves, and where it reached the speed image's edge: it
-/// may have leaked. Throws 65 where a voxel is not finite, the speed is not within [-1, 1] or rasters differ; 64 where
-/// every weight is 0; 80 where start is empty on the speed's lattice, or the surface vanishes, fills its domain or
-/// exceeds the bounds given; Cancelled. The same bits whatever the thread count; not from several threads at a time.
+/// Report: iterations_count (all levels), stopped_by (converged or iterations; of the finest level), change_mm,
+/// time_step, mean_speed, negative_speed_ratio (the share of the voxels inside that have a negative speed), volume_ml.
+/// Warns where more than a twentieth is negative (region competition), where the surface still moves, and where it
+/// reached the speed image's edge, because it may have leaked.
+///
+/// Throws Error 65 where a voxel is not finite, the speed is not within [-1, 1] or rasters differ; 64 where every
+/// weight is 0; 80 where start is empty on the speed's lattice, or the surface vanishes, fills its domain or exceeds
+/// the given bounds; Cancelled. The result has the same bits whatever the thread count. It must not be called from
+/// several threads at a time.
 Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& params, Report& report,
                    const Progress& progress = {});
 
 /// Fields on the speed's raster, null where not given.
 struct SnakeMasks {
-  const Field* start = nullptr;    ///< the first surface; else the parameters' bubbles
-  const Field* within = nullptr;   ///< nothing outside it, to a fraction of a voxel
-  const Field* without = nullptr;  ///< nothing inside it
+  const Field* start = nullptr;    ///< the first surface; without it, the parameters' bubbles
+  const Field* within = nullptr;   ///< the surface stays inside it, to a fraction of a voxel
+  const Field* without = nullptr;  ///< the surface stays outside it
 };
 
-/// evolve_snake() from given or placed bubbles, kept within and without other anatomies. Also throws 64 where there is
-/// nothing to begin with, more than one thing, or `bubbles` cannot be read; 80 as place_bubbles() does. Report,
-/// besides: bubbles (as they can be given) and pieces_count, for a bubble in other CSF leaks nowhere and is
-/// still none of the ventricles; held_by_limits_ratio, of the surface, where a mask holds it at a positive speed
-/// (geodesic: a wall of the speed image too); warns above a tenth.
+/// evolve_snake() from given or placed bubbles, kept within and without other anatomies. Also throws Error 64 where
+/// there is nothing to begin with, or more than one start, or `bubbles` cannot be read; 80 as place_bubbles() does. The
+/// report also has bubbles (in the form in which they can be given) and pieces_count, because a bubble in other CSF
+/// does not leak and yet is no ventricle; and held_by_limits_ratio, the share of the surface that a mask holds at a
+/// positive speed (geodesic: also a wall of the speed image). Warns where that is above a tenth.
 Field snake(const Field& speed, const SnakeMasks& masks, const SnakeParams& params, Report& report,
             const Progress& progress = {});
 

@@ -14,7 +14,7 @@
 namespace trephine {
 namespace {
 
-constexpr double most_held = 0.1;  ///< of a surface, by limits: more may be a leak
+constexpr double most_held = 0.1;  ///< share of a surface that limits may hold: more may be a leak
 
 /// The mask as a distance in mm near its surface, on the lattice.
 Grid<float> near_distance(const Field& mask, const char* name, const Lattice& lattice) {
@@ -41,8 +41,8 @@ void for_allowed(const Field& field, const SnakeMasks& masks, F&& f) {
   each(masks.without, "without", -1);
 }
 
-/// Says how much of the surface rests on nothing in the image: where the masks end and the speed would have it go on,
-/// or, for a geodesic snake, at the wall around a speed image. `forbidden` is on the field's voxels.
+/// Reports how much of the surface rests on nothing in the image: where the masks end and the speed would move it
+/// further, or, for a geodesic snake, at the wall around a speed image. `forbidden` is on the field's voxels.
 void tell_held(const Field& field, const Field& speed, const SnakeMasks& masks, SnakeMethod method, Report& report) {
   std::vector<char> forbidden(field.count(), 0);
   for_allowed(field, masks, [&](std::size_t v, float depth) {
@@ -118,7 +118,7 @@ Field snake(const Field& speed, const SnakeMasks& masks, const SnakeParams& para
     return field;
   }
 
-  // Held back a layer of voxels beyond the masks, so that it is they that cut the surface, between voxels, in the end.
+  // The surface is held back one layer of voxels beyond the masks, so that at the end the masks cut it between voxels.
   const float layer = 1.01f * float(std::max({speed.spacing_mm.x, speed.spacing_mm.y, speed.spacing_mm.z}));
   Field held = speed;
   for_allowed(speed, masks, [&](std::size_t v, float depth) {

@@ -12,16 +12,17 @@ namespace trephine::segmentation {
 namespace {
 
 constexpr double edge_reach_mm =
-    2.0;  ///< how far a half-maximum profile looks: beyond the blur, within a table of bone
-constexpr double brightest_bone_hu = 2000;  ///< enamel and metal count as this, lest they erode the bone beside them
+    2.0;  ///< reach of a half-maximum profile: more than the blur, less than a table of bone
+constexpr double brightest_bone_hu =
+    2000;  ///< enamel and metal count as this, so that they do not erode the bone beside them
 constexpr double cut_sigma_mm = 1.0;
 constexpr double cut_scale_hu = 100;
 constexpr double rejected_piece_ml = 1;  ///< of an opened mask: smaller pieces are thin parts of the kept one (ears)
 constexpr double plate_core_mm = 1;      ///< a thin part of at least twice this
 constexpr double plate_span_mm = 100;    ///< and this long, cut by the volume's edge, is a table or head holder
 
-/// What places the surface: HU above the lower threshold, or below the upper one where that is nearer. The thresholds
-/// are inclusive; on integers they are taken half a unit further out, so that no voxel is 0.
+/// The value that places the surface: HU above the lower threshold, or below the upper one where that is nearer. The
+/// thresholds are inclusive; on integers they are moved half a unit outwards, so that no voxel is 0.
 struct Window {
   float lower, upper;
   Window(const SegmentParams& p, bool integers) : lower(float(p.lower_hu)), upper(float(p.upper_hu)) {
@@ -55,8 +56,9 @@ double span_mm(const Component& c, const Lattice& l) {
   return span;
 }
 
-/// Opening by pieces: what falls off when bridges thinner than twice open_mm are cut is dropped, and so are thin plates
-/// that the volume cuts; other thin parts (ears, nose) stay. What touches both is parted at the narrowest place.
+/// Opening by pieces: pieces that fall off when bridges thinner than twice open_mm are cut are dropped, and so are thin
+/// plates that the volume cuts; other thin parts (ears, nose) stay. Parts that touch both are split at the narrowest
+/// place.
 BitMask opened_pieces(const BitMask& mask, const SegmentParams& p, const Progress& progress) {
   const Lattice& l = mask.lattice();
   const double voxel_ml = l.voxel_volume_mm3() / 1000;
@@ -91,7 +93,7 @@ BitMask opened_pieces(const BitMask& mask, const SegmentParams& p, const Progres
   for (int k = 0; k < seeds.size[2]; ++k)
     for (int j = 0; j < seeds.size[1]; ++j)
       for (int i = 0; i < seeds.size[0]; ++i) seeds.at(i, j, k) = core.get(i, j, k) ? 1 : other.get(i, j, k) ? 2 : 0;
-  // Of the kept part only the rim takes part.
+  // Only the rim of the kept part takes part.
   BitMask domain = dilated_6(rest);
   domain &= core;
   domain |= rest;
@@ -162,7 +164,7 @@ Field segment_threshold(const HuView& hu, const SegmentMasks& masks, const Segme
   if (p.edge == SegmentEdge::half_maximum) {
     for (float& v : field.voxels) v -= window.lower;
     apply_half_maximum(field, shape, window.lower, edge_reach_mm, brightest_bone_hu, progress);
-    // Crumbs that the moved edge left behind, and pores that it opened.
+    // Removes small pieces that the moved edge left behind, and fills pores that it opened.
     SegmentParams crumbs;
     crumbs.min_component_ml = std::max(p.min_component_ml, 27 * work.voxel_volume_mm3() / 1000);
     const Components pieces = components(shape);

@@ -11,10 +11,11 @@ StageType anatomy_stage() {
   s.place = StagePlace::scan;
   s.summary = "checks a head's anatomies against each other and measures them";
   s.description =
-      "Ventricles inside the brain, brain apart from the bone and inside the cranial cavity, skull inside the skin, "
-      "their surfaces apart, one connected brain: what is given of the four is checked, and exit code 80 says what is "
-      "wrong, by how much and where. Volumes, Evans' index and midline shift are measured, and the case is classed "
-      "normal, hydrocephalic, shifted or small.";
+      "Checks the given ones of skin, skull, brain and ventricles against each other (consistency check): the "
+      "ventricles lie inside the brain, the brain lies inside the cranial cavity and apart from the bone, the skull "
+      "lies inside the skin, their surfaces keep apart, and the brain is one connected piece. Exit code 80 says what "
+      "is wrong, by how much and where. It also measures volumes, Evans' index and midline shift, and classes the case "
+      "as normal, hydrocephalic, shifted or small.";
   s.examples = {
       "trephine anatomy --skin skin.nrrd --skull skull.nrrd --brain brain.nrrd --ventricles ventricles.nrrd "
       "--landmarks landmarks.json",

@@ -12,8 +12,8 @@ StageType boolean_stage() {
   s.place = StagePlace::scene;
   s.summary = "cuts burr holes and other solids out of a surface";
   s.description =
-      "Exact corefinement in a bounded child process; operands and result are checked: closed, 2-manifold, free of "
-      "self-intersections. The removed volume is held against the exact one.";
+      "The cut is an exact corefinement in a bounded child process. Operands and result are checked: they must be "
+      "closed, 2-manifold and free of self-intersections. The removed volume is compared with the exact one.";
   s.examples = {"trephine boolean skull.vtp --cutters hole.json --output drilled.vtp",
                 "trephine boolean haptic.nrrd --cutters hole.json --shape skull --shape skin --output drilled.nrrd",
                 "trephine boolean skull.vtp --kind sphere --position-mm 10,-40,60 --radius-mm 8 --output cut.vtp"};

@@ -11,12 +11,13 @@ StageType brain_stage() {
   s.version = 1;
   s.summary = "finds the brain inside the skull";
   s.description =
-      "Gives a field on the volume's voxels, positive inside the brain with its sulci: the space in the skull by a "
-      "seeded watershed, in it the tissue that is brighter than CSF, as far as the scan's noise lets it be told. The "
-      "ventricles belong to it.";
+      "Gives a field on the volume's voxels that is positive inside the brain and follows its sulci. A seeded "
+      "watershed finds the space inside the skull; the brain is the tissue in it that is brighter than CSF, as far as "
+      "the scan's noise allows to tell. The ventricles belong to the brain.";
   s.examples = {"trephine brain head.nrrd --skull skull.nrrd --output brain.nrrd"};
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
-             {"skull", DataKind::field, false, "the skull that encloses it; else bone is what exceeds 226 HU"},
+             {"skull", DataKind::field, false,
+              "the skull that encloses the brain; without it, bone is every voxel above 226 HU"},
              {"within", DataKind::field, false, "an anatomy to stay inside of"},
              {"without", DataKind::field, false, "an anatomy to stay outside of"}};
   s.output = DataKind::field;

@@ -8,10 +8,10 @@
 namespace trephine {
 namespace {
 
-// Scalp and a careless hand; what lies further away is rather a mistake.
+// The thickness of the scalp and an unsteady hand; a position further away is more likely a mistake.
 constexpr double far_position_mm = 15;
 
-// Those that are sure enough, by name.
+// The landmarks with at least this confidence, by name.
 std::map<std::string, Vec3> sure(const HeadLandmarks& known, double min_confidence) {
   std::map<std::string, Vec3> out;
   for (const CaseLandmark& l : known.landmarks)
@@ -43,16 +43,16 @@ StageType burrhole_stage() {
   s.place = StagePlace::scene;
   s.summary = "places a burr hole on a head";
   s.description =
-      "At Kocher's point, measured over the skin from landmarks, or at a position; its axis is given, points at a "
-      "landmark, or is perpendicular to the skull. The result is the cutter that `boolean` takes, for surfaces and "
-      "haptic volumes alike.";
+      "The hole is placed at Kocher's point, measured over the skin from landmarks, or at a position. Its axis is "
+      "given, points at a landmark, or is perpendicular to the skull. The result is the cutter that `boolean` takes, "
+      "for surfaces and for haptic volumes.";
   s.examples = {
       "trephine burrhole skull.vtp --over skin.vtp --landmark nasion=0,-95,10 --landmark inion=0,98,0 --output "
       "hole.json",
       "trephine burrhole skull.vtp --at position --position-mm -30,-40,70 --diameter-mm 12 --output hole.json"};
   s.ports = {{"bone", DataKind::mesh, true, "surface of the bone, not decimated"},
              {"over", DataKind::mesh, false, "surface of the skin, over which Kocher's point is measured"},
-             {"landmarks", DataKind::landmarks, false, "found landmarks, given ones among them"}};
+             {"landmarks", DataKind::landmarks, false, "landmarks, found and given ones"}};
   s.output = DataKind::cutters;
   s.make_params = [] { return AnyParams::make<BurrHoleParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress&) -> StageData {
@@ -70,7 +70,7 @@ StageType burrhole_stage() {
       if (moved_mm > far_position_mm)
         report.warn("the bone lies " + to_text(ParameterValue(std::round(moved_mm))) + " mm from position_mm");
     }
-    // Nothing cuts as far from the frame's origin as a surface can lie.
+    // Checks that the cutter lies no further from the frame's origin than a surface can lie.
     with_field(params.name, [&] { check_cutter(hole.cutter, ExitCode::bad_input); });
     return std::make_shared<const std::vector<Cutter>>(std::vector<Cutter>{hole.cutter});
   };

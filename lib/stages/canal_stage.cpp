@@ -11,10 +11,10 @@ StageType canal_stage() {
   s.version = 1;
   s.summary = "finds the spinal canal inside the bone of a spine";
   s.description =
-      "Gives a field in mm, positive inside the space that the vertebrae's arches enclose slice by slice. Where bone "
-      "is missing (foramina, discs, between the arches) its wall is the smoothest one through the bone around the gap; "
-      "the report says how much of it is bone. It is the canal in the bone, not the dural sac, and a disc that bulges "
-      "into it is not seen.";
+      "Gives a field in mm that is positive inside the space which the arches of the vertebrae enclose, slice by "
+      "slice. Where bone is missing (foramina, discs, between the arches) the wall is the smoothest one through the "
+      "bone around the gap, and the report says how much of the wall is bone. The result is the canal in the bone, not "
+      "the dural sac: a disc that bulges into it is not seen.";
   s.examples = {"trephine canal volume.nrrd --bone bone.nrrd --output canal.nrrd"};
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
              {"bone", DataKind::field, true, "the spine's bone, filled"}};

@@ -9,20 +9,20 @@ StageType clavicle_stage() {
   StageType s;
   s.name = "clavicle";
   s.version = 1;
-  s.summary = "parts the clavicles from the other bones of a chest";
+  s.summary = "separates the clavicles from the other bones of a chest";
   s.description =
-      "Gives a field, positive inside the clavicles, or inside all other bone (part rest). A clavicle is what is round "
-      "in one sagittal plane after the other and lies in front of all other bone; at its joints it is cut from sternum "
-      "and scapula where the bone is narrowest. The report says over which area it had to be cut, and warns where that "
-      "is more than a joint's bridge, and where a side is missing.";
+      "Gives a field that is positive inside the clavicles, or inside all other bone (part rest). A clavicle is a bone "
+      "that is round in one sagittal plane after the other and lies in front of all other bone. At its joints it is "
+      "cut from sternum and scapula where the bone is narrowest. The report says how large the cut areas are, and "
+      "warns where a cut is larger than the bridge of a joint and where a side is missing.";
   s.examples = {"trephine clavicle volume.nrrd --bone bone.nrrd --output clavicle.nrrd"};
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
              {"bone", DataKind::field, true, "all bone of the chest, filled"},
-             {"without", DataKind::field, false, "part rest: a vein so bright that it was taken for bone"}};
+             {"without", DataKind::field, false, "with part rest: a vein so bright that it was taken for bone"}};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<ClavicleParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    place_in(*in.get<Field>("bone"), lattice_of(*in.get<HuVolume>("volume")));  // the same raster, else refused
+    place_in(*in.get<Field>("bone"), lattice_of(*in.get<HuVolume>("volume")));  // refuses a field on another raster
     return std::make_shared<const Field>(find_clavicles(*in.get<Field>("bone"), params.as<ClavicleParams>(), report,
                                                         progress, in.get<Field>("without")));
   };

@@ -11,9 +11,9 @@ StageType contour_stage() {
   s.version = 1;
   s.summary = "makes the closed surface of a field, or of a volume at an isovalue";
   s.description =
-      "Flying Edges on real values: the surface lies between the voxels where the field says. Where the anatomy is cut "
-      "by the edge of the volume the surface is capped. On a volume of whole numbers an isovalue that is one of them "
-      "is moved to a half, and the report says so.";
+      "Marching cubes on real values: the surface lies between the voxels, where the field says. Where the edge of the "
+      "volume cuts the anatomy, the surface is capped. On a volume of whole numbers an isovalue that is a whole number "
+      "is moved by a half, and the report says so.";
   s.examples = {"trephine contour skull.nrrd --output skull.vtp",
                 "trephine contour head.nrrd --isovalue-hu 300 --output bone.vtp"};
   s.ports = {{"field", DataKind::field, true, "field of the segment stage, or a CT volume", true}};

@@ -5,7 +5,7 @@
 
 namespace trephine {
 
-/// The cutters of the ports "cutters.*", in the order of the ports' names; a name that occurs twice gets a number.
+/// The cutters of the ports "cutters.*", in the order of the ports' names. A name that occurs twice gets a number.
 inline std::vector<Cutter> cutters_of(const StageInputs& inputs) {
   std::vector<Cutter> all;
   for (const auto& [name, cutters] : inputs.all<std::vector<Cutter>>("cutters"))

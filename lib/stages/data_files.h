@@ -7,22 +7,24 @@
 
 namespace trephine {
 
-/// Stage data as files, value for value: volumes, fields and haptic volumes .nrrd, surfaces .vtp with double points,
-/// cutters .json.
+/// Stage data as files that keep every value: volumes, fields and haptic volumes as .nrrd, surfaces as .vtp with double
+/// points, cutters as .json.
 DataKind kind_of(const StageData& data);
 const char* file_extension(DataKind kind);
-/// Through the checked writer; throws 73 and 74. The extension must be the kind's (64).
+/// Writes through the checked writer (base/write_file.h). Throws Error 73 and 74, and 64 where the extension is not
+/// that of the kind.
 void save_data(const std::filesystem::path& file, const StageData& data);
-/// Throws 66 and 65. A mask file given for a field becomes one. Landmarks may also be a file of 3D Slicer's (.mrk.json,
-/// .fcsv).
+/// Throws Error 66 and 65. A mask file becomes a field where a field is wanted. Landmarks may also come from a file of
+/// 3D Slicer (.mrk.json, .fcsv).
 StageData load_data(const std::filesystem::path& file, DataKind kind);
-/// A CT volume where the file says that it is one (content HU), or holds whole numbers of 16 bits; else a field.
+/// Loads a CT volume where the file says that it is one (content HU) or holds whole numbers of 16 bits; else a field.
 StageData load_field_or_volume(const std::filesystem::path& file);
 
-/// A report as JSON (an object of its figures in their order, and "warnings"), and as aligned lines for a person.
+/// Writes a report as JSON (an object of its figures in their order, and "warnings"), and as aligned lines for a
+/// person.
 std::string report_json(const Report& report);
 std::string report_text(const Report& report);
-/// Reads report_json's output back. Throws 65.
+/// Reads the output of report_json back. Throws Error 65.
 Report parse_report_json(const std::string& json);
 
 }  // namespace trephine

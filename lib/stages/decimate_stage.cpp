@@ -11,8 +11,8 @@ StageType decimate_stage() {
   s.version = 8;
   s.summary = "reduces the triangles of a surface within a bound in mm";
   s.description =
-      "Edge collapse that keeps the surface closed, 2-manifold and free of self-intersections. It stops at the count "
-      "asked for or where the bound would be passed, whichever comes first, and says which it was.";
+      "Collapses edges and keeps the surface closed, 2-manifold and free of self-intersections. It stops at the "
+      "requested count or before the bound is exceeded, whichever comes first, and the report says which it was.";
   s.examples = {"trephine decimate skull.vtp --target-triangles-count 80000 --output fewer.vtp",
                 "trephine decimate skull.vtp --max-deviation-mm 0.2 --output fewer.vtp"};
   s.ports = {{"surface", DataKind::mesh, true, "closed surface"}};

@@ -12,9 +12,9 @@ StageType deface_stage() {
   s.place = StagePlace::scan;
   s.summary = "takes the face off a CT volume";
   s.description =
-      "In front of the plane through the tragi and below the nasion, what lies near the skin of the original scan "
-      "becomes air, and what is left is rounded and closed, so that neither the volume nor any surface made of it "
-      "shows the face. Cranium, brain and all above the nasion keep their values.";
+      "In front of the plane through the tragi and below the nasion, everything near the skin of the original scan "
+      "becomes air. The rest is rounded and closed, so that neither the volume nor any surface made of it shows the "
+      "face. The cranium, the brain and everything above the nasion keep their values.";
   s.examples = {"trephine deface head.nrrd --skin skin.nrrd --landmarks landmarks.json --output defaced.nrrd",
                 "trephine deface head.nrrd --skin skin.nrrd --landmarks landmarks.json --policy crop "
                 "--output cropped.nrrd"};

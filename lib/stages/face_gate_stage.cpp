@@ -21,19 +21,20 @@ StageData run_gate(const AnyParams&, const StageInputs& in, Report& report, cons
 
 }  // namespace
 
-/// Acceptance P4 over what a case is about to publish: its report says how near it comes to the face.
+/// Acceptance case P4, applied to everything that a case is about to publish. The report says how near it comes to the
+/// face.
 StageType face_gate_stage() {
   StageType s;
   s.name = "face_gate";
   s.version = 1;
   s.place = StagePlace::scene;
   s.summary = "refuses what still shows the face";
-  s.description = "Holds every surface and volume that is about to be published against the original skin.";
+  s.description = "Compares every surface and volume that is about to be published with the original skin.";
   s.examples = {"trephine face-gate skin.nrrd --landmarks landmarks.json --surface skin=skin.vtp"};
-  s.ports = {{"skin", DataKind::field, true, "the skin of the scan as it came"},
+  s.ports = {{"skin", DataKind::field, true, "the skin of the original scan"},
              {"landmarks", DataKind::landmarks, true, "nasion, tragus_left and tragus_right"},
              {"surface.*", DataKind::mesh, false, "what is published"},
-             {"haptic", DataKind::haptic, false, "what is published to be felt"}};
+             {"haptic", DataKind::haptic, false, "the haptic volume that is published"}};
   s.output = DataKind::nothing;
   s.make_params = [] { return AnyParams::make<NothingDeclared>(); };
   s.run = run_gate;

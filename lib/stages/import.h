@@ -4,7 +4,7 @@
 
 namespace trephine {
 
-/// The import of a case: what `trephine import` takes, and the series.
+/// The parameters of a case's import: those of `trephine import`, and the series.
 struct ImportStageParams : ImportParams {
   std::string input;
   template <class V>

@@ -16,7 +16,7 @@ StageType import_stage() {
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
     const auto& params = any.as<ImportStageParams>();
     ImportResult imported = import_series(params.input, params, progress);
-    // Under the key of what was there before it would be found for ever after.
+    // If the series has changed, the new result must not be stored under the key of the old content.
     const auto expected = in.file_sha256.find("input");
     if (expected != in.file_sha256.end() && imported.input_sha256 != expected->second)
       throw Error(ExitCode::bad_input, params.input, "", "the series changed while it was read");

@@ -14,8 +14,8 @@ StageType labels_stage() {
   s.description =
       "Reads a label map or segmentation (NRRD, .seg.nrrd of 3D Slicer, NIfTI of ITK-SNAP or TotalSegmentator), takes "
       "one label of it and gives what segment gives: a field on the volume's voxels, positive inside. Labels on the "
-      "volume's own voxels stay as they are, with their steps smoothed; others are resampled, their volume kept. A "
-      "label that lies outside of the volume or in air is refused.";
+      "volume's own voxels stay as they are, with their steps smoothed. Other labels are resampled so that they keep "
+      "their volume. A label that lies outside of the volume or in air is refused.";
   s.examples = {"trephine labels head.nrrd --file totalsegmentator.nii.gz --label 90 --output brain.nrrd",
                 "trephine labels head.nrrd --file Segmentation.seg.nrrd --label ventricles --output ventricles.nrrd"};
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};

@@ -12,10 +12,11 @@ StageType landmarks_stage() {
   s.place = StagePlace::scan;
   s.summary = "finds the landmarks of a head";
   s.description =
-      "Midsagittal plane by symmetry; nasion, inion, tragi and vertex from the skin and the bone below it; Kocher's "
-      "points and an estimate of bregma by arcs over the skin; the foramina of Monro where the ventricles are known. "
-      "Each has a confidence from 0 to 1: below 0.5, look at it. What the scan does not show is left out, with the "
-      "reason. A landmark that is given wins, and what is measured from it follows it.";
+      "Finds the midsagittal plane by symmetry; nasion, inion, tragi and vertex from the skin and the bone below it; "
+      "Kocher's points and an estimate of bregma by arcs over the skin; and the foramina of Monro where the ventricles "
+      "are known. Each landmark has a confidence from 0 to 1: look at those below 0.5. A landmark that the scan does "
+      "not show is left out, with the reason. A given landmark replaces the found one, and everything measured from it "
+      "follows.";
   s.examples = {
       "trephine landmarks volume.nrrd --skin skin.nrrd --skull skull.nrrd --ventricles ventricles.nrrd --output "
       "landmarks.json",
@@ -23,10 +24,10 @@ StageType landmarks_stage() {
       "landmarks.json"};
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
              {"skin", DataKind::field, true, "the head's skin"},
-             {"skull", DataKind::field, true, "its bone"},
-             {"brain", DataKind::field, false, "its brain"},
-             {"ventricles", DataKind::field, false, "its ventricles, for the foramina of Monro"},
-             {"given", DataKind::landmarks, false, "landmarks that a person placed, which win over what is found"}};
+             {"skull", DataKind::field, true, "the head's bone"},
+             {"brain", DataKind::field, false, "the head's brain"},
+             {"ventricles", DataKind::field, false, "the head's ventricles, for the foramina of Monro"},
+             {"given", DataKind::landmarks, false, "landmarks that a person placed; they replace found ones"}};
   s.output = DataKind::landmarks;
   s.make_params = [] { return AnyParams::make<LandmarkParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

@@ -12,9 +12,9 @@ StageType measure_stage() {
   s.place = StagePlace::scene;
   s.summary = "measures a surface, also against a reference";
   s.description =
-      "Validity (closed, 2-manifold, oriented, self-intersections; of each kind of fault how many and where the first "
-      "20 are), triangles, volume, area, components, genus; against another surface the two-sided deviation: largest, "
-      "99th percentile, RMS and mean, in mm.";
+      "Measures validity (closed, 2-manifold, oriented, free of self-intersections; of each kind of fault how many "
+      "there are and where the first 20 lie), triangles, volume, area, components and genus. Against another surface "
+      "it also measures the two-sided deviation: largest, 99th percentile, RMS and mean, in mm.";
   s.examples = {"trephine measure skull.vtp",
                 "trephine measure fewer.vtp --reference skull.vtp --report deviation.json",
                 "trephine measure fewer.vtp --reference skull.vtp --certify --picture deviation.png",

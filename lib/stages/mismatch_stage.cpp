@@ -12,8 +12,8 @@ StageType mismatch_stage() {
   s.name = "mismatch";
   s.version = 2;
   s.place = StagePlace::scene;
-  s.summary = "measures how far what is felt lies from what is seen";
-  s.description = "Along the normals of the displayed surfaces, where the haptic volume's surface lies.";
+  s.summary = "measures how far the felt surfaces lie from the displayed ones";
+  s.description = "Looks along the normals of the displayed surfaces for the surface of the haptic volume.";
   s.examples = {"trephine mismatch haptic.nrrd --surface skull=skull.vtp"};
   s.ports = {{"haptic", DataKind::haptic, true, "haptic volume"},
              {"surface.*", DataKind::mesh, true, "displayed surfaces"}};

@@ -11,8 +11,8 @@ StageType normals_stage() {
   s.version = 1;
   s.summary = "gives every point of a surface a normal";
   s.description =
-      "Smooth normals, one a point. No point is split at a sharp edge, so a closed surface stays closed; an open one "
-      "is taken too.";
+      "Gives smooth normals, one for each point. No point is split at a sharp edge, so a closed surface stays closed. "
+      "An open surface is accepted too.";
   s.examples = {"trephine normals smooth.vtp --output skull.vtp"};
   s.ports = {{"surface", DataKind::mesh, true, "surface"}};
   s.output = DataKind::mesh;

@@ -6,7 +6,7 @@
 
 namespace trephine {
 
-/// A landmark as a person gives it.
+/// A landmark that a person gives.
 struct PointParams {
   std::array<double, 3> position_mm{0, 0, 0};
   double confidence = 1;
@@ -14,9 +14,9 @@ struct PointParams {
   template <class V>
   static void describe(V& v) {
     using P = PointParams;
-    v.numbers(&P::position_mm, "position_mm", Range{-1e5, 1e5}, "Where it is, LPS.");
-    v.number(&P::confidence, "confidence", Range{0, 1}, "How sure it is.");
-    v.text(&P::source, "source", "Where it comes from: given, found, estimated or truth.");
+    v.numbers(&P::position_mm, "position_mm", Range{-1e5, 1e5}, "Position of the landmark, LPS, in mm.");
+    v.number(&P::confidence, "confidence", Range{0, 1}, "Confidence of the landmark.");
+    v.text(&P::source, "source", "Where the landmark comes from: given, found, estimated or truth.");
   }
 };
 

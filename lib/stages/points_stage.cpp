@@ -13,8 +13,8 @@ StageType points_stage() {
   s.place = StagePlace::scene;
   s.summary = "makes a list of landmarks that a person placed";
   s.description =
-      "What `landmarks` and `burrhole` take as given: each landmark has a name and a position, and a confidence of 1 "
-      "unless another is said.";
+      "Makes the landmarks that `landmarks` and `burrhole` take as given. Each has a name, a position, and a "
+      "confidence of 1 unless another one is set.";
   s.examples = {
       "trephine points --landmarks nasion:position_mm=0,-95,10 --landmarks inion:position_mm=0,98,0 --output "
       "given.json"};

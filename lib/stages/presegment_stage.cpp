@@ -10,11 +10,11 @@ StageType presegment_stage() {
   s.version = 1;
   s.summary = "makes the speed image that drives a snake";
   s.description =
-      "Gives a field on the volume's voxels, from -1 (the surface moves inwards) over 0 (it rests) to 1 (outwards): by "
-      "a smooth window of HU, by the image's edges, or by tissue classes found by clustering, as ITK-SNAP does before "
-      "its snake, with its defaults, but in mm. A window ends halfway between the structure's HU and its neighbour's "
-      "as this scan has them (CSF of -5 and brain of 21: 8), well beyond them on the other side; noise is smoothed "
-      "first.";
+      "Gives a field on the volume's voxels from -1 (the surface moves inwards) over 0 (it rests) to 1 (it moves "
+      "outwards). The speed comes from a smooth window of HU, from the image's edges, or from tissue classes found by "
+      "clustering, as ITK-SNAP does before its snake and with its defaults, but in mm. Set the limit of a window "
+      "towards a neighbouring structure halfway between the HU of the two in this scan (8 for CSF of -5 and brain of "
+      "21), and the other limit well beyond the structure's HU. Smooth noise first.";
   s.examples = {
       "trephine presegment head.nrrd --lower-hu -40 --upper-hu 8 --smoothing-sigma-mm 0.7 --within brain.nrrd "
       "--output speed.nrrd",

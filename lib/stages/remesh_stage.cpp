@@ -11,8 +11,8 @@ StageType remesh_stage() {
   s.version = 1;
   s.summary = "makes a surface's triangles even, within a bound in mm";
   s.description =
-      "Isotropic remeshing: near equilateral triangles with edges of one length, points on the input's surface. Where "
-      "the result is not valid or lies beyond the bound, shorter edges are tried.";
+      "Isotropic remeshing: near equilateral triangles with edges of one length and points on the input's surface. "
+      "Where the result is not valid or exceeds the bound, shorter edges are tried.";
   s.examples = {"trephine remesh skull.vtp --edge-mm 1.5 --output even.vtp"};
   s.ports = {{"surface", DataKind::mesh, true, "closed surface"}};
   s.output = DataKind::mesh;

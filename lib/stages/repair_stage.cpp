@@ -9,12 +9,12 @@ StageType repair_stage() {
   StageType s;
   s.name = "repair";
   s.version = 1;
-  s.summary = "makes a closed, valid surface of a foreign mesh";
+  s.summary = "makes a closed, valid surface from a mesh of another program";
   s.description =
-      "Merges points, turns triangles, takes apart what more than one sheet shares, fills holes, removes slivers, "
-      "duplicates and self-intersections, unites pieces that overlap; each is counted. Where that gives no closed "
-      "2-manifold free of self-intersections, a new surface is made through voxels, and the report says how far it "
-      "lies from the input.";
+      "Merges points, turns triangles, separates what more than one sheet shares, fills holes, removes slivers, "
+      "duplicates and self-intersections, and unites pieces that overlap. Each repair is counted. Where the result is "
+      "not a closed 2-manifold free of self-intersections, a new surface is made through voxels, and the report says "
+      "how far it lies from the input.";
   s.examples = {"trephine repair model.stl --output model.vtp",
                 "trephine repair model.obj --recontour-voxels-count 0 --output model.vtp"};
   s.ports = {{"surface", DataKind::mesh, true, "triangles of any kind"}};

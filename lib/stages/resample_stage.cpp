@@ -12,8 +12,8 @@ StageType resample_stage() {
   s.place = StagePlace::scan;
   s.summary = "puts a CT volume on voxels of another size";
   s.description =
-      "Each value is the mean of what the new voxel covers, as a scanner with such voxels would have it; smaller "
-      "voxels than the scan's are interpolated. Larger voxels make everything that follows faster and coarser.";
+      "Each value is the mean over the new voxel, as a scanner with such voxels would measure it. Voxels smaller than "
+      "the scan's are interpolated. Larger voxels make all later stages faster and coarser.";
   s.examples = {"trephine resample head.nrrd --spacing-mm 1 1 1 --output coarse.nrrd"};
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};
   s.output = DataKind::volume;

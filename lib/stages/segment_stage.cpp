@@ -11,8 +11,9 @@ StageType segment_stage() {
   s.version = 10;
   s.summary = "finds one anatomy in a CT volume by thresholds";
   s.description =
-      "Gives a field on the volume's voxels, positive inside the anatomy, whose zero crossing is its surface to a "
-      "fraction of a voxel: a window of HU with hysteresis, morphology in mm, components and filled cavities.";
+      "Gives a field on the volume's voxels that is positive inside the anatomy. Its zero crossing is the anatomy's "
+      "surface to a fraction of a voxel. It is made by a window of HU with hysteresis, morphology in mm, a choice of "
+      "components and filled cavities.";
   s.examples = {"trephine segment head.nrrd --output skull.nrrd",
                 "trephine segment head.nrrd --lower-hu -475 --open-mm 3 --components largest --fill cavities_and_cut "
                 "--fill-close-mm 6 --output skin.nrrd"};

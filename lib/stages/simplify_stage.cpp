@@ -11,10 +11,10 @@ StageType simplify_stage() {
   s.version = 1;
   s.summary = "closes a field's small tunnels and cavities, for display";
   s.description =
-      "Tunnels narrower than close_handles_mm are closed by membranes of one voxel and small cavities are filled; "
-      "everywhere else the surface stays as it is. So a surface with fewer triangles can be had of it: a decimation "
-      "that stays a 2-manifold keeps every tunnel. The report says what the topology was and is, and how far the new "
-      "surface lies from the old one.";
+      "Closes tunnels narrower than close_handles_mm by membranes of one voxel and fills small cavities; everywhere "
+      "else the surface stays as it is. This allows a surface with fewer triangles, because a decimation that stays "
+      "2-manifold keeps every tunnel. The report gives the topology before and after, and how far the new surface lies "
+      "from the old one.";
   s.examples = {"trephine simplify skull.nrrd --close-handles-mm 2 --output display.nrrd"};
   s.ports = {{"field", DataKind::field, true, "field of the segment stage"}};
   s.output = DataKind::field;

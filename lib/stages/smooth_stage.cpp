@@ -11,8 +11,8 @@ StageType smooth_stage() {
   s.version = 3;
   s.summary = "smooths a surface within a bound in mm";
   s.description =
-      "Windowed sinc, Laplacian or feature-keeping smoothing in which no point moves farther than the bound and the "
-      "volume stays; where it would make the surface intersect itself the points stay.";
+      "Windowed sinc, Laplacian or feature-keeping smoothing. No point moves farther than the bound, and the volume is "
+      "kept. Points stay where moving them would make the surface intersect itself.";
   s.examples = {"trephine smooth skull.vtp --max-displacement-mm 0.1 --output smooth.vtp"};
   s.ports = {{"surface", DataKind::mesh, true, "closed surface"}};
   s.output = DataKind::mesh;

@@ -11,13 +11,12 @@ StageType snake_stage() {
   s.version = 2;
   s.summary = "evolves a surface over a speed image (active contour)";
   s.description =
-      "Grows balls, or another field, over the speed image that presegment made until the surface rests: by region "
-      "competition, or as a geodesic active contour. Gives a field like segment's, in mm near the surface. Begin with "
-      "bubbles, bubbles_count or start. It warns of what looks like a leak (much of what it holds has a negative "
-      "speed, or much of its surface rests on within, without or the region's edge); max_volume_ml refuses one. Balls "
-      "placed in "
-      "another structure of the same HU are no leak: in small or noisy ventricles look where they lie (bubbles and "
-      "pieces_count of the report), or give them.";
+      "Grows balls, or another field, over the speed image of presegment until the surface rests, by region "
+      "competition or as a geodesic active contour. Gives a field like that of segment, in mm near the surface. Begin "
+      "with bubbles, bubbles_count or start. The stage warns of what looks like a leak: much of the inside has a "
+      "negative speed, or much of the surface rests on within, without or the region's edge. With max_volume_ml a leak "
+      "is refused. Balls placed in another structure of the same HU are not seen as a leak: in small or noisy "
+      "ventricles look where they lie (bubbles and pieces_count of the report), or give them.";
   s.examples = {
       "trephine snake speed.nrrd --bubbles-count 4 --within brain.nrrd --output ventricles.nrrd",
       "trephine snake speed.nrrd --bubbles \"-9,-12,55,4; 9,-12,55,4\" --max-volume-ml 100 --output "
@@ -25,7 +24,7 @@ StageType snake_stage() {
       "trephine snake edges.nrrd --method geodesic --propagation 0.15 --curvature 0.1 --start ventricles.nrrd "
       "--output finer.nrrd"};
   s.ports = {{"speed", DataKind::field, true, "speed image from -1 to 1"},
-             {"start", DataKind::field, false, "a field whose surface is the first one"},
+             {"start", DataKind::field, false, "a field whose surface is the starting surface"},
              {"within", DataKind::field, false, "an anatomy to stay inside of"},
              {"without", DataKind::field, false, "an anatomy to stay outside of"}};
   s.output = DataKind::field;

@@ -18,15 +18,15 @@
 
 namespace trephine {
 
-/// A stage is a library function with its parameters declared and its inputs named, so that `run` (data in memory) and
-/// the single tools (data in files) call one and the same thing. Each is declared in a file NAME_stage.cpp of this
-/// folder, as `StageType NAME_stage()`; the build finds them and makes the registry (stage_types). Command, help,
-/// reference page, schema and completion come from it.
+/// A stage is a library function with declared parameters and named inputs, so that `run` (data in memory) and the
+/// single tools (data in files) call the same function. Each stage is declared in a file NAME_stage.cpp of this folder,
+/// as `StageType NAME_stage()`; the build finds these files and makes the registry (stage_types). Command, help,
+/// reference page, schema and completion come from the registry.
 
 enum class DataKind { volume, field, mesh, haptic, cutters, landmarks, nothing };
 const char* to_text(DataKind kind);
 
-/// What stages hand each other; shared, never modified once made.
+/// The data that stages hand to each other. It is shared and never modified once made.
 using StageData = std::variant<std::monostate, std::shared_ptr<const HuVolume>, std::shared_ptr<const Field>,
                                std::shared_ptr<const TriMesh>, std::shared_ptr<const HapticVolume>,
                                std::shared_ptr<const std::vector<Cutter>>, std::shared_ptr<const HeadLandmarks>>;
@@ -45,16 +45,17 @@ struct Port {
   DataKind kind = DataKind::volume;
   bool required = true;
   std::string help;
-  bool or_volume = false;  ///< a field, or a CT volume
-  bool or_field = false;   ///< as a file a surface, or a field, which is contoured
+  bool or_volume = false;  ///< takes a field or a CT volume
+  bool or_field = false;   ///< as a file takes a surface, or a field, which is contoured
 };
 
 struct StageInputs {
   std::map<std::string, StageData> by_port;
-  /// What the content of a file parameter must hash to; nothing where nobody knows beforehand.
+  /// The hash that the content of a file parameter must have; no entry where it is not known beforehand.
   std::map<std::string, std::string> file_sha256;
 
-  /// Null where the port was left open. The kind is the port's (checked before the stage runs).
+  /// The data of a port, or null where the port was left open. The kind is that of the port, checked before the stage
+  /// runs.
   template <class T>
   const T* get(const std::string& port) const {
     const auto found = by_port.find(port);
@@ -62,7 +63,7 @@ struct StageInputs {
     const auto* data = std::get_if<std::shared_ptr<const T>>(&found->second);
     return data ? data->get() : nullptr;
   }
-  /// Those of the ports "<group>.<rest>", by rest.
+  /// The data of all ports "<group>.<rest>", by rest.
   template <class T>
   std::map<std::string, const T*> all(const std::string& group) const {
     std::map<std::string, const T*> found;
@@ -74,30 +75,30 @@ struct StageInputs {
 
 struct StageType {
   std::string name;
-  int version = 1;  ///< raised whenever the same inputs and parameters give other bytes: part of the cache's key
+  int version = 1;  ///< raised whenever the same inputs and parameters give other bytes; part of the cache's key
   StagePlace place = StagePlace::anatomy;
   std::string summary, description;
   std::vector<std::string> examples;  ///< whole command lines
   std::vector<Port> ports;
   DataKind output = DataKind::mesh;
   std::function<AnyParams()> make_params;
-  /// Fills the report, also with what it could not do. Throws Error (field: what went wrong in the stage) and
-  /// Cancelled.
+  /// Runs the stage and fills the report, also with what it could not do. Throws Error (the field says what went wrong
+  /// in the stage) and Cancelled.
   std::function<StageData(const AnyParams&, const StageInputs&, Report&, const Progress&)> run;
 
   const Port* find_port(const std::string& port) const;
-  /// Parameters that name files to be read (declared with names("file")): relative to the file that says so; in keys
-  /// and cases it is their content's hash that stands for them.
+  /// The parameters that name files to be read (declared with names("file")). Their paths are relative to the file that
+  /// holds them; in keys and cases the hash of the content stands for them.
   std::vector<std::string> file_params() const;
 };
 
-/// All that are declared, by name.
+/// All declared stages, by name.
 const std::vector<StageType>& stage_types();
-/// Null where there is none of that name.
+/// The stage with that name, or null.
 const StageType* find_stage(const std::string& name);
-/// The stage that the program itself names. Throws 70 where there is none.
+/// The stage with a name that the program's own code uses. Throws Error 70 where there is none.
 const StageType& stage_named(const std::string& name);
-/// Those of a place, by name.
+/// The stages of a place, by name.
 std::vector<const StageType*> stages_of(StagePlace place);
 
 }  // namespace trephine

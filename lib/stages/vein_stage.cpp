@@ -11,11 +11,11 @@ StageType vein_stage() {
   s.version = 1;
   s.summary = "finds or estimates the subclavian veins below the clavicles";
   s.description =
-      "Gives a field of about mm, positive inside the vein from the middle of the clavicle to behind the sternum. "
-      "Where contrast medium shows it, its surface lies at half the contrast. Where none does, it is a tube of a given "
-      "radius along the course that a vein usually takes behind and below the clavicle, away from bone and lung: the "
-      "report then says estimated, and warns. Such a vein is good to teach with; it is not where this patient's vein "
-      "was found.";
+      "Gives a field in about mm that is positive inside the vein, from the middle of the clavicle to behind the "
+      "sternum. Where contrast medium shows the vein, its surface lies at half the contrast. Where it does not, the "
+      "vein is a tube of a given radius along the usual course behind and below the clavicle, away from bone and lung; "
+      "the report then says estimated, and warns. Such a vein is good for teaching, but it is not where this patient's "
+      "vein was found.";
   s.examples = {"trephine vein volume.nrrd --bone bone.nrrd --output vein.nrrd"};
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
              {"bone", DataKind::field, true, "all bone of the chest, filled"}};

@@ -11,12 +11,12 @@ StageType ventricles_stage() {
   s.version = 1;
   s.summary = "finds the ventricles inside the brain";
   s.description =
-      "Gives a field on the volume's voxels, positive inside the lateral ventricles and the third: CSF deep in the "
-      "brain, parted from cisterns, fourth ventricle and sulci where the ways between them are narrowest; its edge is "
-      "fitted to the scan between the voxels.";
+      "Gives a field on the volume's voxels that is positive inside the lateral ventricles and the third. They are the "
+      "CSF deep in the brain; a seeded watershed separates it from cisterns, fourth ventricle and sulci where the "
+      "passages between them are narrowest. The edge is fitted to the scan between the voxels.";
   s.examples = {"trephine ventricles head.nrrd --brain brain.nrrd --output ventricles.nrrd"};
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
-             {"brain", DataKind::field, true, "the brain that holds them"},
+             {"brain", DataKind::field, true, "the brain that holds the ventricles"},
              {"without", DataKind::field, false, "an anatomy to stay outside of"}};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<VentriclesParams>(); };

@@ -16,26 +16,27 @@ struct HapticShapeParams {
   template <class V>
   static void describe(V& v) {
     using P = HapticShapeParams;
-    v.text(&P::clear_of, "clear_of", "Another anatomy: nothing of this shape within clear_mm of its surface.")
+    v.text(&P::clear_of, "clear_of", "Another anatomy: this shape keeps clear_mm away from its surface.")
         .names("anatomy");
     v.number(&P::clear_mm, "clear_mm", Range{0.1, 100}, "How far the shape keeps away from clear_of.").none_at_zero();
     v.numbers(&P::window_hu, "window_hu", Range{-32768, 32767},
-              "With encoding hu: the shape is what the scan shows within these HU, both included.");
+              "With encoding hu: the shape is all voxels of the scan within these HU, both included.");
   }
   std::string fault() const;
 };
 
-/// A shape that burr holes are cut from: its own share of the hole so much wider all around, as skin is folded back
-/// from where the bone is opened.
+/// A shape from which burr holes are cut. The hole in this shape can be wider all around, as skin is folded back from
+/// the opening in the bone.
 struct DrillParams {
   double widen_mm = 0;
   template <class V>
   static void describe(V& v) {
-    v.number(&DrillParams::widen_mm, "widen_mm", Range{0, 50}, "How much wider than the hole it is cut, all around.");
+    v.number(&DrillParams::widen_mm, "widen_mm", Range{0, 50},
+             "How much wider all around than the hole this shape is cut.");
   }
 };
 
-/// What the whole haptic volume is made with, besides its shapes.
+/// Parameters of the whole haptic volume, without its shapes.
 struct HapticVolumeParams : VoxelizeParams {
   HapticEncoding encoding = HapticEncoding::occupancy;
   std::string region_of;
@@ -45,10 +46,10 @@ struct HapticVolumeParams : VoxelizeParams {
     using P = HapticVolumeParams;
     v.template all_of<VoxelizeParams>();
     v.choice(&P::encoding, "encoding", {{"occupancy", HapticEncoding::occupancy}, {"hu", HapticEncoding::hu}},
-             "occupancy: each voxel says which shape fills it and how much of it; hu: the scan's own HU, shapes are "
-             "windows of them.");
+             "occupancy: each voxel says which shape fills it and how much of it; hu: the voxels are the scan's HU, "
+             "and shapes are windows of HU.");
     v.text(&P::region_of, "region_of",
-           "Anatomy whose box, with the margin, is the region; all shapes' where it is empty.")
+           "Anatomy whose box, with the margin, is the region; where empty, the box of all shapes.")
         .names("anatomy");
   }
 };
@@ -62,7 +63,8 @@ struct VoxelizeStageParams : HapticVolumeParams {
   static void describe(V& v) {
     using P = VoxelizeStageParams;
     v.template all_of<HapticVolumeParams>();
-    v.map(&P::shapes, "shapes", "The shapes by name, in order of precedence: what one fills is not the next one's.")
+    v.map(&P::shapes, "shapes",
+          "The shapes by name, in order of precedence: a part that one shape fills does not belong to later ones.")
         .at_most(haptic_max_shapes);
     v.map(&P::drill, "drill", "The shapes that the cutters cut.");
   }

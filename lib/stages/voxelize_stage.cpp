@@ -13,7 +13,7 @@
 namespace trephine {
 namespace {
 
-// Air around what there is to feel: the surface's own ramp of occupancy must fit in.
+// Air around the shapes, in which their surfaces' ramp of occupancy must fit.
 constexpr double rim_voxels = 3;
 
 Bounds grown(Bounds b, double by_mm) {
@@ -31,7 +31,7 @@ void intersect(Bounds& b, const Bounds& with) {
   }
 }
 
-// The box that the scene asks for, and no more than there is to feel.
+// The box that the scene asks for, but no larger than the shapes with their rim.
 Lattice lattice_of_region(const VoxelizeStageParams& params, const StageInputs& in) {
   const Lattice& scan = lattice_of(*in.get<HuVolume>("volume"));
   Bounds all;
@@ -122,10 +122,10 @@ StageType voxelize_stage() {
   s.name = "voxelize";
   s.version = 3;
   s.place = StagePlace::scene;
-  s.summary = "makes the haptic volume: what the hand feels";
+  s.summary = "makes the haptic volume, which is what the hand feels";
   s.description =
       "Each voxel says which shape fills it and how much of it, so that one lookup serves any number of shapes and the "
-      "surface is felt to a fraction of a voxel. It is made of the same surfaces as what is displayed, before "
+      "surface is felt to a fraction of a voxel. The volume is made of the same surfaces as the displayed ones, before "
       "decimation, and cut by the same cutters.";
   s.examples = {
       "trephine voxelize volume.nrrd --shape brain=brain.nrrd --shape skull=skull.nrrd --shape skin=skin.nrrd "
@@ -134,9 +134,9 @@ StageType voxelize_stage() {
       "haptic.nrrd"};
   s.ports = {{"volume", DataKind::volume, true, "the scan"},
              {"shape.*", DataKind::mesh, false, "surfaces of the shapes, or fields", false, true},
-             {"region", DataKind::mesh, false, "what the region is the box of"},
-             {"clear.*", DataKind::mesh, false, "what a shape keeps away from"},
-             {"cutters.*", DataKind::cutters, false, "what is cut away"}};
+             {"region", DataKind::mesh, false, "surfaces of the shapes, or fields that are contoured"},
+             {"clear.*", DataKind::mesh, false, "surface whose box is the region"},
+             {"cutters.*", DataKind::cutters, false, "surface that a shape keeps away from"}};
   s.output = DataKind::haptic;
   s.make_params = [] { return AnyParams::make<VoxelizeStageParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
@@ -148,7 +148,7 @@ StageType voxelize_stage() {
       volume.hardness = haptic_hardness(*in.get<HuVolume>("volume"), lattice, params.hardness_low_hu,
                                         params.hardness_high_hu, progress.part(0.9, 0.93));
     cut(volume, params, cutters_of(in), report, progress.part(0.93, 1));
-    // What is reported is what is left.
+    // The reported volume is the volume after the cuts.
     for (const auto& [shape, drill] : params.drill) {
       const double left_ml = shape_volume_mm3(volume, volume.find_shape(shape)->number) / 1000;
       if (!(left_ml > 0)) throw Error(ExitCode::quality, "", "drill." + shape, "the cutters leave nothing of it");

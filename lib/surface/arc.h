@@ -14,8 +14,9 @@ struct Arc {
   std::size_t start = 0;
 };
 
-/// The point `length_mm` along the arc from its start, measured as with dividers set to 2 mm, so that noise of the
-/// surface does not lengthen it (an arc of radius 10 mm is 0.2 % short by that). None where the arc ends before.
+/// The point `length_mm` along the arc from its start, measured in steps of 2 mm as with a pair of dividers, so that
+/// noise of the surface does not lengthen it (an arc of radius 10 mm is measured 0.2 % short). None where the arc ends
+/// before.
 std::optional<Vec3> point_along(const Arc& arc, double length_mm);
 
 }  // namespace trephine

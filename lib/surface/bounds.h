@@ -8,7 +8,7 @@
 
 namespace trephine {
 
-/// Grows the box to hold what is given. Nothing is included in empty bounds, so they are what they are given first.
+/// Grows the box to hold another. Empty bounds become the first box that they are given.
 inline void include(Bounds& all, const Bounds& more) {
   for (int a = 0; a < 3; ++a) {
     all.min_mm[a] = std::min(all.min_mm[a], more.min_mm[a]);
@@ -17,7 +17,7 @@ inline void include(Bounds& all, const Bounds& more) {
 }
 inline void include(Bounds& all, Vec3 point_mm) { include(all, Bounds{point_mm, point_mm}); }
 
-/// The corners of a box; x runs fastest: the first is the least, the last the largest.
+/// The corners of a box; x runs fastest. The first is the least corner, the last the largest.
 std::array<Vec3, 8> corners_of(const Bounds& b);
 /// The corners of the box of the lattice's voxels, in the world: of their centres, or, with beyond_voxels = 0.5, of all
 /// that they fill; i runs fastest.

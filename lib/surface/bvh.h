@@ -18,8 +18,8 @@ struct BvhNode {
   std::uint8_t children;
 };
 
-/// Split by the surface area heuristic over 16 bins (Wald 2007). The tree is the same whatever the thread count. Refers
-/// to the mesh, which must outlive it and have at least one triangle and coordinates below 1e15 mm.
+/// The boxes are split by the surface area heuristic over 16 bins [Wald2007]. The tree is the same whatever the thread
+/// count. It refers to the mesh, which must outlive it, have at least one triangle and have coordinates below 1e15 mm.
 class Bvh {
  public:
   explicit Bvh(const TriMesh& mesh, const Progress& progress = {});

@@ -9,7 +9,7 @@
 namespace trephine {
 
 /// For each point the triangles that use it, in ascending order, as one flat list. Indices must be in range. A triangle
-/// with a repeated index is listed once a corner.
+/// with a repeated index is listed once for each corner.
 struct Incidence {
   std::vector<std::uint32_t> begin;  ///< points + 1 offsets into `triangle`
   std::vector<std::uint32_t> triangle;
@@ -17,8 +17,8 @@ struct Incidence {
   explicit Incidence(const TriMesh& mesh);
 };
 
-/// As topology_of(mesh), of a mesh whose incidence is there already; parallel, the same counts whatever the thread
-/// count.
+/// The same as topology_of(mesh), for a mesh whose incidence is known already; parallel, with the same counts whatever
+/// the thread count.
 Topology topology_of(const TriMesh& mesh, const Incidence& incidence);
 
 /// One use of an undirected edge by a triangle, seen from its lower point.
@@ -71,8 +71,8 @@ void for_each_edge(const TriMesh& mesh, const Incidence& incidence, Visit&& visi
   for_each_edge(mesh, incidence, 0, static_cast<std::uint32_t>(mesh.points_mm.size()), visit);
 }
 
-/// As label_components and keep_large_components (trimesh.h), some times as fast, where the triangles around each point
-/// are known to be joined by edges (one fan a point).
+/// The same as label_components and keep_large_components (trimesh.h), but several times as fast, for meshes in which
+/// the triangles around each point are known to be joined by edges (one fan at each point).
 int label_fan_components(const TriMesh& mesh, std::vector<int>& component_of_triangle);
 int keep_large_fan_components(TriMesh& mesh, double min_volume_mm3);
 

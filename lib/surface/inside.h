@@ -6,13 +6,14 @@
 
 namespace trephine {
 
-/// 1 where a voxel's centre lies inside the mesh, by parity: what lies in an even number of nested or overlapping
-/// shells is outside. Every row of the lattice is crossed by an even number of triangles whatever the rounding, for
-/// each edge decides once for both its triangles on which side of the row it passes; so no voxel leaks. A centre
-/// exactly on the surface belongs to one side or the other, the same each time; two closed meshes that share a face
+/// A mask that is 1 where a voxel's centre lies inside the mesh, by parity: a point in an even number of nested or
+/// overlapping shells is outside. Every row of the lattice is crossed by an even number of triangles whatever the
+/// rounding, because each edge decides once for both its triangles on which side of the row it passes; so no voxel
+/// leaks. A centre exactly on the surface always belongs to the same side, and two closed meshes that share a face
 /// share none of its voxels. Parts of the mesh beyond the lattice are cut off.
 ///
-/// Throws 65 as check_mesh does, and where rows leave the mesh more often than they enter it: it is not closed.
+/// Throws Error 65 as check_mesh does, and where rows leave the mesh more often than they enter it, because then the
+/// mesh is not closed.
 Mask voxelize_inside(const TriMesh& mesh, const Lattice& lattice, const Progress& progress = {});
 
 }  // namespace trephine

@@ -9,13 +9,14 @@
 
 namespace trephine {
 
-/// A vector that remembers whether it is still what it was when its mesh was proven valid (TriMesh::proven_valid): it
-/// carries the number of that proof, and whatever can change an element or the size forgets it. So does each access
-/// through a name that is not const, were it only to read: ask a const reference where the proof shall stay. A copy, or
-/// what is moved to, holds the same elements and the same number; what is moved from holds none.
+/// A vector that remembers whether it is unchanged since its mesh was proven valid (TriMesh::proven_valid). It carries
+/// the number of that proof, and every function that can change an element or the size forgets it. Access through a
+/// name that is not const forgets it too, even for reading: use a const reference where the proof must stay. A copy, or
+/// the target of a move, holds the same elements and the same number; the source of a move holds none.
 ///
-/// As an iterator does, a reference to an element ends with the proof: to write through one that is older than the
-/// proof is an error that nothing notices. Different threads may write different elements, as of a vector.
+/// A reference to an element is invalidated by the proof, as an iterator would be: writing through a reference that is
+/// older than the proof is an error that nothing detects. Different threads may write different elements, as with a
+/// vector.
 template <class T>
 class MeshArray {
  public:
@@ -90,7 +91,7 @@ class MeshArray {
  private:
   friend class ProofOfValidity;  // meshing/validity.cpp: it alone gives the number
   void forget() {
-    // Threads that write elements side by side only read here, once one of them has forgotten it.
+    // Threads that write elements at the same time only read here, once one of them has forgotten the proof.
     if (proof() != 0) proof_.store(0, std::memory_order_relaxed);
   }
   std::vector<T>& changing() {

@@ -9,14 +9,14 @@
 
 namespace trephine {
 
-/// Distances from points to a surface, exact for the triangles given, however degenerate. It refers to the mesh, which
-/// must outlive it unchanged.
+/// Distances from points to a surface, exact for the given triangles, however degenerate they are. The object refers to
+/// the mesh, which must outlive it unchanged.
 ///
-/// Signs: negative inside, positive outside of a closed, outwards oriented mesh (angle-weighted pseudonormals,
-/// Baerentzen and Aanaes 2005); at the border of an open one, the side that the nearest triangles face.
+/// Signs: negative inside and positive outside of a closed mesh oriented outwards (angle-weighted pseudonormals
+/// [Baerentzen2005]); at the border of an open mesh the sign is that of the side which the nearest triangles face.
 class PointToMesh {
  public:
-  /// Throws 65 as check_mesh does, and where it has no triangles or coordinates beyond 1e15 mm.
+  /// Throws Error 65 as check_mesh does, and where the mesh has no triangles or coordinates beyond 1e15 mm.
   explicit PointToMesh(const TriMesh& mesh, const Progress& progress = {});
   ~PointToMesh();
   PointToMesh(PointToMesh&&) noexcept;
@@ -26,8 +26,8 @@ class PointToMesh {
   double signed_distance_mm(Vec3 world_mm) const;
   Vec3 closest_mm(Vec3 world_mm) const;  ///< world
 
-  /// The same for many points at once, in parallel; fastest where successive points lie near each other. Throws 65 for
-  /// a point that is not finite.
+  /// The same for many points at once, in parallel; fastest where successive points lie near each other. Throws Error
+  /// 65 for a point that is not finite.
   std::vector<double> distances_mm(const std::vector<Vec3>& world_mm, const Progress& progress = {}) const;
   std::vector<double> signed_distances_mm(const std::vector<Vec3>& world_mm, const Progress& progress = {}) const;
 

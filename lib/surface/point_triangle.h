@@ -4,7 +4,7 @@
 
 namespace trephine {
 
-/// Where on a triangle a point's nearest point lies.
+/// The point of a triangle that is nearest to a given point.
 struct ClosestPoint {
   double squared_mm2 = 0;
   Vec3 point;
@@ -12,13 +12,13 @@ struct ClosestPoint {
   int feature = 6;
 };
 
-/// The point of triangle abc (a segment or a point is one too) that is nearest to p. Slivers whose height is below
-/// 1e-10 of their longest edge are taken for their edges. Not affected by the order of magnitude of the coordinates.
+/// The point of triangle abc that is nearest to p; the triangle may be a segment or a point. Slivers whose height is
+/// below 1e-10 of their longest edge count as their edges. The order of magnitude of the coordinates has no effect.
 ClosestPoint nearest_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c);
 
-/// The same in two thirds of the time, for triangles that are no slivers (Ericson, Real-Time Collision Detection,
-/// 5.1.5). Its last bits differ from nearest_on_triangle's, so that neither can take the other's place without a change
-/// of results: measured distances come from that one, decimation and smoothing are steered by this one.
+/// The same in two thirds of the time, for triangles that are not slivers ([Ericson2005], 5.1.5). Its last bits differ
+/// from those of nearest_on_triangle, so one cannot replace the other without a change of results: measured distances
+/// come from nearest_on_triangle, while decimation and smoothing are steered by this function.
 struct PlaceOnTriangle {
   int feature = 6;  ///< as in ClosestPoint
   /// On edge ab: a + s (b - a); bc: b + s (c - b); ca: a + s (c - a); within: a + s (b - a) + t (c - a).

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Parallel rays through a surface: what lies inside along each.
+// Parallel rays through a surface, and the spans inside it along each.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -9,20 +9,20 @@
 
 namespace trephine::detail {
 
-/// Where a ray runs inside the surface, in mm along the axis.
+/// A span of a ray inside the surface, in mm along the axis.
 struct Span {
   double enter = 0, leave = 0;
 };
 
-/// The part of a closed, outwards oriented surface within `radius_mm` of an axis, as rays parallel to it see it. Each
+/// The part of a closed surface oriented outwards within `radius_mm` of an axis, for rays parallel to the axis. Each
 /// edge decides once for both its triangles on which side a ray passes, so that no ray slips between triangles.
 class RayColumn {
  public:
-  /// The mesh is copied from as far as it is near; `axis` is of unit length.
+  /// Only the near part of the mesh is copied; `axis` has unit length.
   RayColumn(const TriMesh& mesh, Vec3 at_mm, Vec3 axis, double radius_mm);
 
-  /// Of the ray through at + u * across + v * upwards; ascending, disjoint; gaps of at most `merge_mm` do not part
-  /// them.
+  /// The spans of the ray through at + u * across + v * upwards, ascending and disjoint; gaps of at most `merge_mm` are
+  /// closed.
   std::vector<Span> spans(double u, double v, double merge_mm) const;
   Vec3 across() const { return across_; }
   Vec3 upwards() const { return upwards_; }

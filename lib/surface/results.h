@@ -4,9 +4,9 @@
 
 namespace trephine {
 
-/// Typed results: what a case is made of and held against. Who makes one adds it to its report with add_result; who
-/// needs it takes it back with result_of, and a figure that is missing is an error, never 0. Those of deviation and
-/// mismatch are DeviationStats (metrics/deviation.h) and Mismatch (voxel/mismatch.h).
+/// Typed results: the figures that a case is made of and checked against. A stage that makes one adds it to its report
+/// with add_result, and code that needs it reads it back with result_of; a missing figure is an error, never 0. Those
+/// of deviation and mismatch are DeviationStats (metrics/deviation.h) and Mismatch (voxel/mismatch.h).
 
 /// How far a stage that keeps a bound in mm moved the surface (decimate, remesh).
 struct BoundResult {
@@ -17,12 +17,12 @@ struct BoundResult {
   }
 };
 
-/// What ended a reduction (decimate).
+/// Why a reduction ended (decimate).
 struct DecimationResult {
   std::string stopped_by;
   template <class V>
   static void describe(V& v) {
-    v.text(&DecimationResult::stopped_by, "stopped_by", "The limit that ended it.");
+    v.text(&DecimationResult::stopped_by, "stopped_by", "The limit at which the reduction ended.");
   }
 };
 
@@ -31,7 +31,7 @@ struct SmoothingResult {
   double displacement_max_mm = 0;
   template <class V>
   static void describe(V& v) {
-    v.number(&SmoothingResult::displacement_max_mm, "displacement_max_mm", Range{}, "Largest way of a point.");
+    v.number(&SmoothingResult::displacement_max_mm, "displacement_max_mm", Range{}, "Largest displacement of a point.");
   }
 };
 
@@ -40,7 +40,7 @@ struct ContourResult {
   std::int64_t triangles_count = 0;
   template <class V>
   static void describe(V& v) {
-    v.integer(&ContourResult::triangles_count, "triangles_count", Range{}, "Its triangles.");
+    v.integer(&ContourResult::triangles_count, "triangles_count", Range{}, "Count of its triangles.");
   }
 };
 
@@ -49,11 +49,11 @@ struct ShapeVolumeResult {
   double volume_ml = 0;
   template <class V>
   static void describe(V& v) {
-    v.number(&ShapeVolumeResult::volume_ml, "volume_ml", Range{}, "What is left of it.");
+    v.number(&ShapeVolumeResult::volume_ml, "volume_ml", Range{}, "Volume that is left of the shape.");
   }
 };
 
-/// What a cutter took away (boolean and voxelize, by the cutter's name and the shape's).
+/// What a cutter removed (boolean and voxelize, by the cutter's name and the shape's).
 struct RemovedResult {
   double removed_mm3 = 0;
   template <class V>

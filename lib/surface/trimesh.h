@@ -9,14 +9,14 @@
 
 namespace trephine {
 
-/// The plain indexed triangle mesh. Point i lies at origin_mm + points_mm[i] (DICOM patient LPS, mm): a local origin
-/// keeps the doubles, and float32 on export, precise far from the frame's. Triangles are counter-clockwise seen from
-/// outside.
+/// The plain indexed triangle mesh. Point i lies at origin_mm + points_mm[i] (DICOM patient LPS, mm). The local origin
+/// keeps the doubles, and float32 on export, precise far from the frame's origin. Triangles are counter-clockwise seen
+/// from outside.
 ///
-/// A mesh carries the proof of its own validity: where check_validity (meshing/validity.h), and nothing else, has found
-/// its points and triangles valid, proven_valid() is true of it and of its copies until a point or a triangle can have
-/// changed (mesh_array.h says how that is known). Origin and normals are no part of it. So a step that needs a valid
-/// mesh asks the mesh, and none is checked twice on its way from step to step; nothing is remembered elsewhere.
+/// A mesh carries the proof of its own validity. Only check_validity (meshing/validity.h) can give it, when it has
+/// found the points and triangles valid; then proven_valid() is true for the mesh and its copies until a point or a
+/// triangle can have changed (mesh_array.h says how that is known). Origin and normals do not matter for it. A step
+/// that needs a valid mesh therefore asks the mesh, and no mesh is checked twice on its way from step to step.
 struct TriMesh {
   Vec3 origin_mm;
   MeshArray<Vec3> points_mm;
@@ -33,11 +33,11 @@ struct Bounds {
 /// World bounds of the points.
 Bounds bounds_of(const TriMesh& mesh);
 
-/// Checks what every function of ours assumes: finite points, indices in range, normals empty or one a point. Throws
-/// Error 65 naming the first fault. Call it on what comes from outside.
+/// Checks what all our functions assume: finite points, indices in range, and normals that are empty or one for each
+/// point. Throws Error 65 naming the first fault. Call it on meshes from outside.
 void check_mesh(const TriMesh& mesh);
 
-/// Combinatorial facts, from the triangles alone; O(n log n), no geometry but the degenerate count.
+/// Combinatorial facts from the triangles alone, in O(n log n); only the degenerate count uses geometry.
 struct Topology {
   std::size_t points = 0, triangles = 0, edges = 0;
   std::size_t boundary_edges = 0;      ///< used by one triangle
@@ -63,13 +63,14 @@ double area_mm2(const TriMesh& mesh);
 double volume_mm3(const TriMesh& mesh);
 Vec3 triangle_normal(const TriMesh& mesh, std::size_t triangle);  ///< not normalized: twice the area long
 
-/// Removes points that no triangle uses, keeping the order. Where all are used, the mesh keeps its proof.
+/// Removes points that no triangle uses, and keeps the order of the others. Where all are used, the mesh keeps its
+/// proof.
 void drop_unused_points(TriMesh& mesh);
 /// For each triangle the number of its edge-connected component, 0 based in order of the first triangle; returns the
 /// count.
 int label_components(const TriMesh& mesh, std::vector<int>& component_of_triangle);
-/// Keeps the edge-connected components with at least that many mm^3 of (absolute) volume, the largest always. Returns
-/// how many went.
+/// Keeps the edge-connected components with at least that many mm^3 of (absolute) volume, and always the largest.
+/// Returns how many were removed.
 int keep_large_components(TriMesh& mesh, double min_volume_mm3);
 
 }  // namespace trephine

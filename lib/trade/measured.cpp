@@ -21,10 +21,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* record_ending = ".json";
 
-// The kernel's high-water mark of this process, set back to what it holds now. Not every container lets one do that:
-// then the mark would be that of an earlier stage, and is not known.
+// Sets the kernel's high-water mark of this process back to what it holds now. Some containers do not allow that: then
+// the mark is that of an earlier stage, and the memory counts as unknown.
 bool reset_peak() {
-  malloc_trim(0);  // what the last stage let go of is none of this one's
+  malloc_trim(0);  // memory that the last stage freed must not count for this one
   std::ofstream file("/proc/self/clear_refs");
   file << "5" << std::flush;
   return file.good();
@@ -174,7 +174,7 @@ std::optional<TimedStages::Refusal> TimedStages::measure(const Graph& graph) {
       if (!known->refused.empty()) return Refusal{node.name, known->refused};
       continue;
     }
-    // Only its inputs are in memory while it runs: what else was held would count as its own.
+    // Only the stage's inputs are in memory while it runs, because anything else would count as its memory.
     std::set<std::string> wanted;
     for (const auto& [port, source] : node.sources) wanted.insert(graph.nodes[static_cast<std::size_t>(source)].key);
     for (auto held = held_.begin(); held != held_.end();)

@@ -15,26 +15,26 @@
 
 namespace trephine {
 
-/// What one piece of work gave and took, each time that it was done.
+/// What one piece of work gave, and what each of its repeats took.
 struct Measurement {
   Report report;
   std::vector<double> seconds;  ///< of each repeat, in their order; empty where it was refused
   double peak_memory_mb = 0;    ///< of the process while it ran with its inputs and nothing else; 0: not known
-  std::string refused;          ///< the quality gate (80) that it did not pass; empty: it did
+  std::string refused;          ///< the reason of the quality gate (80) that it did not pass; empty: it passed
   double median_s() const;
   double spread_s() const;  ///< largest less smallest
 };
 
-/// Measurements on disk, by key, so that a sweep goes on where it was stopped and computes nothing twice. A record that
-/// cannot be read is one that was never there.
+/// Measurements on disk, by key, so that a sweep continues where it was stopped and computes nothing twice. A record
+/// that cannot be read counts as missing.
 class MeasurementStore {
  public:
-  /// Throws 73 where the folder cannot be made.
+  /// Throws Error 73 where the folder cannot be made.
   explicit MeasurementStore(std::filesystem::path folder);
-  /// Null where there is none.
+  /// The measurement, or null where there is none.
   const Measurement* find(const std::string& key);
   const Measurement& keep(const std::string& key, Measurement measurement);
-  /// Removes what no key of the sweep asked for since this object was made.
+  /// Removes the records whose keys were not used since this object was made. Returns how many.
   int remove_unused();
 
  private:
@@ -43,17 +43,18 @@ class MeasurementStore {
   std::set<std::string> absent_;
 };
 
-/// How often a piece of work is timed: up to `count` times, but not again once all its repeats took max_s together.
+/// How often a piece of work is timed: up to `count` times, but not again once all its repeats together took max_s.
 struct Repeats {
   int count = 3;
   double max_s = 15;
   bool suffice(const Measurement& m) const;
 };
 
-/// Does it as often as that, alone, and measures. An Error 80 is kept as `refused`; any other is thrown.
+/// Does the work that often, with nothing else running, and measures it. An Error 80 is kept as `refused`; any other is
+/// thrown.
 Measurement measure_work(const Repeats& repeats, const std::function<void(Report& report, bool is_first)>& work);
 
-/// The stages of a sweep: each is computed once for all the points that share it, timed alone, repeated, and kept with
+/// The stages of a sweep. Each is computed once for all the points that share it, timed alone, repeated, and kept with
 /// its output in a stage cache.
 class TimedStages {
  public:
@@ -65,16 +66,16 @@ class TimedStages {
   };
   TimedStages(MeasurementStore& store, Options options) : store_(store), options_(std::move(options)) {}
 
-  /// Measures what is not measured yet. The first stage that a quality gate refused, or nothing.
+  /// Measures what is not measured yet. Returns the first stage that a quality gate refused, or nothing.
   struct Refusal {
     std::string node, why;
   };
   std::optional<Refusal> measure(const Graph& graph);
-  /// The node's output: from memory, the cache, or computed again.
+  /// The node's output: from memory, from the cache, or computed again.
   StageData data(const Graph& graph, int node);
-  /// Lets go of what is held in memory.
+  /// Drops everything that is held in memory.
   void forget() { held_.clear(); }
-  /// Stages that had to be computed since the last call.
+  /// How many stages had to be computed since the last call.
   int take_measured_count() { return std::exchange(measured_, 0); }
 
  private:

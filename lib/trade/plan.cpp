@@ -9,12 +9,12 @@
 namespace trephine {
 namespace {
 
-/// The file of a plan (configs/trade/*.yaml), declared.
+/// The declaration of a plan's file (configs/trade/*.yaml).
 struct SweptValues {
   std::vector<SaidValue> values;
   template <class V>
   static void describe(V& v) {
-    v.list(&SweptValues::values, "", "The values that the parameter takes, each as --set has it.").is_required();
+    v.list(&SweptValues::values, "", "The values that the parameter takes, each as --set takes it.").is_required();
   }
 };
 
@@ -24,8 +24,9 @@ struct SweepParams {
   template <class V>
   static void describe(V& v) {
     using P = SweepParams;
-    v.map(&P::set, "set", "Parameters by their paths, of every point of the sweep.");
-    v.map(&P::values, "values", "Parameters by their paths and the values that each takes, in every combination.")
+    v.map(&P::set, "set", "Parameters of every point of the sweep, by their paths.");
+    v.map(&P::values, "values",
+          "Parameters by their paths and the values that each takes; every combination is a point.")
         .is_required();
   }
 };
@@ -79,13 +80,13 @@ TradePlan standard_plan(bool haptic) {
     return TradeSweep{name, std::move(settings), std::move(values)};
   };
   TradePlan plan;
-  // Neither decimated nor smoothed: the surface as the voxels say it.
+  // Neither decimated nor smoothed: the surface that the voxels define.
   plan.finest = {count + "=0", ratio + "=0", bound + "=0", smoothing + "=0"};
   plan.sweeps.push_back(sweep("bound", {}, {{bound, {"0.2", "0.3", "0.5", "0.8", "1.2"}}}));
-  // Whatever the scene allows: how far that is from what could be shown.
+  // Without the scene's limit on triangles, to show how far the scene's result is from what could be displayed.
   plan.sweeps.push_back(sweep("free", {count + "=0"}, {{bound, {"0.3"}}}));
   plan.sweeps.push_back(sweep("ratio", {count + "=0", bound + "=0"}, {{ratio, {"0.02", "0.05"}}}));
-  // A machine that shows twice what the scene asks of it, or half.
+  // A machine that shows twice the triangles that the scene asks for, or half of them.
   plan.sweeps.push_back(sweep("detail", {}, {{detail, {"0.5", "2"}}, {bound, {"0.5", "1.2"}}}));
   plan.sweeps.push_back(sweep("smooth", {bound + "=0.3"}, {{smoothing, {"0", "5", "100"}}}));
   plan.sweeps.push_back(sweep("voxel", {}, {{voxel, {voxels(1), voxels(1.5), voxels(2)}}, {bound, {"0.8", "1.2"}}}));

@@ -8,21 +8,21 @@
 
 namespace trephine {
 
-/// "path" and the values that it takes, each as --set has it ("0.3", "[1, 1, 1]").
+/// A path and the values that its parameter takes, each as --set takes it ("0.3", "[1, 1, 1]").
 struct SweptParameter {
   std::string path;
   std::vector<std::string> values;
 };
 
-/// Every combination of the values, the last parameter's fastest.
+/// Every combination of the values; the last parameter changes fastest.
 struct TradeSweep {
   std::string name;                   ///< a-z, 0-9, _
-  std::vector<std::string> settings;  ///< of every point of the sweep
+  std::vector<std::string> settings;  ///< settings of every point of the sweep
   std::vector<SweptParameter> values;
 };
 
 struct TradePlan {
-  std::vector<std::string> finest;  ///< settings of the result that deviations are measured to; it is a point too
+  std::vector<std::string> finest;  ///< settings of the result against which deviations are measured; it is a point too
   std::vector<TradeSweep> sweeps;
 };
 
@@ -33,12 +33,12 @@ struct PlannedPoint {
   std::vector<std::string> settings;
 };
 
-/// The finest, then the sweeps' points in their order; names are unique (the same point of two sweeps is measured
-/// once anyway).
+/// The finest point, then the points of the sweeps in their order. Names are unique (a point that two sweeps share is
+/// measured once).
 std::vector<PlannedPoint> points_of(const TradePlan& plan);
 
-/// What is swept where no plan is given: the bound of decimation, its count, smoothing, the voxel size of the scan with
-/// and without a bound that goes with it, and of the haptic volume where the case has one.
+/// The plan where none is given. It sweeps the bound of decimation, its count, smoothing, the voxel size of the scan
+/// with and without a bound that goes with it, and the voxel size of the haptic volume where the case has one.
 TradePlan standard_plan(bool haptic);
 
 /// Reads a plan:
@@ -51,7 +51,7 @@ TradePlan standard_plan(bool haptic);
 /// A value is a scalar or a list of scalars. Throws ErrorList (78) with file:line:column, 66 where the file is missing.
 TradePlan read_trade_plan(const std::filesystem::path& file);
 
-/// What a plan's file may say, for its schema.
+/// What a plan's file may hold, for its schema.
 AnyParams trade_file_params();
 
 }  // namespace trephine

@@ -33,7 +33,8 @@ double truth_rms_mm(const PointTrade& p) {
   return worst;
 }
 
-// gnuplot's script with the data in it: a series a sweep, those beyond the scene's limits hollow, the front as a line.
+// The script for gnuplot, with the data in it: one series for each sweep, points beyond the scene's limits hollow, and
+// the front as a line.
 std::string script_of(const TradeResult& result, const Axis& axis, const std::string& terminal, const fs::path& file) {
   std::string text = "set terminal " + terminal + "\nset output '" + file.string() + "'\n";
   text +=
@@ -81,7 +82,7 @@ std::string script_of(const TradeResult& result, const Axis& axis, const std::st
   return plot.empty() ? "" : text + plot + "\n";
 }
 
-// Throws 70 where it fails or there is none.
+// Throws Error 70 where gnuplot fails or is missing.
 void run_gnuplot(const fs::path& script) {
   SpawnRequest gnuplot;
   gnuplot.argv = {"gnuplot", script.string()};
@@ -101,7 +102,7 @@ void write_if_new(const fs::path& file, const std::string& bytes) {
   if (!holds(file, bytes)) write_file(file, bytes);
 }
 
-// The script stays beside the measurements: it tells whether the picture is of these data.
+// The script stays beside the measurements, because it tells whether the picture shows these data.
 void plot(const TradeResult& result, const Axis& axis, const fs::path& out, const char* ending,
           const std::string& terminal) {
   const fs::path picture = out / (axis.file + std::string(ending));

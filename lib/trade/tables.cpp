@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 constexpr TradeCost all_costs[] = {TradeCost::seconds, TradeCost::triangles, TradeCost::bytes};
 constexpr TradeError all_errors[] = {TradeError::rms, TradeError::p99, TradeError::max};
 
-// Names of the points on a front of those that may be chosen.
+// Names of the points on a front, made of the points that may be chosen.
 std::vector<std::string> front_names(const std::vector<TradePoint>& points, TradeCost cost, TradeError error) {
   std::vector<std::string> names;
   for (const std::size_t i : pareto_front(points, cost, error)) names.push_back(points[i].name);
@@ -36,7 +36,7 @@ std::string csv_text(const std::string& text) {
 
 std::string number(double v) { return to_text(ParameterValue(v)); }
 
-// The stage without its anatomy: "decimate" of "skull.decimate"; of what serves the case, all of it.
+// The stage without its anatomy, such as "decimate" of "skull.decimate"; the full name for stages of the whole case.
 std::string step_of(const std::string& stage, const std::string& anatomy) {
   return stage.rfind(anatomy + ".", 0) == 0 ? stage.substr(anatomy.size() + 1) : std::string();
 }
@@ -150,7 +150,7 @@ std::string trade_csv(const TradeResult& result) {
       for (const std::string& s : steps) text += "," + (by_step.count(s) ? number(by_step[s]) : std::string());
       text += '\n';
     }
-    // What is felt but has no surface of its own.
+    // Felt shapes that have no surface of their own.
     for (const ShapeTrade& s : p.shapes)
       if (std::none_of(p.anatomies.begin(), p.anatomies.end(), [&](const AnatomyTrade& a) { return a.name == s.name; }))
         text += head + s.name + tail + std::string(19, ',') + "," + number(s.sub_voxel_rms_mm) + "," +
@@ -166,7 +166,7 @@ std::string trade_json(const TradeResult& result, const std::string& program_ver
   json["program"] = "trephine " + program_version;
   json["threads_count"] = thread_count();
   const auto choosable = result.choosable();
-  // What may be chosen; the rest stands in details alone.
+  // Only points that may be chosen; the others stand in details alone.
   json["points"] = Json::parse(trade_points_json(choosable));
   for (const TradeCost cost : all_costs)
     for (const TradeError error : all_errors)
@@ -176,7 +176,7 @@ std::string trade_json(const TradeResult& result, const std::string& program_ver
         TradeRule rule;
         rule.profile = profile;
         json["profiles"][profile] = choose(choosable, rule).point.name;
-      } catch (const Error&) {  // no point but the finest
+      } catch (const Error&) {  // there is no point but the finest
       }
   json["details"] = Json::array();
   for (const PointTrade& p : result.points) {
@@ -198,7 +198,7 @@ std::string trade_table(const TradeResult& result) {
       rule.profile = profile;
       std::string& names = profile_of[choose(choosable, rule).point.name];
       names += (names.empty() ? "" : ", ") + std::string(profile);
-    } catch (const Error&) {  // no point but the finest
+    } catch (const Error&) {  // there is no point but the finest
     }
   for (const PointTrade& p : result.points) {
     if (!p.total.refused.empty()) {

@@ -21,7 +21,7 @@ namespace trephine {
 namespace fs = std::filesystem;
 namespace {
 
-// Raised when what is compared changes, for the same surfaces.
+// Raised when the comparison gives other figures for the same surfaces.
 constexpr int comparison_version = 1;
 
 TradeDeviation deviation_in(const Report& report) {
@@ -61,7 +61,7 @@ class Sweep {
   TradeResult run() {
     const CaseConfig plain = read({});
     const TradePlan plan = request_.plan.empty() ? standard_plan(plain.haptic.wanted) : read_trade_plan(request_.plan);
-    // All of them before the first is computed: a fault in the last one's settings shows now.
+    // All points are prepared before the first is computed, so that a fault in the last one's settings is reported now.
     for (PlannedPoint& p : points_of(plan)) prepared_.push_back(prepare(std::move(p)));
     TradeResult result;
     result.has_truth = truth_.has_value();
@@ -89,7 +89,7 @@ class Sweep {
   CaseConfig read(const std::vector<std::string>& settings) const {
     ConfigOverrides overrides = request_.overrides;
     overrides.without_rule = true;
-    // What the user sets on the command line holds for every point; a swept path wins over it.
+    // Settings on the command line hold for every point; a swept path wins over them.
     overrides.set.insert(overrides.set.end(), settings.begin(), settings.end());
     CaseConfig config = read_case_config(request_.config, overrides);
     if (config.series.empty())
@@ -154,7 +154,7 @@ class Sweep {
     out.total.peak_memory_mb = std::max(out.total.peak_memory_mb, m.peak_memory_mb);
   }
 
-  // The case's files, made and checked but not written.
+  // Makes and checks the case's files without writing them.
   const Measurement& publish(const Prepared& p) {
     const std::vector<int> wanted = wanted_nodes(p.graph, false);
     Sha256 hash;
@@ -183,7 +183,7 @@ class Sweep {
                        }));
   }
 
-  // A comparison that is made once for all the points that share its sides.
+  // A comparison that is made once for all the points that share its two sides.
   const Report& compared(const std::string& what, const std::vector<std::string>& keys,
                          const std::function<void(Report&)>& compare) {
     Sha256 hash;
@@ -276,7 +276,7 @@ class Sweep {
     const Prepared& finest = prepared_[0];
     const auto& sources = finest.graph.nodes[std::size_t(finest.graph.haptic)].sources;
     const auto contour = sources.find("shape." + name);
-    if (contour == sources.end()) return;  // a volume of raw HU
+    if (contour == sources.end()) return;  // the volume holds raw HU
     const Report& report =
         compared("felt " + name, {key_of(p, p.graph.haptic), name, key_of(finest, contour->second)}, [&](Report& r) {
           const auto haptic = std::get<std::shared_ptr<const HapticVolume>>(stages_.data(p.graph, p.graph.haptic));

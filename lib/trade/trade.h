@@ -23,27 +23,28 @@ struct TradeParams {
   static void describe(V& v) {
     using P = TradeParams;
     v.integer(&P::repeats_count, "repeats_count", Range{1, 100},
-              "How often each stage is timed; its median and its spread are told.");
-    v.number(&P::max_repeat_s, "max_repeat_s", Range{0, 1e6},
-             "A stage is not timed again once its repeats took this long together: long ones are steady anyway.");
+              "How often each stage is timed; the median and the spread are reported.");
+    v.number(
+        &P::max_repeat_s, "max_repeat_s", Range{0, 1e6},
+        "A stage is not timed again once its repeats together took this long; the times of long stages vary little.");
     v.integer(&P::sample_count, "sample_count", Range{1000, 100000000},
-              "Points on each surface from which RMS and p99 are taken.");
+              "Points on each surface from which RMS and p99 are computed.");
     v.integer(&P::cache_limit_mb, "cache_limit_mb", Range{0, 1e9},
-              "What stages' outputs may take on disk after the sweep, in MB; the oldest go first.");
+              "Largest size of the stages' outputs on disk after the sweep, in MB; the oldest go first.");
   }
 };
 
 struct TradeRequest {
   std::filesystem::path config;
   std::filesystem::path plan;   ///< empty: standard_plan
-  std::filesystem::path out;    ///< results, and in .trade/ what makes a stopped sweep go on
-  std::filesystem::path truth;  ///< of a phantom (truth.json); empty: there is none
+  std::filesystem::path out;    ///< folder of the results, and in .trade/ of what a stopped sweep needs to continue
+  std::filesystem::path truth;  ///< truth.json of a phantom; empty: there is none
   ConfigOverrides overrides;
   TradeParams params;
   std::string program_version;
 };
 
-/// RMS, p99 and max of both directions together, and each direction's max.
+/// RMS, p99 and max of both directions together, and the max of each direction.
 struct TradeDeviation {
   double rms_mm = 0, p99_mm = 0, max_mm = 0, to_reference_max_mm = 0, from_reference_max_mm = 0;
   double to_reference_rms_mm = 0, from_reference_rms_mm = 0;
@@ -53,14 +54,14 @@ struct TradeDeviation {
 struct AnatomyTrade {
   std::string name;
   std::int64_t triangles_count = 0, bytes = 0;
-  double volume_ml = 0, volume_change_percent = 0;  ///< against the finest result's
+  double volume_ml = 0, volume_change_percent = 0;  ///< compared with the finest result's
   TradeDeviation to_finest;
   std::optional<TradeDeviation> to_truth;
-  std::optional<double> dice_ratio;       ///< of its field with the truth, on the voxels of the point
-  std::optional<double> mismatch_rms_mm;  ///< what is felt against what is seen
+  std::optional<double> dice_ratio;       ///< between its field and the truth, on the voxels of the point
+  std::optional<double> mismatch_rms_mm;  ///< the felt surface against the displayed one
 };
 
-/// What a point made of one shape that the scene lets one feel: where its surface in the haptic volume lies against the
+/// What a point made of one shape that can be felt in the scene: how far its surface in the haptic volume lies from the
 /// finest result's unreduced surface.
 struct ShapeTrade {
   std::string name;
@@ -69,14 +70,14 @@ struct ShapeTrade {
 };
 
 struct StageTrade {
-  std::string name;  ///< the graph's, and "publish": making and checking the case's files
+  std::string name;  ///< name in the graph, or "publish": making and checking the case's files
   double median_s = 0, spread_s = 0, peak_memory_mb = 0;
 };
 
 struct PointTrade {
   PlannedPoint planned;
   TradePoint total;
-  std::string beyond_scene;  ///< which of the scene's limits it exceeds; such a point is measured but never chosen
+  std::string beyond_scene;  ///< the limit of the scene that it exceeds; such a point is measured but never chosen
   std::vector<StageTrade> stages;
   std::vector<AnatomyTrade> anatomies;
   std::vector<ShapeTrade> shapes;
@@ -86,33 +87,34 @@ struct TradeResult {
   std::vector<PointTrade> points;  ///< as planned
   bool has_truth = false;
   int measured_count = 0;  ///< stages, files and comparisons that were not known yet
-  /// Those that may be chosen: neither refused nor beyond the scene's limits.
+  /// The points that may be chosen: neither refused nor beyond the scene's limits.
   std::vector<TradePoint> choosable() const;
 };
 
-/// Who watches: the point and how many there are, the work and how far it is.
+/// Called with the point and the count of points, the current work and how far it is.
 using TradeObserver = std::function<void(std::size_t point, std::size_t count, const std::string& work, double done)>;
 
-/// Measures every point of the plan. A stage whose inputs and parameters two points share is computed once; every
-/// stage is timed alone with all threads, so that a point's seconds are the sum of its stages' (a run, which computes
-/// independent stages at the same time, takes about as long where its stages use all cores, less where they do not).
-/// What is measured is kept in OUT/.trade: a stopped sweep goes on, an unchanged one computes nothing. A point that a
-/// quality gate refuses (80) is a point with a reason; any other fault ends the sweep.
+/// Measures every point of the plan. A stage whose inputs and parameters two points share is computed once. Every stage
+/// is timed alone with all threads, so that a point's seconds are the sum of the seconds of its stages. (A run computes
+/// independent stages at the same time. It takes about as long where the stages use all cores, and less where they do
+/// not.) What is measured is kept in OUT/.trade: a stopped sweep continues, and an unchanged one computes nothing. A
+/// point that a quality gate refuses (80) is kept with the reason; any other fault ends the sweep.
 ///
-/// The scene's limits bound no point, they are told instead (beyond_scene): the sweep is there to see past them.
+/// The scene's limits do not bound the points, but are reported (beyond_scene): the sweep is there to show what lies
+/// beyond them.
 ///
-/// Throws as read_case_config and the stages do; 80 where the finest result itself is refused; 64 where the series is
-/// not given; 81 as a run would.
+/// Throws what read_case_config and the stages throw; 80 where the finest result itself is refused; 64 where the series
+/// is not given; 81 as a run would.
 TradeResult measure_trade(const TradeRequest& request, const TradeObserver& observer = {});
 
-/// The results as files: one row a point and anatomy, and one for the whole case.
+/// The results as a file with one row for each point and anatomy, and one row for the whole case.
 std::string trade_csv(const TradeResult& result);
-/// trade.json: everything, with the fronts and the profiles; read_trade_points reads it.
+/// The text of trade.json: everything, with the fronts and the profiles. read_trade_points reads it.
 std::string trade_json(const TradeResult& result, const std::string& program_version);
-/// For a person: the fronts, and what the profiles are.
+/// The fronts and the profiles as a table for a person.
 std::string trade_table(const TradeResult& result);
 
-/// Writes OUT/trade.csv, trade.json and error_{seconds,triangles,bytes}.{png,svg}. The pictures are gnuplot's; where it
+/// Writes OUT/trade.csv, trade.json and error_{seconds,triangles,bytes}.{png,svg}. gnuplot makes the pictures; where it
 /// cannot be run they are left out with a warning. Files that would not change are left as they are.
 void write_trade(const TradeResult& result, const std::filesystem::path& out, const std::string& program_version);
 

@@ -18,35 +18,38 @@ struct CanalParams {
   static void describe(V& v) {
     using P = CanalParams;
     v.number(&P::max_radius_mm, "max_radius_mm", Range{5, 40},
-             "Bone farther than this from the middle of the canal is no wall of it.");
+             "Bone farther than this from the middle of the canal does not count as its wall.");
     v.number(&P::min_enclosure_ratio, "min_enclosure_ratio", Range{0.2, 0.9},
-             "The canal goes on as long as bone stands around it, in the slice, in more than this share of directions; "
-             "where it is less for a few slices (discs) what is above and below counts.");
+             "The canal continues as long as bone encloses it, within the slice, in more than this share of "
+             "directions. Where the share is less for a few slices (discs), the slices above and below count.");
     v.number(&P::min_length_mm, "min_length_mm", Range{5, 1000}, "A shorter canal is refused.");
-    v.number(&P::min_walled_ratio, "min_walled_ratio", Range{0, 1},
-             "A canal less of whose wall than this is bone is refused: the rest is interpolated.");
-    v.number(&P::gap_mm, "gap_mm", Range{0, 5}, "The canal stays so far from bone.");
+    v.number(
+        &P::min_walled_ratio, "min_walled_ratio", Range{0, 1},
+        "A canal with a smaller share of bone in its wall than this is refused, because the rest is interpolated.");
+    v.number(&P::gap_mm, "gap_mm", Range{0, 5}, "Distance that the canal keeps from bone.");
   }
 };
 
-/// The spinal canal: the space that the vertebrae's arches enclose, for a spine in axial slices whose canal leans by
-/// less than about 55 degrees from their normal. `bone` is the filled bone (positive inside) on the volume's raster,
-/// maybe a part of it. Returns a field in mm, positive inside, on a part of that raster, as segment() does.
+/// The spinal canal: the space that the arches of the vertebrae enclose. The spine must be in axial slices, and its
+/// canal must lean by less than about 55 degrees from their normal. `bone` is the filled bone (positive inside) on the
+/// volume's raster or a part of it. Returns a field in mm, positive inside, on a part of that raster, as segment()
+/// does.
 ///
-/// - Its course is the tube through the bone that is best enclosed: the chain of points, one a slice on a raster of
-///   about 1.5 mm, with the largest sum of enclosure beyond min_enclosure_ratio (dynamic programming). Ends are free.
+/// - Its course is the tube through the bone that is best enclosed: the chain of points, one for each slice on a raster
+///   of about 1.5 mm, with the largest sum of enclosure beyond min_enclosure_ratio (dynamic programming). The ends are
+///   free.
 /// - Its wall is, in each slice and direction from the course, the bone's own surface. Where bone is missing (foramina,
-///   discs, between the arches) or the ray escapes (hits far behind what its neighbours say), the wall is the smoothest
-///   one through the bone around the gap (a membrane over angle and length).
+///   discs, between the arches) or the ray escapes (it hits far behind its neighbours), the wall is the smoothest one
+///   through the bone around the gap (a membrane over angle and length).
 ///
-/// What it is not: the dural sac (epidural fat belongs to the canal), and no disc that bulges into it is seen, for
-/// discs are no bone. Cross-sections must be star-shaped about their middle. The longest such tube wins: one canal a
-/// scan.
+/// The result is not the dural sac (epidural fat belongs to the canal), and a disc that bulges into it is not seen,
+/// because discs are not bone. Cross-sections must be star-shaped about their centre. The longest such tube is taken:
+/// one canal in each scan.
 ///
-/// Report: length_mm, volume_ml, area_median_mm2, area_least_mm2 and its position area_least_z_mm (of slices half of
-/// whose wall is bone; 0 where none), walled_ratio, tissue_hu. Warns where area or content are not those of a canal.
-/// The same bits whatever the thread count. Throws Error 65 where a raster differs; 80 where the bone is empty, no such
-/// space is found, or it is shorter or less walled than asked; Cancelled.
+/// Report: length_mm, volume_ml, area_median_mm2, area_least_mm2 and its position area_least_z_mm (over slices in which
+/// half of the wall is bone; 0 where there are none), walled_ratio, tissue_hu. Warns where area or content are not
+/// those of a canal. The result has the same bits whatever the thread count. Throws Error 65 where a raster differs; 80
+/// where the bone is empty, no such space is found, or it is shorter or less walled than required; Cancelled.
 Field find_canal(const HuVolume& volume, const Field& bone, const CanalParams& params, Report& report,
                  const Progress& progress = {});
 

@@ -31,7 +31,7 @@ struct CanalWall {
   /// Interpolated between directions.
   double at(std::size_t slice, double angle) const;
 };
-/// Moves the course into the middle of what it finds.
+/// Finds the wall and moves the course into its middle.
 CanalWall canal_wall(const Field& bone, CanalCourse& course, const CanalParams& params, const Progress& progress);
 
 }  // namespace trephine::segmentation

@@ -23,12 +23,13 @@ struct ClavicleParams {
   static void describe(V& v) {
     using P = ClavicleParams;
     v.choice(&P::side, "side", {{"both", BodySide::both}, {"left", BodySide::left}, {"right", BodySide::right}},
-             "The patient's side; both: as many as are found, one at least.");
+             "The patient's side; both: all that are found, at least one.");
     v.choice(&P::part, "part", {{"clavicle", ClaviclePart::clavicle}, {"rest", ClaviclePart::rest}},
-             "The clavicles, or all bone that is none.");
+             "The clavicles, or all other bone.");
     v.number(&P::core_mm, "core_mm", Range{0, 5},
-             "Bridges to other bones thinner than twice this do not count while a clavicle is looked for.");
-    v.number(&P::min_length_mm, "min_length_mm", Range{20, 200}, "Shorter pieces from side to side are no clavicle.");
+             "Bridges to other bones thinner than twice this are ignored while a clavicle is searched for.");
+    v.number(&P::min_length_mm, "min_length_mm", Range{20, 200},
+             "Pieces that are shorter from side to side are not clavicles.");
     v.number(&P::max_joint_mm2, "max_joint_mm2", Range{0, 2000},
              "Warn where a clavicle had to be cut from other bone over more than this.");
   }
@@ -41,24 +42,24 @@ struct ClavicleCourse {
   std::vector<double> radius_mm;  ///< of a circle with the cross-section's area
 };
 
-/// The clavicles' middle lines, the right one first; none where nothing looks like one. `bone` as below.
+/// The middle lines of the clavicles, the right one first; empty where nothing looks like one. `bone` is as below.
 std::vector<ClavicleCourse> clavicle_courses(const Field& bone, const ClavicleParams& params,
                                              const Progress& progress = {});
 
-/// The clavicles out of the bone of a chest or shoulders (a filled field, positive inside) that holds them among ribs,
-/// sternum and scapulae: in sagittal planes a clavicle is a round piece in front of all other bone, in one plane after
-/// the other over at least min_length_mm. At its joints it is parted from other bone at the narrowest place (watershed
-/// on the depth in the bone), and the cut is smoothed. Arms down or raised; for a patient who lies straight to about 30
-/// degrees. A clavicle that the scan cuts is found as far as it goes.
+/// Separates the clavicles from the other bone of a chest or shoulders. `bone` is a filled field, positive inside, that
+/// holds them among ribs, sternum and scapulae. In sagittal planes a clavicle is a round piece in front of all other
+/// bone, in one plane after the other over at least min_length_mm. At its joints it is separated from other bone at the
+/// narrowest place (a seeded watershed on the depth in the bone), and the cut is smoothed. Arms may be down or raised;
+/// the patient may be tilted by at most about 30 degrees. A clavicle that the scan cuts is found as far as it goes.
 ///
-/// Returns a field in bone's unit, positive inside, cropped as segment() does; part rest: all of bone but them, and
-/// nothing inside `without` (a vein so bright that it was taken for bone).
-/// Report: right_length_mm, right_ml, right_joint_mm2 (cut through bone) and the same of left, as far as found;
-/// volume_ml. Warns of a side that was not found, and of one that hangs on other bone over more than max_joint_mm2:
-/// there it was not parted by a joint, and its end is where the bone happens to be narrow.
+/// Returns a field in bone's unit, positive inside, cropped as segment() does; with part rest, all other bone, and
+/// nothing inside `without` (a vein so bright that it was taken for bone). Report: right_length_mm, right_ml,
+/// right_joint_mm2 (area cut through bone) and the same for left, as far as found; volume_ml. Warns where a side was
+/// not found, and where a clavicle is connected with other bone over more than max_joint_mm2: there no joint separates
+/// it, and its end is merely where the bone is narrow.
 ///
-/// The same bits whatever the thread count. Throws Error 80 where the bone is empty, or no clavicle of the side asked
-/// for is found; Cancelled.
+/// The result has the same bits whatever the thread count. Throws Error 80 where the bone is empty, or no clavicle of
+/// the requested side is found; Cancelled.
 Field find_clavicles(const Field& bone, const ClavicleParams& params, Report& report, const Progress& progress = {},
                      const Field* without = nullptr);
 

@@ -19,14 +19,14 @@ struct Blob {
   double thickness_mm = 0, width_mm = 0;  ///< full lengths of the ellipse of equal second moments
 };
 
-/// A chain of round blobs in planes side by side: a candidate.
+/// A chain of round blobs in adjacent planes, which is a candidate for a clavicle.
 struct BlobChain {
   BodySide side = BodySide::left;
   std::vector<Blob> blobs;  ///< by rising i
   double span_mm(const Lattice& l) const { return double(blobs.size()) * l.spacing_mm.x; }
 };
 
-/// At most one of a side, the right one first. `core` is the bone without thin bridges.
+/// At most one chain for each side, the right one first. `core` is the bone without thin bridges.
 std::vector<BlobChain> clavicle_chains(const BitMask& core, const ClavicleParams& params, const Progress& progress);
 
 }  // namespace trephine::segmentation

@@ -20,37 +20,38 @@ struct VeinParams {
   static void describe(V& v) {
     using P = VeinParams;
     v.choice(&P::side, "side", {{"both", BodySide::both}, {"left", BodySide::left}, {"right", BodySide::right}},
-             "The patient's side; both: of every clavicle that is found, one at least.");
+             "The patient's side; both: the veins of all clavicles that are found, at least one.");
     v.choice(&P::source, "source", {{"automatic", VeinSource::automatic}, {"estimated", VeinSource::estimated}},
              "automatic: from contrast medium where the vein holds any, else estimated.");
     v.number(&P::min_contrast_hu, "min_contrast_hu", Range{20, 1000},
-             "The vein counts as enhanced where it is so much brighter than the tissue around it.");
-    v.number(&P::search_mm, "search_mm", Range{5, 60}, "Contrast medium is looked for this far around the estimate.");
+             "The vein counts as enhanced where it is this much brighter than the tissue around it.");
+    v.number(&P::search_mm, "search_mm", Range{5, 60}, "Contrast medium is searched for this far around the estimate.");
     v.number(&P::radius_mm, "radius_mm", Range{1, 15}, "Radius of an estimated vein.");
-    v.number(&P::gap_mm, "gap_mm", Range{0, 20}, "From the clavicle's surface to that of an estimated vein.");
+    v.number(&P::gap_mm, "gap_mm", Range{0, 20}, "Distance from the clavicle's surface to that of an estimated vein.");
     v.number(&P::lateral_ratio, "lateral_ratio", Range{0.1, 1},
-             "The vein is made from the sternal end to this share of the clavicle's length.");
-    v.number(&P::medial_mm, "medial_mm", Range{0, 60}, "And so far on from there, downwards to the middle.");
+             "The vein reaches from the clavicle's sternal end to this share of the clavicle's length.");
+    v.number(&P::medial_mm, "medial_mm", Range{0, 60},
+             "How far the vein continues beyond the sternal end, downwards and to the middle.");
   }
 };
 
 /// The subclavian vein and the beginning of the brachiocephalic vein behind and below each clavicle.
 ///
-/// Its course is first estimated from the clavicle: the vein lies behind and below its medial third (Tan et al.,
-/// "Anatomic basis of safe percutaneous subclavian venous catheterization", J Trauma 48, 2000), pushed away from bone
-/// and lung. Where soft tissue within search_mm of it holds a connected piece that is min_contrast_hu brighter, follows
-/// most of the course and is as thick as a vein, that piece is the vein, its surface at half the contrast. Where none
-/// does (no contrast medium, or only in other vessels) the vein is a tube of radius_mm along the estimate, which says
-/// where a vein usually runs, not where this one does.
+/// Its course is first estimated from the clavicle: the vein lies behind and below the clavicle's medial third
+/// [Tan2000], and is pushed away from bone and lung. If soft tissue within search_mm of it holds a connected piece that
+/// is min_contrast_hu brighter, follows most of the course and is as thick as a vein, that piece is the vein, and its
+/// surface lies at half the contrast. If there is none (no contrast medium, or only in other vessels), the vein is a
+/// tube of radius_mm along the estimate, which shows where a vein usually runs, not where this one does.
 ///
-/// An artery that is enhanced as well, and touches the vein or lies nearer to the estimate, is taken for it or with it:
-/// look at the overlays. Radius and gap are ours, of the order that anatomy books give; they were not measured here.
+/// An artery that is also enhanced, and touches the vein or lies nearer to the estimate, is taken for the vein or
+/// joined with it: look at the overlays. We chose radius and gap in the range that anatomy books give; they were not
+/// measured here.
 ///
-/// Returns a field of about mm, positive inside, on a part of the volume's raster, as segment() does. `bone` as for
+/// Returns a field in about mm, positive inside, on a part of the volume's raster, as segment() does. `bone` is as for
 /// find_clavicles. Report for each side found ("right_", "left_"): source (contrast, estimated), contrast_hu,
-/// length_mm, radius_mm (mean), ml, clearance_mm (the estimated middle line's least distance to bone and air). Warns of
-/// every estimated vein. The same bits whatever the thread count. Throws Error 65 where a raster differs; 80 where the
-/// bone is empty or no clavicle of the side asked for is found; Cancelled.
+/// length_mm, radius_mm (mean), ml, clearance_mm (the least distance of the estimated middle line to bone and air).
+/// Warns of every estimated vein. The result has the same bits whatever the thread count. Throws Error 65 where a
+/// raster differs; 80 where the bone is empty or no clavicle of the requested side is found; Cancelled.
 Field find_vein(const HuVolume& volume, const Field& bone, const VeinParams& params, Report& report,
                 const Progress& progress = {});
 

@@ -24,15 +24,16 @@ Box box_around(const VeinCourse& course, const Lattice& lattice, double margin_m
 /// Distance in mm to the course of each voxel of the lattice that is nearer than reach_mm; reach_mm elsewhere.
 Grid<float> distance_to(const VeinCourse& course, const Lattice& lattice, double reach_mm);
 
-/// Dense contrast medium is as bright as bone and was taken for it: the bone without the pieces that follow the course
-/// first guessed from the clavicle, as no rib does, and that are not the clavicle.
+/// Dense contrast medium is as bright as bone and may have been taken for it. The result is the bone without the pieces
+/// that follow the course first estimated from the clavicle, as no rib does, and that are not the clavicle.
 Field without_dense_vein(const Field& bone, const ClavicleCourse& clavicle, const VeinParams& params,
                          const Progress& progress);
 
-/// How much of the course has a voxel of the mask within reach_mm.
+/// The share of the course that has a voxel of the mask within reach_mm.
 double followed(const BitMask& mask, const VeinCourse& course, double reach_mm);
 
-/// The enhanced vein along the course; `found` false where there is none (contrast_hu then says what there is).
+/// The enhanced vein along the course; `found` is false where there is none (contrast_hu then says which contrast there
+/// is).
 struct EnhancedVein {
   bool found = false;
   double contrast_hu = 0, length_mm = 0, radius_mm = 0;

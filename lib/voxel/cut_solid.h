@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// What a solid leaves of a lattice's voxels; for the sources of this module.
+// What a solid leaves of a lattice's voxels; for the sources of this room.
 #include "grid/grid.h"
 #include "surface/bounds.h"
 #include "surface/distance_function.h"
@@ -18,7 +18,7 @@ class SolidOnLattice {
 
   struct Sample {
     double distance_mm;  ///< positive outside; infinite where the function gives none
-    double ramp_mm;      ///< of occupancy here; 0 where the voxel lies beyond every ramp
+    double ramp_mm;      ///< width of the occupancy ramp here; 0 where the voxel lies beyond every ramp
     int left;            ///< 0 to 255: what the solid leaves of the voxel
   };
   Sample at(int i, int j, int k) const;

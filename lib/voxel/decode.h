@@ -7,35 +7,35 @@
 
 namespace trephine {
 
-/// Occupancy of one shape, 0 to 1, of a haptic volume: what contact, drilling and the mesher read. Nothing here but the
+/// Occupancy of one shape, 0 to 1, of a haptic volume: the values that contact, drilling and the mesher read. Only the
 /// constructor allocates, locks or throws; positions that are not finite, and numbers of no shape, give 0. The decoder
-/// refers to the volume, which must outlive it; voxels may change meanwhile (drilling; they are read through relaxed
+/// refers to the volume, which must outlive it. Voxels may change meanwhile (drilling; they are read through relaxed
 /// atomics), the lattice and the shapes may not.
 ///
-/// Encoding `occupancy`: a voxel's occupancy is its share of 255, or of its rest, and trilinear() interpolates these:
-/// where two shapes meet theirs add up to 1, so both surfaces are the same one.
+/// Encoding `occupancy`: a voxel's occupancy is its share of 255, or its part of the rest of another shape's voxel, and
+/// trilinear() interpolates these. Where two shapes meet, their occupancies add up to 1, so both surfaces are the same.
 ///
-/// Encoding `hu`, for the window [low, high] of a shape: a voxel in the window has
+/// Encoding `hu`, for the window [low, high] of a shape: a voxel in the window has the occupancy
 ///   a(x) = clamp(1/2 + (x - low) / (2 (low + 1000)), 0, 1)
-/// of its HU x (the slope at least that of low + 1000 = 1), which is 1/2 at the low end, and 0 at -1000 and below: it
-/// saturates at air. So has a voxel below every window ("air"; less than 1/2 then). Every other voxel, of another
+/// where x is its HU (and the slope is at least that of low + 1000 = 1). It is 1/2 at the low end and 0 at -1000 and
+/// below. A voxel below every window ("air") has the same function, and so less than 1/2. Every other voxel, of another
 /// window, between windows or above them, has 0. trilinear() takes the weights w of the eight voxels and gives
 ///   min(a(mean HU of those that are air or in the window), 1 - sum of w of all others)
-/// so that towards air the surface lies where the interpolated HU cross the low end, as that of a contour does, and
-/// midway between the voxels where windows meet. It is continuous, and inside it is between 1/2 and 1.
+/// so that towards air the surface lies where the interpolated HU cross the low end, as a contour's does, and midway
+/// between the voxels where windows meet. It is continuous, and inside it is between 1/2 and 1.
 class HapticDecoder {
  public:
   explicit HapticDecoder(const HapticVolume& volume);
 
   /// Number of the shape that fills most of the voxel; 0 for EMPTY, for values of no shape and beyond the lattice.
   int shape_at(int i, int j, int k) const;
-  /// Occupancy of shape `number` in the voxel, its share of another shape's voxel included (haptic_volume.h).
+  /// Occupancy of shape `number` in the voxel, including its part of another shape's voxel (haptic_volume.h).
   double occupancy(int number, int i, int j, int k) const;
 
-  double nearest(int number, Vec3 world_mm) const;    ///< of the voxel that holds the point
-  double trilinear(int number, Vec3 world_mm) const;  ///< between the eight voxel centres around it
-  /// Gradient of the trilinear occupancy by central differences over one voxel a side, 1/mm, world: it points into the
-  /// shape. Zero where there is none.
+  double nearest(int number, Vec3 world_mm) const;    ///< occupancy of the voxel that holds the point
+  double trilinear(int number, Vec3 world_mm) const;  ///< occupancy between the eight voxel centres around the point
+  /// Gradient of the trilinear occupancy by central differences over one voxel to each side, in 1/mm, world. It points
+  /// into the shape, and is zero where there is none.
   Vec3 gradient(int number, Vec3 world_mm) const;
 
  private:

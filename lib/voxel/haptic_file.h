@@ -8,7 +8,7 @@
 
 namespace trephine {
 
-/// The key by which a haptic volume's NRRD is known.
+/// The key by which the NRRD of a haptic volume is recognized.
 constexpr const char* haptic_file_key = "trephine-haptic";
 
 /// A haptic volume as NRRD (int16, raw, LPS; 3D Slicer opens it) whose keys say what the values mean:
@@ -17,11 +17,11 @@ constexpr const char* haptic_file_key = "trephine-haptic";
 std::string encode_haptic(const HapticVolume& volume);
 std::string encode_hardness(const HapticVolume& volume);
 
-/// The simulator's reader: bounds everything by the bytes that are there, then check_haptic_volume. `hardness` may be
-/// empty. Throws Error 65 naming the field.
+/// The simulator's reader: it bounds everything by the bytes that exist, then calls check_haptic_volume. `hardness` may
+/// be empty. Throws Error 65 naming the field.
 HapticVolume decode_haptic(std::string_view bytes, std::string_view hardness = {});
 
-/// The same through files. write: 73, 74; read: 66, 65.
+/// The same for files. Writing throws Error 73 and 74; reading throws 66 and 65.
 void write_haptic(const std::filesystem::path& file, const HapticVolume& volume);
 HapticVolume read_haptic(const std::filesystem::path& file);
 

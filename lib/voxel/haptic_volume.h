@@ -8,22 +8,23 @@
 
 namespace trephine {
 
-/// The haptic volume: what the hand feels. One int16 a voxel says which shape fills it and how much of it, so that one
-/// lookup serves any number of shapes (the dissertation, chapter 3). Beyond its lattice is EMPTY (`hu`: -1024 HU).
+/// The haptic volume: what the hand feels. One int16 for each voxel says which shape fills it and how much of it, so
+/// that one lookup serves any number of shapes [Rizzi, chapter 3]. Voxels outside of the lattice are EMPTY (`hu`: -1024
+/// HU).
 ///
-/// Encoding `occupancy`: a voxel is EMPTY (0), or
-///   1000 n + o          shape n fills o / 255 of it (o 1 to 255); the rest belongs to the other shape whose voxels
-///   among
-///                       its 26 neighbours sum up to the most occupancy (then the lower number), or to nobody where
-///                       there is none
-///   1000 n + 300 + o    the same, and the rest is EMPTY whatever the neighbours: where something was cut away, or
-///                       where air meets two shapes
-/// with n 1 to 32. Every other value belongs to no shape. The surface of a shape lies where its occupancy is 1/2.
+/// Encoding `occupancy`: a voxel is EMPTY (0), or one of two sums, where n is 1 to 32:
+/// - 1000 n + o: shape n fills o / 255 of the voxel (o 1 to 255). The rest belongs to another shape: the one whose
+///   voxels among the 26 neighbours add up to the largest occupancy (of equals the lower number), or to no shape where
+///   there is none.
+/// - 1000 n + 300 + o: the same, but the rest is EMPTY whatever the neighbours are. This stands where something was cut
+///   away, or where air meets two shapes.
 ///
-/// Encoding `hu`: the voxels are a CT's HU, and a shape is a window of them; windows are disjoint, at most 32, and
-/// begin above -1024 HU, so that what lies beyond the lattice and what was cut away is in none of them. It
-/// saturates at air: towards HU below every window the surface is where the HU cross the window's low end; where
-/// windows meet it lies between the voxels.
+/// Every other value belongs to no shape. The surface of a shape lies where its occupancy is 1/2.
+///
+/// Encoding `hu`: the voxels are a CT's HU, and a shape is a window of them. Windows are disjoint, at most 32, and
+/// begin above -1024 HU, so that no window holds what lies outside of the lattice or what was cut away. Towards HU
+/// below every window (such as air) the surface lies where the HU cross the low end of the window; where windows meet,
+/// the surface lies between the voxels.
 ///
 /// Raw values must never be interpolated or subtracted: decode the occupancy of one shape first (voxel/decode.h).
 constexpr std::int16_t haptic_empty = 0;

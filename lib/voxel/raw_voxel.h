@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Raw values of encoding `occupancy`, for the sources of this module. Nothing here allocates or throws.
+// Raw values of encoding `occupancy`, for the sources of this room. Nothing here allocates or throws.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace trephine::detail {
 
-/// A voxel's raw value, read so that a thread that drills meanwhile does no harm.
+/// Reads a voxel's raw value in a way that is safe while another thread drills.
 inline std::int16_t load_voxel(const std::int16_t& voxel) { return __atomic_load_n(&voxel, __ATOMIC_RELAXED); }
 
 struct RawVoxel {
@@ -32,8 +32,8 @@ inline std::int16_t join(int number, int share, bool bare) {
   return static_cast<std::int16_t>(haptic_base_step * number + share + (bare ? haptic_bare_offset : 0));
 }
 
-/// The shape to which the rest of a voxel of shape `own` belongs: the other shape whose 26 neighbours here sum up to
-/// the largest occupancy, then the lower number; 0 where there is none.
+/// The shape to which the rest of a voxel of shape `own` belongs: another shape, whose voxels among the 26 neighbours
+/// add up to the largest occupancy (of equals the lower number); 0 where there is none.
 inline int other_shape(const Grid<std::int16_t>& voxels, int own, int i, int j, int k) {
   // In most places one other shape or none is near; the table serves the others.
   const int own_base = haptic_base_step * own;
@@ -68,7 +68,7 @@ inline int other_shape(const Grid<std::int16_t>& voxels, int own, int i, int j, 
   return int(std::max_element(sums.begin(), sums.end()) - sums.begin());
 }
 
-/// Share of 255 of shape `number` in the voxel.
+/// The share (of 255) of shape `number` in the voxel.
 inline int share_of(const Grid<std::int16_t>& voxels, int number, int i, int j, int k) {
   const RawVoxel v = split(load_voxel(voxels.voxels[voxels.index(i, j, k)]));
   if (v.number == 0) return 0;

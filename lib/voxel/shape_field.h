@@ -7,19 +7,19 @@
 
 namespace trephine {
 
-/// A cylinder that something shall pass: from position - above * direction to position + depth * direction.
+/// A cylinder that something must pass: from position - above * direction to position + depth * direction.
 struct Bore {
   Vec3 position_mm, direction;  ///< direction: unit
   double radius_mm = 0, above_mm = 0, depth_mm = 0;
 };
 
-/// How much thinner than the hole is what must pass it.
+/// How much thinner than the hole the object is that must pass it.
 constexpr double hole_play_mm = 0.5;
 
-/// Nothing of the shape is felt within the bore, less the play on all sides. The volume must have the shape.
+/// Whether nothing of the shape is felt within the bore, less the play on all sides. The volume must have the shape.
 bool hole_is_free(const HapticVolume& volume, const std::string& shape, const Bore& bore);
 
-/// A shape's trilinear occupancy less 1/2, on the volume's voxels: its contour at 0 is the surface that is felt.
+/// A shape's trilinear occupancy minus 1/2, on the volume's voxels: its contour at 0 is the felt surface.
 Field shape_field(const HapticVolume& volume, int number, const Progress& progress = {});
 
 }  // namespace trephine

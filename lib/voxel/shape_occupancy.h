@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Occupancy of single solids on a lattice; for the sources of this module.
+// Occupancy of single solids on a lattice; for the sources of this room.
 #include <cmath>
 #include <cstdint>
 
@@ -11,9 +11,9 @@
 namespace trephine::detail {
 
 /// Half the width of the ramp of occupancy, in mm, where the surface has this normal (unit, world): the reach of a
-/// voxel's 26 neighbours along it. So trilinear interpolation gives a plane of any direction back exactly (all eight
-/// voxels around a point of the surface lie on the ramp), and a voxel on the ramp has a neighbour on the other side,
-/// whose shape its rest may belong to.
+/// voxel's 26 neighbours along the normal. With this width trilinear interpolation reproduces a plane of any direction
+/// exactly (all eight voxels around a point of the surface lie on the ramp), and a voxel on the ramp has a neighbour on
+/// the other side, to whose shape its rest may belong.
 inline double ramp_mm(const Lattice& lattice, Vec3 normal) {
   const Vec3 n = transpose_times(lattice.direction, normal);
   return std::abs(n.x) * lattice.spacing_mm.x + std::abs(n.y) * lattice.spacing_mm.y +
@@ -22,16 +22,16 @@ inline double ramp_mm(const Lattice& lattice, Vec3 normal) {
 /// No ramp is wider than this.
 inline double largest_ramp_mm(const Lattice& lattice) { return norm(lattice.spacing_mm); }
 
-/// Of 255, at a signed distance (positive outside): 1/2 - d / (2 ramp).
+/// The share, of 255, at a signed distance (positive outside): 1/2 - d / (2 ramp).
 inline int share_at(double distance_mm, double ramp) {
   const double o = 0.5 - distance_mm / (2 * ramp);
   return !(o > 0) ? 0 : o >= 1 ? 255 : int(std::floor(255 * o + 0.5));
 }
 
-/// The solid within a closed surface, 0 to 255 a voxel. Throws 65 where it is not closed.
+/// The solid within a closed surface, 0 to 255 for each voxel. Throws Error 65 where it is not closed.
 Grid<std::uint8_t> solid_occupancy(const TriMesh& mesh, const Lattice& lattice, const Progress& progress);
 
-/// The same of what lies farther than `clear_mm` from the solid, for the voxels with a `wanted` that is not 0; the
+/// The occupancy of what lies farther than `clear_mm` from the solid, for the voxels whose `wanted` is not 0; the
 /// others may have any value.
 struct Clearance {
   Grid<std::uint8_t> left;

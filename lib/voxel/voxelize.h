@@ -13,13 +13,13 @@
 
 namespace trephine {
 
-/// One shape of the volume to be made. Earlier shapes of a list have precedence: what they fill is not a later one's.
+/// One shape of the volume to be made. Earlier shapes of a list have precedence: a part that one fills does not belong
+/// to later ones.
 struct VoxelizeShape {
   std::string name;
   const TriMesh* surface = nullptr;  ///< closed: the undecimated surface of the shape's field
-  /// Nothing of this shape within clear_mm of the solid `clear_of`, except where a shape before it stands, or walls it
-  /// off: the liquor between brain and skull is not the scalp, and the scalp outside a thin bone stays. Null: no such
-  /// rule.
+  /// Nothing of this shape lies within clear_mm of the solid `clear_of`, except behind or within an earlier shape: the
+  /// fluid between brain and skull does not become scalp, and the scalp outside a thin bone stays. Null: no such rule.
   const TriMesh* clear_of = nullptr;
   double clear_mm = 0;
 };
@@ -35,34 +35,38 @@ struct VoxelizeParams {
     using P = VoxelizeParams;
     v.numbers(&P::spacing_mm, "spacing_mm", Range{0.05, 10}, "Voxel size along the scan's own axes.");
     v.number(&P::margin_mm, "margin_mm", Range{0, 1000},
-             "The region is the box of the shape it is of (or of all shapes), and this much more on every side.");
-    v.numbers(&P::region_min_mm, "region_min_mm", Range{-1e6, 1e6}, "Lower corner that the region may not pass, LPS.");
-    v.numbers(&P::region_max_mm, "region_max_mm", Range{-1e6, 1e6}, "Upper corner that the region may not pass, LPS.");
+             "Margin on every side around the box of the shape that defines the region (or of all shapes).");
+    v.numbers(&P::region_min_mm, "region_min_mm", Range{-1e6, 1e6},
+              "Lower corner beyond which the region may not reach, LPS.");
+    v.numbers(&P::region_max_mm, "region_max_mm", Range{-1e6, 1e6},
+              "Upper corner beyond which the region may not reach, LPS.");
     v.number(&P::hardness_low_hu, "hardness_low_hu", Range{-32768, 32767},
-             "HU of the softest material; with hardness_high_hu above it a hardness volume is made.");
+             "HU of the softest material. If hardness_high_hu is above it, a hardness volume is made.");
     v.number(&P::hardness_high_hu, "hardness_high_hu", Range{-32768, 32767}, "HU of the hardest material.");
     v.number(&P::max_voxels_millions, "max_voxels_millions", Range{0.001, 2000},
-             "More voxels than this, in millions, are refused.");
+             "Refuse more voxels than this, in millions.");
   }
 };
 
 /// The lattice along `direction` (the scan's) whose voxels cover the box `region_mm` (world bounds). Voxel centres lie
-/// on whole multiples of the spacing from `anchor_mm`, so that a larger region has the same voxels. Throws 78 (field
-/// haptic.spacing_mm) where it would exceed max_voxels_millions.
+/// at whole multiples of the spacing from `anchor_mm`, so that a larger region has the same voxels. Throws Error 78
+/// (field haptic.spacing_mm) where it would exceed max_voxels_millions.
 Lattice haptic_lattice(const Bounds& region_mm, const Mat3& direction, Vec3 anchor_mm, const VoxelizeParams& params);
 
-/// Shapes numbered 1.. in the order given. The occupancy of a voxel is 1/2 - d / (2 r), held to 0 and 1, d the signed
-/// distance of its centre to the surface and r the reach of its neighbours along that direction n, sum |n_a| spacing_a:
-/// so trilinear interpolation gives planes of every direction back (bias and RMS are in docs/accuracy.md), and a wall
-/// as thick as a voxel along its normal is felt everywhere; a thinner one only where voxel centres lie well in it.
+/// Makes the haptic volume of the shapes, numbered from 1 in the given order. The occupancy of a voxel is 1/2 - d / (2
+/// r), limited to 0 and 1, where d is the signed distance of its centre to the surface and r is the reach of its
+/// neighbours along that direction n, sum |n_a| spacing_a. Therefore trilinear interpolation reproduces planes of every
+/// direction (bias and RMS are in docs/accuracy.md). A wall as thick as a voxel along its normal is felt everywhere, a
+/// thinner one only where voxel centres lie well inside it.
 ///
-/// A voxel keeps its largest share, and its second where the neighbours' rule of haptic_volume.h gives the rest to that
-/// shape and that is nearer to the truth than EMPTY; a gap of less than a quarter of a voxel between two shapes closes.
-/// So no voxel reads as more than half of a shape that is not there.
+/// A voxel keeps its largest share. It also keeps its second share where the neighbours' rule of haptic_volume.h gives
+/// the rest to that shape and this is nearer to the truth than EMPTY. A gap of less than a quarter of a voxel between
+/// two shapes closes. So no voxel reads as more than half of a shape that is not there.
 ///
-/// The report: per shape volume_ml, voxels_count, and overlap_ml that went to shapes before it. The same bytes whatever
-/// the thread count. Throws 65 where a surface is not closed; 80 where no voxel of the region is at least half a
-/// shape's (it would not be felt): too thin, or taken by shapes before it or its clearance; Cancelled.
+/// The report: for each shape volume_ml, voxels_count, and the overlap_ml that went to earlier shapes. The result has
+/// the same bytes whatever the thread count. Throws Error 65 where a surface is not closed; 80 where a shape has at
+/// least half of no voxel of the region (it could not be felt), because it is too thin, or because earlier shapes or
+/// its clearance took it; Cancelled.
 HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& shapes, Report& report,
                       const Progress& progress = {});
 
@@ -71,13 +75,14 @@ struct HuWindow {
   std::string name;
   std::int16_t low_hu = 0, high_hu = 0;
 };
-/// A raw CT as a haptic volume: the HU resampled onto the lattice (trilinear; beyond the scan -1024), rounded and
-/// clamped to int16 (counted in the report). Throws 78 where windows overlap, are empty or begin at -1024 or below.
+/// Makes a haptic volume of a raw CT: the HU resampled onto the lattice (trilinear; -1024 outside of the scan), rounded
+/// and clamped to int16 (the report counts these). Throws Error 78 where windows overlap, are empty or begin at -1024
+/// or below.
 HapticVolume voxelize_hu(const HuVolume& volume, const Lattice& lattice, const std::vector<HuWindow>& windows,
                          Report& report, const Progress& progress = {});
 
-/// The hardness volume: 0 at low_hu and below, 255 at high_hu and above, of the HU at each voxel (cortical against
-/// cancellous bone).
+/// The hardness volume from the HU at each voxel: 0 at low_hu and below, 255 at high_hu and above (cancellous to
+/// cortical bone).
 Mask haptic_hardness(const HuVolume& volume, const Lattice& lattice, double low_hu, double high_hu,
                      const Progress& progress = {});
 

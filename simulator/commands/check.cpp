@@ -185,11 +185,11 @@ void print_json(const LoadedCase& c, double seconds) {
 Command check_command() {
   Command c;
   c.name = "check";
-  c.summary = "loads a case as the simulator will, verifies all of it and prints what is in it";
+  c.summary = "loads a case as the simulator does, verifies all of it and prints what is in it";
   c.description =
-      "Every size, checksum and value is checked before use (docs/case-package.md says which). Exit code 66 where a "
-      "file is missing; 65, with one line that names the file, where one is damaged, contradicts case.json, or the "
-      "case has another major version.";
+      "Every size, checksum and value is checked before use (docs/case-package.md says which). Exit code 66 says that "
+      "a file is missing. Exit code 65, with one line that names the file, says that one is damaged or contradicts "
+      "case.json, or that the case has another major version.";
   Argument folder;
   folder.name = "case";
   folder.kind = Argument::Kind::in_folder;

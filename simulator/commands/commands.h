@@ -4,7 +4,7 @@
 
 namespace trephine {
 
-/// The commands of trephine-sim. Each stands in a source of this folder; main.cpp lists them.
+/// The commands of trephine-sim. Each has its own source in this folder; main.cpp lists them.
 Command check_command();
 Command servo_command();
 Command replay_command();

@@ -115,14 +115,16 @@ Command replay_command() {
   c.name = "replay";
   c.summary = "runs a recorded session again, and compares it bit for bit or with another contact method";
   c.description =
-      "The recorded poses go through the case's haptic volume once more, with the recording's own parameters; exit "
-      "code 80 where any bit of what the proxy answers is another. With another walk or surface the two are compared "
-      "by the figures of their forces instead: the dissertation's force anomaly coefficient, and what it leaves out.";
+      "Runs the recorded poses through the case's haptic volume again, with the recording's own parameters. Exit code "
+      "80 says that some bit of the proxy's answers differs. With another walk or surface, the two runs are compared "
+      "by figures of their forces instead: the force anomaly coefficient [Rizzi, chapter 4], and figures for what it "
+      "leaves out.";
   Argument folder = argument("case", Argument::Kind::in_folder, "Folder of the case.");
   folder.positional = folder.required = true;
-  Argument recording = argument("recording", Argument::Kind::in_file, "What `trephine-sim servo --record` wrote.");
+  Argument recording =
+      argument("recording", Argument::Kind::in_file, "The file that `trephine-sim servo --record` wrote.");
   recording.positional = recording.required = true;
-  Argument json = argument("json", Argument::Kind::out_file, "Writes the figures to this file.");
+  Argument json = argument("json", Argument::Kind::out_file, "Write the figures to this file.");
   c.arguments = {folder, recording, json};
   c.groups = {ParameterGroup::of<ContactParams>("Contact, where it is to be another than recorded")};
   c.examples = {"trephine-sim replay library/sample skull.servo",

@@ -23,7 +23,7 @@ struct RunParams {
   double seconds = 10;
   template <class V>
   static void describe(V& v) {
-    v.number(&RunParams::seconds, "seconds", Range{0.001, 86400}, "How long it runs.");
+    v.number(&RunParams::seconds, "seconds", Range{0.001, 86400}, "How long the session runs, in seconds.");
   }
 };
 
@@ -184,9 +184,9 @@ std::vector<Argument> servo_arguments() {
     all.insert(all.end(), type.files.begin(), type.files.end());
   }
   all.push_back(
-      argument("shape", Argument::Kind::text, "The one shape that is felt; all of the case where it is not given."));
-  all.push_back(argument("record", Argument::Kind::out_file, "Writes every tick to this file."));
-  all.push_back(argument("json", Argument::Kind::out_file, "Writes the statistics to this file."));
+      argument("shape", Argument::Kind::text, "The only shape that is felt; without it, all shapes of the case."));
+  all.push_back(argument("record", Argument::Kind::out_file, "Write every tick to this file."));
+  all.push_back(argument("json", Argument::Kind::out_file, "Write the statistics to this file."));
   return all;
 }
 

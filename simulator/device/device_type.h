@@ -14,10 +14,10 @@
 
 namespace trephine {
 
-/// What was chosen: a kind of device by its name, and what was given for its options.
+/// The chosen kind of device, by its name, and the values of its options.
 struct DeviceChoice {
   std::string name = "hand";
-  std::vector<AnyParams> params;                       ///< of any kind of device, and others, which are passed over
+  std::vector<AnyParams> params;                       ///< of any kind of device; those of other kinds are ignored
   std::map<std::string, std::filesystem::path> files;  ///< by the argument's name; only what was given
 
   /// The first of params whose type is P; its defaults where there is none.
@@ -29,7 +29,7 @@ struct DeviceChoice {
   }
 };
 
-/// Where a device is made: the volume that it is moved over, how its loop runs, and who waits for it.
+/// What a device is made for: the volume over which it moves, how the loop runs, and how to report a wait.
 struct DeviceScene {
   const ContactVolume& contact;
   TouchableFaces faces;
@@ -38,26 +38,27 @@ struct DeviceScene {
   Progress progress;  ///< ends a wait
 };
 
-/// A kind of device, declared once: what --device takes, the help, the reference pages and the completion come from it.
+/// A kind of device, declared once. The values of --device, the help, the reference pages and the completion come from
+/// it.
 ///
-/// A source of this folder whose name ends in _device.cpp defines one: NAME_device.cpp has `DeviceType NAME_device()`,
-/// and CMake lists them all in a source that it writes. Nothing else names a kind of device.
+/// Each source of this folder whose name ends in _device.cpp defines one kind: NAME_device.cpp has `DeviceType
+/// NAME_device()`, and CMake lists them all in a generated source. No other place names a kind of device.
 struct DeviceType {
-  std::string name;                    ///< for --device and in recordings
+  std::string name;                    ///< its value for --device, also used in recordings
   std::string help;                    ///< ends the sentence "The device is ..."
-  std::string example;                 ///< the flags of a call, for the command's examples; empty: none
-  std::vector<Argument> files;         ///< of kind in_file: needed with this kind, refused with others
+  std::string example;                 ///< the flags of a call, for the command's examples; empty: no example
+  std::vector<Argument> files;         ///< of kind in_file: required with this kind, refused with others
   std::vector<ParameterGroup> groups;  ///< its options
-  bool lives = false;                  ///< it is there in its own time, so that the loop must keep to the clock
-  /// The device, ready to be read. May wait for somebody, and then says so.
+  bool lives = false;                  ///< it runs in real time, so the loop must keep to the clock
+  /// Makes the device, ready to be read. It may wait for a client, and then says so.
   std::function<std::unique_ptr<Device>(const DeviceChoice&, const DeviceScene&)> make;
 };
 
-/// In the order of their names.
+/// All kinds, in the order of their names.
 const std::vector<DeviceType>& device_types();
 
-/// Throws Error 64 where a file is missing or is another kind's, for a kind that is none, and for one that lives in a
-/// loop without a clock; else what its kind throws.
+/// Throws Error 64 where a file is missing or belongs to another kind, where there is no such kind, and where a kind
+/// that runs in real time is used without a clock; else what its kind throws.
 std::unique_ptr<Device> make_device(const DeviceChoice& choice, const DeviceScene& scene);
 
 }  // namespace trephine

@@ -8,25 +8,25 @@
 
 namespace trephine {
 
-/// A simulated hand's task: to come from one side, press on the first surface that it meets there, and move over it in
-/// a circle.
+/// The task of a simulated hand: it comes from one side, presses on the first surface that it meets there, and moves
+/// over it in a circle.
 struct HandPathParams {
   std::array<double, 3> from{0, 0, 1};
   double depth_mm = 1, radius_mm = 15, approach_mm = 10;
   template <class V>
   static void describe(V& v) {
     using P = HandPathParams;
-    v.numbers(&P::from, "from", Range{-1, 1}, "Direction, LPS, from which the hand comes to the volume's middle.");
+    v.numbers(&P::from, "from", Range{-1, 1}, "Direction, LPS, from which the hand approaches the volume's centre.");
     v.number(&P::depth_mm, "depth_mm", Range{-50, 50}, "How far behind the surface the hand aims.");
-    v.number(&P::radius_mm, "radius_mm", Range{0, 200}, "Of the circle that it follows.");
-    v.number(&P::approach_mm, "approach_mm", Range{0, 200}, "How far before the surface it begins.");
+    v.number(&P::radius_mm, "radius_mm", Range{0, 200}, "Radius of the circle that the hand follows.");
+    v.number(&P::approach_mm, "approach_mm", Range{0, 200}, "Distance before the surface at which the hand begins.");
   }
 };
 
 struct HandPath {
   std::vector<Vec3> points_mm;
   std::size_t loop_from = 0;  ///< where the circle begins
-  int shape = 0;              ///< that it goes over
+  int shape = 0;              ///< the shape over which it moves
 };
 
 /// Throws Error 78 where the direction is zero, or no touchable surface lies that way.

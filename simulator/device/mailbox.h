@@ -5,8 +5,8 @@
 
 namespace trephine {
 
-/// The newest of what one thread writes, for one other thread: three slots that change hands, so that neither ever
-/// waits, allocates or makes a system call, and nothing is read half written.
+/// The newest value that one thread writes, for one other thread. Three slots change hands, so that neither thread ever
+/// waits, allocates or makes a system call, and no value is read half written.
 template <class T>
 class Mailbox {
  public:
@@ -14,7 +14,7 @@ class Mailbox {
     slots_[back_] = value;
     back_ = middle_.exchange(back_ | fresh, std::memory_order_acq_rel) & 3;
   }
-  /// False where nothing was written since the last read; `out` is then as it was.
+  /// Returns false where nothing was written since the last read; `out` is then unchanged.
   bool read(T& out) {
     if (!(middle_.load(std::memory_order_relaxed) & fresh)) return false;
     front_ = middle_.exchange(front_, std::memory_order_acq_rel) & 3;

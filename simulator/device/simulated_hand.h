@@ -7,8 +7,9 @@
 
 namespace trephine {
 
-/// Arm, grip and device as one mass that a spring and a damper draw along a path, with a delay, as a person's is, and a
-/// tremor. So the loop is closed: what the servo sends moves the hand that the servo reads, and stability is real.
+/// Arm, grip and device as one mass, which a spring and a damper pull along a path with a person's delay and tremor.
+/// The loop is closed: the force that the servo sends moves the hand that the servo reads, so stability is tested for
+/// real.
 struct HandParams {
   double mass_kg = 0.2, device_damping_n_s_per_mm = 0.002;
   double arm_stiffness_n_per_mm = 0.4, arm_damping_n_s_per_mm = 0.004;
@@ -17,27 +18,27 @@ struct HandParams {
   template <class V>
   static void describe(V& v) {
     using P = HandParams;
-    v.number(&P::mass_kg, "mass_kg", Range{0.005, 10}, "Of hand and device together.");
+    v.number(&P::mass_kg, "mass_kg", Range{0.005, 10}, "Mass of hand and device together.");
     v.number(&P::device_damping_n_s_per_mm, "device_damping_n_s_per_mm", Range{0, 1}, "The device's own damping.");
     v.number(&P::arm_stiffness_n_per_mm, "arm_stiffness_n_per_mm", Range{0, 10}, "How firmly the arm follows its aim.");
     v.number(&P::arm_damping_n_s_per_mm, "arm_damping_n_s_per_mm", Range{0, 1}, "Damping of arm and grip.");
-    v.number(&P::delay_s, "delay_s", Range{0, 1}, "How long after the aim the arm follows.");
+    v.number(&P::delay_s, "delay_s", Range{0, 1}, "Delay with which the arm follows the aim.");
     v.number(&P::tremor_mm, "tremor_mm", Range{0, 5}, "Amplitude of the aim's tremor.");
-    v.number(&P::tremor_hz, "tremor_hz", Range{0.1, 50}, "Its frequency; two others lie beside it.");
+    v.number(&P::tremor_hz, "tremor_hz", Range{0.1, 50}, "Frequency of the tremor; two others lie beside it.");
     v.number(&P::speed_mm_per_s, "speed_mm_per_s", Range{0, 1e5}, "Speed of the aim along its path.");
   }
 };
 
 class SimulatedHand : public Device {
  public:
-  /// `path_mm`: at least one point; the aim goes along it and then along the part from `loop_from` again and again.
+  /// `path_mm` has at least one point. The aim goes along it, and then along the part from `loop_from` again and again.
   SimulatedHand(const HandParams& params, std::vector<Vec3> path_mm, std::size_t loop_from = 0);
   double damping_n_s_per_mm() const override { return params_.device_damping_n_s_per_mm; }
   bool read(double dt_s, DeviceReading& out) override;
   void send(Vec3 force_n) override;
 
-  ForceHold hold;      ///< what it does when it is not sent to
-  Vec3 axis{0, 0, 1};  ///< of the tool that it holds, which it does not turn
+  ForceHold hold;      ///< what it does while no force is sent
+  Vec3 axis{0, 0, 1};  ///< of the tool that it holds and does not turn
 
  private:
   Vec3 aim(double time_s) const;

@@ -7,13 +7,13 @@
 
 namespace trephine {
 
-/// A pose in time; between two it moves straight.
+/// A pose in time; between two poses the tool moves straight.
 struct TrajectoryPoint {
   double time_s = 0;
   DeviceReading reading;
 };
 
-/// Plays back a path, whatever force comes: an open loop. After its end it stays there.
+/// Plays back a path whatever the force is (an open loop). After the path's end the tool stays there.
 class Trajectory : public Device {
  public:
   /// At least one point; times ascend.
@@ -28,9 +28,9 @@ class Trajectory : public Device {
   double time_s_ = 0;
 };
 
-/// Reads lines "time_s x_mm y_mm z_mm [ax ay az [buttons]]" (spaces or commas; # begins a comment); an axis is made
-/// unit. Throws Error 66; 65 with the line's number: numbers that are missing or not finite, times that do not ascend,
-/// an axis of no length.
+/// Reads lines "time_s x_mm y_mm z_mm [ax ay az [buttons]]" (separated by spaces or commas; # begins a comment); an
+/// axis is normalized. Throws Error 66; 65 with the line's number: numbers that are missing or not finite, times that
+/// do not ascend, an axis of no length.
 std::vector<TrajectoryPoint> read_trajectory(const std::filesystem::path& file);
 
 }  // namespace trephine

@@ -20,37 +20,37 @@ struct UdpParams {
   static void describe(V& v) {
     using P = UdpParams;
     v.text(&P::address, "address",
-           "Where it listens, an address of IPv4 or IPv6 in numbers; another than the loopback lets whoever reaches it "
-           "hold the tool.");
-    v.integer(&P::port, "port", Range{0, 65535}, "UDP port; 0: any free one, which it says.");
-    v.number(&P::timeout_ms, "timeout_ms", Range{2, 10000}, "Without a pose for so long the device is lost.");
-    v.number(&P::wait_s, "wait_s", Range{0, 86400}, "How long it waits for the first pose; 0: until it is stopped.");
+           "Address on which it listens, IPv4 or IPv6 in numbers. On any other than the loopback, everybody who can "
+           "reach it can hold the tool.");
+    v.integer(&P::port, "port", Range{0, 65535}, "UDP port; 0: any free port, which is then reported.");
+    v.number(&P::timeout_ms, "timeout_ms", Range{2, 10000}, "Time without a pose after which the device is lost.");
+    v.number(&P::wait_s, "wait_s", Range{0, 86400}, "How long to wait for the first pose; 0: until stopped.");
   }
 };
 
-/// A device at the other end of a socket (docs/haptics.md; examples/udp_client is such an end). A thread of its own
-/// receives and sends, and a mailbox each way lies between it and the servo thread, whose calls so make no system call,
-/// lock or allocate. Each pose that a tick took is answered once, with that tick's force.
+/// A device at the other end of a socket (docs/haptics.md; examples/udp_client is such a client). A thread of its own
+/// receives and sends. A mailbox in each direction lies between it and the servo thread, whose calls therefore make no
+/// system call, lock or allocation. Each pose that a tick took is answered once, with that tick's force.
 ///
-/// The first client that sends a pose is the session's. Without a pose for timeout_ms, or taken over by another client
-/// after that, the device is lost and stays so. Packets of others, and those that are malformed, duplicates, or late,
-/// change nothing and are counted.
+/// The first client that sends a pose holds the session. After timeout_ms without a pose, or when another client takes
+/// over after that, the device is lost and stays lost. Packets of other clients, and packets that are malformed,
+/// duplicate or late, change nothing and are counted.
 class UdpDevice : public Device {
  public:
-  /// Listens from now on. Throws 64 for an address that is none, 74 where it cannot be had. `realtime`: asks for
-  /// SCHED_FIFO below the servo's.
+  /// Listens from now on. Throws Error 64 for an address that is not valid, 74 where it cannot be used. `realtime` asks
+  /// for SCHED_FIFO below the servo's priority.
   explicit UdpDevice(const UdpParams& params, bool realtime = false);
   ~UdpDevice() override;
   UdpDevice(const UdpDevice&) = delete;
   UdpDevice& operator=(const UdpDevice&) = delete;
 
-  /// "127.0.0.1:20517"
+  /// Such as "127.0.0.1:20517".
   const std::string& endpoint() const { return endpoint_; }
   int port() const { return port_; }
-  /// Until a client is there. Throws 66 after wait_s, Cancelled.
+  /// Waits until there is a client. Throws Error 66 after wait_s, Cancelled.
   void wait(const Progress& progress) const;
 
-  double damping_n_s_per_mm() const override { return 0; }  ///< not known: none is counted on
+  double damping_n_s_per_mm() const override { return 0; }  ///< not known, so none is assumed
   bool read(double dt_s, DeviceReading& out) override;
   void tell(const DeviceNews& news) override { answer_.news = news; }
   void send(Vec3 force_n) override;

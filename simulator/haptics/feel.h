@@ -8,7 +8,7 @@
 
 namespace trephine {
 
-/// How every shape of a case feels, by its number; what the case does not name cannot be touched.
+/// How every shape of a case feels, by its number. Shapes that the case does not name cannot be touched.
 struct ShapeFeel {
   CaseFace front, back;
   double drag_n_s_per_mm = 0, shaft_friction_n_per_mm = 0;
@@ -35,29 +35,29 @@ inline TouchableFaces touchable_of(const Feels& feels) {
   return faces;
 }
 
-/// What the device may be asked for, and how forces come and go.
+/// Limits on the force of the device, and how forces rise and fall.
 struct ForceParams {
   double max_force_n = 3.3, max_force_rate_n_per_s = 1000;
   double ramp_s = 0.5, velocity_cutoff_hz = 100;
   template <class V>
   static void describe(V& v) {
     using P = ForceParams;
-    v.number(&P::max_force_n, "max_force_n", Range{0.01, 100}, "The most that the device is asked for.");
+    v.number(&P::max_force_n, "max_force_n", Range{0.01, 100}, "Largest force that the device is asked for.");
     v.number(&P::max_force_rate_n_per_s, "max_force_rate_n_per_s", Range{1, 1e6},
-             "The fastest that its force may change.");
+             "Largest rate at which the force may change.");
     v.number(&P::ramp_s, "ramp_s", Range{0, 10}, "Time over which forces rise to their full size after the start.");
     v.number(&P::velocity_cutoff_hz, "velocity_cutoff_hz", Range{0, 1e5},
-             "Low pass of the velocity that dampers and drag see; 0: none.");
+             "Cutoff of the low-pass filter on the velocity for dampers and drag; 0: no filter.");
   }
 };
 
-/// A tool's shaft, behind its tip: what shaft friction acts on.
+/// The shaft of a tool, behind its tip, on which shaft friction acts.
 struct ShaftParams {
   double shaft_length_mm = 0;
   template <class V>
   static void describe(V& v) {
     v.number(&ShaftParams::shaft_length_mm, "shaft_length_mm", Range{0, 500},
-             "Of the tool behind its tip, for friction; 0: the tool's length.");
+             "Length of the shaft behind the tip, for friction; 0: the tool's length.");
   }
 };
 

@@ -7,7 +7,7 @@
 
 namespace trephine {
 
-/// Durations in bins of 3 %, from 1 ns to 100 s; add() is what a servo loop may call.
+/// Durations in bins of 3 %, from 1 ns to 100 s. A servo loop may call add().
 class Histogram {
  public:
   void add(double ns) {
@@ -20,7 +20,7 @@ class Histogram {
   std::uint64_t count() const { return count_; }
   double mean_ns() const { return count_ > 0 ? sum_ / double(count_) : 0; }
   double max_ns() const { return max_; }
-  /// Below it lie that share of the durations: its bin's upper end, at most the largest.
+  /// The duration below which that share of all durations lies: the upper end of its bin, at most the largest.
   double quantile_ns(double share) const {
     std::uint64_t below = 0;
     for (std::size_t n = 0; n < bins_.size(); ++n) {

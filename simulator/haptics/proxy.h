@@ -13,12 +13,12 @@
 
 namespace trephine {
 
-/// Where a device is in one frame.
+/// The pose of a device in one frame.
 struct HapticInput {
   Vec3 tip_mm;
   Vec3 axis{0, 0, 1};  ///< unit, from the tool's tip to its tail
   std::uint32_t buttons = 0;
-  double dt_s = 0.001;  ///< since the frame before
+  double dt_s = 0.001;  ///< since the previous frame
 };
 
 namespace haptic_event {
@@ -26,44 +26,44 @@ constexpr std::uint32_t touch = 1, untouch = 2, motion = 4, popped = 8, left = 1
 constexpr const char* names[] = {"touch", "untouch", "motion", "popped", "left", "locked", "unlocked"};  ///< by bit
 constexpr int count = int(sizeof names / sizeof *names);
 }  // namespace haptic_event
-/// What makes the force zero until reset().
+/// The faults that make the force zero until reset().
 namespace haptic_fault {
 constexpr std::uint32_t pose = 1, time_step = 2, force = 4, device_lost = 8;
 constexpr const char* names[] = {"pose", "time step", "force", "device lost"};  ///< by bit
 constexpr int count = int(sizeof names / sizeof *names);
 }  // namespace haptic_fault
-/// "pose, device lost"
+/// Such as "pose, device lost".
 std::string fault_names(std::uint32_t faults);
 
 struct HapticState {
   Vec3 force_n;         ///< on the hand
-  Vec3 proxy_mm;        ///< where the tool's tip is shown: never behind a surface that holds it
-  Vec3 axis{0, 0, 1};   ///< and how it lies: the device's, but where surfaces or a lock keep a tool from turning
+  Vec3 proxy_mm;        ///< where the tool's tip is shown; never behind a surface that holds it
+  Vec3 axis{0, 0, 1};   ///< the shown axis: the device's, except where surfaces or a lock keep the tool from turning
   Vec3 normal;          ///< of the surface that presses most; zero without contact
-  int touched = 0;      ///< its shape, 0 without contact
+  int touched = 0;      ///< its shape; 0 without contact
   int face = 0;         ///< 1 front, 2 back, 0 without contact
   int inside = 0;       ///< the shape that the proxy's tip is in, 0 for none
-  int held_by = 0;      ///< surfaces that press
-  bool locked = false;  ///< a tool's orientation is (docs/haptics.md, Tools)
+  int held_by = 0;      ///< count of the surfaces that press
+  bool locked = false;  ///< whether the tool's orientation is locked (docs/haptics.md, Tools)
   std::uint32_t events = 0, faults = 0;
 };
 
-/// A point that the surfaces of a haptic volume hold back, and the force that this gives (Zilles and Salisbury, A
-/// constraint-based god-object method for haptic display, 1995; friction as Ruspini, Kolarov and Khatib, The haptic
-/// display of complex graphical environments, 1997). Each frame the proxy goes towards the device, each bit of its way
-/// through ContactVolume::intersect, so it crosses no face that is touchable. What it meets becomes a tangent plane;
-/// before up to three of them it takes the point nearest to the device, short of it by friction's cone.
+/// A point that the surfaces of a haptic volume hold back, and the resulting force [Zilles1995], with the friction of
+/// [Ruspini1997]. Each frame the proxy moves towards the device. Every part of its way is checked by
+/// ContactVolume::intersect, so it crosses no touchable face. Each surface that it meets becomes a tangent plane.
+/// Before up to three such planes the proxy takes the point nearest to the device, less what the friction cone holds
+/// back.
 ///
-/// A face whose spring exceeds its pop_through_n lets the proxy in: then the shape's drag and shaft friction act until
-/// it has left. A tool that starts inside a shape that nothing can enter is put to its nearest surface; one of many
-/// points may take some frames to find that, and gives no force until then.
+/// A face whose spring force exceeds its pop_through_n lets the proxy in; then the shape's drag and shaft friction act
+/// until the proxy has left. A tool that starts inside a shape that nothing can enter is moved to the nearest surface
+/// of that shape. A tool of many points may take some frames to find that surface, and gives no force until then.
 ///
-/// With a tool of many points (the dissertation, chapter 5) the proxy is the whole of it: the way of each point is
-/// walked, so none crosses a touchable face, and what any point meets is a plane for the tip. The tool turns with the
-/// device as far as its points may, and where one wall only is in the way the tip gives. A shape that some point popped
-/// into is open to the others until the tool's axis passes through it no more.
+/// With a tool of many points [Rizzi, chapter 5] the proxy is the whole tool: the way of each point is walked, so no
+/// point crosses a touchable face, and a surface that any point meets is a plane for the tip. The tool turns with the
+/// device as far as its points may, and where only one wall is in the way the tip gives way. A shape that one point
+/// popped into is open to the other points until the tool's axis no longer passes through it.
 ///
-/// update() allocates, locks and throws nothing and makes no system call; equal inputs give equal bits.
+/// update() does not allocate, lock or throw and makes no system call; equal inputs give equal bits.
 class Proxy {
  public:
   /// `contact` must outlive it.
@@ -73,9 +73,9 @@ class Proxy {
   /// A pose, axis or time step that is not finite, or a step that is not in (0, 1] s, is a fault: the force is exactly
   /// 0 from then on, until reset().
   const HapticState& update(const HapticInput& in);
-  /// Latches a fault of somebody else's: a lost device.
+  /// Latches a fault from outside, such as a lost device.
   void latch(std::uint32_t fault);
-  /// Begins anew: the next update places the proxy, and forces rise from 0.
+  /// Starts again: the next update places the proxy, and forces rise from 0.
   void reset();
   const HapticState& state() const { return state_; }
   /// Where each point of the tool is shown; null for a point.
@@ -95,7 +95,7 @@ class Proxy {
   Vec3 inside_force(const HapticInput& in);
   void note_events(const HapticState& before);
 
-  // proxy_tool.cpp: the same for a tool.
+  // The functions of proxy_tool.cpp: the same for a tool.
   struct Wall {
     Plane plane;  // for the tip
     int point;
@@ -115,10 +115,12 @@ class Proxy {
   void open_behind();
   TouchableFaces closed_faces() const;
 
-  static constexpr double same_surface = 0.8;  // normals of one curved surface, not of two that meet in an edge
+  static constexpr double same_surface =
+      0.8;  // cosine between normals of one curved surface, not of two that meet in an edge
   static constexpr double nearest_exit_mm = 0.1, farthest_exit_mm = 60;
-  static constexpr int exit_ways = 27;  // of bone that the tool starts in: to a cube's faces, edges and corners
-  static Vec3 exit_way(int n);          // unit; zero for the one in the middle
+  static constexpr int exit_ways =
+      27;                       // directions out of bone in which the tool starts: to a cube's faces, edges and corners
+  static Vec3 exit_way(int n);  // unit; zero for the one in the middle
   Held held(const Contact& contact) const;
 
   const ContactVolume& contact_;
@@ -137,8 +139,8 @@ class Proxy {
   Held held_[3];
   int count_ = 0;
   Nearest nearest_;
-  // The shaft: which shape each of its samples is in, a few of them looked up a frame, and how far it was drawn along
-  // its axis since it last slipped.
+  // The shaft: the shape in which each of its samples is (a few are looked up in each frame), and how far it was drawn
+  // along its axis since it last slipped.
   static constexpr int max_samples = 64;
   std::uint8_t sample_shape_[max_samples] = {};
   int next_sample_ = 0;
@@ -146,10 +148,11 @@ class Proxy {
 
   Tool tool_;
   std::optional<ToolBody> body_;
-  TouchableFaces open_{0, 0}, crossed_{0, 0};  // popped through; and, of these, found along the axis in this round
-  double exit_mm_ = nearest_exit_mm;           // looked at next, and which way; -1: along the axis
+  TouchableFaces open_{0, 0},
+      crossed_{0, 0};  // faces that were popped through, and those of them found along the axis in this round
+  double exit_mm_ = nearest_exit_mm;  // the distance and direction to be examined next; -1: along the axis
   int next_exit_ = -1;
-  int slice_ = 0;  // of the axis, looked at next
+  int slice_ = 0;  // the slice of the axis to be examined next
   Vec3 lock_normal_;
   double lock_dot_ = 0;
   int locked_for_ = 0;  // frames

@@ -233,8 +233,9 @@ bool Proxy::step_over_tool(Vec3 normal, Vec3 device, Vec3 goal) {
   return !barred;
 }
 
-// Table V: points that collide from both ends, further apart than the distance, while the tool is turned into one of
-// their walls. Of the two normals that wall's is kept: between opposite walls, h's may be the one that it turns from.
+// The orientation lock of [Rizzi, chapter 5, Table V]: the points that collide from both ends are further apart than
+// the distance, while the tool is turned into the wall of one of them. Of the two normals that wall's normal is kept:
+// between opposite walls, h's may be the one from which the tool turns away.
 bool Proxy::should_lock(const ToolBody::Meeting& m, Vec3 turn) {
   const ToolBody& b = *body_;
   const auto collided = [&](int point) {
@@ -260,7 +261,8 @@ bool Proxy::should_lock(const ToolBody::Meeting& m, Vec3 turn) {
   return true;
 }
 
-// Table VI; and, looked at now and then, where nothing is in the turn's way any more: the tool was drawn out.
+// Ends the lock as in [Rizzi, chapter 5, Table VI], and also, as a check from time to time, where nothing is in the way
+// of the turn any more because the tool was drawn out.
 void Proxy::try_unlock(Vec3 axis) {
   if (!state_.locked) return;
   ToolBody& b = *body_;

@@ -19,13 +19,13 @@ struct ServoParams {
   template <class V>
   static void describe(V& v) {
     using P = ServoParams;
-    v.number(&P::rate_hz, "rate_hz", Range{50, 20000}, "Ticks a second.");
+    v.number(&P::rate_hz, "rate_hz", Range{50, 20000}, "Ticks in each second.");
     v.flag(&P::realtime, "realtime", "Ask for SCHED_FIFO and locked memory.");
-    v.flag(&P::paced, "paced", "Keep to the clock; without, as fast as it goes, in the device's own time.");
+    v.flag(&P::paced, "paced", "Keep to the clock; without it, run as fast as possible, in the device's own time.");
   }
 };
 
-/// What the system granted, each with its reason where it did not.
+/// What the system granted, with a reason for each request that it refused.
 struct RealtimeGrant {
   bool fifo = false, locked = false;
   std::string fifo_fault, lock_fault;
@@ -33,13 +33,13 @@ struct RealtimeGrant {
 /// Locks the process's memory and puts the calling thread under SCHED_FIFO.
 RealtimeGrant claim_realtime();
 
-/// Frames on their way from the servo thread to whoever writes them: one writer, one reader, no lock. A full queue
-/// drops the frame and counts it.
+/// A queue of frames from the servo thread to the thread that writes them: one writer, one reader, no lock. A full
+/// queue drops the frame and counts it.
 class FrameQueue {
  public:
   explicit FrameQueue(std::size_t capacity);  ///< rounded up to a power of two
   bool push(const ServoFrame& frame);
-  /// Appends what is there to `out`.
+  /// Appends the waiting frames to `out`.
   void drain(std::vector<ServoFrame>& out);
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
@@ -49,19 +49,19 @@ class FrameQueue {
 };
 
 struct ServoStatistics {
-  std::uint64_t ticks = 0, overruns = 0;  ///< overruns: ticks that began after the next was due
+  std::uint64_t ticks = 0, overruns = 0;  ///< overruns: ticks that began after the next one was due
   std::uint64_t touching = 0, events[haptic_event::count] = {};
   std::uint32_t faults = 0;
   double most_force_n = 0, most_force_step_n = 0;
-  Histogram late, busy;  ///< wake-up after its time; from there to the force sent (clock time of this thread's tick)
+  Histogram late, busy;  ///< wake-up after the due time; and from there to the force sent (clock time of the tick)
 };
 
-/// The servo loop: reads the device, moves the proxy, sends the force, in the calling thread, until `stop` or `ticks`.
-/// Its ticks allocate, lock and write nothing; its one system call is the sleep. A tick that wakes late takes the time
-/// that passed as its step, in whole periods, and leaves out those it missed. A lost device latches a fault: from then
-/// on the force is zero.
+/// The servo loop: it reads the device, moves the proxy and sends the force, in the calling thread, until `stop` or
+/// `ticks`. Its ticks neither allocate, lock nor write; their one system call is the sleep. A tick that wakes late
+/// takes the elapsed time, in whole periods, as its step, and skips the ticks that it missed. A lost device latches a
+/// fault: from then on the force is zero.
 ///
-/// `queue` may be null. Statistics may be read when it has returned.
+/// `queue` may be null. The statistics may be read after the loop has returned.
 class Servo {
  public:
   Servo(Proxy& proxy, Device& device, const ServoParams& params, FrameQueue* queue)

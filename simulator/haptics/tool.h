@@ -9,16 +9,16 @@
 
 namespace trephine {
 
-/// What --tool may be, and what its help says: from all_tool_kinds().
+/// The values of --tool with their help, from all_tool_kinds().
 std::vector<std::pair<std::string, std::string>> tool_choices();
 const char* tool_help();
 
-/// What the hand holds, as points on its outside (the dissertation, chapter 5). 0 and `own` stand for the values of the
-/// tool's kind, which own_tool() fills in.
+/// What the hand holds, as points on its outside [Rizzi, chapter 5]. 0 and `own` stand for the values of the tool's
+/// kind, which own_tool() fills in.
 struct ToolParams {
   enum class Tip { own, flat, round, cone, ball };
-  /// both: the first point that collides from the tip and the first from the tail, their normals averaged (the
-  /// dissertation's refinement, which alone can lock); else one of them.
+  /// both: the first point that collides counted from the tip and the first counted from the tail, with their normals
+  /// averaged (the refinement of [Rizzi, chapter 5], which alone can lock); else one of the two.
   enum class Search { both, tip_to_tail, tail_to_tip };
   std::string tool = "point";  ///< the name of a ToolKind
   Tip tool_tip = Tip::own;
@@ -31,15 +31,17 @@ struct ToolParams {
     v.choice(&P::tool, "tool", tool_choices(), tool_help());
     v.choice(&P::tool_tip, "tool_tip",
              {{"own", Tip::own}, {"flat", Tip::flat}, {"round", Tip::round}, {"cone", Tip::cone}, {"ball", Tip::ball}},
-             "Shape of its tip; own: the tool's.");
+             "Shape of the tool's tip; own: that of the tool's kind.");
     v.number(&P::tool_diameter_mm, "tool_diameter_mm", Range{0, 50},
-             "Of the shaft, or of the ball; 0: the tool's own.");
-    v.number(&P::tool_length_mm, "tool_length_mm", Range{0, 400}, "From the tip to the last point; 0: the tool's own.");
-    v.number(&P::tool_spacing_mm, "tool_spacing_mm", Range{0, 50}, "Between the points; 0: the tool's own.");
-    v.choice(
-        &P::tool_search, "tool_search",
-        {{"both", Search::both}, {"tip_to_tail", Search::tip_to_tail}, {"tail_to_tip", Search::tail_to_tip}},
-        "From where the points are searched for one that collides; both: their normals are averaged, and it may lock.");
+             "Diameter of the shaft, or of the ball; 0: that of the tool's kind.");
+    v.number(&P::tool_length_mm, "tool_length_mm", Range{0, 400},
+             "Distance from the tip to the last point; 0: that of the tool's kind.");
+    v.number(&P::tool_spacing_mm, "tool_spacing_mm", Range{0, 50},
+             "Distance between the points; 0: that of the tool's kind.");
+    v.choice(&P::tool_search, "tool_search",
+             {{"both", Search::both}, {"tip_to_tail", Search::tip_to_tail}, {"tail_to_tip", Search::tail_to_tip}},
+             "From which end the points are searched for one that collides. both: from both ends, the normals are "
+             "averaged, and the tool may lock.");
     v.number(&P::lock_distance_mm, "lock_distance_mm", Range{0, 400},
              "A tool that is turned while points further apart than this collide keeps its orientation; 0: never.");
   }
@@ -51,23 +53,23 @@ std::string choice_name(const P& params, const char* name) {
   return std::get<std::string>(parameters_of<P>().find(name)->get(&params));
 }
 
-/// A kind of tool, declared once, in tool_kinds.cpp: choices and help come from there. docs/haptics.md says where the
-/// measures are from.
+/// A kind of tool, declared once, in tool_kinds.cpp; choices and help come from there. docs/haptics.md says where the
+/// measures come from.
 struct ToolKind {
   const char* name;
   const char* help;  ///< what it is, in a few words
   ToolParams::Tip tip = ToolParams::Tip::own;
-  double diameter_mm = 0, length_mm = 0, spacing_mm = 0;  ///< of no length: a point at the tip alone
+  double diameter_mm = 0, length_mm = 0, spacing_mm = 0;  ///< length 0: a point at the tip alone
 };
 const std::vector<ToolKind>& all_tool_kinds();
-/// Throws Error 78 where there is none of that name.
+/// Throws Error 78 where there is no kind of that name.
 const ToolKind& tool_kind(const std::string& name);
 
-/// With the values of the tool's kind for what is 0 or `own`.
+/// The parameters with the values of the tool's kind in place of 0 and `own`.
 ToolParams own_tool(const ToolParams& params);
 
-/// A tool ready for the servo loop. Coordinates are its own: the tip at 0, the tail towards +z; points ascend from the
-/// tip to the tail, rings about the axis with each second one turned by half a step.
+/// A tool ready for the servo loop, in its own coordinates: the tip is at 0 and the tail towards +z. Points ascend from
+/// the tip to the tail in rings about the axis, with each second ring turned by half a step.
 struct Tool {
   std::vector<Vec3> points_mm;  ///< none: a point at the tip alone
   double length_mm = 0;
@@ -76,12 +78,12 @@ struct Tool {
 };
 constexpr int most_tool_points = 2048;
 
-/// Throws Error 78 where the tool would have more points than that, or is shorter than its tip.
+/// Throws Error 78 where the tool would have more points than most_tool_points, or is shorter than its tip.
 Tool make_tool(const ToolParams& params);
 
 /// A frame whose third column is the axis; the other two follow from it.
 Mat3 frame_along(Vec3 axis);
-/// The frame turned by the least rotation that takes its third column towards the axis, by `most_rad` at most.
+/// The frame turned by the smallest rotation that takes its third column towards the axis, by at most `most_rad`.
 Mat3 turned(const Mat3& frame, Vec3 axis, double most_rad = 4);
 
 }  // namespace trephine

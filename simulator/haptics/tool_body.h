@@ -8,9 +8,9 @@
 
 namespace trephine {
 
-/// A rigid set of points in a haptic volume, each of which knows the shape it is in. It moves only by ways that were
-/// walked point by point, so none of them crosses a face that was touchable, whatever the rounding. What lies between
-/// two points is not felt: a wall thinner than they are apart, met with its edge, may stand between them.
+/// A rigid set of points in a haptic volume, each of which knows the shape in which it is. It moves only along ways
+/// that were walked point by point, so no point crosses a face that was touchable, whatever the rounding. The space
+/// between two points is not felt: the edge of a wall thinner than their distance may stand between them.
 ///
 /// Only the constructor allocates.
 class ToolBody {
@@ -24,33 +24,36 @@ class ToolBody {
   Vec3 at_mm(int point) const { return at_[std::size_t(point)]; }
   int shape(int point) const { return shape_[std::size_t(point)]; }
 
-  /// Puts it there, each point in whatever shape is there; false, and then in parts or not at all, where one lies in a
-  /// shape whose bit is set in `avoid`.
+  /// Puts the body there, each point in whatever shape is there. Returns false where a point lies in a shape whose bit
+  /// is set in `avoid`; the body is then placed in part or not at all.
   bool place(Vec3 tip_mm, const Mat3& frame, std::uint64_t avoid = 0);
 
-  /// Points that place() looked at so far: what that took.
+  /// How many points place() has examined so far, as a measure of its cost.
   std::uint64_t looked_at() const { return looked_at_; }
 
-  /// To be called once a frame: what was learnt of the volume is forgotten, for it may have been cut since.
+  /// Must be called once in each frame: it forgets what was learnt of the volume, which may have been cut since.
   void begin_frame();
 
-  /// What a sweep meets: the point that collides first, and of those that collide with it, within a tenth of the
-  /// smallest voxel side along their ways (one voxel where boxes are felt), the first from the tip and from the tail.
+  /// What a sweep meets: the point that collides first, and of those that collide with it (within a tenth of the
+  /// smallest voxel side along their ways, or one voxel where boxes are felt) the first from the tip and the first from
+  /// the tail.
   struct Meeting {
     bool hit = false;
     double along = 1;
     int nearest = 0, from_tip = 0, from_tail = 0;
   };
-  /// Walks every point's straight way to that pose. Nothing moves.
+  /// Walks every point's straight way to that pose, without moving the body.
   Meeting sweep(Vec3 tip_mm, const Mat3& frame, const TouchableFaces& faces);
-  const Contact& met(int point) const { return met_[std::size_t(point)]; }  ///< without normal
+  const Contact& met(int point) const { return met_[std::size_t(point)]; }  ///< without a normal
   Vec3 way(int point) const { return end_[std::size_t(point)] - at_[std::size_t(point)]; }
-  Vec3 arm(int point) const { return arm_[std::size_t(point)]; }  ///< from the tip to it at the pose swept to
+  Vec3 arm(int point) const {
+    return arm_[std::size_t(point)];
+  }  ///< vector from the tip to the point, at the pose that was swept to
 
-  /// Goes where the last sweep went, which met nothing.
+  /// Moves to the end of the last sweep, which met nothing.
   void arrive();
-  /// Goes that share of the last sweep's way, which met nothing so far. A turn leaves the straight ways, so what it
-  /// does is walked again, and less of it is done where that meets something; false where nothing was done.
+  /// Moves along that share of the last sweep's way, which met nothing so far. A turn leaves the straight ways, so its
+  /// result is walked again and shortened where it meets something. Returns false where the body did not move.
   bool advance(double share, const TouchableFaces& faces);
 
  private:

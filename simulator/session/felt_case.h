@@ -9,16 +9,16 @@
 
 namespace trephine {
 
-/// A case that can be felt.
+/// A loaded case that can be felt.
 struct FeltCase {
   LoadedCase loaded;
   Feels feels;
   std::string felt_shape;
 
-  /// Throws as load_case; 65 where the case has no haptic volume; 64 for --shape where it has no such shape. With a
-  /// shape, no other can be touched.
+  /// Throws as load_case does; 65 where the case has no haptic volume; 64 for --shape where it has no such shape. If a
+  /// shape is given, no other can be touched.
   FeltCase(const std::filesystem::path& folder, const std::string& shape);
-  /// Case and shape of a recording.
+  /// The case and shape of a recording.
   RecordingHeader header() const;
 };
 

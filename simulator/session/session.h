@@ -16,10 +16,10 @@
 
 namespace trephine {
 
-/// What a session is to be.
+/// The options of a session.
 struct SessionOptions {
   std::filesystem::path case_folder;
-  std::string shape;  ///< the one that is felt; empty: all of the case
+  std::string shape;  ///< the only shape that is felt; empty: all of the case
   DeviceChoice device;
   double seconds = 10;
   ServoParams servo;
@@ -27,50 +27,50 @@ struct SessionOptions {
   ForceParams force;
   ToolParams tool;
   ShaftParams shaft;
-  std::filesystem::path record;  ///< every tick is written to this file; empty: to none
+  std::filesystem::path record;  ///< every tick is written to this file; empty: no recording
 };
 
-/// What a session was.
+/// The results of a session.
 struct SessionResult {
   RecordingHeader header;  ///< case, shape, device, and the parameters
   RealtimeGrant grant;
   ServoStatistics statistics;
   std::vector<std::pair<std::string, std::uint64_t>> device_counts;
-  std::uint64_t frames_lost = 0;  ///< that were not recorded, because the disk was too slow
-  double cpu_s = 0;               ///< of the servo thread, its sleeps' system calls included
+  std::uint64_t frames_lost = 0;  ///< frames that were not recorded, because the disk was too slow
+  double cpu_s = 0;               ///< of the servo thread, including the system calls of its sleeps
   double cpu_us_a_tick() const;
 };
 
-/// A hand in a case: what is felt, the device, the tool, and the servo loop in a thread of its own. Whoever has one
-/// constructs it, starts it, calls write_frames() now and then while it is running(), and finishes it; a command does
-/// so 50 times a second, a window between two pictures.
+/// A hand in a case: what is felt, the device, the tool, and the servo loop in its own thread. The caller constructs
+/// it, starts it, calls write_frames() regularly while it is running(), and finishes it. A command calls write_frames()
+/// 50 times a second, a window between two pictures.
 class Session {
  public:
-  /// Loads the case and makes the device, which may wait for somebody and says so, a line at a time. Throws as
+  /// Loads the case and makes the device, which may wait for a client and says so, a line at a time. Throws as
   /// FeltCase, make_device, make_tool and RecordingWriter do; 64 for a session without a clock that is too long to be
   /// kept.
   ///
   /// `stop` ends a wait and the loop, and must outlive the session.
   Session(const SessionOptions& options, const std::atomic<bool>& stop,
           const std::function<void(const std::string&)>& say);
-  /// Waits for the loop's end. What was recorded is gone where finish() was not called.
+  /// Waits for the loop's end. Without finish() the recording is lost.
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Begins the loop, and returns when it is known what the system grants it.
+  /// Starts the loop, and returns when it is known what the system grants.
   const RealtimeGrant& start();
   bool running() const { return thread_.joinable() && !done_; }
-  /// Hands to the disk what was recorded since. Throws 74. Without a clock it does nothing: all frames wait for
-  /// finish().
+  /// Writes the frames that were recorded since the last call. Throws Error 74. Without a clock it does nothing,
+  /// because all frames wait for finish().
   void write_frames();
-  /// Waits for the loop's end, and completes the recording. A session that was stopped is a shorter one, whose
-  /// recording is kept. Throws 74.
+  /// Waits for the loop's end, and completes the recording. A session that was stopped is only shorter; its recording
+  /// is kept. Throws Error 74.
   SessionResult finish();
 
   const RecordingHeader& header() const { return header_; }
   int tool_points() const;  ///< 0: a point at the tip alone
-  /// While it runs, too: faults latched so far, and how long it has run.
+  /// May be called while it runs: the faults latched so far, and how long it has run.
   std::uint32_t faults() const { return servo_.faults(); }
   double time_s() const { return double(servo_.ticks_done()) / options_.servo.rate_hz; }
 
