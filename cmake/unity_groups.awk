@@ -1,20 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # awk -f unity_groups.awk -v most_lines=N FILE...: prints "GROUP FILE" for the files that may be compiled as one.
 #
-# Two files share a group where neither declares, at the left margin (that is at namespace scope, as clang-format lays it
-# out), a name that the other declares there too or calls. So helpers of the same name in unnamed namespaces of two files
-# stay apart, and no call can find another file's helper (capitals alone are macros, as TEST, and declare nothing). A group
-# holds at most N lines, for editing one file compiles its whole group. Files that include CGAL stay alone: each costs more
-# than all of its room.
+# Two files share a group where neither declares for itself alone (in an unnamed namespace, as a constant, an alias, a type or
+# a macro, at the left margin, where clang-format puts what stands in a namespace) a name that the other declares at its
+# left margin too, or uses: a function by a call, anything else by any mention. So helpers of the same name in two files stay
+# apart, and no file finds another's helper where it meant a header's. Capitals alone are macros, as TEST, and declare
+# nothing. A group holds at most N lines, for editing one file compiles its whole group. Files that include CGAL stay alone:
+# each costs more than all of its room.
 
-function declare(name) { if (name !~ /^(operator|static_assert|[A-Z][A-Z_]+)$/) declared[file, name] = used[file, name] = 1 }
+function declare(name, own, value) {
+  if (name ~ /^(operator|static_assert|[A-Z][A-Z_]+)$/) return
+  used[file, name] = mentioned[file, name] = 1
+  if (own) declared[file, name] = value ? "value" : "function"
+}
 
-FNR == 1 { file = ++files; path[file] = FILENAME; lines[file] = 0 }
+FNR == 1 { file = ++files; path[file] = FILENAME; lines[file] = unnamed = 0 }
 { ++lines[file] }
 /^#include <CGAL\// { alone[file] = 1 }
 # A using directive holds for the whole group: only files with the same ones share one.
 /^using namespace / && !/using namespace trephine;/ { directives[file] = directives[file] $0 }
-/^#define / { split($2, macro, "("); declare(macro[1]); next }
+/^#define / { split($2, macro, "("); declare(macro[1], 1, 1); next }
+/^namespace \{/ { unnamed = 1 }
+/^\}  \/\/ namespace$/ { unnamed = 0 }
 /^[ \t]*(\/\/|#)/ { next }
 {
   sub(/\/\/.*/, "")
@@ -24,18 +31,20 @@ FNR == 1 { file = ++files; path[file] = FILENAME; lines[file] = 0 }
 /^(using|struct|class|enum|union) / {
   line = $0
   sub(/^(using|struct|class|enum( class)?|union) +/, "", line)
-  if (match(line, /^[A-Za-z_][A-Za-z_0-9]*/) && line !~ /^namespace/) declare(substr(line, 1, RLENGTH))
+  if (match(line, /^[A-Za-z_][A-Za-z_0-9]*/) && line !~ /^namespace/) declare(substr(line, 1, RLENGTH), 1, 1)
 }
 /^[A-Za-z_]/ && !/^(using|struct|class|enum|union|namespace|template) / {
+  own = unnamed || /^(static|const|constexpr|inline constexpr) /
   # The name stands before the first parenthesis, brace, bracket, equals sign or semicolon; a definition "T Class::f(" is no new name.
   line = $0
   while (gsub(/<[^<>]*>/, "", line)) ;
   if (match(line, /[({=;[]/)) {
+    value = substr(line, RSTART, 1) != "("
     line = substr(line, 1, RSTART - 1)
     sub(/ +$/, "", line)
     if (match(line, /[A-Za-z_:][A-Za-z_0-9:]*$/)) {
       name = substr(line, RSTART, RLENGTH)
-      if (name !~ /::/) declare(name)
+      if (name !~ /::/) declare(name, own, value)
     }
   }
   # Further names of one declaration: `constexpr double a = 1, b = 2;`
@@ -44,16 +53,22 @@ FNR == 1 { file = ++files; path[file] = FILENAME; lines[file] = 0 }
     while (match(line, /, *[A-Za-z_][A-Za-z_0-9]* *[={]/)) {
       name = substr(line, RSTART + 1, RLENGTH - 2)
       gsub(/[ ={]/, "", name)
-      declare(name)
+      declare(name, 1, 1)
       line = substr(line, RSTART + RLENGTH)
     }
 }
 {
   line = $0
-  while (match(line, /[A-Za-z_][A-Za-z_0-9]*\(/)) {
-    before = RSTART > 1 ? substr(line, RSTART - 1, 1) : " "
-    if (before !~ /[.:>]/) used[file, substr(line, RSTART, RLENGTH - 1)] = 1
+  before = " "
+  while (match(line, /[A-Za-z_][A-Za-z_0-9]*/)) {
+    if (RSTART > 1) before = substr(line, RSTART - 1, 1)
+    if (before !~ /[.:>]/) {
+      name = substr(line, RSTART, RLENGTH)
+      mentioned[file, name] = 1
+      if (substr(line, RSTART + RLENGTH, 1) == "(") used[file, name] = 1
+    }
     line = substr(line, RSTART + RLENGTH)
+    before = " "
   }
 }
 
@@ -79,6 +94,7 @@ function fits(f, g, them, n, i) {
 
 function clash(a, b, list, n, i) {
   n = split(names[a], list, " ")
-  for (i = 1; i <= n; ++i) if ((b, list[i]) in used) return 1
+  for (i = 1; i <= n; ++i)
+    if (declared[a, list[i]] == "value" ? (b, list[i]) in mentioned : (b, list[i]) in used) return 1
   return 0
 }
