@@ -73,7 +73,7 @@ struct CaseFileParams : VersionParams {
            "What `trephine trade` measured: a file, or a list of files whose points must hold in all of them.");
     v.group(&P::accuracy, "accuracy", "Take the fastest measured point that keeps these bounds.");
     v.group(&P::budget, "budget", "Take the most accurate measured point within these limits.");
-    v.text(&P::profile, "profile", "draft, standard or fine, instead of accuracy and budget.");
+    v.text(&P::profile, "profile", "draft, standard or fine, instead of accuracy and budget.").names("profile");
     v.map(&P::set, "set", "Parameters by their paths, such as skull.decimate.max_deviation_mm: 0.2.");
   }
 };

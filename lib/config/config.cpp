@@ -36,6 +36,7 @@ class Reader {
     collect_values();
     choose_point();
     set_values();
+    check_set_values();
     resolve_files();
     derive_scene(r_);
     check_burr_holes();
@@ -54,10 +55,13 @@ class Reader {
     all.fault_of_name = [this](const std::string& kind, const std::string& name) {
       std::string fault;
       if (kind == "file") r_.in_root(r_.file, name, fault);
+      if (kind == "profile" && name != "draft" && name != "standard" && name != "fine")
+        fault = name + ", must be draft, standard or fine" + did_you_mean(name, {"draft", "standard", "fine"});
       return fault;
     };
     all.said = [this](const std::string& path, const YamlNode& at) {
-      if (path.rfind("import.", 0) == 0) r_.said.emplace_back(path, r_.origin(ValueSource::set, r_.file, at));
+      if (path.rfind("import.", 0) == 0 || path.rfind("burr_holes[", 0) == 0)
+        r_.said.emplace_back(path, r_.origin(ValueSource::set, r_.file, at));
     };
     return all;
   }
@@ -113,6 +117,9 @@ class Reader {
       if (!is_plain_name(hole.name) || std::any_of(r_.out.burr_holes.begin(), r_.out.burr_holes.end(), same))
         fault("burr_holes", "burr_holes[" + std::to_string(i) + "].name",
               printable(hole.name) + ", must be a name of its own, of letters a-z, digits and _");
+      else if (find_stage(hole.name) || r_.out.find_anatomy(hole.name) || hole.name == "haptic" || hole.name == "scene")
+        fault("burr_holes", "burr_holes[" + std::to_string(i) + "].name",
+              hole.name + ", is the name of a stage, an anatomy or a part of the case already");
       r_.out.burr_holes.push_back({hole.name, AnyParams::make(hole)});
     }
   }
@@ -126,8 +133,47 @@ class Reader {
     for (CaseDrill& hole : out.burr_holes) r_.values.add(hole.name, hole.params);
     for (const ParameterLeaf& leaf : leaves_of(out.scene_file))
       r_.values.add_one(leaf.path.rfind("haptic.", 0) == 0 ? leaf.path : "scene." + leaf.path, out.scene_file, leaf);
+    for (std::size_t i = 0; i < out.burr_holes.size(); ++i) {
+      const std::string listed = "burr_holes[" + std::to_string(i) + "]", &name = out.burr_holes[i].name;
+      for (auto& [path, origin] : r_.said)
+        if (path.rfind(listed, 0) == 0) path = name + path.substr(listed.size());
+      r_.values.fix(name + ".name", "is set where the burr hole is given");
+    }
     for (const auto& [path, origin] : r_.said)
       if (r_.values.has(path)) r_.values.note(path, origin);
+    r_.values.fix("deface.policy", "follows scene.face.policy, set that");
+    r_.values.fix("scene.materials", "is read with the scene: name it there");
+  }
+
+  // Values that were set after the files were read pass the same checks as those in the files.
+  void check_set_values() {
+    CaseConfig& out = r_.out;
+    if (out.anatomies.empty()) return;
+    const auto& scene = out.scene_file.as<SceneFileParams>();
+    const bool of_hu = scene.haptic && scene.haptic->encoding == HapticEncoding::hu;
+    const auto fault_of_name = [&](const std::string& kind, const std::string& name) {
+      if (kind == "anatomy" || (kind == "shape" && !of_hu)) return r_.fault_of_anatomy(name);
+      if (kind == "landmark") return r_.fault_of_landmark(name);
+      return std::string();  // materials and files have checks of their own
+    };
+    r_.values.check("import", import_, fault_of_name, r_.faults);
+    for (const RecipeAnatomy& anatomy : out.anatomies)
+      for (const RecipeStep& step : anatomy.steps)
+        r_.values.check(anatomy.name + "." + step.type->name, step.params, fault_of_name, r_.faults);
+    for (const RecipeStep& step : out.scan_steps)
+      r_.values.check(step.type->name, step.params, fault_of_name, r_.faults);
+    const auto any_name = [](const std::string&, const std::string&) {
+      return std::string();
+    };  // check_burr_holes does
+    for (const CaseDrill& hole : out.burr_holes) r_.values.check(hole.name, hole.params, any_name, r_.faults);
+    r_.values.check("scene", out.scene_file, fault_of_name, r_.faults);
+    if (!scene.haptic) return;
+    for (const auto& [name, shape] : scene.haptic->shapes)
+      if (shape.clear_of == name) {
+        const std::string path = "haptic.shapes." + name + ".clear_of";
+        if (r_.values.is_set(path))
+          r_.faults.add(Error(ExitCode::bad_config, r_.values.origin(path).where, path, "is the shape itself"));
+      }
   }
 
   TradeRule rule() const {
@@ -253,7 +299,7 @@ class Reader {
     for (const SceneLandmark& l : out.scene_landmarks) used.push_back(l.name);
     const auto unused = [&](const CaseLandmark& l) { return is_in(points_, l.name) && !is_in(used, l.name); };
     for (const CaseLandmark& l : out.landmarks)
-      if (const std::string near = nearest_name(l.name, used); unused(l) && !near.empty())
+      if (const std::string near = nearest_name(l.name, used); !is_in(used, l.name) && !near.empty())
         log_warning(printable(l.name) + ", no landmark of that name is used, did you mean " + near + "?");
     out.landmarks.erase(std::remove_if(out.landmarks.begin(), out.landmarks.end(), unused), out.landmarks.end());
   }

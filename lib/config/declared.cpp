@@ -162,7 +162,7 @@ std::string set_parameter(void* object, const Parameter& parameter, const YamlNo
   if (parameter.source == "value" && value.kind != Kind::scalar)
     fault = "must be a value or a list of values";
   else if (is_list != (parameter.kind == ParameterKind::numbers) || (!is_list && value.kind != Kind::scalar))
-    fault = describe_parameter(parameter, object) + " is expected";
+    fault = parse_parameter(parameter, {}, parsed);  // no item fits: the text says what does
   else
     fault = parse_parameter(parameter, items, parsed);
   if (!fault.empty()) return (shown.empty() ? "" : shown + ", ") + fault;

@@ -62,7 +62,7 @@ class RecipeReader {
   DeclaredReading reading(const std::string& cut) {
     DeclaredReading all{file_, r_.faults, {}, {}};
     all.fault_of_name = [this](const std::string& kind, const std::string& name) {
-      return kind == "anatomy" ? r_.fault_of_anatomy(name) : std::string();
+      return kind == "anatomy" ? r_.fault_of_anatomy(name) : kind == "target" ? fault_of_target(name) : std::string();
     };
     all.said = [this, cut](const std::string& path, const YamlNode& at) {
       const std::string prefix = cut + ".";
@@ -72,7 +72,17 @@ class RecipeReader {
     return all;
   }
 
+  // A target may be a point that only some cases give, so an unknown name is refused only where it looks misspelt.
+  std::string fault_of_target(const std::string& name) const {
+    std::vector<std::string> known = findable_landmarks();
+    for (const CaseLandmark& l : r_.out.landmarks) known.push_back(l.name);
+    if (std::find(known.begin(), known.end(), name) != known.end()) return "";
+    const std::string near = did_you_mean(name, known);
+    return near.empty() ? "" : name + ", no such landmark" + near;
+  }
+
   void read_anatomies(const YamlNode& anatomies) {
+    if (anatomies.entries.empty()) fault(anatomies, "anatomies", "names none");
     for (const auto& [key, node] : anatomies.entries) {
       const std::string where = "anatomies." + key.text;
       RecipeAnatomy anatomy;

@@ -48,7 +48,8 @@ struct RecipeRoles {
     v.group(&P::burr_holes, "burr_holes", "Which anatomies burr holes concern.");
     v.map(&P::targets, "targets",
           "Landmarks that lie in an anatomy and are what an exercise aims at, such as {monro_right: ventricles}. That "
-          "anatomy is computed where one of them is wanted, and they are targets where it is shown.");
+          "anatomy is computed where one of them is wanted, and they are targets where it is shown.")
+        .names("target");
     v.text(&P::class_of, "class_of",
            "The anatomy by which a case is classed as normal, hydrocephalic, shifted or small.")
         .names("anatomy");

@@ -26,6 +26,64 @@ YamlNode value_of(const std::string& text) {
   return list;
 }
 
+// The value's fault, told where the value was given.
+Error fault_of_value(const std::string& path, const ValueOrigin& from, const std::string& what) {
+  if (from.source == ValueSource::command_line) return Error(ExitCode::usage, "", "--set " + path, what);
+  return Error(ExitCode::bad_config, from.where, path, what);
+}
+
+// The path of a parameter below a prefix. What the hand feels is named without the scene.
+std::string path_below(const std::string& prefix, const std::string& name) {
+  if (prefix == "scene" && name == "haptic") return name;
+  return name.empty() ? prefix : prefix + "." + name;
+}
+
+// Checks a struct and all within it. Returns the strongest origin among values that were set after the files were read.
+class SetValuesCheck {
+ public:
+  using FaultOfName = std::function<std::string(const std::string& kind, const std::string& name)>;
+  SetValuesCheck(const ConfigValues& values, const FaultOfName& fault_of_name, ConfigFaults& faults)
+      : values_(values), fault_of_name_(fault_of_name), faults_(faults) {}
+
+  const ValueOrigin* check(const std::string& path, const ParameterSet& set, void* object) {
+    const ValueOrigin* latest = nullptr;
+    const auto note = [&](const ValueOrigin* origin) {
+      if (origin && (!latest || origin->source > latest->source)) latest = origin;
+    };
+    for (const Parameter& p : set.parameters) {
+      const std::string one = path_below(path, p.name);
+      if (p.is_value())
+        note(check_value(one, p, object));
+      else
+        for (const ParameterItem& item : p.items(object))
+          note(check(path_below(one, item.name), p.item_set(), item.object));
+    }
+    if (latest && set.fault)
+      if (const std::string what = set.fault(object); !what.empty()) {
+        const std::size_t colon = what.find(": ");
+        const std::string key = colon == std::string::npos ? "" : what.substr(0, colon);
+        faults_.add(fault_of_value(path_below(path, key), *latest, key.empty() ? what : what.substr(colon + 2)));
+      }
+    return latest;
+  }
+
+ private:
+  const ValueOrigin* check_value(const std::string& path, const Parameter& p, const void* object) {
+    if (!values_.is_set(path)) return nullptr;
+    const ValueOrigin& origin = values_.origin(path);
+    if (p.kind == ParameterKind::text && !p.source.empty()) {
+      const std::string name = std::get<std::string>(p.get(object));
+      const std::string what = name.empty() ? "" : fault_of_name_(p.source, name);
+      if (!what.empty()) faults_.add(fault_of_value(path, origin, what));
+    }
+    return &origin;
+  }
+
+  const ConfigValues& values_;
+  const FaultOfName& fault_of_name_;
+  ConfigFaults& faults_;
+};
+
 }  // namespace
 
 const char* to_text(ValueSource source) {
@@ -81,10 +139,12 @@ std::string ConfigValues::set(const std::string& path, const YamlNode& value, co
     return "no such parameter" + (near.empty() ? ", a path is anatomy.stage.parameter or import.parameter" : near);
   }
   for (const std::string& one : paths) {
+    if (const auto fixed = fixed_.find(one); fixed != fixed_.end()) return fixed->second;
     if (origin(one).source > from.source) continue;
     const Target& target = targets_.at(one);
     if (std::string fault = set_parameter(target.object, *target.parameter, value); !fault.empty()) return fault;
     note(one, from);
+    set_.insert(one);
   }
   return "";
 }
@@ -95,7 +155,7 @@ void ConfigValues::set_from_text(const std::string& text, const ValueOrigin& fro
     return faults.add(Error(ExitCode::usage, "", "--set", text + ", must be anatomy.stage.parameter=value"));
   const std::string path = text.substr(0, equals);
   if (const std::string fault = set(path, value_of(text.substr(equals + 1)), from); !fault.empty())
-    faults.add(Error(ExitCode::usage, "", "--set " + path, fault));
+    faults.add(fault_of_value(path, from, fault));
 }
 
 void ConfigValues::set_value(const std::string& path, const ParameterValue& value, const ValueOrigin& from) {
@@ -112,6 +172,13 @@ double ConfigValues::number(const std::string& path, double where_absent) const 
   if (const auto* whole = std::get_if<std::int64_t>(&value)) return static_cast<double>(*whole);
   const auto* number = std::get_if<double>(&value);
   return number ? *number : where_absent;
+}
+
+void ConfigValues::check(
+    const std::string& prefix, const AnyParams& params,
+    const std::function<std::string(const std::string& kind, const std::string& name)>& fault_of_name,
+    ConfigFaults& faults) const {
+  SetValuesCheck(*this, fault_of_name, faults).check(prefix, *params.set, params.object.get());
 }
 
 std::vector<ValueRow> ConfigValues::rows() const {

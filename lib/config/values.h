@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,15 +44,20 @@ struct ValueRow {
 /// source set which value: a weaker source never replaces the value of a stronger one.
 class ConfigValues {
  public:
-  /// Adds a params object under a prefix, or one of its leaves under a path of its own. The object is changed in place, and
-  /// its lists and maps must keep their items.
+  /// Adds a params object under a prefix, or one of its leaves under a path of its own. The object is changed in place,
+  /// and its lists and maps must keep their items.
   void add(const std::string& prefix, const AnyParams& params);
   void add_one(const std::string& path, const AnyParams& params, const ParameterLeaf& leaf) {
     targets_[path] = {leaf.parameter, leaf.object, params.object};
   }
 
+  /// A value that follows from another: set() refuses it with `why`. set_value() may still change it.
+  void fix(const std::string& path, const std::string& why) { fixed_[path] = why; }
+
   bool has(const std::string& path) const { return targets_.count(path) > 0; }
   const ValueOrigin& origin(const std::string& path) const;
+  /// Whether set() or set_from_text() gave the value.
+  bool is_set(const std::string& path) const { return set_.count(path) > 0; }
   /// Records the origin of the value that the object has already.
   void note(const std::string& path, const ValueOrigin& origin) { origins_[path] = origin; }
 
@@ -64,6 +70,13 @@ class ConfigValues {
   /// Sets a value that has passed its checks already, unless a stronger source has set it or there is no such path.
   void set_value(const std::string& path, const ParameterValue& value, const ValueOrigin& origin);
   double number(const std::string& path, double where_absent) const;
+
+  /// Checks what was set after the files were read (by a trade point, `set` or --set) as the reading of the files would
+  /// have: names of that kind, and what a struct's fault() says of its values taken together. The params lie under
+  /// `prefix`; the paths of `scene.haptic` begin with `haptic`.
+  void check(const std::string& prefix, const AnyParams& params,
+             const std::function<std::string(const std::string& kind, const std::string& name)>& fault_of_name,
+             ConfigFaults& faults) const;
 
   /// All parameters, by path.
   std::vector<ValueRow> rows() const;
@@ -78,6 +91,8 @@ class ConfigValues {
 
   std::map<std::string, Target> targets_;
   std::map<std::string, ValueOrigin> origins_;
+  std::map<std::string, std::string> fixed_;
+  std::set<std::string> set_;
 };
 
 }  // namespace trephine

@@ -72,7 +72,7 @@ std::optional<BuiltCase> read_built(const LibraryState& state, const std::string
 std::optional<JobResult> read_result(const LibraryState& state, const std::string& token) {
   return read_record<JobResult>(state.case_file(token, "result"), [](const Json& json) {
     return JobResult{json.at("code").get<int>(), json.at("reason").get<std::string>(), json.at("seconds").get<double>(),
-                     json.at("memory_mb").get<double>(), json.value("cpu_s", 0.0)};
+                     json.at("memory_mb").get<double>(), json.at("cpu_s").get<double>()};
   });
 }
 

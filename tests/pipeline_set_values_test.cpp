@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is set by path, with `set` or --set, passes the checks that hold for what stands in the files.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "base/error.h"
+#include "config/config.h"
+#include "scratch_folder.h"
+
+namespace trephine {
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path configs = fs::path(TREPHINE_SOURCE_DIR) / "configs";
+
+// The lines of the faults, with their codes in front.
+std::string faults_of(const fs::path& file, std::vector<std::string> set) {
+  ConfigOverrides overrides;
+  overrides.set = std::move(set);
+  std::string all;
+  try {
+    read_case_config(file, overrides);
+  } catch (const ErrorList& e) {
+    for (const Error& one : e.all()) all += std::to_string(int(one.code())) + one.line("") + "\n";
+  }
+  return all;
+}
+
+TEST(SetValues, NamesAreThoseOfTheRecipe) {
+  for (const std::string path : {"haptic.region_of", "haptic.shapes.skin.clear_of"})
+    EXPECT_NE(faults_of(configs / "sample.yaml", {path + "=skinn"}).find("64: --set " + path + ": skinn, the pipeline"),
+              std::string::npos)
+        << path << faults_of(configs / "sample.yaml", {path + "=skinn"});
+  EXPECT_EQ(faults_of(configs / "sample.yaml", {"haptic.region_of=skin"}), "");
+}
+
+TEST(SetValues, TogetherTheyAreSoundOrRefused) {
+  EXPECT_NE(faults_of(configs / "sample.yaml", {"haptic.hardness_low_hu=500"}).find("hardness_high_hu"),
+            std::string::npos);
+  EXPECT_EQ(faults_of(configs / "sample.yaml", {"haptic.hardness_low_hu=500", "haptic.hardness_high_hu=900"}), "");
+  EXPECT_NE(faults_of(configs / "sample.yaml", {"haptic.encoding=hu"}).find("window_hu"), std::string::npos);
+}
+
+TEST(SetValues, AFaceIsNotKeptWithoutAReason) {
+  const fs::path defaced = configs / "ct_head_defaced.yaml";
+  EXPECT_EQ(faults_of(defaced, {}), "");
+  EXPECT_NE(faults_of(defaced, {"scene.face.policy=keep"}).find("why may the case show"), std::string::npos);
+  EXPECT_NE(faults_of(defaced, {"scene.face.policy=keep", "scene.face.reason= "}).find("blank"), std::string::npos);
+  EXPECT_EQ(faults_of(defaced, {"scene.face.policy=keep", "scene.face.reason=A phantom."}), "");
+  EXPECT_NE(faults_of(defaced, {"deface.policy=crop"}).find("follows scene.face.policy"), std::string::npos);
+}
+
+TEST(SetValues, WhatHasBeenReadAlreadyIsNotSet) {
+  EXPECT_NE(faults_of(configs / "sample.yaml", {"scene.materials=other.yaml"}).find("is read with the scene"),
+            std::string::npos);
+  EXPECT_NE(faults_of(configs / "sample_drilled.yaml", {"burr_hole_1.name=other"}).find("where the burr hole is given"),
+            std::string::npos);
+}
+
+// The origin of each value of a burr hole is the file that gives it.
+TEST(SetValues, ABurrHolesValuesComeFromTheCase) {
+  const CaseConfig config = read_case_config(configs / "sample_drilled.yaml");
+  int from_the_case = 0;
+  for (const ValueRow& row : config.values)
+    if (row.path.rfind("burr_hole_1.", 0) == 0) from_the_case += row.origin.source == ValueSource::set;
+  EXPECT_GE(from_the_case, 3);
+}
+
+}  // namespace
+}  // namespace trephine
