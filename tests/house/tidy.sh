@@ -43,13 +43,16 @@ tool=$(command -v clang-tidy-14 || command -v clang-tidy) ||
 
 # A configuration of its own, which is never built: each file by itself, and none of gcc's precompiled headers.
 cmake --preset release -B build/tidy -DTREPHINE_UNITY=OFF -DTREPHINE_TESTS=OFF -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >/dev/null
-found=$(mktemp)
-trap 'rm -f "$found"' EXIT
+found=$(mktemp) said=$(mktemp)
+trap 'rm -f "$found" "$said"' EXIT
+status=0
 printf '%s\0' "${files[@]}" |
-  xargs -0 -n 1 -P "$(nproc)" "$tool" -p build/tidy --quiet >"$found" 2>/dev/null || true
+  xargs -0 -n 1 -P "$(nproc)" "$tool" -p build/tidy --quiet >"$found" 2>"$said" || status=$?
 # A header's fault is found by every source that includes it.
 count() { grep -E "^[^ ]+:[0-9]+:[0-9]+: $1: " "$found" | sort -u | wc -l || true; }
 awk -v root="$PWD/" '{ sub(root, "") } !/: (warning|error): / { if (shown) print; next } { shown = !seen[$0]++ } shown' "$found"
 errors=$(count error)
 echo "clang-tidy on ${#files[@]} sources: $errors errors, $(count warning) warnings"
-((errors == 0))
+((errors == 0)) || exit 1
+# clang-tidy that fails and names no error could not read its input, or crashed.
+((status == 0)) || { tail -5 "$said"; echo "clang-tidy failed"; exit 1; }
