@@ -31,10 +31,12 @@ Json schema_of() {
 Json body_schema(const StageType& stage, bool first_port) {
   Json body = Json::parse(json_schema_of(stage.make_params()));
   for (std::size_t i = first_port ? 0 : 1; i < stage.ports.size(); ++i)
-    if (!first_port || stage.ports[i].kind == DataKind::field)
+    if (!first_port || stage.ports[i].kind == DataKind::field) {
       body["properties"][stage.ports[i].name] = {{"type", "string"},
                                                  {"description", stage.ports[i].help + ", as anatomy.stage"},
                                                  {"pattern", "^[a-z0-9_]+\\.[a-z_]+$"}};
+      if (stage.ports[i].required) body["required"].push_back(stage.ports[i].name);
+    }
   body["description"] = stage.summary;
   return body;
 }
@@ -42,11 +44,13 @@ Json body_schema(const StageType& stage, bool first_port) {
 // Schema of a step: `- name` or `- name: {parameters and ports}`.
 Json step_schema(const StageType& stage) {
   Json body = body_schema(stage, false);
-  body["type"] = {"object", "null"};
+  if (!body.contains("required")) body["type"] = {"object", "null"};
+  const bool bare = !body.contains("required");
   const Json object = {{"type", "object"},
                        {"properties", {{stage.name, std::move(body)}}},
                        {"required", {stage.name}},
                        {"additionalProperties", false}};
+  if (!bare) return object;
   return {{"anyOf", {{{"const", stage.name}}, object}}, {"description", stage.summary}};
 }
 
@@ -57,17 +61,54 @@ Json recipe_schema() {
   anatomy["properties"]["stages"] = {{"type", "array"}, {"items", {{"anyOf", std::move(steps)}}}};
   anatomy["required"].push_back("stages");
   Json schema = schema_of<RecipeFileParams>();
-  schema["properties"]["anatomies"] = {{"type", "object"}, {"additionalProperties", std::move(anatomy)}};
+  schema["properties"]["anatomies"] = {
+      {"type", "object"}, {"minProperties", 1}, {"additionalProperties", std::move(anatomy)}};
   schema["required"].push_back("anatomies");
   for (const StageType* stage : stages_of(StagePlace::scan))
     schema["properties"][stage->name] = body_schema(*stage, true);
   return schema;
 }
 
+// One row of a Markdown table for each key.
+std::string keys_table(const std::string& prefix, const AnyParams& defaults) {
+  std::string rows;
+  for (const DeclaredParameter& d : declared_of(defaults)) {
+    std::string help = d.parameter->help;
+    for (std::size_t at = 0; (at = help.find_first_of("|<", at)) != std::string::npos; at += 2) help.insert(at, "\\");
+    rows +=
+        "| `" + prefix + d.path + "` | " + describe_parameter(*d.parameter, d.defaults.get()) + " | " + help + " |\n";
+  }
+  return rows;
+}
+
+// The keys of all files, for a reader; the schemas are for editors.
+std::string keys_page() {
+  const std::string head = "| Key | Value | Meaning |\n|---|---|---|\n";
+  const auto section = [&](const std::string& title, const AnyParams& defaults) {
+    return "\n## " + title + "\n\n" + head + keys_table("", defaults);
+  };
+  return "# Files\n\nEvery key of the files that Trephine reads, from the declarations in the program (`trephine "
+         "reference "
+         "--out docs/reference`). NAME stands for a name that the file gives, a number for an item of a list. How the "
+         "files "
+         "work together is told in [configurations](../configurations.md).\n" +
+         section("A case (configs/\\*.yaml)", AnyParams::make<CaseFileParams>()) +
+         section("A scene (configs/scenes/\\*.yaml)", AnyParams::make<SceneFileParams>()) +
+         "\n## A recipe (pipelines/\\*.yaml)\n\n"
+         "`anatomies.NAME.stages` lists the stages that make the anatomy; the page of each stage lists its parameters. "
+         "Stages of the whole scan, such as `resample` and `landmarks`, are keys of the recipe.\n\n" +
+         head + keys_table("", AnyParams::make<RecipeFileParams>()) +
+         keys_table("anatomies.NAME.", AnyParams::make<RecipeAnatomyParams>()) +
+         section("Materials (configs/materials.yaml)", AnyParams::make<MaterialsFileParams>()) +
+         section("A library (LIBRARY.yaml)", library_file_params()) +
+         section("The plan of a sweep (configs/trade/\\*.yaml)", trade_file_params());
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> file_schemas() {
   return {
+      {"files.md", keys_page()},
       {"recipe.schema.json", page("A recipe of Trephine (pipelines/*.yaml)", recipe_schema())},
       {"scene.schema.json", page("A scene of Trephine (configs/scenes/*.yaml)", schema_of<SceneFileParams>())},
       {"configuration.schema.json", page("The configuration of a case (configs/*.yaml)", schema_of<CaseFileParams>())},

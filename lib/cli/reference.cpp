@@ -136,6 +136,7 @@ Json parameter_schema(const Parameter& p, const void* object) {
       s["type"] = "object";
       s["additionalProperties"] = item;
       if (p.count) s["maxProperties"] = p.count;
+      if (p.required) s["minProperties"] = 1;
       return s;
     }
   }

@@ -15,20 +15,13 @@
 namespace trephine {
 namespace {
 
-std::string_view trimmed(std::string_view s) {
-  while (!s.empty() && s.front() == ' ') s.remove_prefix(1);
-  while (!s.empty() && s.back() == ' ') s.remove_suffix(1);
-  return s;
-}
-
-std::vector<std::string_view> split(std::string_view s, char by) {
-  std::vector<std::string_view> parts;
-  for (;;) {
-    const std::size_t at = s.find(by);
-    parts.push_back(trimmed(s.substr(0, at)));
-    if (at == std::string_view::npos) return parts;
-    s.remove_prefix(at + 1);
+std::vector<std::string> split(std::string_view s, char by) {
+  std::vector<std::string> parts = split_at(s, by);
+  for (std::string& part : parts) {
+    part.erase(0, part.find_first_not_of(' '));
+    part.erase(part.find_last_not_of(' ') + 1);
   }
+  return parts;
 }
 
 std::string described(const Bubble& b) {
