@@ -50,9 +50,12 @@ CaseSettings read_case_settings(const LibraryCase& one, const std::vector<fs::pa
     if (leaf.path != "materials") out.values["scene." + leaf.path] = to_text(leaf.value());
   for (const SceneShape& shape : config.haptic.shapes)
     add_leaves("materials." + shape.material.name, material_params(shape.material), out.values);
+  std::string& order = out.values["recipe.order"];  // the case lists its anatomies in the recipe's order
   for (const RecipeAnatomy& anatomy : config.anatomies)
-    if (config.is_shown(anatomy.name))
+    if (config.is_shown(anatomy.name)) {
+      order += (order.empty() ? "" : ", ") + anatomy.name;
       add_leaves("recipe.anatomies." + anatomy.name, static_cast<const RecipeAnatomyParams&>(anatomy), out.values);
+    }
   add_leaves("recipe", config.roles, out.values);
   if (!config.trade.rule.empty()) {
     out.values["trade.rule"] = config.trade.rule.text();
