@@ -188,6 +188,11 @@ TEST(Params, StructsOfStructsListsAndMapsHaveLeaves) {
   other.named[0].first = "skull";
   EXPECT_NE(to_text(AnyParams::make(other)), to_text(p));
   EXPECT_EQ(to_text(AnyParams::make(n)), to_text(p));
+  // So do texts that look the same where they are printed.
+  Nested tab = n, newline = n;
+  tab.named[0].second.of = "a\tb";
+  newline.named[0].second.of = "a\nb";
+  EXPECT_NE(to_text(AnyParams::make(tab)), to_text(AnyParams::make(newline)));
 }
 
 TEST(Params, ItemsAreReadFromTheirTextOnACommandLine) {

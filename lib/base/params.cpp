@@ -138,15 +138,21 @@ void add_declared(const ParameterSet& set, const std::shared_ptr<void>& defaults
   }
 }
 
+// A text byte by byte, with its length, so that no two texts look alike.
+std::string whole(const std::string& text) { return std::to_string(text.size()) + ":" + text; }
+
 std::string text_of(const ParameterSet& set, void* object) {
   std::string text = "{";
   for (const Parameter& p : set.parameters) {
     text += p.name + ": ";
     if (p.is_value()) {
-      text += to_text(p.get(object));
+      const ParameterValue value = p.get(object);
+      const auto* one = std::get_if<std::string>(&value);
+      text += one ? whole(*one) : to_text(value);
     } else {
       text += "(";
-      for (const ParameterItem& item : p.items(object)) text += item.name + " " + text_of(p.item_set(), item.object);
+      for (const ParameterItem& item : p.items(object))
+        text += whole(item.name) + " " + text_of(p.item_set(), item.object);
       text += ")";
     }
     text += "; ";
