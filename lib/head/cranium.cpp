@@ -19,9 +19,9 @@ constexpr double opening_mm = 2;
 constexpr double canal_mm = 13;   ///< the spinal canal is narrower than twice this, the foramen magnum about as wide
 constexpr double corner_mm = 10;  ///< how far corners (and the canal's beginning) reach beyond the balls of that radius
 
-/// The share of 26 directions in which a ray from that cell meets bone before it leaves the volume.
-double enclosure(const BitMask& bone, int i, int j, int k) {
-  int met = 0;
+/// Whether in at least `least_enclosure` of 26 directions a ray from that cell meets bone before it leaves the volume.
+bool is_enclosed(const BitMask& bone, int i, int j, int k) {
+  int met = 0, missed = 0;
   for (int dk = -1; dk <= 1; ++dk)
     for (int dj = -1; dj <= 1; ++dj)
       for (int di = -1; di <= 1; ++di) {
@@ -36,8 +36,9 @@ double enclosure(const BitMask& bone, int i, int j, int k) {
           y += dj;
           z += dk;
         }
+        if (!bone.lattice().contains(x, y, z) && ++missed > 26 * (1 - least_enclosure)) return false;
       }
-  return met / 26.0;
+  return met >= 26 * least_enclosure;
 }
 
 /// The cell farthest from bone among those that bone encloses.
@@ -54,7 +55,7 @@ std::size_t core_of(const BitMask& bone, const Grid<float>& to_bone) {
                    [&](std::uint32_t a, std::uint32_t b) { return to_bone.voxels[a] > to_bone.voxels[b]; });
   for (std::uint32_t v : order) {
     const int nx = bone.lattice().size[0], ny = bone.lattice().size[1];
-    if (enclosure(bone, int(v % nx), int(v / nx % ny), int(v / nx / ny)) >= least_enclosure) return v;
+    if (is_enclosed(bone, int(v % nx), int(v / nx % ny), int(v / nx / ny))) return v;
   }
   throw Error(ExitCode::quality, "", "cranial cavity", "no space of 15 mm radius that bone encloses: 0 voxels");
 }

@@ -32,7 +32,7 @@ class Builder {
   }
 
   Graph build() {
-    original_ = graph_.scan = resampled();
+    original_ = graph_.scan = prepared(resampled());
     if (config_.face == "crop" || config_.face == "deface") graph_.scan = deface();
     for (const SceneAnatomy& wanted : config_.scene) {
       const RecipeAnatomy& recipe = *config_.find_anatomy(wanted.name);
@@ -177,6 +177,20 @@ class Builder {
     Node node = node_of_step(*step, resample_step);
     give_scan(node, 0);
     return add(std::move(node));
+  }
+
+  // The scan after the recipe's stages that make a volume from a volume alone (body, head_region), in its order.
+  int prepared(int scan) {
+    for (const RecipeStep& step : config_.scan_steps) {
+      const std::vector<Port>& ports = step.type->ports;
+      const bool from_volume = std::all_of(ports.begin(), ports.end(),
+                                           [](const Port& p) { return p.kind == DataKind::volume || !p.required; });
+      if (step.type->name == resample_step || step.type->output != DataKind::volume || !from_volume) continue;
+      Node node = node_of_step(step, step.type->name);
+      give_scan(node, scan);
+      scan = add(std::move(node));
+    }
+    return scan;
   }
 
   int deface() {

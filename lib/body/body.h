@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+
+namespace trephine {
+
+struct BodyParams {
+  double tissue_hu = -300;
+  double air_hu = -900;
+  double core_mm = 7;
+  double thinnest_mm = 2.4;
+  double reach_mm = 55;
+  double most_part_ml = 80;
+  double edge_mm = 1.6;
+  double least_ml = 0.5;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = BodyParams;
+    v.number(&P::tissue_hu, "tissue_hu", Range{-700, 100}, "Lowest HU of skin and fat.");
+    v.number(&P::air_hu, "air_hu", Range{-1000, -500},
+             "Outside of the body, only what is brighter than this is taken away; hair and the noise of air stay.");
+    v.number(&P::core_mm, "core_mm", Range{3, 15},
+             "The body's inside is where a ball of this radius fits into tissue and bone.");
+    v.number(&P::thinnest_mm, "thinnest_mm", Range{0, 6},
+             "What stands out from the body and is thinner than this (the sheet of a mask, a tube) is apparatus; ears "
+             "and nose are thicker.");
+    v.number(&P::reach_mm, "reach_mm", Range{5, 80},
+             "How far ears and nose reach beyond the body's inside; what reaches farther is apparatus.");
+    v.number(&P::most_part_ml, "most_part_ml", Range{1, 1000},
+             "What stands out from the body (an ear, the nose) is smaller than this; what is larger is apparatus.");
+    v.number(&P::edge_mm, "edge_mm", Range{0.5, 5},
+             "How far the skin's blurred edge reaches beyond tissue_hu, as long as the HU fall outwards.");
+    v.number(&P::least_ml, "least_ml", Range{0, 100}, "Where there is less apparatus than this, the scan stays as is.");
+  }
+};
+
+/// Takes apparatus off a scan: radiotherapy masks, couch, head holder, clamps, pillows, leads and tubes. The result is
+/// the volume with air (-1000 HU) in the place of everything outside of the body that is brighter than `air_hu`. What
+/// the body encloses (sinuses, airways, ear canals) stays, and so does the blurred edge of the skin.
+///
+/// The body is found from inside out. Its inside is the largest piece of tissue and bone in which a ball of core_mm
+/// fits. What grows out of it, is at least thinnest_mm thick, smaller than most_part_ml and ends within reach_mm (ears,
+/// nose) belongs to it; other pieces (holder, cushion) do not, and where one touches the body, the plate's own
+/// thickness goes and what is left of an ear stays. The skin's edge is followed outwards as long as the HU fall; where
+/// they rise again, something lies on the skin.
+///
+/// What it cannot do: apparatus that touches the skin without a gap that the scan shows, as a mask of the HU of skin
+/// pressed onto it, stays with its thickness where it is wider than it is high.
+///
+/// The report: apparatus_ml (brighter than tissue_hu), apparatus_pieces_count, thin_apparatus_ml (its sheets and
+/// strands) and body_ml; a warning where the body was not found, and the scan then stays as it is. The result has the
+/// same bits whatever the thread count. Throws Error 65 where a voxel is not finite; Cancelled.
+HuVolume keep_body(const HuVolume& volume, const BodyParams& params, Report& report, const Progress& progress = {});
+
+}  // namespace trephine

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "head/head_region.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "head/cranium.h"
+#include "mask/bits.h"
+#include "mask/coarse.h"
+#include "mask/hu_view.h"
+
+namespace trephine {
+namespace {
+
+using namespace segmentation;
+
+constexpr double coarse_mm = 2;
+constexpr double bone_hu = 226;
+constexpr double foramen_mm2 = 1300;    ///< a foramen magnum has 600 to 1,000 mm^2; the posterior fossa is far wider
+constexpr double cut_side_mm2 = 150;    ///< of tissue at a side of the field of view: a head cut there
+constexpr double cut_cavity_mm2 = 300;  ///< of the cavity at the top or bottom slice
+
+/// The volume's axis nearest to the patient's superior direction, and whether its indices ascend with it.
+struct UpAxis {
+  int axis = 2;
+  bool ascends = true;
+};
+UpAxis up_axis(const Lattice& l) {
+  UpAxis up{0, true};
+  for (int a = 1; a < 3; ++a)
+    if (std::abs(l.direction.column[a].z) > std::abs(l.direction.column[up.axis].z)) up.axis = a;
+  up.ascends = l.direction.column[up.axis].z > 0;
+  return up;
+}
+
+double cell_face_mm2(const Lattice& l, int axis) { return l.voxel_volume_mm3() / l.spacing_mm[axis]; }
+
+/// The mask's area in each slice across that axis.
+std::vector<double> areas_mm2(const BitMask& mask, int axis) {
+  const Lattice& l = mask.lattice();
+  std::vector<double> area(l.size[axis]);
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i)
+        if (mask.get(i, j, k)) area[axis == 0 ? i : axis == 1 ? j : k] += cell_face_mm2(l, axis);
+  return area;
+}
+
+BitMask part_of(const BitMask& mask, const Box& box) { return placed(crop(mask, box), mask.lattice()); }
+
+const char* side_name(const Lattice& l, int axis, bool last) {
+  const Vec3 out = l.direction.column[axis] * (last ? 1.0 : -1.0);
+  if (std::abs(out.x) >= std::abs(out.y)) return out.x > 0 ? "left" : "right";
+  return out.y > 0 ? "back" : "front";
+}
+
+}  // namespace
+
+HuVolume head_region(const HuVolume& volume, const HeadRegionParams& p, Report& report, const Progress& progress) {
+  check_finite(volume);
+  const HuView hu(volume);
+  const Lattice& l = hu.lattice();
+  const auto above = [&](double threshold) {
+    return make_mask(l, [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < l.size[0]; ++i) row[i] = hu(i, j, k) > threshold;
+    });
+  };
+  const CoarseRaster raster = coarse_raster(l, coarse_mm);
+  const BitMask bone = coarse_mask(above(bone_hu), raster, 0.5);
+  const BitMask tissue = largest(components(coarse_mask(above(p.tissue_hu), raster, 0.5)));
+  progress.report(0.4);
+  BitMask cavity;
+  try {
+    cavity = cranial_cavity(bone, report, progress);
+  } catch (const Error& e) {
+    if (e.code() != ExitCode::quality) throw;
+    report.warn(
+        "no cranial cavity was found, and the scan was not cut to the head: no space of 15 mm radius that bone "
+        "encloses");
+    return volume;
+  }
+  const Lattice& c = cavity.lattice();
+  const UpAxis up = up_axis(c);
+  const std::vector<double> area = areas_mm2(cavity, up.axis);
+  const int n = c.size[up.axis];
+  const auto at_height = [&](int h) { return up.ascends ? h : n - 1 - h; };  // h counts from the bottom
+  int foramen = 0, top = n - 1;
+  while (foramen < n - 1 && area[at_height(foramen)] < foramen_mm2) ++foramen;
+  while (top > foramen && area[at_height(top)] == 0) --top;
+
+  Vec3 centre;
+  for (int a = 0; a < 3; ++a) centre[a] = (c.size[a] - 1) / 2.0;
+  centre[up.axis] = at_height(foramen);
+  report.add("foramen_z_mm", c.to_world_mm(centre).z);
+  if (area[at_height(0)] > cut_cavity_mm2 && foramen == 0)
+    report.warn("the scan ends below in the cranial cavity: the base of the skull is missing");
+  if (area[at_height(n - 1)] > cut_cavity_mm2)
+    report.warn("the scan ends above in the cranial cavity: the vertex is missing");
+
+  const int lowest = std::max(0, foramen - int(std::ceil(p.below_mm / c.spacing_mm[up.axis])));
+  Box box = whole_box(c);
+  (up.ascends ? box.begin : box.end)[up.axis] = up.ascends ? lowest : n - lowest;
+  const BitMask head = part_of(tissue, box);
+  const Box tight = head.bounds();
+  // A side of the field of view that cuts the head itself (not the shoulders below it).
+  Box skull_box = box;
+  (up.ascends ? skull_box.begin : skull_box.end)[up.axis] = up.ascends ? foramen : n - foramen;
+  const BitMask upper = part_of(tissue, skull_box);
+  for (int a = 0; a < 3; ++a) {
+    if (a == up.axis) continue;
+    const std::vector<double> cut = areas_mm2(upper, a);
+    for (const bool last : {false, true})
+      if ((last ? cut.back() : cut.front()) > cut_side_mm2)
+        report.warn(fmt::format("the field of view cuts the head on its {} side: what lies there is missing",
+                                side_name(c, a, last)));
+  }
+
+  Box fine;
+  for (int a = 0; a < 3; ++a) {
+    const int margin = int(std::ceil(p.margin_mm / l.spacing_mm[a]));
+    fine.begin[a] = std::max(0, tight.begin[a] * raster.factor[a] - margin);
+    fine.end[a] = std::min(l.size[a], tight.end[a] * raster.factor[a] + margin);
+  }
+  // The cut through the neck is a plane, without a margin of the neck below it.
+  if (lowest > 0)
+    (up.ascends ? fine.begin : fine.end)[up.axis] =
+        up.ascends ? lowest * raster.factor[up.axis] : std::min(l.size[up.axis], (n - lowest) * raster.factor[up.axis]);
+  const HuVolume out = std::visit([&](const auto& grid) { return HuVolume(crop(grid, fine)); }, volume);
+  report.add("region_ml", lattice_of(out).count() * l.voxel_volume_mm3() / 1000);
+  report.add("neck_cut", lowest > 0);
+  return out;
+}
+
+}  // namespace trephine

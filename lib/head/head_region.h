@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+
+namespace trephine {
+
+struct HeadRegionParams {
+  double below_mm = 90;
+  double margin_mm = 10;
+  double tissue_hu = -300;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = HeadRegionParams;
+    v.number(&P::below_mm, "below_mm", Range{20, 400},
+             "How far below the foramen magnum the head's region reaches; 90 keeps the jaw and the upper neck.");
+    v.number(&P::margin_mm, "margin_mm", Range{5, 100}, "How much air is kept around the head.");
+    v.number(&P::tissue_hu, "tissue_hu", Range{-700, 100}, "Lowest HU of skin and fat.");
+  }
+};
+
+/// Cuts a scan to the region of the head, on the same voxels. The cranial cavity is found first, on cells of about 2 mm
+/// (bone above 226 HU encloses it); its lower end is the lowest level at which it is wider than a foramen magnum. The
+/// region reaches from below_mm under that level to the end of the tissue above it, and to the ends of the tissue in
+/// between on all sides, each with margin_mm. Up is the volume's axis that is nearest to the patient's (LPS z).
+///
+/// The report: cranial_cavity_ml, foramen_z_mm (the level, LPS), region_ml, and warnings for what the scan does not
+/// show: the vertex or the base of the skull (the cavity reaches the volume's end), or a side of the head that the
+/// field of view cuts. Where no space enclosed by bone is found, the volume stays as it is and a warning says so.
+/// Throws Error 65 where a voxel is not finite; Cancelled. The result has the same bits whatever the thread count.
+HuVolume head_region(const HuVolume& volume, const HeadRegionParams& params, Report& report,
+                     const Progress& progress = {});
+
+}  // namespace trephine

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "body/body.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType body_stage() {
+  StageType s;
+  s.name = "body";
+  s.version = 1;
+  s.place = StagePlace::scan;
+  s.summary = "takes mask, couch and other apparatus off a scan";
+  s.description =
+      "Finds the body from inside out and makes air of everything else: radiotherapy mask, couch, head holder, clamps, "
+      "pillows, leads and tubes. Ears and nose stay, and so does what the body encloses. The report says how much was "
+      "taken away. A scan without apparatus stays as it is.";
+  s.examples = {"trephine body head.nrrd --output body.nrrd"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};
+  s.output = DataKind::volume;
+  s.make_params = [] { return AnyParams::make<BodyParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    return std::make_shared<const HuVolume>(
+        keep_body(*in.get<HuVolume>("volume"), params.as<BodyParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "head/head_region.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType head_region_stage() {
+  StageType s;
+  s.name = "head_region";
+  s.version = 1;
+  s.place = StagePlace::scan;
+  s.summary = "cuts a scan to the region of the head";
+  s.description =
+      "Finds the cranial cavity and the foramen magnum, and keeps the head with a part of the neck, on the same "
+      "voxels. "
+      "What the scan does not show of the head (vertex, base, a side outside of the field of view) is said.";
+  s.examples = {"trephine head-region neck.nrrd --output head.nrrd"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};
+  s.output = DataKind::volume;
+  s.make_params = [] { return AnyParams::make<HeadRegionParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    return std::make_shared<const HuVolume>(
+        head_region(*in.get<HuVolume>("volume"), params.as<HeadRegionParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Apparatus around the analytic head is taken off, and the head stays as it was scanned.
+#include "body/body.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "head/head_region.h"
+#include "head_recipe.h"
+#include "mask/filters.h"
+#include "mask/hu_view.h"
+#include "phantom/head.h"
+#include "phantom/phantom.h"
+#include "segmentation/segment.h"
+
+namespace trephine {
+namespace {
+
+using Volume = Grid<std::int16_t>;
+
+const Volume& head() {
+  static const Volume v = [] {
+    phantom::HeadParams who;
+    who.level = phantom::Level::clinical;
+    who.seed = 5;
+    phantom::ScanParams how;
+    how.columns_count = how.rows_count = 220;
+    how.field_of_view_mm = 264;
+    how.slices_count = 140;
+    how.slice_step_mm = how.slice_thickness_mm = 1.5;
+    how.noise_hu = 8;
+    how.table = false;
+    return phantom::volume_of(phantom::scan(phantom::Head(who), how));
+  }();
+  return v;
+}
+
+Field skin_of(const HuVolume& volume) {
+  Report report;
+  return fit(segment(volume, {}, head_recipe::skin(), report), lattice_of(volume), -1000.f);
+}
+
+const Grid<float>& inside_mm() {
+  static const Grid<float> d = segmentation::signed_distance_mm(skin_of(head()));
+  return d;
+}
+
+double figure(const Report& r, const char* name) { return std::get<double>(*r.find(name)); }
+
+/// HU of the apparatus at a voxel, or nothing (-1e6).
+using Apparatus = std::function<double(Vec3 place_mm, double outside_mm)>;
+
+/// The head with apparatus in the air around it.
+Volume with(const Apparatus& apparatus) {
+  Volume v = head();
+  for (int k = 0; k < v.size[2]; ++k)
+    for (int j = 0; j < v.size[1]; ++j)
+      for (int i = 0; i < v.size[0]; ++i) {
+        const double outside = -inside_mm().at(i, j, k);
+        if (outside < 0.3) continue;
+        const double hu = apparatus(v.to_world_mm(Vec3{double(i), double(j), double(k)}), outside);
+        if (hu > v.at(i, j, k)) v.at(i, j, k) = std::int16_t(hu);
+      }
+  return v;
+}
+
+/// A perforated sheet that lies two to three millimetres off the skin.
+double mask(Vec3 p, double outside_mm) {
+  const double gap = 2.6 + 0.5 * std::sin(p.x / 15) * std::sin(p.z / 17);
+  const bool hole = std::sin(p.x) * std::sin(p.z * 0.9) + 0.3 * std::sin(p.y) > 0.55;
+  return !hole && outside_mm > gap && outside_mm < gap + 1.9 ? -120 : -1e6;
+}
+double couch(Vec3 p, double) {
+  const double back = 120;
+  if (p.y > back - 6 && p.y < back - 2) return 60;
+  return p.y >= back - 2 && p.y < back + 4 ? -850 : -1e6;
+}
+/// A block of foam beside the head, and a clamp of metal.
+double holder(Vec3 p, double outside_mm) {
+  if (std::abs(p.z) < 25 && p.x > 60 && outside_mm > 2.2 && p.y > -20 && p.y < 60) return -150;
+  return p.x < 0 && std::hypot(p.y - 10, p.z + 5) < 5 && outside_mm > 1 ? 2500 : -1e6;
+}
+
+struct Compared {
+  double apparatus_ml = 0;  ///< of the new skin farther than a millimetre outside of the true one
+  double lost_ml = 0;       ///< of the true skin, deeper than a millimetre, that the new one lacks
+  double mean_mm = 0;       ///< mean distance of the two skins
+};
+
+Compared compare(const HuVolume& cleaned) {
+  const Field after = skin_of(cleaned);
+  const Grid<float> new_mm = segmentation::signed_distance_mm(after);
+  Compared c;
+  double sum = 0, count = 0;
+  const double ml = after.voxel_volume_mm3() / 1000;
+  for (std::size_t v = 0; v < after.count(); ++v) {
+    const float truth = inside_mm().voxels[v];
+    if (after.voxels[v] > 0 && truth < -1) c.apparatus_ml += ml;
+    if (after.voxels[v] <= 0 && truth > 1) c.lost_ml += ml;
+    if (std::abs(truth) < 0.6) {
+      sum += std::abs(new_mm.voxels[v] - truth);
+      ++count;
+    }
+  }
+  c.mean_mm = sum / count;
+  return c;
+}
+
+TEST(Body, AHeadWithoutApparatusStaysAsItIs) {
+  Report report;
+  EXPECT_TRUE(std::get<Volume>(keep_body(head(), {}, report)) == head());
+  EXPECT_LT(figure(report, "apparatus_ml"), 0.5);
+}
+
+TEST(Body, AMaskOnTheSkinGoesAndTheSkinStays) {
+  Report report;
+  const HuVolume out = keep_body(with(mask), {}, report);
+  EXPECT_GT(figure(report, "apparatus_ml"), 60);
+  EXPECT_GT(figure(report, "thin_apparatus_ml"), 60);
+  const Compared c = compare(out);
+  EXPECT_LT(c.apparatus_ml, 1);
+  EXPECT_LT(c.lost_ml, 1);  // ears and nose are kept
+  EXPECT_LT(c.mean_mm, 0.1);
+}
+
+TEST(Body, CouchHolderAndClampGoTogetherWithAMask) {
+  Report report;
+  const HuVolume out = keep_body(with([](Vec3 p, double d) {
+                                   return std::max({mask(p, d), couch(p, d), holder(p, d)});
+                                 }),
+                                 {}, report);
+  const Compared c = compare(out);
+  EXPECT_LT(c.apparatus_ml, 6);  // where the block lies on the skin
+  EXPECT_LT(c.lost_ml, 3);
+  EXPECT_LT(c.mean_mm, 0.15);
+}
+
+TEST(Body, AVolumeWithoutABodyStaysAndIsSaid) {
+  Volume air(head(), std::int16_t(-1000));
+  air.at(5, 5, 5) = 40;
+  Report report;
+  EXPECT_TRUE(std::get<Volume>(keep_body(air, {}, report)) == air);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("no body was found"), std::string::npos);
+}
+
+TEST(Body, TheSameBytesWithOneAndFourThreads) {
+  const Volume scan = with(mask);
+  Report one, four;
+  set_thread_count(1);
+  const HuVolume a = keep_body(scan, {}, one);
+  set_thread_count(4);
+  const HuVolume b = keep_body(scan, {}, four);
+  set_thread_count(0);
+  EXPECT_TRUE(std::get<Volume>(a) == std::get<Volume>(b));
+  EXPECT_EQ(one.figures, four.figures);
+}
+
+TEST(HeadRegion, TheHeadIsKeptAndTheAirAroundItGoes) {
+  Report report;
+  const HuVolume out = head_region(head(), {}, report);
+  EXPECT_TRUE(report.warnings.empty()) << report.warnings[0];
+  const Lattice& l = lattice_of(out);
+  const Field after = skin_of(out), before = skin_of(head());
+  EXPECT_LT(l.count(), head().count());
+  const Box at = place_in(l, head());
+  std::size_t beyond = 0;
+  for (int k = at.begin[2]; k < head().size[2]; ++k)
+    for (int j = 0; j < head().size[1]; ++j)
+      for (int i = 0; i < head().size[0]; ++i)
+        beyond += before.at(i, j, k) > 0 && !l.contains(i - at.begin[0], j - at.begin[1], k - at.begin[2]);
+  EXPECT_EQ(beyond, 0u);
+}
+
+TEST(HeadRegion, WhatTheScanDoesNotShowIsSaid) {
+  Box box = whole_box(head());
+  box.end[2] -= 40;
+  box.end[0] -= 45;
+  Report report;
+  head_region(crop(head(), box), {}, report);
+  ASSERT_EQ(report.warnings.size(), 2u);
+  EXPECT_NE(report.warnings[0].find("the vertex is missing"), std::string::npos) << report.warnings[0];
+  EXPECT_NE(report.warnings[1].find("cuts the head on its left side"), std::string::npos) << report.warnings[1];
+}
+
+TEST(HeadRegion, AScanWithoutACraniumStaysAndIsSaid) {
+  const Volume water(head(), 20);
+  Report report;
+  EXPECT_TRUE(std::get<Volume>(head_region(water, {}, report)) == water);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("no cranial cavity"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace trephine
