@@ -17,18 +17,21 @@ Command phantom_command() {
       "level, cupping, streaks and sulci. FOLDER/dicom holds the series; FOLDER/truth holds its labels, surfaces, "
       "landmarks and truth.json, which `measure --truth` reads. The same parameters give the same bytes.";
   c.examples = {"trephine phantom head --variant hydrocephalic --seed 7",
-                "trephine phantom head --level clinical --tilt-deg 13.5 --slice-step-mm 2.5 --slices-count 80"};
+                "trephine phantom head --level clinical --tilt-deg 13.5 --slice-step-mm 2.5 --slices-count 80",
+                "trephine phantom head --level hard --mask --couch --clamps --noise-hu 30 --second-kernel-mm 0.6"};
   Argument out;
   out.name = "folder";
   out.kind = Argument::Kind::out_folder;
   out.help = "Folder in which dicom/ and truth/ are made.";
   out.required = out.positional = true;
   c.arguments = {out, report_argument()};
-  c.groups = {ParameterGroup::of<HeadParams>("Head"), ParameterGroup::of<ScanParams>("Scanner"),
-              ParameterGroup::of<SeriesParams>("Series"), ParameterGroup::of<TruthParams>("Truth")};
+  c.groups = {ParameterGroup::of<HeadParams>("Head"), ParameterGroup::of<HardParams>("Hard"),
+              ParameterGroup::of<ScanParams>("Scanner"), ParameterGroup::of<SeriesParams>("Series"),
+              ParameterGroup::of<TruthParams>("Truth")};
   c.run = [](const ParsedCommand& parsed) {
     PhantomParams params;
     params.head = parsed.params<HeadParams>();
+    params.head.hard = parsed.params<HardParams>();
     params.scan = parsed.params<ScanParams>();
     params.series = parsed.params<SeriesParams>();
     params.truth = parsed.params<TruthParams>();

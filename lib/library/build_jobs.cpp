@@ -51,6 +51,7 @@ class JobMaker {
     job.identity = p.identity;
     job.arguments = {"phantom", state_.phantom_folder(p.name).string(), "--threads=1"};
     add_flags(params.head, job.arguments);
+    add_flags(params.head.hard, job.arguments);
     add_flags(params.scan, job.arguments);
     add_flags(params.series, job.arguments);
     add_flags(params.truth, job.arguments);

@@ -12,6 +12,7 @@ namespace trephine {
 
 struct PhantomValues {
   phantom::HeadParams head;
+  phantom::HardParams hard;
   phantom::ScanParams scan;
   phantom::SeriesParams series;
   phantom::TruthParams truth;
@@ -19,11 +20,16 @@ struct PhantomValues {
   static void describe(V& v) {
     using P = PhantomValues;
     v.all_of(&P::head);
+    v.all_of(&P::hard);
     v.all_of(&P::scan);
     v.all_of(&P::series);
     v.all_of(&P::truth);
   }
-  phantom::PhantomParams params() const { return {head, scan, series, truth}; }
+  phantom::PhantomParams params() const {
+    phantom::PhantomParams out{head, scan, series, truth};
+    out.head.hard = hard;
+    return out;
+  }
 };
 
 struct LibraryPhantomParams : PhantomValues {

@@ -2,8 +2,8 @@
 #include "phantom/head.h"
 
 #include "base/error.h"
+#include "phantom/apparatus.h"
 #include "phantom/landmarks.h"
-#include "phantom/model.h"
 
 namespace trephine::phantom {
 namespace {
@@ -131,12 +131,53 @@ double Head::signed_distance_mm(Anatomy anatomy, Vec3 p) const {
 
 std::uint8_t Head::label(Vec3 lps) const {
   const auto base = model_->base(point<double>(lps), true);
-  if (model_->skin(base) >= 0) return 0;
+  const bool hard = model_->hard.on;
+  if (model_->skin(base) >= 0) return hard && apparatus_at(*model_, lps, 1e-6).thing != Thing::none ? 7 : 0;
   if (model_->skull(base) < 0) return 2;
+  if (hard && model_->vertebrae(base) < 0) return 6;
   if (base.cavity >= 0) return 1;
   if (model_->ventricles(base.p) < 0) return 4;
   if (model_->brain_clipped(base) < 0) return 3;
   return base.p.z > foramen_magnum_z ? 5 : 1;
+}
+
+Thing Head::thing(Vec3 lps) const {
+  const Model::Hard& hard = model_->hard;
+  if (!hard.on) return Thing::none;
+  const auto base = model_->base(point<double>(lps), true);
+  const double skin = model_->skin(base);
+  if (skin >= 0) return apparatus_at(*model_, lps, 1e-6).thing;
+  const auto in_ball = [&](const Model::Ball& b) { return sphere(base.p, b.centre, b.radius) < 0; };
+  const auto in_tube = [&](const Model::Tube& t) {
+    return capsule(base.p, t.from, t.to, t.radius_from, t.radius_to) < 0;
+  };
+  for (const Vec3& f : model_->fillings)
+    if (in_ball({f, 2.6})) return Thing::metal;
+  if (std::any_of(hard.metal.begin(), hard.metal.end(), in_ball)) return Thing::metal;
+  if (std::any_of(hard.catheter.begin(), hard.catheter.end(), in_tube)) return Thing::catheter;
+  if (base.cavity < 0) {
+    const double hu = sample(lps, 1e-6).hu;
+    if (std::any_of(hard.calcified.begin(), hard.calcified.end(), in_ball)) return Thing::calcification;
+    if (hard.is.contrast && model_->vessels(base) < 0 && base.cavity + 0.4 < 0) return Thing::vessel;
+    return hard.is.blood != Blood::none && hu > 60 && hu < 72 ? Thing::blood : Thing::none;
+  }
+  const double bone = smooth_intersection(base.hull, -base.cavity, 1.5);
+  return bone < 0 && model_->defects(base) < 0 ? Thing::bone_defect : Thing::none;
+}
+
+std::vector<std::pair<std::string, Vec3>> Head::things_mm() const {
+  const Model::Hard& hard = model_->hard;
+  std::vector<std::pair<std::string, Vec3>> out;
+  if (!hard.on) return out;
+  // A hole reaches 16 mm inwards and 25 mm outwards from the bone's outside.
+  for (const Model::Tube& t : hard.holes)
+    out.emplace_back("burr_hole", model_->to_world(t.from + (t.to - t.from) * (16.0 / 41)));
+  if (hard.is.craniectomy) out.emplace_back("craniectomy", model_->to_world(hard.flap_centre));
+  if (!hard.catheter.empty()) out.emplace_back("shunt_tip", model_->to_world(hard.catheter.front().from));
+  if (hard.is.blood == Blood::intracerebral) out.emplace_back("blood", model_->to_world(hard.bleed_centre));
+  if (hard.is.blood == Blood::subdural) out.emplace_back("blood", model_->to_world(hard.subdural_centre));
+  for (const Model::Ball& b : hard.metal) out.emplace_back("metal", model_->to_world(b.centre));
+  return out;
 }
 
 double Head::label_clearance_mm(Vec3 p) const {

@@ -9,16 +9,18 @@
 
 #include "base/params.h"
 #include "base/vec3.h"
+#include "phantom/hard.h"
 
 namespace trephine::phantom {
 
-enum class Variant { normal, hydrocephalic, shifted, small };
-enum class Level { simple, clinical };
+enum class Variant { normal, hydrocephalic, shifted, small, slit };
+enum class Level { simple, clinical, hard };
 
 struct HeadParams {
   Variant variant = Variant::normal;
   std::int64_t seed = 1;
   Level level = Level::simple;
+  HardParams hard;  ///< a declaration of its own; must be as by default at other levels
 
   template <class V>
   static void describe(V& v) {
@@ -27,13 +29,15 @@ struct HeadParams {
              {{"normal", Variant::normal},
               {"hydrocephalic", Variant::hydrocephalic},
               {"shifted", Variant::shifted},
-              {"small", Variant::small}},
-             "The ventricles: of usual size, enlarged, displaced by about 8 mm to the right, or small.");
+              {"small", Variant::small},
+              {"slit", Variant::slit}},
+             "The ventricles: of usual size, enlarged, displaced by about 8 mm to the right, small, or slits.");
     v.integer(
         &P::seed, "seed", Range{0, 2147483647},
         "Number of the individual: sizes, proportions, asymmetry and air cells vary with it within plausible bounds.");
-    v.choice(&P::level, "level", {{"simple", Level::simple}, {"clinical", Level::clinical}},
-             "simple has no sulci, metal filling or scanner artefacts; clinical has all of them.");
+    v.choice(&P::level, "level", {{"simple", Level::simple}, {"clinical", Level::clinical}, {"hard", Level::hard}},
+             "simple has no sulci, metal filling or scanner artefacts; clinical has all of them; hard has cervical "
+             "vertebrae too, noise that overlapping slices share, and what its own parameters say.");
   }
 };
 
@@ -91,15 +95,20 @@ class Head {
   /// HU at a point.
   double hu(Vec3 lps_mm) const { return sample(lps_mm, 1e-6).hu; }
 
-  /// 0 outside, 1 soft tissue and all else within the skin, 2 skull, 3 brain, 4 ventricles, 5 intracranial CSF. The
-  /// solids of `Anatomy` are: skin = 1 to 5, skull = 2, brain = 3 and 4, ventricles = 4.
+  /// 0 outside, 1 soft tissue and all else within the skin, 2 skull, 3 brain, 4 ventricles, 5 intracranial CSF; at
+  /// level hard also 6 cervical vertebrae and 7 apparatus outside of the skin. The solids of `Anatomy` are: skin = 1 to
+  /// 6, skull = 2, brain = 3 and 4, ventricles = 4. Blood, calcified plexus and a catheter count as what they lie in.
   std::uint8_t label(Vec3 lps_mm) const;
+  /// What there is beside a healthy head's tissue; level hard.
+  Thing thing(Vec3 lps_mm) const;
+  /// Named places of things (LPS mm): burr_hole and craniectomy (on the skull's outside), shunt_tip, blood; level hard.
+  std::vector<std::pair<std::string, Vec3>> things_mm() const;
   /// The label does not change nearer than that (a lower bound).
   double label_clearance_mm(Vec3 lps_mm) const;
 
   const Landmarks& landmarks() const { return *landmarks_; }
   Vec3 landmark(const std::string& name) const;
-  /// The metal filling's middle (clinical level only), where streaks come from.
+  /// The middles of fillings and of other metal (not at the simple level), where streaks come from.
   const std::vector<Vec3>& metal_mm() const;
 
  private:

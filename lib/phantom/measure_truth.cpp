@@ -33,9 +33,22 @@ KnownRegion without_caps(const ScannedRegion& scanned) {
   return [&scanned](Vec3 p) { return scanned.beyond_mm(p) <= -cap_margin_mm; };
 }
 
+constexpr std::uint8_t apparatus_label = 7, vertebrae_label = 6;
+
+// How much of what is labelled so the field (positive inside) holds. The raster covers the field's.
+double held_ml(const Field& field, const Mask& labels, std::uint8_t label) {
+  const Vec3 first = labels.to_index(field.origin_mm);
+  const std::array<int, 3> at{int(std::lround(first.x)), int(std::lround(first.y)), int(std::lround(first.z))};
+  std::size_t count = 0;
+  for (int k = 0; k < field.size[2]; ++k)
+    for (int j = 0; j < field.size[1]; ++j)
+      for (int i = 0; i < field.size[0]; ++i)
+        count += field.at(i, j, k) > 0 && labels.at(i + at[0], j + at[1], k + at[2]) == label;
+  return double(count) * field.voxel_volume_mm3() / 1000;
+}
+
 // 1 where the truth's label is of the anatomy, as far as the scan reached.
-Mask solid_of(const Truth& truth, Anatomy anatomy, const Lattice& lattice, const Progress& progress) {
-  Mask solid = truth_labels(truth.head, lattice, progress);
+Mask solid_of(const Truth& truth, Anatomy anatomy, Mask solid) {
   const bool skewed = !truth.scanned.faces.empty();
   parallel_for(0, solid.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < int(to); ++k)
@@ -82,7 +95,11 @@ Report measure_against_truth(const TriMesh& surface, const TruthSurface& known, 
 Report measure_against_truth(const Field& field, const TruthSurface& known, int sample_count,
                              const Progress& progress) {
   const Truth& truth = *known.truth;
-  const Mask solid = solid_of(truth, known.anatomy, raster_over(field, truth.scanned.box_mm), progress.part(0, 0.4));
+  Mask labels = truth_labels(truth.head, raster_over(field, truth.scanned.box_mm), progress.part(0, 0.4));
+  const bool hard = truth.head.params().level == Level::hard;
+  const double apparatus = hard ? held_ml(field, labels, apparatus_label) : 0;
+  const double vertebrae = hard ? held_ml(field, labels, vertebrae_label) : 0;
+  const Mask solid = solid_of(truth, known.anatomy, std::move(labels));
   FieldTruth reference;
   reference.solid = &solid;
   reference.distance = [&](Vec3 p) { return truth.head.signed_distance_mm(known.anatomy, p); };
@@ -95,7 +112,12 @@ Report measure_against_truth(const Field& field, const TruthSurface& known, int 
       truth.head.implicit_mm(known.anatomy, foot, normal);
       return truth.head.label(foot + normalized(normal)) >= 3;
     };
-  return measure_field(field, reference, sample_count, progress.part(0.4, 1));
+  Report report = measure_field(field, reference, sample_count, progress.part(0.4, 1));
+  if (hard) {
+    report.add("apparatus_ml", apparatus);
+    report.add("vertebrae_ml", vertebrae);
+  }
+  return report;
 }
 
 }  // namespace trephine::phantom

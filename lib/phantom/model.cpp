@@ -27,7 +27,7 @@ std::vector<Model::Ball> mastoid_cells(std::uint64_t seed) {
 
 }  // namespace
 
-Model::Model(const HeadParams& params) : clinical(params.level == Level::clinical) {
+Model::Model(const HeadParams& params) : clinical(params.level != Level::simple) {
   const std::uint64_t seed = static_cast<std::uint64_t>(params.seed);
   std::uint64_t draws = 0;
   const auto draw = [&](double mean, double half_range) { return mean + half_range * uniform(seed, 0, draws++); };
@@ -52,6 +52,9 @@ Model::Model(const HeadParams& params) : clinical(params.level == Level::clinica
     case Variant::small:
       lateral_scale = 0.64, third_scale = 0.72, monro_radius = 1.5;
       break;
+    case Variant::slit:
+      lateral_scale = 0.38, third_scale = 0.5, monro_radius = 1.1;
+      break;
     case Variant::shifted:
       shift_mm = 8;
       break;
@@ -62,7 +65,6 @@ Model::Model(const HeadParams& params) : clinical(params.level == Level::clinica
   third_scale *= size;
   cells = mastoid_cells(seed);
   if (clinical) fillings = {{-22.5, -75, -47}};
-  for (const Vec3& f : fillings) metal_world.push_back(to_world(f));
 
   // x of a node: its radius and half of the septum clear of the midline near it, spread outwards with dilation.
   const double r = lateral_scale, out = 4 * (lateral_scale - 1);
@@ -78,13 +80,21 @@ Model::Model(const HeadParams& params) : clinical(params.level == Level::clinica
   thalamus_centre = {third_radii.x + 8.5, 4, third_centre.z + 1};
   monro_top = {{lateral[2].at.x - 0.25 * lateral[2].radius, -13.5, 61 - 0.72 * 5.0 * r}, monro_radius};
   monro_bottom = {{0.4, -11, third_centre.z + 5.5}, monro_radius};
+  if (params.level == Level::hard) make_hard(params);
+  for (const Vec3& f : fillings) metal_world.push_back(to_world(f));
+  for (const Ball& b : hard.metal) metal_world.push_back(to_world(b.centre));
 }
 
 Vec3 Model::to_world(Vec3 model) const {
   // x + lean x^2 / 100 is inverted by iteration: its slope differs from 1 by a few percent.
   double x = model.x;
   for (int i = 0; i < 40; ++i) x = model.x - x * x * lean / 100;
-  return {x * scale.x, (model.y - x * skew) * scale.y, model.z * scale.z};
+  Vec3 world{x * scale.x, (model.y - x * skew) * scale.y, model.z * scale.z};
+  if (hard.moves) {
+    const PointD p = unmoved(PointD{world.x, world.y, world.z});  // the shift depends on z alone
+    world += world - Vec3{p.x, p.y, p.z};
+  }
+  return world;
 }
 
 }  // namespace trephine::phantom

@@ -18,10 +18,10 @@ constexpr double sulcus_slope = 3.2;
 struct Model {
   explicit Model(const HeadParams& params);
 
-  bool clinical = false;
-  Vec3 scale{1, 1, 1};  ///< individual size
-  double lean = 0;      ///< left half wider than the right one, share
-  double skew = 0;      ///< plagiocephaly: y shifts with x, share
+  bool clinical = false;  ///< or hard
+  Vec3 scale{1, 1, 1};    ///< individual size
+  double lean = 0;        ///< left half wider than the right one, share
+  double skew = 0;        ///< plagiocephaly: y shifts with x, share
   double scalp_mm = 5.5, bone_mm = 6.8, csf_mm = 2.4;
   double nose = 1, jaw = 1;
   double shift_mm = 0;   ///< of the ventricles, to the right
@@ -42,9 +42,30 @@ struct Model {
   Node monro_top, monro_bottom;
   Vec3 third_centre, third_radii, thalamus_centre;
 
+  struct Tube {
+    Vec3 from, to;
+    double radius_from, radius_to;
+  };
+  /// Of level hard; model coordinates but for motion, couch and markers, which are the world's.
+  struct Hard {
+    bool on = false;
+    HardParams is;
+    double thin_side = 1;          ///< where the thinner ventricle is: 1 left, -1 right
+    bool moves = false;            ///< the upper part lies aside
+    Vec3 motion_mm;                ///< by that much, without z
+    std::vector<Tube> holes;       ///< through the bone
+    Vec3 flap_centre, flap_radii;  ///< an ellipsoid without bone
+    Vec3 subdural_centre, bleed_centre, bleed_radii;
+    std::vector<Tube> vessels, catheter;
+    std::vector<Ball> calcified, metal, markers;
+    double couch_mm = 0;  ///< y of the couch's plate, behind the head
+  } hard;
+  void make_hard(const HeadParams& params);  ///< after everything else is drawn
+
   template <class S>
   Point<S> to_model(const Point<S>& p) const {
-    const S x = p.x * S(1 / scale.x), y = p.y * S(1 / scale.y), z = p.z * S(1 / scale.z);
+    const Point<S> rest = hard.moves ? unmoved(p) : p;
+    const S x = rest.x * S(1 / scale.x), y = rest.y * S(1 / scale.y), z = rest.z * S(1 / scale.z);
     return {x + x * x * S(lean / 100), y + x * S(skew), z};
   }
   Vec3 to_world(Vec3 model) const;  ///< inverse of to_model
@@ -90,6 +111,26 @@ struct Model {
   S passages(const Point<S>& p) const;  ///< aqueduct, fourth ventricle, Magendie
   template <class S>
   Point<S> shifted(const Point<S>& p) const;
+
+  // Level hard (hard_shapes.cpp).
+  /// Where a point of the world was before the head moved: full above the height of the motion, none 2 mm below.
+  template <class S>
+  Point<S> unmoved(const Point<S>& p) const {
+    const S share = clamped((p.z - S(hard.is.motion_z_mm)) * S(0.5) + S(1.0), 0, 1);
+    return {p.x - share * S(hard.motion_mm.x), p.y - share * S(hard.motion_mm.y), p.z};
+  }
+  template <class S>
+  S defects(const Base<S>& b) const;  ///< where bone is missing
+  template <class S>
+  S vertebrae(const Base<S>& b) const;
+  template <class S>
+  S hard_skin(const Base<S>& b, S f) const;  ///< with shoulders, and dented where bone is missing
+  template <class S>
+  S subdural_mm(const Base<S>& b) const;  ///< thickness of the blood under the dura
+  template <class S>
+  S vessels(const Base<S>& b) const;
+  template <class S>
+  S uneven_ventricles(const Point<S>& p, const Point<S>& m) const;  ///< both lateral ones, with foramina
 
   template <class S>
   S solid(Anatomy anatomy, const Point<S>& p) const;

@@ -115,7 +115,8 @@ S Model::skull(const Base<S>& b) const {
   S f = smooth_intersection(b.hull, -b.cavity, 1.5);
   if (value(b.cavity) < -8) return f;
   f = smooth_intersection(f, -orbit(b), 1.5);
-  return smooth_intersection(f, -nasal(b), 1.5);
+  f = smooth_intersection(f, -nasal(b), 1.5);
+  return hard.on ? smooth_intersection(f, -defects(b), 0.8) : f;
 }
 
 template <class S>
@@ -144,7 +145,7 @@ S Model::skin(const Base<S>& b) const {
     g = smooth_intersection(g, -ellipsoid(q, {7, -3, 1}, {6.0, 11, 19}), 3);
     return smooth_union(g, ellipsoid(m, {72, -3, 0}, {5.5, 5, 7}), 4);
   });
-  return f;
+  return hard.on ? hard_skin(b, f) : f;
 }
 
 template <class S>
@@ -162,10 +163,12 @@ S Model::cisterns(const Base<S>& b) const {
 template <class S>
 S Model::brain(const Base<S>& b) const {
   const Point<S>& p = b.p;
-  const S gap = S(csf_mm) + S(0.4) * sine(p.y * S(0.12) + S(phase[2])) + S(0.3) * sine(p.x * S(0.13) + S(phase[3]));
+  S gap = S(csf_mm) + S(0.4) * sine(p.y * S(0.12) + S(phase[2])) + S(0.3) * sine(p.x * S(0.13) + S(phase[3]));
+  if (hard.on) gap = gap + subdural_mm(b);
   S f = b.vault + gap;
   f = smooth_intersection(f, -cisterns(b), 2.0);
   if (clinical) f = smooth_intersection(f, -sulci(b), 1.0);
+  if (hard.on) f = smooth_intersection(f, S(0.7) - vessels(b), 0.5);
   // At least 3 mm of brain around the ventricles, whatever sulci and cisterns say.
   f = joined(f, 2, p, {0, 5, 45}, 80, [&] { return ventricles(p) - S(3.0); });
   const S stem =
@@ -209,6 +212,9 @@ template <class S>
 S Model::ventricles(const Point<S>& model) const {
   const Point<S> p = shifted(model);
   const Point<S> m{magnitude(p.x), p.y, p.z};  // the septum lies in the midline
+  if (hard.on && hard.is.asymmetry_ratio > 0)
+    return smooth_union(uneven_ventricles(p, m), slab(p, third_centre, third_radii.x, third_radii.y, third_radii.z),
+                        1.5);
   S f(1e3);
   for (std::size_t i = 0; i + 1 < lateral.size(); ++i)
     f = smooth_union(f, capsule(m, lateral[i].at, lateral[i + 1].at, lateral[i].radius, lateral[i + 1].radius), 2.0);
@@ -254,5 +260,6 @@ S Model::solid(Anatomy anatomy, const Point<S>& p) const {
   template S Model::solid(Anatomy, const Point<S>&) const;
 TREPHINE_INSTANTIATE(double)
 TREPHINE_INSTANTIATE(Dual)
+#undef TREPHINE_INSTANTIATE
 
 }  // namespace trephine::phantom

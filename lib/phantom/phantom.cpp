@@ -12,6 +12,30 @@ void append(std::string& text, const P& params) {
   for (const Parameter& p : parameters_of<P>().parameters) text += p.name + "=" + to_text(p.get(&params)) + "\n";
 }
 
+/// Things are of level hard, and lie around a patient on the back.
+void check_hard(const PhantomParams& params) {
+  const HardParams fresh;
+  for (const Parameter& p : parameters_of<HardParams>().parameters)
+    if (params.head.level != Level::hard && p.get(&params.head.hard) != p.get(&fresh))
+      throw Error(ExitCode::usage, "", p.name, "has no effect at this level; add --level hard");
+  const HardParams& hard = params.head.hard;
+  const bool supine =
+      params.scan.position == Position::head_first_supine || params.scan.position == Position::feet_first_supine;
+  if (!supine && (hard.couch || hard.clamps || hard.mask))
+    throw Error(ExitCode::usage, "", "position", "couch, clamps and mask are those of a patient on the back");
+}
+
+const SeriesNames second_series{2, "sharp"};
+
+std::uint64_t write_second_series(const std::filesystem::path& folder, const Head& head, const PhantomParams& params,
+                                  const Progress& progress) {
+  ScanParams with = params.scan;
+  with.kernel_mm = params.head.hard.second_kernel_mm;
+  const Scan scanned =
+      scan(head, params.scan, Kernel{with.kernel_mm, params.head.hard.second_sharpen_ratio}, progress.part(0, 0.9));
+  return write_series(folder, scanned, with, params.series, identity_of(params), progress.part(0.9, 1), second_series);
+}
+
 }  // namespace
 
 std::string identity_of(const PhantomParams& params) {
@@ -19,6 +43,7 @@ std::string identity_of(const PhantomParams& params) {
   append(text, params.head);
   append(text, params.scan);
   append(text, params.series);
+  if (params.head.level == Level::hard) append(text, params.head.hard);
   return text;
 }
 
@@ -33,14 +58,21 @@ Report make_phantom(const std::filesystem::path& out, const PhantomParams& param
   const ScanParams& s = params.scan;
   if (s.upper_step_mm > 0 && s.slices_count < 2)
     throw Error(ExitCode::usage, "", "upper_step_mm", "needs two slices or more");
+  check_hard(params);
   make_output_folder(out);
   const Head head(params.head);
-  const Scan scanned = scan(head, s, progress.part(0, 0.6));
+  const double first = params.head.hard.second_kernel_mm > 0 ? 0.4 : 0.7;  // of the progress
+  const Scan scanned = scan(head, s, progress.part(0, first - 0.1));
   Report report;
   report.add("slices_count", static_cast<std::int64_t>(scanned.slices.size()));
   const std::uint64_t bytes =
-      write_series(out / "dicom", scanned, s, params.series, identity_of(params), progress.part(0.6, 0.7));
+      write_series(out / "dicom", scanned, s, params.series, identity_of(params), progress.part(first - 0.1, first));
   report.add("series_mb", static_cast<double>(bytes) / 1e6);
+  if (const HardParams& h = params.head.hard; h.second_kernel_mm > 0)
+    report.add("second_series_mb",
+               static_cast<double>(write_second_series(out / "dicom", head, params, progress.part(0.4, 0.7))) / 1e6);
+  else
+    remove_series(out / "dicom", second_series);
   write_truth(out / "truth", head, scanned, s, params.truth, report, progress.part(0.7, 1));
   progress.report(1);
   return report;

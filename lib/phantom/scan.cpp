@@ -89,7 +89,7 @@ class Exposure {
         out_(out),
         pixel_(pixel_spacing_mm(params)),
         thickness_(params.slice_thickness_mm),
-        table_(params.table),
+        table_(params.table && !head.params().hard.couch),
         prone_(params.position == Position::head_first_prone || params.position == Position::feet_first_prone) {
     normal_ = normalized(cross(pose.row, pose.column));
     in_plane_ = std::max(1, static_cast<int>(std::ceil(pixel_ / subvoxel_mm - 1e-9)));
@@ -227,6 +227,10 @@ Lattice lattice_of(const Scan& s) {
 }
 
 Scan scan(const Head& head, const ScanParams& params, const Progress& progress) {
+  return scan(head, params, {params.kernel_mm, head.params().hard.sharpen_ratio}, progress);
+}
+
+Scan scan(const Head& head, const ScanParams& params, const Kernel& kernel, const Progress& progress) {
   Scan out;
   out.columns = params.columns_count, out.rows = params.rows_count;
   out.pixel_mm = pixel_spacing_mm(params);
@@ -234,10 +238,12 @@ Scan scan(const Head& head, const ScanParams& params, const Progress& progress) 
   out.padded = params.round_field;
   const std::size_t per_slice = static_cast<std::size_t>(out.columns) * out.rows;
   out.hu.resize(per_slice * out.slices.size());
-  const bool clinical = head.params().level == Level::clinical;
+  const bool clinical = head.params().level != Level::simple, hard = head.params().level == Level::hard;
   const std::vector<Fiducial> marks =
       params.contents == Contents::head ? std::vector<Fiducial>{} : fiducials_of(params);
-  const double sigma_px = params.kernel_mm / fwhm_per_sigma / out.pixel_mm;
+  const double sigma_px = kernel.width_mm / fwhm_per_sigma / out.pixel_mm;
+  const double first_sigma_px = params.kernel_mm / fwhm_per_sigma / out.pixel_mm;
+  const double slices_in_one = params.slice_thickness_mm / params.slice_step_mm;
   std::atomic<int> done{0};
 
   parallel_for(0, params.slices_count, 1, [&](std::int64_t from, std::int64_t to) {
@@ -252,6 +258,7 @@ Scan scan(const Head& head, const ScanParams& params, const Progress& progress) 
           for (int i = 0; i < out.columns; i += tile)
             exposure.block(i, j, std::min(tile, out.columns - i), std::min(tile, out.rows - j));
         blur(image, sigma_px);
+        if (hard) sharpen(image, sigma_px, kernel.sharpen_ratio);
         if (clinical) {
           add_cupping(image, pose, out.pixel_mm, params.cupping_hu);
           for (std::size_t m = 0; m < head.metal_mm().size(); ++m)
@@ -260,8 +267,12 @@ Scan scan(const Head& head, const ScanParams& params, const Progress& progress) 
         }
       }
       add_fiducials(image, marks, params, pose);
-      add_noise(image, sigma_px, params.noise_hu, static_cast<std::uint64_t>(head.params().seed),
-                static_cast<std::uint64_t>(k));
+      const auto seed = static_cast<std::uint64_t>(head.params().seed);
+      if (hard)
+        add_shared_noise(image, first_sigma_px, sigma_px, kernel.sharpen_ratio, params.noise_hu, slices_in_one, seed,
+                         k);
+      else
+        add_noise(image, sigma_px, params.noise_hu, seed, static_cast<std::uint64_t>(k));
       quantize(image, params.round_field, &out.hu[per_slice * k]);
       progress.report((++done) / static_cast<double>(params.slices_count));
     }

@@ -118,9 +118,18 @@ std::vector<SlicePose> slice_poses(const ScanParams& params);
 Lattice lattice_of(const Scan& scan);
 bool has_lattice(const ScanParams& params);
 
+/// A reconstruction kernel: a Gaussian in the slice, and edge enhancement (HardParams).
+struct Kernel {
+  double width_mm = 1.0, sharpen_ratio = 0;
+};
+
 /// Scans the head. Tissue is averaged over each voxel (sub-voxels of at most 0.5 mm, edges ramped within them), then
 /// blurred by the kernel, then artefacts, marks and noise are added. Reproducible: the same bytes for the same
 /// parameters, whatever the thread count. Throws Cancelled.
 Scan scan(const Head& head, const ScanParams& params, const Progress& progress = {});
+
+/// The same scan reconstructed with another kernel than `params.kernel_mm`: the same rays with the same noise, as far
+/// as the kernel lets it through. Level hard.
+Scan scan(const Head& head, const ScanParams& params, const Kernel& kernel, const Progress& progress = {});
 
 }  // namespace trephine::phantom

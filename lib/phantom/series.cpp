@@ -167,7 +167,8 @@ const char* position_code(Position p) {
   return "HFS";
 }
 
-void describe_patient_and_series(Attributes& a, const std::string& identity, const ScanParams& p) {
+void describe_patient_and_series(Attributes& a, const std::string& identity, const ScanParams& p,
+                                 const SeriesNames& names) {
   using VR = gdcm::VR;
   a.text(0x0008, 0x0005, VR::CS, "ISO_IR 100");
   a.text(0x0008, 0x0008, VR::CS,
@@ -194,20 +195,20 @@ void describe_patient_and_series(Attributes& a, const std::string& identity, con
   a.text(0x0018, 0x1210, VR::SH, "GAUSS" + decimal(p.kernel_mm));
   a.text(0x0018, 0x5100, VR::CS, position_code(p.position));
   a.text(0x0020, 0x000d, VR::UI, uid(identity, "study", 0));
-  a.text(0x0020, 0x000e, VR::UI, uid(identity, "series", 0));
+  a.text(0x0020, 0x000e, VR::UI, uid(identity, "series", names.number - 1));
   a.text(0x0020, 0x0010, VR::SH, "1");
-  a.text(0x0020, 0x0011, VR::IS, "1");
+  a.text(0x0020, 0x0011, VR::IS, std::to_string(names.number));
   a.text(0x0020, 0x0012, VR::IS, "1");
   a.text(0x0020, 0x0052, VR::UI, uid(identity, "frame", 0));
   a.text(0x0020, 0x1040, VR::LO, "");
 }
 
-void describe_slice(Attributes& a, const std::string& identity, const Scan& scan, int slice,
-                    const SeriesParams& params) {
+void describe_slice(Attributes& a, const std::string& identity, const Scan& scan, int slice, const SeriesParams& params,
+                    const SeriesNames& names) {
   using VR = gdcm::VR;
   const SlicePose& s = scan.slices[slice];
   const Storage storage = storage_of(params.pixels);
-  a.text(0x0008, 0x0018, VR::UI, uid(identity, "instance", slice));
+  a.text(0x0008, 0x0018, VR::UI, uid(identity, names.number == 1 ? "instance" : "instance of a further series", slice));
   a.text(0x0020, 0x0013, VR::IS, std::to_string(slice + 1));
   a.text(0x0020, 0x0032, VR::DS, decimals({s.origin_mm.x, s.origin_mm.y, s.origin_mm.z}));
   a.text(0x0020, 0x0037, VR::DS, decimals({s.row.x, s.row.y, s.row.z, s.column.x, s.column.y, s.column.z}));
@@ -230,16 +231,25 @@ void describe_slice(Attributes& a, const std::string& identity, const Scan& scan
   a.text(0x0028, 0x1054, VR::LO, "HU");
 }
 
-void remove_longer_series(const std::filesystem::path& folder, std::size_t slices) {
+std::filesystem::path slice_file(const std::filesystem::path& folder, const SeriesNames& names, std::size_t number) {
+  return folder / fmt::format("{}_{:04}.dcm", names.file, number);
+}
+
+void remove_longer_series(const std::filesystem::path& folder, const SeriesNames& names, std::size_t slices) {
   std::error_code ignored;
-  for (std::size_t k = slices + 1; std::filesystem::remove(folder / fmt::format("slice_{:04}.dcm", k), ignored); ++k) {
+  for (std::size_t k = slices + 1; std::filesystem::remove(slice_file(folder, names, k), ignored); ++k) {
   }
 }
 
 }  // namespace
 
+void remove_series(const std::filesystem::path& folder, const SeriesNames& names) {
+  remove_longer_series(folder, names, 0);
+}
+
 std::uint64_t write_series(const std::filesystem::path& folder, const Scan& scan, const ScanParams& scan_params,
-                           const SeriesParams& params, const std::string& identity, const Progress& progress) {
+                           const SeriesParams& params, const std::string& identity, const Progress& progress,
+                           const SeriesNames& names) {
   make_output_folder(folder);
   const Storage storage = storage_of(params.pixels);
   std::uint64_t total = 0;
@@ -248,8 +258,8 @@ std::uint64_t write_series(const std::filesystem::path& folder, const Scan& scan
     gdcm::Writer writer;
     gdcm::DataSet& set = writer.GetFile().GetDataSet();
     Attributes attributes(set);
-    describe_patient_and_series(attributes, identity, scan_params);
-    describe_slice(attributes, identity, scan, k, params);
+    describe_patient_and_series(attributes, identity, scan_params, names);
+    describe_slice(attributes, identity, scan, k, params, names);
     set.Replace(encoded(stored_pixels(scan, k, params, storage), scan, storage, params.encoding));
     writer.GetFile().GetHeader().SetDataSetTransferSyntax(syntax_of(params.encoding));
     std::ostringstream stream(std::ios::binary);
@@ -257,10 +267,10 @@ std::uint64_t write_series(const std::filesystem::path& folder, const Scan& scan
     if (!writer.Write())
       throw Error(ExitCode::internal, "", "dicom", fmt::format("slice {} could not be encoded", k + 1));
     const std::string bytes = stream.str();
-    write_file(folder / fmt::format("slice_{:04}.dcm", k + 1), bytes);
+    write_file(slice_file(folder, names, static_cast<std::size_t>(k) + 1), bytes);
     total += bytes.size();
   }
-  remove_longer_series(folder, scan.slices.size());
+  remove_longer_series(folder, names, scan.slices.size());
   return total;
 }
 

@@ -36,6 +36,12 @@ struct SeriesParams {
   }
 };
 
+/// Which of a study's series is written: its number, and how its files' names begin.
+struct SeriesNames {
+  int number = 1;
+  std::string file = "slice";
+};
+
 /// Writes one CT Image Storage file a slice into `folder` (made where missing), slice_0001.dcm on, in the order of
 /// acquisition, and removes slice files of an earlier, longer series. All attributes of types 1 and 2; a synthetic
 /// patient without identity (PatientIdentityRemoved YES); a fixed date; UIDs 2.25.<number> derived from `identity`, a
@@ -44,6 +50,10 @@ struct SeriesParams {
 /// Returns the bytes written. Throws Error 64 where a value does not fit the pixels, 73 and 74 as FileWriter,
 /// Cancelled.
 std::uint64_t write_series(const std::filesystem::path& folder, const Scan& scan, const ScanParams& scan_params,
-                           const SeriesParams& params, const std::string& identity, const Progress& progress = {});
+                           const SeriesParams& params, const std::string& identity, const Progress& progress = {},
+                           const SeriesNames& names = {});
+
+/// Removes the files of an earlier series of these names.
+void remove_series(const std::filesystem::path& folder, const SeriesNames& names);
 
 }  // namespace trephine::phantom

@@ -108,6 +108,43 @@ void add_noise(SliceImage& image, double sigma_px, double noise_hu, std::uint64_
   for (std::size_t i = 0; i < noise.size(); ++i) image.hu[i] += scale * noise[i];
 }
 
+void sharpen(SliceImage& image, double sigma_px, double ratio) {
+  if (ratio <= 0) return;
+  SliceImage wide = image;
+  blur(wide, std::sqrt(3.0) * std::max(sigma_px, 0.3));  // after sigma_px: twice as wide altogether
+  for (std::size_t i = 0; i < image.hu.size(); ++i)
+    image.hu[i] += static_cast<float>(ratio) * (image.hu[i] - wide.hu[i]);
+}
+
+void add_shared_noise(SliceImage& image, double first_sigma_px, double sigma_px, double ratio, double noise_hu,
+                      double slices_in_one, std::uint64_t seed, int slice) {
+  if (noise_hu <= 0) return;
+  double power = 1;  // of the first kernel's taps along one axis
+  if (first_sigma_px >= 0.05) {
+    power = 0;
+    for (float t : gaussian_taps(first_sigma_px)) power += static_cast<double>(t) * t;
+  }
+  const double reach = 0.5 * std::max(1.0, slices_in_one) - 0.5;
+  const int steps = static_cast<int>(std::ceil(reach - 1e-9));
+  std::vector<double> share;
+  double sum = 0;
+  for (int s = -steps; s <= steps; ++s) {
+    share.push_back(std::clamp(reach + 1 - std::abs(s), 0.0, 1.0));
+    sum += share.back() * share.back();
+  }
+  SliceImage noise(image.columns, image.rows, 0);
+  std::vector<float> white(noise.hu.size() + 1);
+  for (int s = -steps; s <= steps; ++s) {
+    const auto weight = static_cast<float>(noise_hu / power * share[s + steps] / std::sqrt(sum));
+    const auto stream = static_cast<std::uint64_t>(1000000 + slice + s);
+    for (std::size_t i = 0; i < noise.hu.size(); i += 2) normal_pair(seed, stream, i, white[i], white[i + 1]);
+    for (std::size_t i = 0; i < noise.hu.size(); ++i) noise.hu[i] += weight * white[i];
+  }
+  blur(noise, sigma_px);
+  sharpen(noise, sigma_px, ratio);
+  for (std::size_t i = 0; i < noise.hu.size(); ++i) image.hu[i] += noise.hu[i];
+}
+
 void quantize(const SliceImage& image, bool round_field, std::int16_t* out) {
   const double ci = 0.5 * (image.columns - 1), cj = 0.5 * (image.rows - 1),
                radius = 0.5 * std::min(image.columns, image.rows);

@@ -29,6 +29,15 @@ void add_streaks(SliceImage& image, const SlicePose& pose, double pixel_mm, Vec3
 /// Normal noise of that standard deviation, correlated as the kernel does.
 void add_noise(SliceImage& image, double sigma_px, double noise_hu, std::uint64_t seed, std::uint64_t slice);
 
+/// Adds `ratio` times what the image, already blurred by sigma_px, keeps beyond a kernel twice as wide.
+void sharpen(SliceImage& image, double sigma_px, double ratio);
+
+/// Noise of one scan as each of its kernels shows it: white noise of the rays that gives noise_hu through a Gaussian of
+/// first_sigma_px, seen through one of sigma_px that is sharpened by `ratio`. A slice as thick as `slices_in_one` steps
+/// is the mean over those, so that overlapping slices share noise.
+void add_shared_noise(SliceImage& image, double first_sigma_px, double sigma_px, double ratio, double noise_hu,
+                      double slices_in_one, std::uint64_t seed, int slice);
+
 /// Rounds to the nearest integer within [-1024, 3071], the range of 12 bits; padding_hu outside the inscribed circle
 /// where asked for.
 void quantize(const SliceImage& image, bool round_field, std::int16_t* out);

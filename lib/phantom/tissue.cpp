@@ -2,7 +2,7 @@
 // Which tissue is where, and its HU. Tissues are painted over each other from the outside in, each with the share of
 // the sub-voxel that it covers; what lies under bone is painted a little way into it, so that the share left by the
 // bone's edge holds the right neighbour.
-#include "phantom/model.h"
+#include "phantom/apparatus.h"
 
 namespace trephine::phantom {
 namespace {
@@ -12,6 +12,8 @@ namespace {
 constexpr double air = -1000, skin_hu = 40, fat = -90, muscle = 55, cortical = 1400, diploe = 550, tooth = 2200,
                  csf = 8, grey = 37, white = 29, vitreous = 12, lens = 75, nerve = 35, mucosa = 50, suture = 250,
                  cell = -900, metal = 6000;
+// Fresh blood is as dense as its haemoglobin makes it; contrast agent as in a venous phase; a catheter holds barium.
+constexpr double clot = 68, oedema = 20, opacified = 190, enhanced_plexus = 75, calcified = 320, silicone = 330;
 constexpr double under_bone_mm = 1.4, table_mm = 1.8;
 
 /// The brush: paints a tissue and keeps the distance to the nearest edge seen.
@@ -58,11 +60,50 @@ void paint_brain(Brush& b, const Model& model, const Model::Base<double>& base, 
   const double slope = model.clinical ? sulcus_slope : 1;
   b.paint(grey, brain, slope);
   b.paint(white, brain + 3.0, slope);
+  const HardParams& life = model.hard.is;  // all of it off but at level hard
+  if (life.blood == Blood::subdural) {
+    const double thick = model.subdural_mm(base);
+    b.paint(clot, std::max(-(base.vault + thick + 0.2), base.vault + 0.6), 1.3);
+  } else if (life.blood == Blood::intracerebral) {
+    const double wobble = 1.5 * std::sin(base.p.x * 0.4) * std::sin(base.p.y * 0.33) * std::sin(base.p.z * 0.37);
+    const double bleed = ellipsoid(base.p, model.hard.bleed_centre, model.hard.bleed_radii) + wobble;
+    b.paint(oedema, std::max(bleed - 5, brain + 3.0), slope);
+    b.paint(clot, std::max(bleed, brain + 1.0), slope);
+  }
   // Deep grey: the thalami beside the third ventricle.
   const PointD p = model.shifted(base.p);
   b.paint(grey, ellipsoid(PointD{std::fabs(p.x), p.y, p.z}, model.thalamus_centre, {7, 12, 7}));
   b.paint(csf, model.ventricles(base.p));
   b.paint(csf, model.passages(base.p));
+  if (!model.hard.on) return;
+  const double ventricles = model.ventricles(base.p);
+  if (life.blood == Blood::intraventricular)  // it settles in the occipital horns
+    b.paint(clot, std::max(ventricles, model.lateral[5].at.y + 2 - base.p.y));
+  if (life.contrast) {
+    b.paint(opacified, std::max(model.vessels(base), base.cavity + 0.4));
+    for (const double side : {-1.0, 1.0})
+      b.paint(enhanced_plexus,
+              std::max(ventricles + 0.6, capsule(base.p, {side * model.lateral[4].at.x, 22, model.lateral[4].at.z - 3},
+                                                 {side * model.lateral[5].at.x, 36, model.lateral[5].at.z}, 1.2, 2.4)));
+  }
+  for (const Model::Ball& ball : model.hard.calcified) b.paint(calcified, sphere(base.p, ball.centre, ball.radius));
+}
+
+/// Vertebrae, catheter and other metal.
+void paint_hard(Brush& b, const Model& model, const Model::Base<double>& base, double skin) {
+  if (skin < b.width) {
+    const double column = std::max(model.vertebrae(base), skin + 4);
+    b.paint(cortical * 0.75, column, 1.3);
+    b.paint(diploe * 0.6, column + 1.5, 1.3);
+    // Only the bone's edges are painted: what is cut out of it must be known as an edge too.
+    b.clearance = std::min(b.clearance, std::fabs(model.defects(base)) / 1.2);
+  }
+  for (const Model::Tube& t : model.hard.catheter) {
+    const double tube = capsule(base.p, t.from, t.to, t.radius_from, t.radius_to);
+    b.paint(silicone, tube);
+    b.paint(csf, tube + 0.65);
+  }
+  for (const Model::Ball& ball : model.hard.metal) b.paint(metal, sphere(base.p, ball.centre, ball.radius));
 }
 
 /// Coronal, sagittal and lambdoid sutures: wavy gaps of half a millimetre through the outer table and the diploe,
@@ -107,7 +148,7 @@ void paint_bone(Brush& b, const Model& model, const Model::Base<double>& base, d
 Head::Sample Head::sample(Vec3 lps, double width_mm) const {
   const Model& model = *model_;
   Brush b{width_mm};
-  double outside = 0;
+  double outside = 0, skin = -1e3;  // within the dura: deep inside
   const PointD world{lps.x, lps.y, lps.z};
   auto base = model.base(world, false);
   const double deep = -(under_bone_mm + width_mm);
@@ -116,12 +157,13 @@ Head::Sample Head::sample(Vec3 lps, double width_mm) const {
     paint_brain(b, model, base, base.cavity);
   } else {
     base.hull = model.bone_hull(base.m, base.vault);
-    const double skin = model.skin(base);
+    skin = model.skin(base);
     outside = 1 - b.cover(skin);
     b.paint(skin_hu, skin);
     if (skin < width_mm) {
       paint_soft(b, model, base, skin);
-      const double under = clamped(-base.hull, 0, under_bone_mm);
+      double under = clamped(-base.hull, 0, under_bone_mm);
+      if (model.hard.on) under = clamped(std::min(-base.hull, model.defects(base)), 0, under_bone_mm);
       if (base.cavity < under_bone_mm + width_mm) paint_brain(b, model, base, base.cavity - under);
       b.clearance = std::min(b.clearance, std::fabs(base.cavity));
       const double bone = model.skull(base);
@@ -130,6 +172,18 @@ Head::Sample Head::sample(Vec3 lps, double width_mm) const {
   }
   for (const Vec3& filling : model.fillings) {
     b.paint(metal, sphere(base.p, filling, 2.6));
+  }
+  if (model.hard.on) {
+    paint_hard(b, model, base, skin);
+    if (outside > 0) {
+      const ApparatusSample around = apparatus_at(model, lps, width_mm);
+      b.hu += outside * (around.hu - air);
+      b.clearance = std::min(b.clearance, around.clearance_mm);
+    }
+    if (model.hard.moves) {  // what lies at the other side of the cut may be nearer by the motion
+      const double cut = std::fabs(lps.z - model.hard.is.motion_z_mm + 1) - 1;
+      b.clearance = std::max(std::min(b.clearance, cut), b.clearance - 1.25 * model.hard.is.motion_mm);
+    }
   }
   return {b.hu, std::max(0.0, b.clearance - 0.5 * width_mm) * 0.8, outside};
 }

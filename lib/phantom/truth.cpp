@@ -28,13 +28,15 @@ Json params_to_json(const P& params) {
 }
 
 /// Fills one block of labels: all alike where no boundary is near its middle, else by octants.
-void label_block(const Head& head, Mask& mask, std::array<int, 3> from, std::array<int, 3> size) {
+template <class Label>
+void label_block(const Head& head, const Label& label_at, Mask& mask, std::array<int, 3> from,
+                 std::array<int, 3> size) {
   const Vec3 middle =
       mask.to_world_mm({from[0] + 0.5 * (size[0] - 1), from[1] + 0.5 * (size[1] - 1), from[2] + 0.5 * (size[2] - 1)});
   double radius = 0;
   for (int a = 0; a < 3; ++a) radius += std::pow(0.5 * (size[a] - 1) * mask.spacing_mm[a], 2);
   if (size == std::array<int, 3>{1, 1, 1} || head.label_clearance_mm(middle) > std::sqrt(radius)) {
-    const std::uint8_t label = head.label(middle);
+    const std::uint8_t label = label_at(middle);
     for (int k = from[2]; k < from[2] + size[2]; ++k)
       for (int j = from[1]; j < from[1] + size[1]; ++j)
         std::fill_n(mask.voxels.begin() + static_cast<std::ptrdiff_t>(mask.index(from[0], j, k)), size[0], label);
@@ -49,7 +51,7 @@ void label_block(const Head& head, Mask& mask, std::array<int, 3> from, std::arr
       f[a] = from[a] + (upper ? half[a] : 0);
       s[a] = upper ? size[a] - half[a] : half[a];
     }
-    if (s[0] > 0 && s[1] > 0 && s[2] > 0) label_block(head, mask, f, s);
+    if (s[0] > 0 && s[1] > 0 && s[2] > 0) label_block(head, label_at, mask, f, s);
   }
 }
 
@@ -87,7 +89,9 @@ P params_from_json(const Json& j) {
 
 }  // namespace
 
-Mask truth_labels(const Head& head, const Lattice& lattice, const Progress& progress) {
+namespace {
+template <class Label>
+Mask labelled(const Head& head, const Lattice& lattice, const Label& label_at, const Progress& progress) {
   Mask mask(lattice);
   constexpr int block = 16;
   const int layers = (lattice.size[2] + block - 1) / block;
@@ -97,13 +101,24 @@ Mask truth_labels(const Head& head, const Lattice& lattice, const Progress& prog
         progress.check();
         for (int i = 0; i < lattice.size[0]; i += block) {
           const int k = layer * block;
-          label_block(head, mask, {i, j, k},
+          label_block(head, label_at, mask, {i, j, k},
                       {std::min(block, lattice.size[0] - i), std::min(block, lattice.size[1] - j),
                        std::min(block, lattice.size[2] - k)});
         }
       }
   });
   return mask;
+}
+}  // namespace
+
+Mask truth_labels(const Head& head, const Lattice& lattice, const Progress& progress) {
+  return labelled(
+      head, lattice, [&](Vec3 p) { return head.label(p); }, progress);
+}
+
+Mask truth_things(const Head& head, const Lattice& lattice, const Progress& progress) {
+  return labelled(
+      head, lattice, [&](Vec3 p) { return static_cast<std::uint8_t>(head.thing(p)); }, progress);
 }
 
 void write_truth(const std::filesystem::path& folder, const Head& head, const Scan& scan, const ScanParams& scan_params,
@@ -115,6 +130,8 @@ void write_truth(const std::filesystem::path& folder, const Head& head, const Sc
   json["trephine_phantom_truth"] = truth_version;
   json["frame"] = "DICOM patient LPS, mm; signed distances are negative inside";
   json["head"] = params_to_json(head.params());
+  const bool hard = head.params().level == Level::hard;
+  if (hard) json["hard"] = params_to_json(head.params().hard);
   json["scan"] = params_to_json(scan_params);
   json["box_mm"] = Json::array({to_json(box.min_mm), to_json(box.max_mm)});
   if (has_lattice(scan_params)) {
@@ -127,6 +144,11 @@ void write_truth(const std::filesystem::path& folder, const Head& head, const Sc
          {to_json(l.direction.column[0]), to_json(l.direction.column[1]), to_json(l.direction.column[2])}}};
   }
   for (const auto& l : head.landmarks()) json["landmarks_mm"][l.first] = to_json(l.second);
+  if (hard) {
+    json["things_mm"] = Json::array();
+    for (const auto& t : head.things_mm())
+      json["things_mm"].push_back({{"thing", t.first}, {"position_mm", to_json(t.second)}});
+  }
   json["fiducials"] = Json::array();
   if (scan_params.contents != Contents::head)
     for (const Fiducial& f : fiducials_of(scan_params))
@@ -146,7 +168,9 @@ void write_truth(const std::filesystem::path& folder, const Head& head, const Sc
       progress.report(done += 0.2);
     }
     if (params.labels && has_lattice(scan_params))
-      write_nrrd(folder / "labels.nrrd", truth_labels(head, lattice_of(scan), progress.part(0.8, 1)));
+      write_nrrd(folder / "labels.nrrd", truth_labels(head, lattice_of(scan), progress.part(0.8, hard ? 0.9 : 1)));
+    if (hard && params.labels && has_lattice(scan_params))
+      write_nrrd(folder / "things.nrrd", truth_things(head, lattice_of(scan), progress.part(0.9, 1)));
   }
   write_file(folder / "truth.json", json.dump(1) + "\n");
 }
@@ -160,7 +184,9 @@ Truth read_truth(const std::filesystem::path& file) {
     if (version != truth_version)
       throw Error(ExitCode::bad_input, "", "trephine_phantom_truth",
                   to_text(version) + ", this program reads version 1");
-    Truth truth{Head(params_from_json<HeadParams>(member(json, "head"))), {}, {}};
+    HeadParams of_head = params_from_json<HeadParams>(member(json, "head"));
+    if (of_head.level == Level::hard) of_head.hard = params_from_json<HardParams>(member(json, "hard"));
+    Truth truth{Head(of_head), {}, {}};
     const Json& box = member(json, "box_mm");
     if (!box.is_array() || box.size() != 2) throw Error(ExitCode::bad_input, "", "box_mm", "must be two corners");
     truth.scanned = scanned_region(params_from_json<ScanParams>(member(json, "scan")));

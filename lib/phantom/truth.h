@@ -48,9 +48,13 @@ TriMesh truth_mesh(const Head& head, Anatomy anatomy, const ScannedRegion& regio
 /// Head::label at every voxel centre of the lattice.
 Mask truth_labels(const Head& head, const Lattice& lattice, const Progress& progress = {});
 
+/// Head::thing at every voxel centre of the lattice; level hard.
+Mask truth_things(const Head& head, const Lattice& lattice, const Progress& progress = {});
+
 /// Writes into `folder` (made where missing): truth.json (the head's parameters, from which read_truth rebuilds it; the
-/// scan's; landmarks; fiducials' centres; volumes within the scanned region; the lattice), labels.nrrd, and skin.vtp,
-/// skull.vtp, brain.vtp and ventricles.vtp. Adds volumes to the report. Throws 73 and 74 as FileWriter, Cancelled.
+/// scan's; landmarks; fiducials' centres; volumes within the scanned region; the lattice), labels.nrrd, at level
+/// hard things.nrrd, and skin.vtp, skull.vtp, brain.vtp and ventricles.vtp. Adds volumes to the report. Throws 73 and
+/// 74 as FileWriter, Cancelled.
 void write_truth(const std::filesystem::path& folder, const Head& head, const Scan& scan, const ScanParams& scan_params,
                  const TruthParams& params, Report& report, const Progress& progress = {});
 
