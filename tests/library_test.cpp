@@ -60,6 +60,15 @@ TEST_F(Library, CasesOfSeveralConfigurations) {
   EXPECT_EQ(c.phantoms[0].params.scan.columns_count, 100);
 }
 
+TEST_F(Library, SharedValuesOfPhantomsHoldWhereverTheyStand) {
+  const LibraryConfig c = read(
+      "config: a.yaml\nphantoms: {list: [{name: one}, {name: two, columns_count: 64}], shared: {columns_count: 128}}\n",
+      {});
+  ASSERT_EQ(c.phantoms.size(), 2u);
+  EXPECT_EQ(c.phantoms[0].params.scan.columns_count, 128);
+  EXPECT_EQ(c.phantoms[1].params.scan.columns_count, 64);
+}
+
 TEST_F(Library, FoundSeriesHaveNoTokenYet) {
   for (const char* name : {"s/b", "s/a", "s/.hidden"}) fs::create_directories(scratch_.path() / name);
   scratch_.write("s/z.zip", "x");

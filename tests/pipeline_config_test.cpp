@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "config/config.h"
 #include "config/yaml_document.h"
+#include "grid/resample.h"
 #include "meshing/decimate.h"
 #include "pipeline/graph.h"
 #include "scratch_folder.h"
@@ -189,6 +190,55 @@ TEST(Config, ARecipeSaysOfEveryAnatomyWhetherItShowsAFace) {
   EXPECT_TRUE(has(faults(Files(head, silent)).at(0), "anatomies.skull.shows_face: is missing"));
   const std::string blank = "face: {policy: keep, reason: '  '}\n";
   EXPECT_TRUE(has(faults(Files(head, recipe, scene + blank)).at(0), "scene.yaml:4:30: face.reason: is blank"));
+}
+
+TEST(Config, TheOrderOfKeysInAFileSaysNothing) {
+  // Roles name anatomies, shapes name materials: both may stand before what they name.
+  const std::string roles = "burr_holes: {bone: skull}\nclass_of: skull\nresample: {spacing_mm: [2, 2, 2]}\n";
+  std::string first = recipe;
+  first.insert(first.find("anatomies:"), roles);
+  const CaseConfig before = read_case_config(Files(head, first).config),
+                   after = read_case_config(Files(head, recipe + roles).config);
+  EXPECT_EQ(before.roles.class_of, "skull");
+  EXPECT_EQ(before.roles.burr_holes.bone, after.roles.burr_holes.bone);
+  ASSERT_EQ(before.scan_steps.size(), 1u);
+  EXPECT_EQ(before.scan_steps[0].params.as<ResampleParams>().spacing_mm[2], 2);
+  std::string wrong = first;
+  wrong.replace(wrong.find("bone: skull"), 11, "bone: skul");
+  EXPECT_TRUE(has(faults(Files(head, wrong)).at(0), "did you mean skull?"));
+  wrong.replace(wrong.find("bone: skul"), 10, "bone: skull, ovr: skull");
+  EXPECT_TRUE(has(faults(Files(head, wrong)).at(0), "burr_holes.ovr: unknown key, did you mean over?"));
+}
+
+TEST(Config, AStepIsSaidOnceWithItsParametersAndPorts) {
+  const auto with = [](const std::string& stages) {
+    return faults(
+        Files(head, "trephine: 1\nanatomies:\n  skull:\n    shows_face: false\n    stages: [" + stages + "]\n"));
+  };
+  EXPECT_TRUE(has(with("segment, contour, contour").at(0), "contour, is there already"));
+  EXPECT_TRUE(has(with("segment, contour: {iso: 1}").at(0), "anatomies.skull.stages.contour.iso: unknown key"));
+  EXPECT_TRUE(has(with("segment, [contour]").at(0), "each item is `- name`"));
+  EXPECT_TRUE(has(with("ventricles, contour").at(0), "anatomies.skull.stages.ventricles.brain: is missing"));
+  EXPECT_TRUE(has(with("segment: {within: 3}, contour").at(0), "3, must be the field of an anatomy"));
+  EXPECT_TRUE(with("segment: , contour: null").empty());
+  const std::string nothing = "trephine: 1\nanatomies:\n  skull:\n";
+  EXPECT_TRUE(has(faults(Files(head, nothing)).at(0), "anatomies.skull: must hold keys and values"));
+}
+
+TEST(Config, AQuotedNumberIsAText) {
+  const auto one = [](const std::string& extra) { return faults(Files(head + extra)); };
+  EXPECT_TRUE(
+      has(one("import: {max_gap_mm: \"3\"}\n").at(0), "case.yaml:4:22: import.max_gap_mm: 3, must be a number"));
+  EXPECT_TRUE(has(one("import: {max_gap_mm: '3'}\n").at(0), "without quotes"));
+  EXPECT_TRUE(has(one("landmarks: {nasion: [1, '2', 3]}\n").at(0), "without quotes"));
+  EXPECT_TRUE(one("case: '1'\n").empty());
+  EXPECT_TRUE(one("set: {skull.decimate.max_deviation_mm: '0.5'}\n").empty());
+}
+
+TEST(Config, AValueBelowSetIsReportedOnce) {
+  const auto lines = faults(Files(head + "set: {skull.decimate: {max_deviation_mm: 1}, import.max_gap_mm: }\n"));
+  ASSERT_EQ(lines.size(), 2u) << lines[0];
+  for (const std::string& line : lines) EXPECT_TRUE(has(line, "must be a value or a list of values")) << line;
 }
 
 TEST(Config, ACountIsAWholeNumber) {

@@ -6,9 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <mutex>
 #include <set>
 
+#include "base/error.h"
 #include "cases/case.h"
 #include "publish/case_content.h"
 #include "publish/run_case.h"
@@ -85,6 +87,49 @@ TEST(OnlyWhatTheSceneRequires, WhatIsNotComputedIsSaidAndWhy) {
         EXPECT_TRUE(told.count(a.name + "." + s.type->name))
             << file << " says nothing of " << a.name << "." << s.type->name;
   }
+}
+
+// Also what is no parameter of a stage: roles, colours, materials, given landmarks.
+TEST(Explain, SaysOfEveryValueOfTheCaseWhereItComesFrom) {
+  const auto rows_of = [](const fs::path& file, const ConfigOverrides& overrides) {
+    const CaseConfig config = read_case_config(file, overrides);
+    const Graph graph = make_graph(config, "input");
+    std::map<std::string, ValueRow> rows;
+    for (const ValueRow& row : explain(config, graph, wanted_nodes(graph, true), StageCache{fs::path()}).values)
+      rows[row.path] = row;
+    return rows;
+  };
+  const ScratchFolder folder;
+  const fs::path points = folder.write("points.fcsv",
+                                       "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n"
+                                       "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
+                                       "1,0,-93,40,0,0,0,1,1,1,0,nasion,,\n2,1,2,3,0,0,0,1,1,1,0,Jane Doe,,\n");
+  ConfigOverrides overrides;
+  overrides.landmarks = points;
+  const auto rows = rows_of(configs / "sample_drilled.yaml", overrides);
+  const auto expect_row = [&](const std::string& path, const std::string& value, ValueSource source,
+                              const char* where) {
+    ASSERT_TRUE(rows.count(path)) << path;
+    EXPECT_EQ(rows.at(path).value, value) << path;
+    EXPECT_EQ(rows.at(path).origin.source, source) << path;
+    EXPECT_NE(rows.at(path).origin.where.find(where), std::string::npos) << rows.at(path).origin.where;
+  };
+  expect_row("skull.shows_face", "false", ValueSource::recipe, "ventriculostomy.yaml:");
+  expect_row("skull.colour_rgb", "[0.93, 0.89, 0.78]", ValueSource::recipe, "ventriculostomy.yaml:");
+  expect_row("burr_holes.bone", "\"skull\"", ValueSource::recipe, "ventriculostomy.yaml:");
+  expect_row("class_of", "\"ventricles\"", ValueSource::recipe, "ventriculostomy.yaml:");
+  expect_row("materials.bone.front.stiffness_n_per_mm", "1", ValueSource::scene, "materials.yaml:");
+  expect_row("given_landmarks.landmarks.nasion.position_mm", "[0, -93, 40]", ValueSource::command_line, "points.fcsv");
+  expect_row("given_landmarks.landmarks.inion.position_mm", "[0, 89.4, 5.8]", ValueSource::set, "sample_drilled.yaml:");
+  EXPECT_FALSE(rows.count("materials.vein.front.stiffness_n_per_mm")) << "no shape of the scene is made of it";
+  for (const auto& [path, row] : rows) EXPECT_EQ(path.find("Jane"), std::string::npos) << path;
+  // A skull alone has no material and no landmark.
+  for (const auto& [path, row] : rows_of(configs / "ct_skull.yaml", {}))
+    EXPECT_TRUE(path.rfind("materials.", 0) != 0 && path.rfind("given_", 0) != 0 && path != "brain.colour_rgb") << path;
+  // They are told where they are said, and not set by a path.
+  ConfigOverrides hidden;
+  hidden.set = {"skin.shows_face=false"};
+  EXPECT_THROW(read_case_config(configs / "sample.yaml", hidden), ErrorList);
 }
 
 TEST(OnlyWhatTheSceneRequires, ASkullAloneNeedsNoBrain) {

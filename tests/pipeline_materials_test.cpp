@@ -16,7 +16,7 @@ std::vector<CaseMaterial> shipped() {
   ConfigFaults faults;
   const std::filesystem::path file = std::string(TREPHINE_SOURCE_DIR) + "/configs/materials.yaml";
   MaterialsFileParams said;
-  read_declared({file, faults, {}, {}}, read_yaml(file), "", parameters_of<MaterialsFileParams>(), &said);
+  read_declared({file, faults, {}, {}}, read_yaml(file), parameters_of<MaterialsFileParams>(), &said);
   faults.raise();
   std::vector<CaseMaterial> all;
   for (const auto& [name, material] : said.materials) all.push_back(material.material(name));

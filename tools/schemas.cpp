@@ -8,7 +8,6 @@
 #include "config/recipe_file.h"
 #include "config/scene_file.h"
 #include "library/library_config.h"
-#include "stages/stage.h"
 #include "trade/plan.h"
 
 namespace trephine {
@@ -25,48 +24,6 @@ std::string page(const std::string& title, const Json& schema) {
 template <class P>
 Json schema_of() {
   return Json::parse(json_schema_of(AnyParams::make<P>()));
-}
-
-// Parameters and ports of a stage as a recipe writes them.
-Json body_schema(const StageType& stage, bool first_port) {
-  Json body = Json::parse(json_schema_of(stage.make_params()));
-  for (std::size_t i = first_port ? 0 : 1; i < stage.ports.size(); ++i)
-    if (!first_port || stage.ports[i].kind == DataKind::field) {
-      body["properties"][stage.ports[i].name] = {{"type", "string"},
-                                                 {"description", stage.ports[i].help + ", as anatomy.stage"},
-                                                 {"pattern", "^[a-z0-9_]+\\.[a-z_]+$"}};
-      if (stage.ports[i].required) body["required"].push_back(stage.ports[i].name);
-    }
-  body["description"] = stage.summary;
-  return body;
-}
-
-// Schema of a step: `- name` or `- name: {parameters and ports}`.
-Json step_schema(const StageType& stage) {
-  Json body = body_schema(stage, false);
-  if (!body.contains("required")) body["type"] = {"object", "null"};
-  const bool bare = !body.contains("required");
-  const Json object = {{"type", "object"},
-                       {"properties", {{stage.name, std::move(body)}}},
-                       {"required", {stage.name}},
-                       {"additionalProperties", false}};
-  if (!bare) return object;
-  return {{"anyOf", {{{"const", stage.name}}, object}}, {"description", stage.summary}};
-}
-
-Json recipe_schema() {
-  Json steps = Json::array();
-  for (const StageType* stage : stages_of(StagePlace::anatomy)) steps.push_back(step_schema(*stage));
-  Json anatomy = schema_of<RecipeAnatomyParams>();
-  anatomy["properties"]["stages"] = {{"type", "array"}, {"items", {{"anyOf", std::move(steps)}}}};
-  anatomy["required"].push_back("stages");
-  Json schema = schema_of<RecipeFileParams>();
-  schema["properties"]["anatomies"] = {
-      {"type", "object"}, {"minProperties", 1}, {"additionalProperties", std::move(anatomy)}};
-  schema["required"].push_back("anatomies");
-  for (const StageType* stage : stages_of(StagePlace::scan))
-    schema["properties"][stage->name] = body_schema(*stage, true);
-  return schema;
 }
 
 // One row of a Markdown table for each key.
@@ -95,10 +52,9 @@ std::string keys_page() {
          section("A case (configs/\\*.yaml)", AnyParams::make<CaseFileParams>()) +
          section("A scene (configs/scenes/\\*.yaml)", AnyParams::make<SceneFileParams>()) +
          "\n## A recipe (pipelines/\\*.yaml)\n\n"
-         "`anatomies.NAME.stages` lists the stages that make the anatomy; the page of each stage lists its parameters. "
-         "Stages of the whole scan, such as `resample` and `landmarks`, are keys of the recipe.\n\n" +
+         "`anatomies.NAME.stages` lists the stages that make the anatomy; the page of each stage lists its "
+         "parameters.\n\n" +
          head + keys_table("", AnyParams::make<RecipeFileParams>()) +
-         keys_table("anatomies.NAME.", AnyParams::make<RecipeAnatomyParams>()) +
          section("Materials (configs/materials.yaml)", AnyParams::make<MaterialsFileParams>()) +
          section("A library (LIBRARY.yaml)", library_file_params()) +
          section("The plan of a sweep (configs/trade/\\*.yaml)", trade_file_params());
@@ -109,7 +65,7 @@ std::string keys_page() {
 std::vector<std::pair<std::string, std::string>> file_schemas() {
   return {
       {"files.md", keys_page()},
-      {"recipe.schema.json", page("A recipe of Trephine (pipelines/*.yaml)", recipe_schema())},
+      {"recipe.schema.json", page("A recipe of Trephine (pipelines/*.yaml)", schema_of<RecipeFileParams>())},
       {"scene.schema.json", page("A scene of Trephine (configs/scenes/*.yaml)", schema_of<SceneFileParams>())},
       {"configuration.schema.json", page("The configuration of a case (configs/*.yaml)", schema_of<CaseFileParams>())},
       {"materials.schema.json", page("Materials (configs/materials.yaml)", schema_of<MaterialsFileParams>())},

@@ -62,6 +62,8 @@ std::string what_is_asked(const Parameter& p) {
       return "a list";
     case ParameterKind::map:
       return "names, each with its values";
+    case ParameterKind::steps:
+      return "a list of steps: `- name` or `- name: {...}`";
   }
   return "";
 }
@@ -122,7 +124,7 @@ void add_leaves(const ParameterSet& set, void* object, const std::string& prefix
       continue;
     }
     for (const ParameterItem& item : p.items(object))
-      add_leaves(p.item_set(), item.object, item.name.empty() ? path : path + "." + item.name, out);
+      add_leaves(p.set_of(item), item.object, item.name.empty() ? path : path + "." + item.name, out);
   }
 }
 
@@ -131,7 +133,7 @@ void add_declared(const ParameterSet& set, const std::shared_ptr<void>& defaults
   for (const Parameter& p : set.parameters) {
     const std::string path = p.name.empty() ? prefix : prefix.empty() ? p.name : prefix + "." + p.name;
     if (!p.name.empty() || p.is_value()) out.push_back({path, &p, defaults});
-    if (p.is_value()) continue;
+    if (p.is_value() || p.kind == ParameterKind::steps) continue;  // a step has a page of its own
     const ParameterSet& items = p.item_set();
     if (items.only_value() && items.only_value()->is_value()) continue;  // the line of the parameter itself says it
     add_declared(items, items.make(), path + (p.kind == ParameterKind::map ? ".NAME" : ""), out);
@@ -152,7 +154,7 @@ std::string text_of(const ParameterSet& set, void* object) {
     } else {
       text += "(";
       for (const ParameterItem& item : p.items(object))
-        text += whole(item.name) + " " + text_of(p.item_set(), item.object);
+        text += whole(item.name) + " " + text_of(p.set_of(item), item.object);
       text += ")";
     }
     text += "; ";
@@ -225,9 +227,10 @@ std::string describe_parameter(const Parameter& p, const void* object) {
     const bool none = p.zero_is_none && (v == ParameterValue(0.0) || v == ParameterValue(std::int64_t{0}));
     if (p.required) return std::string(", required");
     if (none) return std::string(", default 0: none");
+    if (p.kind == ParameterKind::choice && v == ParameterValue(std::string())) return std::string(", default: none");
     return ", default " + (p.kind == ParameterKind::choice ? std::get<std::string>(v) : to_text(v));
   };
-  const ParameterSet* items = p.is_value() ? nullptr : &p.item_set();
+  const ParameterSet* items = p.item_set ? &p.item_set() : nullptr;
   const Parameter* only = items ? items->only_value() : nullptr;
   const auto of_item = [&] {
     if (!only) return std::string();
@@ -256,6 +259,11 @@ std::string describe_parameter(const Parameter& p, const void* object) {
       return "list" + of_item() + most + needed;
     case ParameterKind::map:
       return "names" + of_item() + most + needed;
+    case ParameterKind::steps: {
+      std::vector<std::string> names;
+      for (const StepChoice& step : p.steps) names.push_back(step.name);
+      return "list of " + joined(names) + ", each alone or with its keys and values" + needed;
+    }
   }
   return "";
 }
@@ -290,6 +298,73 @@ std::vector<DeclaredParameter> declared_of(const AnyParams& defaults) {
 }
 
 std::string to_text(const AnyParams& params) { return text_of(*params.set, params.object.get()); }
+
+const StepChoice* Parameter::find_step(const std::string& step) const {
+  for (const StepChoice& c : steps)
+    if (c.name == step) return &c;
+  return nullptr;
+}
+
+Parameter parameter_of_holder(Parameter p, const std::function<void*(void*)>& held) {
+  // Reading a value does not change its holder, so the one function serves both.
+  if (p.get) p.get = [get = p.get, held](const void* q) { return get(held(const_cast<void*>(q))); };
+  if (p.set) p.set = [set = p.set, held](void* q, const ParameterValue& v) { set(held(q), v); };
+  if (p.items) p.items = [items = p.items, held](void* q) { return items(held(q)); };
+  if (p.add) p.add = [add = p.add, held](void* q, const std::string& name) { return add(held(q), name); };
+  if (p.clear) p.clear = [clear = p.clear, held](void* q) { clear(held(q)); };
+  return p;
+}
+
+namespace detail {
+
+Parameter steps_parameter(const char* name, const char* help, std::vector<StepChoice> choices, const StepsOf& of) {
+  Parameter p;
+  p.name = name;
+  p.help = help;
+  p.kind = ParameterKind::steps;
+  p.items = [of](void* q) {
+    std::vector<ParameterItem> all;
+    for (auto& [step, params] : of(q)) all.push_back({step, params.object.get(), params.set});
+    return all;
+  };
+  p.add = [of, choices](void* q, const std::string& name) -> void* {
+    const auto step = std::find_if(choices.begin(), choices.end(), [&](const auto& c) { return c.name == name; });
+    return of(q).emplace_back(name, AnyParams{step->set, step->set->make()}).second.object.get();
+  };
+  p.clear = [of](void* q) { of(q).clear(); };
+  p.steps = std::move(choices);
+  return p;
+}
+
+Parameter step_parameter(const StepChoice& choice, const StepsOf& of) {
+  Parameter p = steps_parameter(choice.name.c_str(), choice.help.c_str(), {choice}, of);
+  p.kind = ParameterKind::group;
+  p.steps.clear();
+  p.item_set = [set = choice.set]() -> const ParameterSet& { return *set; };
+  const auto is_it = [name = choice.name](const auto& step) { return step.first == name; };
+  p.items = [of, is_it](void* q) {
+    std::vector<ParameterItem> all;
+    for (auto& step : of(q))
+      if (is_it(step)) all.push_back({"", step.second.object.get()});
+    return all;
+  };
+  p.add = [of, is_it, add = p.add, name = choice.name](void* q, const std::string&) -> void* {
+    Steps& all = of(q);
+    const auto known = std::find_if(all.begin(), all.end(), is_it);
+    return known == all.end() ? add(q, name) : known->second.object.get();
+  };
+  p.clear = [of, is_it](void* q) {
+    Steps& all = of(q);
+    all.erase(std::remove_if(all.begin(), all.end(), is_it), all.end());
+  };
+  return p;
+}
+
+}  // namespace detail
+
+bool ParameterSet::has_required() const {
+  return std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.required; });
+}
 
 const Parameter* ParameterSet::find(const std::string& name) const {
   for (const Parameter& p : parameters)

@@ -30,16 +30,18 @@ namespace trephine {
 /// all come from this list.
 ///
 /// A member may itself be a declared struct (a group), a list of declared structs, or a map from names to them, which
-/// keeps the order in which the names were given. A struct whose only parameter has an empty name stands for that value
-/// alone: `{nasion: 0.5}`. A struct may have a member `std::string fault() const`, which says what is wrong with its
-/// values taken together ("NAME: what"), or returns "".
+/// keeps the order in which the names were given. It may also be a list of steps: each item is one of several declared
+/// structs, told by its name, and the structs may come from a registry. A struct whose only parameter has an empty name
+/// stands for that value alone: `{nasion: 0.5}`. A struct may have a member `std::string fault() const`, which says
+/// what is wrong with its values taken together ("NAME: what"), or returns "". What is declared earlier is also read
+/// earlier.
 
 struct Range {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
 };
 
-enum class ParameterKind { number, integer, flag, choice, text, numbers, group, list, map };
+enum class ParameterKind { number, integer, flag, choice, text, numbers, group, list, map, steps };
 
 /// The value of a parameter: a choice is held by its name, and numbers are a fixed count of doubles.
 using ParameterValue = std::variant<double, std::int64_t, bool, std::string, std::vector<double>>;
@@ -58,11 +60,18 @@ const T* find_item(const Named<T>& all, const std::string& name) {
 
 struct ParameterSet;
 
-/// A declared struct within another. An item of a map is named by its key, an item of a list by its number from 0; a
-/// group has the name "".
+/// A declared struct within another. An item of a map is named by its key, an item of a list by its number from 0, a
+/// step by what it is; a group has the name "".
 struct ParameterItem {
   std::string name;
   void* object = nullptr;
+  const ParameterSet* set = nullptr;  ///< of a step; null: the one of the parameter
+};
+
+/// One of the structs that an item of a list of steps may be.
+struct StepChoice {
+  std::string name, help;
+  const ParameterSet* set = nullptr;
 };
 
 struct Parameter {
@@ -78,14 +87,18 @@ struct Parameter {
   /// For numbers, integers, flags, choices and texts.
   std::function<ParameterValue(const void* params)> get;
   std::function<void(void* params, const ParameterValue&)> set;  ///< the value must have passed parse_parameter
-  /// For groups, lists and maps: the declaration of an item, the existing items, a function that adds one item of a
-  /// name (in a map an existing item of that name is returned), and one that removes all items.
-  const ParameterSet& (*item_set)() = nullptr;
+  /// For groups, lists, maps and steps: the declaration of an item (for steps: the choices), the existing items, a
+  /// function that adds one item of a name (in a map an existing item of that name is returned), and one that removes
+  /// all items.
+  std::function<const ParameterSet&()> item_set;
+  std::vector<StepChoice> steps;
   std::function<std::vector<ParameterItem>(void* params)> items;
   std::function<void*(void* params, const std::string& name)> add;
   std::function<void(void* params)> clear;
 
   bool is_value() const { return kind < ParameterKind::group; }
+  const ParameterSet& set_of(const ParameterItem& item) const { return item.set ? *item.set : item_set(); }
+  const StepChoice* find_step(const std::string& step) const;
   /// For chaining in a declaration: v.flag(...).is_required();
   Parameter& is_required() { return required = true, *this; }
   Parameter& none_at_zero() { return zero_is_none = true, *this; }
@@ -111,12 +124,24 @@ struct ParameterSet {
   std::vector<std::string> names() const;
   /// The only parameter, if its name is empty; else null.
   const Parameter* only_value() const;
+  bool has_required() const;
 };
+
+/// The parameter of a struct that is held by another one: `held` leads from the holder to it.
+Parameter parameter_of_holder(Parameter parameter, const std::function<void*(void* holder)>& held);
 
 template <class P>
 const ParameterSet& parameters_of();
 
+struct AnyParams;
+
+using Steps = Named<AnyParams>;
+
 namespace detail {
+
+using StepsOf = std::function<Steps&(void* holder)>;
+Parameter steps_parameter(const char* name, const char* help, std::vector<StepChoice> choices, const StepsOf& of);
+Parameter step_parameter(const StepChoice& choice, const StepsOf& of);
 
 template <class P, class = void>
 struct HasFault : std::false_type {};
@@ -168,6 +193,13 @@ class Collector {
     for (const auto& c : choices) p.choices.push_back(c.first);
     return p;
   }
+  /// One of the words, or "" where none is given.
+  Parameter& word(std::string P::*m, const char* name, std::vector<std::string> words, const char* help) {
+    Parameter& p = text(m, name, help);
+    p.kind = ParameterKind::choice;
+    p.choices = std::move(words);
+    return p;
+  }
   template <std::size_t N>
   Parameter& numbers(std::array<double, N> P::*m, const char* name, Range range, const char* help) {
     auto& p = add(
@@ -216,6 +248,16 @@ class Collector {
         },
         [m](P& p, const std::string&) -> void* { return &(p.*m).emplace_back(); }, [m](P& p) { (p.*m).clear(); });
   }
+  /// The same, where a new item begins as `first` makes it of the struct so far, instead of with the defaults.
+  template <class T, class First>
+  Parameter& list(std::vector<T> P::*m, const char* name, const char* help, First first) {
+    Parameter& p = list(m, name, help);
+    p.add = [m, first](void* q, const std::string&) -> void* {
+      P& holder = *static_cast<P*>(q);
+      return &(holder.*m).emplace_back(first(holder));
+    };
+    return p;
+  }
   template <class T>
   Parameter& map(Named<T> P::*m, const char* name, const char* help) {
     return add_items<T>(
@@ -232,30 +274,31 @@ class Collector {
         },
         [m](P& p) { (p.*m).clear(); });
   }
+  /// Declares a list of steps, each of which is one of the choices. The items keep their names.
+  Parameter& steps(Steps P::*m, const char* name, std::vector<StepChoice> choices, const char* help) {
+    const auto of = [m](void* q) -> Steps& { return static_cast<P*>(q)->*m; };
+    return out_.parameters.emplace_back(steps_parameter(name, help, std::move(choices), of));
+  }
+  /// Declares one choice as a group under its own name, which may be absent; where it is given it stands in the list.
+  Parameter& group(Steps P::*m, const StepChoice& choice) {
+    const auto of = [m](void* q) -> Steps& { return static_cast<P*>(q)->*m; };
+    return out_.parameters.emplace_back(step_parameter(choice, of));
+  }
   /// Declares every parameter of a base of P.
   template <class B>
   void all_of() {
-    add_all<B>([](const void* q) { return static_cast<const B*>(static_cast<const P*>(q)); },
-               [](void* q) { return static_cast<B*>(static_cast<P*>(q)); });
+    add_all<B>([](void* q) -> void* { return static_cast<B*>(static_cast<P*>(q)); });
   }
   /// Declares every parameter of a member's struct as P's own.
   template <class M>
   void all_of(M P::*m) {
-    add_all<M>([m](const void* q) { return &(static_cast<const P*>(q)->*m); },
-               [m](void* q) { return &(static_cast<P*>(q)->*m); });
+    add_all<M>([m](void* q) -> void* { return &(static_cast<P*>(q)->*m); });
   }
 
  private:
-  template <class B, class Up, class UpM>
-  void add_all(Up up, UpM upm) {
-    for (Parameter p : parameters_of<B>().parameters) {
-      if (p.get) p.get = [get = p.get, up](const void* q) { return get(up(q)); };
-      if (p.set) p.set = [set = p.set, upm](void* q, const ParameterValue& v) { set(upm(q), v); };
-      if (p.items) p.items = [items = p.items, upm](void* q) { return items(upm(q)); };
-      if (p.add) p.add = [add = p.add, upm](void* q, const std::string& name) { return add(upm(q), name); };
-      if (p.clear) p.clear = [clear = p.clear, upm](void* q) { clear(upm(q)); };
-      out_.parameters.push_back(std::move(p));
-    }
+  template <class B, class Held>
+  void add_all(Held held) {
+    for (const Parameter& p : parameters_of<B>().parameters) out_.parameters.push_back(parameter_of_holder(p, held));
   }
 
   Parameter& add(const char* name, const char* help, ParameterKind kind) {

@@ -74,6 +74,8 @@ std::string placeholder_of(const Parameter& parameter) {
       if (only) return (named ? "NAME=" : "") + placeholder_of(*only);
       return named ? "NAME[:KEY=VALUE,...]" : "KEY=VALUE,...";
     }
+    case ParameterKind::steps:
+      return "NAME[:KEY=VALUE,...]";
     case ParameterKind::numbers:
       break;
   }

@@ -87,6 +87,24 @@ Json schema_of(const ParameterSet& set) {
   return schema;
 }
 
+// A key without a value, such as `skull:`, has the defaults, unless something must be said.
+void allow_nothing(Json& schema, const ParameterSet& set) {
+  if (!set.only_value() && !set.has_required()) schema["type"] = {"object", "null"};
+}
+
+// `- name` or `- name: {parameters}`.
+Json step_schema(const StepChoice& step) {
+  Json body = schema_of(*step.set);
+  body["description"] = step.help;
+  allow_nothing(body, *step.set);
+  const Json object = {{"type", "object"},
+                       {"properties", {{step.name, std::move(body)}}},
+                       {"required", {step.name}},
+                       {"additionalProperties", false}};
+  if (step.set->has_required()) return object;
+  return {{"anyOf", {{{"const", step.name}}, object}}, {"description", step.help}};
+}
+
 Json parameter_schema(const Parameter& p, const void* object) {
   Json s = Json::object();
   if (!p.help.empty()) s["description"] = p.help;
@@ -103,6 +121,11 @@ Json parameter_schema(const Parameter& p, const void* object) {
       s["type"] = "boolean";
       break;
     case ParameterKind::text:
+      if (p.source == "output") {
+        s["type"] = "string";
+        s["pattern"] = "^[a-z0-9_]+\\.[a-z0-9_]+$";
+        return s;
+      }
       s["type"] = {"string", "number", "boolean"};
       if (p.source == "value") s["type"].push_back("array");
       break;
@@ -131,17 +154,26 @@ Json parameter_schema(const Parameter& p, const void* object) {
     }
     case ParameterKind::map: {
       Json item = schema_of(p.item_set());
-      // A key without a value, such as `skull:`, has the defaults.
-      if (item.contains("type") && item["type"] == "object") item["type"] = {"object", "null"};
+      allow_nothing(item, p.item_set());
       s["type"] = "object";
       s["additionalProperties"] = item;
       if (p.count) s["maxProperties"] = p.count;
       if (p.required) s["minProperties"] = 1;
       return s;
     }
+    case ParameterKind::steps: {
+      Json choices = Json::array();
+      for (const StepChoice& step : p.steps) choices.push_back(step_schema(step));
+      s["type"] = "array";
+      s["items"] = {{"anyOf", choices}};
+      if (p.required) s["minItems"] = 1;
+      return s;
+    }
   }
   if (p.zero_is_none) s["minimum"] = 0;
-  if (!p.required) s["default"] = value_json(p.get(object));
+  const ParameterValue value = p.get(object);
+  const bool none = p.kind == ParameterKind::choice && std::get<std::string>(value).empty();
+  if (!p.required && !none) s["default"] = value_json(value);
   return s;
 }
 

@@ -6,6 +6,7 @@
 
 #include "boolean/burr_hole_params.h"
 #include "config/said.h"
+#include "config/trade_front.h"
 #include "dicom/import.h"
 
 namespace trephine {
@@ -73,7 +74,7 @@ struct CaseFileParams : VersionParams {
            "What `trephine trade` measured: a file, or a list of files whose points must hold in all of them.");
     v.group(&P::accuracy, "accuracy", "Take the fastest measured point that keeps these bounds.");
     v.group(&P::budget, "budget", "Take the most accurate measured point within these limits.");
-    v.text(&P::profile, "profile", "draft, standard or fine, instead of accuracy and budget.").names("profile");
+    v.word(&P::profile, "profile", profile_names, "A named point of the trade, instead of accuracy and budget.");
     v.map(&P::set, "set", "Parameters by their paths, such as skull.decimate.max_deviation_mm: 0.2.");
   }
 };

@@ -2,6 +2,7 @@
 #include "config/config.h"
 
 #include <algorithm>
+#include <set>
 
 #include "base/log.h"
 #include "base/text.h"
@@ -19,14 +20,16 @@ class Reader {
   Reader(const fs::path& config, const ConfigOverrides& overrides) : r_(config, overrides), tree_(read_yaml(config)) {}
 
   CaseConfig read() {
-    read_declared(reading(), tree_, "", parameters_of<CaseFileParams>(), said_.object.get());
+    at_ = read_declared(reading(), tree_, parameters_of<CaseFileParams>(), said_.object.get());
     const CaseFileParams& said = said_.as<CaseFileParams>();
     CaseConfig& out = r_.out;
     out.case_token = r_.overrides.case_token.empty() ? said.case_token : r_.overrides.case_token;
     check_token();
     out.series = r_.overrides.series.empty() ? file_of(said.series) : r_.overrides.series;
-    for (const auto& [name, p] : said.landmarks)
+    for (const auto& [name, p] : said.landmarks) {
       out.landmarks.push_back({name, {p.position_mm[0], p.position_mm[1], p.position_mm[2]}, 1, "given"});
+      r_.landmark_origins[name] = r_.origin(ValueSource::set, r_.file, at_.at("landmarks." + name));
+    }
     if (!said.landmarks_file.empty()) read_points(file_of(said.landmarks_file), false);
     if (!r_.overrides.landmarks.empty()) read_points(r_.overrides.landmarks, true);
     if (!said.pipeline.empty()) read_recipe(r_, file_of(said.pipeline));
@@ -43,6 +46,7 @@ class Reader {
     // This comes last: the part of the scene's deviation that smoothing takes may just have been set.
     share_out_limits(r_);
     drop_unused_landmarks();
+    add_given_landmarks(r_);
     out.import = import_.as<ImportParams>();
     r_.faults.raise();
     out.values = r_.values.rows();
@@ -55,11 +59,10 @@ class Reader {
     all.fault_of_name = [this](const std::string& kind, const std::string& name) {
       std::string fault;
       if (kind == "file") r_.in_root(r_.file, name, fault);
-      if (kind == "profile" && name != "draft" && name != "standard" && name != "fine")
-        fault = name + ", must be draft, standard or fine" + did_you_mean(name, {"draft", "standard", "fine"});
       return fault;
     };
     all.said = [this](const std::string& path, const YamlNode& at) {
+      if (path.rfind("set.", 0) == 0) set_.insert(path);
       if (path.rfind("import.", 0) == 0 || path.rfind("burr_holes[", 0) == 0)
         r_.said.emplace_back(path, r_.origin(ValueSource::set, r_.file, at));
     };
@@ -71,8 +74,7 @@ class Reader {
     return text.empty() ? fs::path() : r_.in_root(r_.file, text, ignored);
   }
   void fault(const char* key, const std::string& where, const std::string& what) {
-    const YamlNode* at = tree_.find(key);
-    r_.faults.add(r_.file, at ? *at : tree_, where, what);
+    r_.faults.add(r_.file, at_.at(key), where, what);
   }
 
   void check_token() {
@@ -102,6 +104,7 @@ class Reader {
         else
           throw Error(ExitCode::bad_config, file.string(), "landmarks." + point.name,
                       "is given here and in the configuration, which is meant?");
+        r_.landmark_origins[point.name] = {wins ? ValueSource::command_line : ValueSource::set, file.string(), {}};
       }
     } catch (const Error& e) {
       r_.faults.add(e);
@@ -139,6 +142,7 @@ class Reader {
         if (path.rfind(listed, 0) == 0) path = name + path.substr(listed.size());
       r_.values.fix(name + ".name", "is set where the burr hole is given");
     }
+    add_shown_values(r_);
     for (const auto& [path, origin] : r_.said)
       if (r_.values.has(path)) r_.values.note(path, origin);
     r_.values.fix("deface.policy", "follows scene.face.policy, set that");
@@ -231,11 +235,14 @@ class Reader {
   void set_values() {
     // Without a recipe nothing is known of its paths.
     const bool known = !r_.out.anatomies.empty();
-    if (const YamlNode* set = tree_.find("set"); set && known && set->kind == YamlNode::Kind::map)
-      for (const auto& [key, value] : set->entries)
-        if (const std::string what = r_.values.set(key.text, value, r_.origin(ValueSource::set, r_.file, value));
-            !what.empty())
-          r_.faults.add(r_.file, r_.values.has(key.text) ? value : key, "set." + key.text, what);
+    for (const auto& [path, value] : said_.as<CaseFileParams>().set) {
+      const std::string where = "set." + path;
+      if (!known || !set_.count(where)) continue;  // a value that could not be read has been reported
+      const YamlNode& at = at_.at(where);
+      if (const std::string what = r_.values.set(path, value.text, r_.origin(ValueSource::set, r_.file, at));
+          !what.empty())
+        r_.faults.add(r_.file, r_.values.has(path) ? at : at_.key(where), where, what);
+    }
     for (const std::string& text : r_.overrides.set)
       if (known || text.rfind("import.", 0) == 0 || text.find('=') == std::string::npos)
         r_.values.set_from_text(text, {ValueSource::command_line, "--set", {}}, r_.faults);
@@ -306,90 +313,14 @@ class Reader {
 
   ConfigReading r_;
   const YamlNode tree_;
+  Places at_;
+  std::set<std::string> set_;  // paths below set: that could be read
   AnyParams said_ = AnyParams::make<CaseFileParams>();
   AnyParams import_ = AnyParams::make<ImportParams>();
   std::vector<std::string> points_;  // names that a file of landmarks holds
 };
 
 }  // namespace
-
-ConfigReading::ConfigReading(const fs::path& f, const ConfigOverrides& o) : file(f), overrides(o) {
-  roots.push_back(root_of(file));
-  for (const fs::path& root : o.roots) roots.push_back(absolute_path(root));
-}
-
-fs::path ConfigReading::in_root(const fs::path& from, const std::string& text, std::string& fault) const {
-  const fs::path path = absolute_path(fs::absolute(from).parent_path() / text);
-  if (std::any_of(roots.begin(), roots.end(), [&](const fs::path& root) { return lies_in(path, root); })) return path;
-  fault = text + ", leads out of the root " + roots[0].string() + "; --root adds one";
-  return {};
-}
-
-ValueOrigin ConfigReading::origin(ValueSource source, const fs::path& from, const YamlNode& at) const {
-  return {source, from.string() + ":" + std::to_string(at.line) + ":" + std::to_string(at.column),
-          absolute_path(from).parent_path()};
-}
-
-std::vector<std::string> ConfigReading::anatomy_names() const {
-  std::vector<std::string> names;
-  for (const RecipeAnatomy& a : out.anatomies) names.push_back(a.name);
-  return names;
-}
-
-std::string ConfigReading::fault_of_anatomy(const std::string& name) const {
-  if (out.find_anatomy(name)) return "";
-  return name + ", the pipeline has no such anatomy" + did_you_mean(name, anatomy_names());
-}
-
-std::string ConfigReading::fault_of_landmark(const std::string& name) const {
-  const bool looked_for = out.find_scan_step(landmarks_step) != nullptr;
-  std::vector<std::string> known;
-  if (looked_for) known = findable_landmarks();
-  for (const CaseLandmark& l : out.landmarks) known.push_back(l.name);
-  if (std::find(known.begin(), known.end(), name) != known.end()) return "";
-  return name + ", no such landmark is given" + (looked_for ? " or can be found" : "") + did_you_mean(name, known);
-}
-
-std::string CaseTrade::front_names() const {
-  std::string names;
-  for (const fs::path& file : fronts) names += (names.empty() ? "" : ", ") + file.filename().string();
-  return names;
-}
-
-const RecipeStep* RecipeAnatomy::find_step(const std::string& stage) const {
-  for (const RecipeStep& s : steps)
-    if (s.type->name == stage) return &s;
-  return nullptr;
-}
-
-const RecipeAnatomy* CaseConfig::find_anatomy(const std::string& name) const {
-  for (const RecipeAnatomy& a : anatomies)
-    if (a.name == name) return &a;
-  return nullptr;
-}
-
-const RecipeStep* CaseConfig::find_scan_step(const std::string& stage) const {
-  for (const RecipeStep& s : scan_steps)
-    if (s.type->name == stage) return &s;
-  return nullptr;
-}
-
-bool CaseConfig::is_shown(const std::string& anatomy) const {
-  return std::any_of(scene.begin(), scene.end(), [&](const SceneAnatomy& a) { return a.name == anatomy; }) ||
-         std::any_of(haptic.shapes.begin(), haptic.shapes.end(),
-                     [&](const SceneShape& s) { return s.name == anatomy; });
-}
-
-std::string CaseConfig::target_in(const std::string& landmark) const {
-  const SaidAnatomy* anatomy = find_item(roles.targets, landmark);
-  return anatomy ? anatomy->name : "";
-}
-
-std::map<std::string, Vec3> CaseConfig::landmark_positions_mm() const {
-  std::map<std::string, Vec3> all;
-  for (const CaseLandmark& l : landmarks) all[l.name] = l.position_mm;
-  return all;
-}
 
 CaseConfig read_case_config(const fs::path& file, const ConfigOverrides& overrides) {
   return Reader(file, overrides).read();

@@ -14,20 +14,30 @@ class Reader {
  public:
   explicit Reader(const DeclaredReading& reading) : r_(reading) {}
 
-  void read_struct(const YamlNode& node, const std::string& where, const ParameterSet& set, void* object,
-                   const std::vector<std::string>& others) {
+  Places read(const YamlNode& tree, const ParameterSet& set, void* object) {
+    places_.add("", tree);
+    read_struct(tree, "", set, object);
+    return std::move(places_);
+  }
+
+ private:
+  void read_struct(const YamlNode& node, const std::string& where, const ParameterSet& set, void* object) {
     if (const Parameter* only = set.only_value()) return read_parameter(node, where, *only, object);
     if (node.kind != Kind::map) return fault(node, where, shown(node) + "must hold keys and values" + keys_of(set));
     const std::size_t before = r_.faults.count();
-    for (const auto& [key, value] : node.entries) {
-      const std::string path = below(where, key.text);
-      if (const Parameter* p = set.find(key.text))
-        read_parameter(value, path, *p, object);
-      else if (std::find(others.begin(), others.end(), key.text) == others.end())
-        fault(key, path, unknown(key.text, set, others));
+    for (const auto& [key, value] : node.entries)
+      if (!set.find(key.text)) fault(key, below(where, key.text), unknown(key.text, set));
+    // In the order of declaration, so that what names something is read after it.
+    for (const Parameter& p : set.parameters) {
+      const auto entry = std::find_if(node.entries.begin(), node.entries.end(),
+                                      [&](const auto& one) { return one.first.text == p.name; });
+      if (entry == node.entries.end()) {
+        if (p.required) fault(node, below(where, p.name), "is missing: " + p.help);
+        continue;
+      }
+      places_.add(below(where, p.name), entry->second, &entry->first);
+      read_parameter(entry->second, below(where, p.name), p, object);
     }
-    for (const Parameter& p : set.parameters)
-      if (p.required && !node.find(p.name)) fault(node, below(where, p.name), "is missing: " + p.help);
     // Not checked where a value was refused already: the default in its place is not the user's fault.
     if (!set.fault || r_.faults.count() != before) return;
     const std::string what = set.fault(object);
@@ -39,7 +49,6 @@ class Reader {
     fault(at ? *at : node, below(where, key), what.substr(colon + 2));
   }
 
- private:
   static std::string below(const std::string& where, const std::string& key) {
     return where.empty() || key.empty() ? where + key : where + "." + key;
   }
@@ -51,9 +60,8 @@ class Reader {
     for (const std::string& name : set.names()) all += (all.empty() ? "" : ": ..., ") + name;
     return all.empty() || all.size() > 60 ? "" : ": {" + all + ": ...}";
   }
-  static std::string unknown(const std::string& key, const ParameterSet& set, const std::vector<std::string>& others) {
-    std::vector<std::string> known = set.names();
-    known.insert(known.end(), others.begin(), others.end());
+  static std::string unknown(const std::string& key, const ParameterSet& set) {
+    const std::vector<std::string> known = set.names();
     std::string all;
     for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
     const std::string near = nearest_name(key, known);
@@ -70,7 +78,9 @@ class Reader {
   void read_parameter(const YamlNode& value, const std::string& where, const Parameter& p, void* object) {
     switch (p.kind) {
       case ParameterKind::group:
-        return read_struct(value, where, p.item_set(), p.add(object, ""), {});
+        return read_struct(value, where, p.item_set(), p.add(object, ""));
+      case ParameterKind::steps:
+        return read_steps(value, where, p, object);
       case ParameterKind::list:
         return read_list(value, where, p, object);
       case ParameterKind::map:
@@ -97,9 +107,40 @@ class Reader {
     if (value.kind != Kind::list && !bare) return fault(value, where, shown(value) + "must be a list");
     if (p.count && value.items.size() > p.count) return fault(value, where, "at most " + std::to_string(p.count));
     p.clear(object);
-    if (bare) return read_struct(value, where, p.item_set(), p.add(object, ""), {});
-    for (std::size_t i = 0; i < value.items.size(); ++i)
-      read_struct(value.items[i], where + "[" + std::to_string(i) + "]", p.item_set(), p.add(object, ""), {});
+    if (bare) return read_struct(value, where, p.item_set(), p.add(object, ""));
+    for (std::size_t i = 0; i < value.items.size(); ++i) {
+      const std::string path = where + "[" + std::to_string(i) + "]";
+      places_.add(path, value.items[i]);
+      read_struct(value.items[i], path, p.item_set(), p.add(object, ""));
+    }
+  }
+
+  // Each item is `- name` or `- name: {...}`.
+  void read_steps(const YamlNode& value, const std::string& where, const Parameter& p, void* object) {
+    if (value.kind != Kind::list) return fault(value, where, shown(value) + "must be a list");
+    p.clear(object);
+    for (const YamlNode& item : value.items) {
+      const bool bare = item.kind == Kind::scalar;
+      if (!bare && (item.kind != Kind::map || item.entries.size() != 1)) {
+        fault(item, where, "each item is `- name` or `- name: {...}`");
+        continue;
+      }
+      const YamlNode& name = bare ? item : item.entries[0].first;
+      const std::string path = below(where, name.text);
+      const StepChoice* step = p.find_step(name.text);
+      if (!step || places_.has(path)) {
+        std::vector<std::string> known;
+        for (const StepChoice& s : p.steps) known.push_back(s.name);
+        fault(name, where,
+              name.text + (step ? ", is there already" : ", no such step" + did_you_mean(name.text, known)));
+        continue;
+      }
+      YamlNode nothing = name;
+      nothing.kind = Kind::map;
+      const bool empty = bare || item.entries[0].second.kind == Kind::null;
+      places_.add(path, empty ? name : item.entries[0].second, &name);
+      read_struct(empty ? nothing : item.entries[0].second, path, *step->set, p.add(object, name.text));
+    }
   }
 
   void read_map(const YamlNode& value, const std::string& where, const Parameter& p, void* object) {
@@ -112,14 +153,16 @@ class Reader {
       const std::size_t before = r_.faults.count();
       if (!p.source.empty()) check_name(key, path, p.source);
       if (r_.faults.count() != before) continue;
+      places_.add(path, item, &key);
       void* one = p.add(object, key.text);
-      // A key without a value, such as `skull:`, has the defaults.
-      const bool nothing = item.kind == Kind::null && !p.item_set().only_value();
-      if (!nothing) read_struct(item, path, p.item_set(), one, {});
+      // A key without a value, such as `skull:`, has the defaults, unless something must be said.
+      const bool nothing = item.kind == Kind::null && !p.item_set().only_value() && !p.item_set().has_required();
+      if (!nothing) read_struct(item, path, p.item_set(), one);
     }
   }
 
   const DeclaredReading& r_;
+  Places places_;
 };
 
 // A list as the text that --set takes.
@@ -136,9 +179,25 @@ bool is_list_of_scalars(const YamlNode& value) {
 
 }  // namespace
 
-void read_declared(const DeclaredReading& reading, const YamlNode& node, const std::string& where,
-                   const ParameterSet& set, void* object, const std::vector<std::string>& others) {
-  Reader(reading).read_struct(node, where, set, object, others);
+void Places::add(const std::string& path, const YamlNode& value, const YamlNode* key) { places_[path] = {&value, key}; }
+
+const Places::Place& Places::find(std::string path) const {
+  for (;;) {
+    if (const auto found = places_.find(path); found != places_.end()) return found->second;
+    const std::size_t end = path.find_last_of(".[");
+    path.resize(end == std::string::npos ? 0 : end);
+  }
+}
+
+const YamlNode& Places::at(const std::string& path) const { return *find(path).value; }
+
+const YamlNode& Places::key(const std::string& path) const {
+  const Place& place = find(path);
+  return place.key ? *place.key : *place.value;
+}
+
+Places read_declared(const DeclaredReading& reading, const YamlNode& tree, const ParameterSet& set, void* object) {
+  return Reader(reading).read(tree, set, object);
 }
 
 bool is_plain_name(const std::string& text) {
@@ -155,6 +214,10 @@ std::string set_parameter(void* object, const Parameter& parameter, const YamlNo
   std::vector<std::string> items;
   std::string shown;
   const bool is_list = value.kind == Kind::list;
+  // An editor that follows the schema takes "1" for a text, and so does the program.
+  const auto is_quoted = [](const YamlNode& one) { return one.quoted; };
+  const bool wants_text = parameter.kind == ParameterKind::text || parameter.kind == ParameterKind::choice;
+  const bool quoted = !wants_text && (value.quoted || std::any_of(value.items.begin(), value.items.end(), is_quoted));
   if (value.kind == Kind::scalar) items.push_back(shown = value.text);
   for (const YamlNode& item : value.items) items.push_back(item.text);
   ParameterValue parsed;
@@ -165,6 +228,7 @@ std::string set_parameter(void* object, const Parameter& parameter, const YamlNo
     fault = parse_parameter(parameter, {}, parsed);  // no item fits: the text says what does
   else
     fault = parse_parameter(parameter, items, parsed);
+  if (fault.empty() && quoted) fault = parse_parameter(parameter, {}, parsed) + ", without quotes";
   if (!fault.empty()) return (shown.empty() ? "" : shown + ", ") + fault;
   parameter.set(object, parsed);
   return "";

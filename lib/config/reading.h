@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct ConfigReading {
   CaseConfig out;
   ConfigValues values;
   Named<MaterialFileParams> materials;                    ///< materials that the scene may name
+  std::map<std::string, ValueOrigin> landmark_origins;    ///< of the landmarks that are given, by name
   std::filesystem::path recipe;                           ///< empty: the recipe could not be read
   std::vector<std::pair<std::string, ValueOrigin>> said;  ///< paths that the recipe and the scene set
 
@@ -40,6 +42,12 @@ void read_recipe(ConfigReading& reading, const std::filesystem::path& file);
 
 /// Reads the scene and the materials that it names. Needs the recipe.
 void read_scene(ConfigReading& reading, const std::filesystem::path& file);
+
+/// Adds what no stage has as a parameter and no path sets, so that it can be shown with its source: what the recipe
+/// says of its anatomies and their roles, and the materials.
+void add_shown_values(ConfigReading& reading);
+/// The same for the given landmarks that the case uses.
+void add_given_landmarks(ConfigReading& reading);
 
 /// Derives what the scene wants from its file and all that was set since: anatomies, landmarks, burr holes, haptic
 /// volume, face policy.

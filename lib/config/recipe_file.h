@@ -1,13 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <map>
 #include <string>
 
 #include "config/said.h"
+#include "stages/stage.h"
 
 namespace trephine {
 
-/// The declaration of everything in a recipe (pipelines/*.yaml) except its stages.
+/// The declaration of everything in a recipe (pipelines/*.yaml). Its steps come from the registry of stages.
+
+/// One step as a recipe writes it: the stage's own parameters, and for each port the output that it reads, as
+/// "anatomy.stage". These are the objects that `Steps` of a recipe hold.
+struct RecipeStepParams {
+  AnyParams params;
+  std::map<std::string, std::string> ports;
+};
+
+/// The steps that a recipe may name at that place, each with its parameters and the ports whose source a recipe names.
+std::vector<StepChoice> recipe_steps(StagePlace place);
 
 struct RecipeAnatomyParams {
   std::array<double, 3> colour_rgb{0.8, 0.8, 0.8};
@@ -21,6 +33,17 @@ struct RecipeAnatomyParams {
     // This key has no default: a recipe that forgets it must not publish a face.
     v.flag(&P::shows_face, "shows_face",
            "Whether the anatomy shows the patient's face. If so, it is published only under a face policy.")
+        .is_required();
+  }
+};
+
+struct RecipeAnatomyFileParams : RecipeAnatomyParams {
+  Steps stages;
+  template <class V>
+  static void describe(V& v) {
+    v.template all_of<RecipeAnatomyParams>();
+    v.steps(&RecipeAnatomyFileParams::stages, "stages", recipe_steps(StagePlace::anatomy),
+            "The stages that make the anatomy; each works on what the one before it gives.")
         .is_required();
   }
 };
@@ -57,10 +80,15 @@ struct RecipeRoles {
 };
 
 struct RecipeFileParams : VersionParams, RecipeRoles {
+  Named<RecipeAnatomyFileParams> anatomies;
+  Steps scan_steps;
   template <class V>
   static void describe(V& v) {
+    using P = RecipeFileParams;
     v.template all_of<VersionParams>();
+    v.map(&P::anatomies, "anatomies", "The anatomies by name, and how each is made.").names("name").is_required();
     v.template all_of<RecipeRoles>();
+    for (const StepChoice& step : recipe_steps(StagePlace::scan)) v.group(&P::scan_steps, step);
   }
 };
 

@@ -10,8 +10,12 @@ namespace {
 // The materials by name, from the file that the scene names.
 Named<MaterialFileParams> read_materials(ConfigReading& r, const fs::path& file) {
   MaterialsFileParams said;
+  DeclaredReading reading{file, r.faults, {}, {}};
+  reading.said = [&](const std::string& path, const YamlNode& at) {
+    r.said.emplace_back(path, r.origin(ValueSource::scene, file, at));
+  };
   if (const auto tree = read_yaml_or_fault(file, r.faults))
-    read_declared({file, r.faults, {}, {}}, *tree, "", parameters_of<MaterialsFileParams>(), &said);
+    read_declared(reading, *tree, parameters_of<MaterialsFileParams>(), &said);
   return said.materials;
 }
 
@@ -30,47 +34,45 @@ class SceneReader {
     const auto tree = read_yaml_or_fault(file_, r_.faults);
     // Without a recipe the anatomies are unknown, so what the scene says of them is not checked.
     if (!tree || r_.out.anatomies.empty()) return;
-    const YamlNode* materials_file = tree->find("materials");
-    if (materials_file && materials_file->kind == YamlNode::Kind::scalar) {
-      std::string fault;
-      const fs::path path = r_.in_root(file_, materials_file->text, fault);
-      if (fault.empty()) r_.materials = read_materials(r_, path);
-    }
-    const YamlNode* haptic = tree->find("haptic");
-    const YamlNode* encoding = haptic ? haptic->find("encoding") : nullptr;
-    const bool of_hu = encoding && encoding->text == "hu";
+    auto& said = r_.out.scene_file.as<SceneFileParams>();
     DeclaredReading reading{file_, r_.faults, {}, {}};
     reading.fault_of_name = [&](const std::string& kind, const std::string& name) {
-      return fault_of_name(kind, name, of_hu);
+      return fault_of_name(kind, name, said);
     };
-    reading.said = [this](const std::string& path, const YamlNode& at) {
+    reading.said = [&](const std::string& path, const YamlNode& at) {
       r_.said.emplace_back(path.rfind("haptic.", 0) == 0 ? path : "scene." + path,
                            r_.origin(ValueSource::scene, file_, at));
     };
-    auto& said = r_.out.scene_file.as<SceneFileParams>();
-    read_declared(reading, *tree, "", parameters_of<SceneFileParams>(), &said);
-    if (haptic && !materials_file) r_.faults.add(file_, *haptic, "haptic", "needs materials: FILE beside it");
-    check(*tree, said);
+    at_ = read_declared(reading, *tree, parameters_of<SceneFileParams>(), &said);
+    check(said);
   }
 
  private:
-  std::string fault_of_name(const std::string& kind, const std::string& name, bool of_hu) const {
-    std::string fault;
+  // Is asked in the order of declaration: the file of materials and the encoding are known before a shape is read.
+  std::string fault_of_name(const std::string& kind, const std::string& name, const SceneFileParams& said) {
+    const bool of_hu = said.haptic && said.haptic->encoding == HapticEncoding::hu;
     if (kind == "anatomy") return r_.fault_of_anatomy(name);
     if (kind == "landmark") return r_.fault_of_landmark(name);
-    if (kind == "file") r_.in_root(file_, name, fault);
+    if (kind == "materials") return read_materials_of(name);
     if (kind == "shape" && !of_hu) return r_.fault_of_anatomy(name);
     if (kind == "shape" && !is_plain_name(name)) return "a name has letters a-z, digits and _ only";
     if (kind == "material") return fault_of_material(r_, name);
+    return "";
+  }
+
+  std::string read_materials_of(const std::string& name) {
+    std::string fault;
+    const fs::path path = r_.in_root(file_, name, fault);
+    if (fault.empty()) r_.materials = read_materials(r_, path);
     return fault;
   }
 
   // Checks what the declarations cannot express: parts of the scene against each other and against the recipe.
-  void check(const YamlNode& tree, const SceneFileParams& said) {
+  void check(const SceneFileParams& said) {
     const auto fault = [&](const char* key, const std::string& where, const std::string& what) {
-      const YamlNode* at = tree.find(key);
-      r_.faults.add(file_, at ? *at : tree, where, what);
+      r_.faults.add(file_, at_.at(key), where, what);
     };
+    if (said.haptic && said.materials.empty()) fault("haptic", "haptic", "needs materials: FILE beside it");
     for (const auto& [name, drill] : said.burr_holes)
       if (!find_item(said.anatomies, name) && !(said.haptic && find_item(said.haptic->shapes, name)))
         fault("burr_holes", "burr_holes." + name, "the scene neither shows nor feels it");
@@ -87,6 +89,7 @@ class SceneReader {
 
   ConfigReading& r_;
   const fs::path& file_;
+  Places at_;
 };
 
 std::string name_of(FacePolicy policy) {

@@ -97,7 +97,8 @@ struct SceneFileParams : VersionParams {
     v.map(&P::landmarks, "landmarks", "Landmarks that the scene requires, each with its least confidence.")
         .names("landmark");
     v.map(&P::burr_holes, "burr_holes", "The anatomies from which the case's burr holes are cut.").names("anatomy");
-    v.text(&P::materials, "materials", "The file of materials that the haptic shapes name.").names("file");
+    // Before haptic, whose shapes name materials.
+    v.text(&P::materials, "materials", "The file of materials that the haptic shapes name.").names("materials");
     v.group(&P::haptic, "haptic", "The haptic volume, which is what the hand feels.");
     v.group(&P::face, "face", "What is done about the patient's face.");
   }

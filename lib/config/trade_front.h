@@ -50,7 +50,7 @@ struct TradeRule {
 /// accurate point in logarithmic axes [Satopaa2011], or where there is none, the most accurate point. Both are chosen
 /// among the points within the scene's own triangles (scene.triangles_ratio at most 1). fine is the most accurate point
 /// of all.
-constexpr const char* profile_names[] = {"draft", "standard", "fine"};
+inline const std::vector<std::string> profile_names{"draft", "standard", "fine"};
 
 struct TradeChoice {
   TradePoint point;

@@ -56,7 +56,7 @@ class SetValuesCheck {
         note(check_value(one, p, object));
       else
         for (const ParameterItem& item : p.items(object))
-          note(check(path_below(one, item.name), p.item_set(), item.object));
+          note(check(path_below(one, item.name), p.set_of(item), item.object));
     }
     if (latest && set.fault)
       if (const std::string what = set.fault(object); !what.empty()) {
@@ -130,7 +130,8 @@ std::vector<std::string> ConfigValues::matching(const std::string& path) const {
   return all;
 }
 
-std::string ConfigValues::set(const std::string& path, const YamlNode& value, const ValueOrigin& from) {
+std::string ConfigValues::set(const std::string& path, const std::string& text, const ValueOrigin& from) {
+  const YamlNode value = value_of(text);
   const std::vector<std::string> paths = matching(path);
   if (paths.empty()) {
     std::vector<std::string> known;
@@ -154,7 +155,7 @@ void ConfigValues::set_from_text(const std::string& text, const ValueOrigin& fro
   if (equals == std::string::npos)
     return faults.add(Error(ExitCode::usage, "", "--set", text + ", must be anatomy.stage.parameter=value"));
   const std::string path = text.substr(0, equals);
-  if (const std::string fault = set(path, value_of(text.substr(equals + 1)), from); !fault.empty())
+  if (const std::string fault = set(path, text.substr(equals + 1), from); !fault.empty())
     faults.add(fault_of_value(path, from, fault));
 }
 

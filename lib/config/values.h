@@ -61,10 +61,10 @@ class ConfigValues {
   /// Records the origin of the value that the object has already.
   void note(const std::string& path, const ValueOrigin& origin) { origins_[path] = origin; }
 
-  /// Sets a value. Returns the fault, or ""; it returns "" also where a stronger source has set the value. `anatomies`
-  /// says whether the recipe could be read; where it could not, its paths are unknown and no fault is reported for
-  /// them.
-  std::string set(const std::string& path, const YamlNode& value, const ValueOrigin& origin);
+  /// Sets a value given as text, "0.2" or "[1, 1, 1]". Returns the fault, or ""; it returns "" also where a stronger
+  /// source has set the value. `anatomies` says whether the recipe could be read; where it could not, its paths are
+  /// unknown and no fault is reported for them.
+  std::string set(const std::string& path, const std::string& value, const ValueOrigin& origin);
   /// Sets "path=value" as --set gives it. Faults are those of usage (64).
   void set_from_text(const std::string& text, const ValueOrigin& origin, ConfigFaults& faults);
   /// Sets a value that has passed its checks already, unless a stronger source has set it or there is no such path.

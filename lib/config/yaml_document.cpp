@@ -72,6 +72,7 @@ class TreeBuilder : public YAML::EventHandler {
     YamlNode node = make(mark, YamlNode::Kind::scalar, value, anchor);
     // A plain null or ~ is no value; a quoted one (tag "!") is the text.
     if (tag != "!" && (value == "null" || value == "~")) node = make(mark, YamlNode::Kind::null, "", anchor);
+    node.quoted = tag == "!";
     add(std::move(node));
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,

@@ -18,6 +18,7 @@ namespace trephine {
 struct YamlNode {
   enum class Kind { null, scalar, list, map } kind = Kind::null;
   std::string text;                                    ///< for a scalar
+  bool quoted = false;                                 ///< for a scalar: a text, even where it looks like a number
   std::vector<YamlNode> items;                         ///< for a list
   std::vector<std::pair<YamlNode, YamlNode>> entries;  ///< for a map, in the file's order; keys are scalars
   int line = 1, column = 1;

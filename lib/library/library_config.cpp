@@ -46,13 +46,13 @@ class Reader {
       if (kind == "file" && name.find_first_of("*?[") == std::string::npos) in_root(name, fault);
       return fault;
     };
-    read_declared(reading, tree_, "", parameters_of<LibraryFileParams>(), &said_);
+    at_ = read_declared(reading, tree_, parameters_of<LibraryFileParams>(), &said_);
     read_configs();
-    shared_set_ = set_of(tree_, said_.set, "set");
+    shared_set_ = set_of(said_.set, "set");
     for (std::size_t i = 0; i < said_.cases.size(); ++i) read_case(i);
     for (std::size_t i = 0; i < said_.series.size(); ++i) find_series(i);
     if (said_.phantoms) read_phantoms();
-    if (!tree_.find("cases") && !tree_.find("series") && !tree_.find("phantoms"))
+    if (!at_.has("cases") && !at_.has("series") && !at_.has("phantoms"))
       faults_.add(out_.file, tree_, "cases", "is missing, and so are series and phantoms: the library has no case");
     faults_.raise();
     return std::move(out_);
@@ -77,27 +77,20 @@ class Reader {
     std::string ignored;
     return text.empty() ? fs::path() : in_root(text, ignored);
   }
-  // The node of one item of a list at the top level, or the whole file where there is none.
-  const YamlNode& item(const YamlNode* list, std::size_t i) const {
-    return list && i < list->items.size() ? list->items[i] : tree_;
-  }
-
   void read_configs() {
     if (!said_.config.empty()) configs_.push_back({"", file_of(said_.config)});
     for (const auto& [name, path] : said_.configs) configs_.push_back({"-" + name, file_of(path.path)});
     if (!said_.config.empty() && !said_.configs.empty())
-      faults_.add(out_.file, *tree_.find("configs"), "configs", "stands beside config: give one of them");
+      faults_.add(out_.file, at_.at("configs"), "configs", "stands beside config: give one of them");
   }
 
   // Settings as --set takes them. A path in one is relative to this file.
-  std::vector<std::string> set_of(const YamlNode& node, const Named<SaidValue>& values, const std::string& where) {
-    const YamlNode* set = node.find("set");
+  std::vector<std::string> set_of(const Named<SaidValue>& values, const std::string& where) {
     std::vector<std::string> all;
     for (const auto& [path, value] : values) {
-      const YamlNode* at = set ? set->find(path) : nullptr;
+      const std::string one = where + "." + path;
       const bool is_file = names_file(path) && !value.text.empty();
-      all.push_back(path + "=" +
-                    (is_file ? path_at(at ? *at : node, where + "." + path, value.text).string() : value.text));
+      all.push_back(path + "=" + (is_file ? path_at(at_.at(one), one, value.text).string() : value.text));
     }
     return all;
   }
@@ -121,31 +114,30 @@ class Reader {
     }
   }
 
-  void check_token(const YamlNode& node, const std::string& where, const std::string& key, const std::string& token) {
+  void check_token(const std::string& where, const std::string& token) {
     if (token.empty()) return;
     try {
       validate_case_token(token, ExitCode::bad_config);
     } catch (const Error& e) {
-      const YamlNode* at = node.find(key);
-      faults_.add(out_.file, at ? *at : node, where + "." + key, e.what());
+      faults_.add(out_.file, at_.at(where), where, e.what());
     }
   }
 
   void read_case(std::size_t i) {
     const std::string where = "cases[" + std::to_string(i) + "]";
-    const YamlNode& node = item(tree_.find("cases"), i);
+    const YamlNode& node = at_.at(where);
     const LibraryCaseParams& said = said_.cases[i];
     LibraryCase one;
     one.token = one.origin = said.case_token;
-    check_token(node, where, "case", said.case_token);
+    check_token(where + ".case", said.case_token);
     one.series = file_of(said.series);
     one.landmarks = file_of(said.landmarks_file);
-    add_cases(std::move(one), file_of(said.config), node, where, set_of(node, said.set, where + ".set"));
+    add_cases(std::move(one), file_of(said.config), node, where, set_of(said.set, where + ".set"));
   }
 
   void find_series(std::size_t i) {
     const std::string where = "series[" + std::to_string(i) + "]", text = said_.series[i].text;
-    const YamlNode& node = item(tree_.find("series"), i);
+    const YamlNode& node = at_.at(where);
     const fs::path pattern(text);
     const std::string last = pattern.filename().string();
     if (text.empty() || pattern.parent_path().string().find_first_of("*?[") != std::string::npos || last.empty())
@@ -172,23 +164,17 @@ class Reader {
   }
 
   void read_phantoms() {
-    const YamlNode* list = tree_.find("phantoms")->find("list");
     for (std::size_t i = 0; i < said_.phantoms->list.size(); ++i) {
       const std::string where = "phantoms.list[" + std::to_string(i) + "]";
-      const YamlNode& node = item(list, i);
-      // The phantom's own keys override the shared ones; faults of these are known already.
-      LibraryPhantomParams said;
-      static_cast<PhantomValues&>(said) = said_.phantoms->shared;
-      ConfigFaults told;
-      read_declared({out_.file, told, {}, {}}, node, where, parameters_of<LibraryPhantomParams>(), &said);
-      check_token(node, where, "name", said.name);
+      const LibraryPhantomParams& said = said_.phantoms->list[i];
+      check_token(where + ".name", said.name);
       AnyParams values = AnyParams::make<PhantomValues>(said);
       for (const std::string& text : overrides_.phantom) override_phantom(values, text);
       LibraryCase patient;
       patient.token = patient.origin = said.name;
       patient.phantom = static_cast<int>(out_.phantoms.size());
       out_.phantoms.push_back({said.name, values.as<PhantomValues>().params()});
-      add_cases(std::move(patient), file_of(said.config), node, where, set_of(node, said.set, where + ".set"));
+      add_cases(std::move(patient), file_of(said.config), at_.at(where), where, set_of(said.set, where + ".set"));
     }
   }
 
@@ -214,6 +200,7 @@ class Reader {
 
   const LibraryOverrides& overrides_;
   const YamlNode tree_;
+  Places at_;
   LibraryFileParams said_;
   std::vector<fs::path> roots_;
   ConfigFaults faults_;

@@ -52,7 +52,11 @@ struct LibraryPhantomsParams {
   static void describe(V& v) {
     using P = LibraryPhantomsParams;
     v.group(&P::shared, "shared", "Parameters of every phantom that does not set them itself.");
-    v.list(&P::list, "list", "The phantoms.").is_required();
+    v.list(&P::list, "list", "The phantoms.", [](const P& phantoms) {
+       LibraryPhantomParams one;
+       static_cast<PhantomValues&>(one) = phantoms.shared;
+       return one;
+     }).is_required();
   }
 };
 

@@ -60,9 +60,9 @@ std::string why_needed(const Graph& graph, int node, bool pictured) {
   }
   if (graph.haptic == node) why.emplace_back("the scene's haptic volume");
   if (graph.mismatch == node) why.emplace_back("how far what is felt lies from what is seen");
-  if (graph.landmarks == node) why.emplace_back("landmarks that the scene, a burr hole or the gate needs");
-  if (graph.anatomy_gate == node) why.emplace_back("the gate over the anatomies that the scene shows");
-  if (graph.face_gate == node) why.emplace_back("the gate over the face");
+  if (graph.landmarks == node) why.emplace_back("landmarks that the scene, a burr hole or a check needs");
+  if (graph.anatomy_gate == node) why.emplace_back("the consistency check of the anatomies that the scene shows");
+  if (graph.face_gate == node) why.emplace_back("the check that no face is published");
   if (pictured && graph.scan == node) why.emplace_back("the pictures");
   for (const Node& reader : graph.nodes)
     for (const auto& [port, source] : reader.sources)
@@ -94,6 +94,24 @@ std::string why_scan_step_pruned(const CaseConfig& config, const std::string& st
   return "the scene shows too few of its anatomies";
 }
 
+bool begins_with(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
+
+// Whether the value has a part in this case: it belongs to a stage that will exist (for a node that sees the original
+// scan, to its stage), to the scene, to an anatomy or a material that the scene has, or it is a role that is given.
+bool is_shown(const ValueRow& row, const CaseConfig& config, const Graph& graph) {
+  if (begins_with(row.path, "scene.")) return true;
+  for (const Node& node : graph.nodes)
+    if (begins_with(row.path, node.name == "haptic.voxelize" ? "haptic." : node.name + ".")) return true;
+  for (const SceneShape& shape : config.haptic.shapes)
+    if (begins_with(row.path, "materials." + shape.material.name + ".")) return true;
+  const AnyParams roles = AnyParams::make(config.roles);
+  for (const ParameterLeaf& leaf : leaves_of(roles))
+    if (leaf.path == row.path) return row.origin.source != ValueSource::standard;
+  const std::size_t dot = row.path.find('.');
+  return dot != std::string::npos && row.path.find('.', dot + 1) == std::string::npos &&
+         config.find_anatomy(row.path.substr(0, dot)) && config.is_shown(row.path.substr(0, dot));
+}
+
 const char* to_text(Explanation::Stage::State state) {
   switch (state) {
     case Explanation::Stage::State::compute:
@@ -112,15 +130,8 @@ Explanation explain(const CaseConfig& config, const Graph& graph, const std::vec
                     const StageCache& cache) {
   Explanation out;
   out.trade = config.trade;
-  // Only values of stages that will exist. For a node that sees the original scan, they are the values of its stage.
   for (const ValueRow& row : config.values)
-    if (std::any_of(graph.nodes.begin(), graph.nodes.end(),
-                    [&](const Node& node) {
-                      const std::string prefix = node.name == "haptic.voxelize" ? "haptic." : node.name + ".";
-                      return row.path.rfind(prefix, 0) == 0;
-                    }) ||
-        row.path.rfind("scene.", 0) == 0)
-      out.values.push_back(row);
+    if (is_shown(row, config, graph)) out.values.push_back(row);
   const Forecast forecast(graph, wanted, cache);
   const bool pictured = std::count(wanted.begin(), wanted.end(), graph.scan) > 0;
   for (std::size_t i = 0; i < graph.nodes.size(); ++i)

@@ -26,7 +26,7 @@ struct Explanation {
   };
   std::vector<Stage> stages;     ///< as in the graph
   std::vector<Pruned> pruned;    ///< stages of the recipe, in its order
-  std::vector<ValueRow> values;  ///< every parameter of the stages above, and the source of its value
+  std::vector<ValueRow> values;  ///< everything that has a part in the case, and the source of its value
   CaseTrade trade;
 };
 

@@ -27,9 +27,8 @@ struct RunParams {
     v.text(&P::case_token, "case",
            "Name of the case: a-z, 0-9, _ and -; never a patient's name. It overrides the configuration's; where "
            "neither gives one, it is random.");
-    v.text(&P::profile, "profile",
-           "draft, standard or fine: a point of the trade that the configuration names, instead of the configuration's "
-           "own rule.");
+    v.word(&P::profile, "profile", profile_names,
+           "A named point of the trade that the configuration names, instead of the configuration's own rule.");
     v.flag(&P::use_cache, "use_cache",
            "Reuse and keep the outputs of stages whose inputs and parameters are the same.");
     v.integer(&P::cache_limit_mb, "cache_limit_mb", Range{0, 1e9},

@@ -100,18 +100,18 @@ TradePlan read_trade_plan(const std::filesystem::path& file) {
   const YamlNode tree = read_yaml(file);
   ConfigFaults faults;
   TradeFileParams said;
-  read_declared({file, faults, {}, {}}, tree, "", parameters_of<TradeFileParams>(), &said);
+  const Places at = read_declared({file, faults, {}, {}}, tree, parameters_of<TradeFileParams>(), &said);
   TradePlan plan;
   plan.finest = settings_of(said.finest);
   for (const auto& [name, sweep] : said.sweeps) {
-    const YamlNode& at = *tree.find("sweeps");
-    if (name == "finest") faults.add(file, *at.find(name), "sweeps." + name, "is the name of another point");
+    const std::string where = "sweeps." + name;
+    if (name == "finest") faults.add(file, at.at(where), where, "is the name of another point");
     TradeSweep one{name, settings_of(sweep.set), {}};
     for (const auto& [path, swept] : sweep.values) {
       SweptParameter parameter{path, {}};
       for (const SaidValue& value : swept.values) parameter.values.push_back(value.text);
       if (parameter.values.empty())
-        faults.add(file, *at.find(name), "sweeps." + name + ".values." + path, "must be a list of values");
+        faults.add(file, at.at(where), where + ".values." + path, "must be a list of values");
       one.values.push_back(std::move(parameter));
     }
     plan.sweeps.push_back(std::move(one));

@@ -172,7 +172,7 @@ std::string trade_json(const TradeResult& result, const std::string& program_ver
     for (const TradeError error : all_errors)
       json["fronts"][std::string(to_text(cost)) + "_" + to_text(error)] = front_names(choosable, cost, error);
   if (!choosable.empty())
-    for (const char* profile : profile_names) try {
+    for (const std::string& profile : profile_names) try {
         TradeRule rule;
         rule.profile = profile;
         json["profiles"][profile] = choose(choosable, rule).point.name;
@@ -193,11 +193,11 @@ std::string trade_table(const TradeResult& result) {
       {"point", "s", "MB peak", "triangles", "MB", "RMS mm", "p99 mm", "max mm", "truth RMS mm", "", ""}};
   const auto front = front_names(choosable, TradeCost::seconds, TradeError::rms);
   std::map<std::string, std::string> profile_of;
-  for (const char* profile : profile_names) try {
+  for (const std::string& profile : profile_names) try {
       TradeRule rule;
       rule.profile = profile;
       std::string& names = profile_of[choose(choosable, rule).point.name];
-      names += (names.empty() ? "" : ", ") + std::string(profile);
+      names += (names.empty() ? "" : ", ") + profile;
     } catch (const Error&) {  // there is no point but the finest
     }
   for (const PointTrade& p : result.points) {

@@ -68,7 +68,8 @@ for kind, pattern in KINDS:
         for fault in faults_of(schema, tree):
             print(f"{file.relative_to(ROOT)}: {fault}")
             failed += 1
-        wrong = [with_key(tree, (), "no_such_key", 1), with_key(tree, (), "trephine", 2)]
+        wrong = [with_key(tree, (), "no_such_key", 1), with_key(tree, (), "trephine", 2),
+                 with_key(tree, (), "trephine", "1")]
         without = copy.deepcopy(tree)
         del without["trephine"]
         wrong.append(without)

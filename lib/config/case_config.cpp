@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a read configuration answers, and what its readers share.
+#include <algorithm>
+
+#include "config/config_root.h"
+#include "config/reading.h"
+
+namespace trephine {
+namespace fs = std::filesystem;
+
+ConfigReading::ConfigReading(const fs::path& f, const ConfigOverrides& o) : file(f), overrides(o) {
+  roots.push_back(root_of(file));
+  for (const fs::path& root : o.roots) roots.push_back(absolute_path(root));
+}
+
+fs::path ConfigReading::in_root(const fs::path& from, const std::string& text, std::string& fault) const {
+  const fs::path path = absolute_path(fs::absolute(from).parent_path() / text);
+  if (std::any_of(roots.begin(), roots.end(), [&](const fs::path& root) { return lies_in(path, root); })) return path;
+  fault = text + ", leads out of the root " + roots[0].string() + "; --root adds one";
+  return {};
+}
+
+ValueOrigin ConfigReading::origin(ValueSource source, const fs::path& from, const YamlNode& at) const {
+  return {source, from.string() + ":" + std::to_string(at.line) + ":" + std::to_string(at.column),
+          absolute_path(from).parent_path()};
+}
+
+std::vector<std::string> ConfigReading::anatomy_names() const {
+  std::vector<std::string> names;
+  for (const RecipeAnatomy& a : out.anatomies) names.push_back(a.name);
+  return names;
+}
+
+std::string ConfigReading::fault_of_anatomy(const std::string& name) const {
+  if (out.find_anatomy(name)) return "";
+  return name + ", the pipeline has no such anatomy" + did_you_mean(name, anatomy_names());
+}
+
+std::string ConfigReading::fault_of_landmark(const std::string& name) const {
+  const bool looked_for = out.find_scan_step(landmarks_step) != nullptr;
+  std::vector<std::string> known;
+  if (looked_for) known = findable_landmarks();
+  for (const CaseLandmark& l : out.landmarks) known.push_back(l.name);
+  if (std::find(known.begin(), known.end(), name) != known.end()) return "";
+  return name + ", no such landmark is given" + (looked_for ? " or can be found" : "") + did_you_mean(name, known);
+}
+
+std::string CaseTrade::front_names() const {
+  std::string names;
+  for (const fs::path& file : fronts) names += (names.empty() ? "" : ", ") + file.filename().string();
+  return names;
+}
+
+const RecipeStep* RecipeAnatomy::find_step(const std::string& stage) const {
+  for (const RecipeStep& s : steps)
+    if (s.type->name == stage) return &s;
+  return nullptr;
+}
+
+const RecipeAnatomy* CaseConfig::find_anatomy(const std::string& name) const {
+  for (const RecipeAnatomy& a : anatomies)
+    if (a.name == name) return &a;
+  return nullptr;
+}
+
+const RecipeStep* CaseConfig::find_scan_step(const std::string& stage) const {
+  for (const RecipeStep& s : scan_steps)
+    if (s.type->name == stage) return &s;
+  return nullptr;
+}
+
+bool CaseConfig::is_shown(const std::string& anatomy) const {
+  return std::any_of(scene.begin(), scene.end(), [&](const SceneAnatomy& a) { return a.name == anatomy; }) ||
+         std::any_of(haptic.shapes.begin(), haptic.shapes.end(),
+                     [&](const SceneShape& s) { return s.name == anatomy; });
+}
+
+std::string CaseConfig::target_in(const std::string& landmark) const {
+  const SaidAnatomy* anatomy = find_item(roles.targets, landmark);
+  return anatomy ? anatomy->name : "";
+}
+
+std::map<std::string, Vec3> CaseConfig::landmark_positions_mm() const {
+  std::map<std::string, Vec3> all;
+  for (const CaseLandmark& l : landmarks) all[l.name] = l.position_mm;
+  return all;
+}
+
+}  // namespace trephine

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "config/recipe_file.h"
+
+namespace trephine {
+namespace {
+
+// The ports whose source a recipe names. The first port of an anatomy's step takes what the step before it gives; for a
+// stage of the whole scan, volume and landmarks are connected by the program.
+bool is_named(const StageType& stage, const Port& port) {
+  if (stage.place == StagePlace::anatomy) return &port != &stage.ports[0];
+  return port.kind == DataKind::field;
+}
+
+Parameter port_parameter(const Port& port) {
+  Parameter p;
+  p.name = port.name;
+  p.help = port.help + ", as anatomy.stage";
+  p.kind = ParameterKind::text;
+  p.required = port.required;
+  p.source = "output";
+  p.get = [name = port.name](const void* q) {
+    const auto& ports = static_cast<const RecipeStepParams*>(q)->ports;
+    const auto found = ports.find(name);
+    return ParameterValue(found == ports.end() ? std::string() : found->second);
+  };
+  p.set = [name = port.name](void* q, const ParameterValue& value) {
+    static_cast<RecipeStepParams*>(q)->ports[name] = std::get<std::string>(value);
+  };
+  return p;
+}
+
+ParameterSet step_set(const StageType& stage) {
+  const auto params_of = [](void* q) { return static_cast<RecipeStepParams*>(q)->params.object.get(); };
+  const ParameterSet& own = *stage.make_params().set;
+  ParameterSet set;
+  for (const Parameter& p : own.parameters) set.parameters.push_back(parameter_of_holder(p, params_of));
+  for (const Port& port : stage.ports)
+    if (is_named(stage, port)) set.parameters.push_back(port_parameter(port));
+  set.make = [&stage] {
+    auto step = std::make_shared<RecipeStepParams>();
+    step->params = stage.make_params();
+    return step;
+  };
+  if (own.fault)
+    set.fault = [fault = own.fault, params_of](const void* q) { return fault(params_of(const_cast<void*>(q))); };
+  return set;
+}
+
+}  // namespace
+
+std::vector<StepChoice> recipe_steps(StagePlace place) {
+  static const std::map<std::string, ParameterSet> sets = [] {
+    std::map<std::string, ParameterSet> all;
+    for (const StageType& stage : stage_types()) all[stage.name] = step_set(stage);
+    return all;
+  }();
+  std::vector<StepChoice> choices;
+  for (const StageType* stage : stages_of(place))
+    choices.push_back({stage->name, stage->summary, &sets.at(stage->name)});
+  return choices;
+}
+
+}  // namespace trephine
