@@ -30,7 +30,8 @@ struct CloseMember {
   void operator()(zip_file_t* f) const { zip_fclose(f); }
 };
 
-/// Group 8 or 2 in little endian at the start, or the preamble: what read_header takes for DICOM.
+/// Whether the bytes look like DICOM to read_header: they begin with group 8 or 2 in little endian, or with the
+/// preamble.
 bool begins_as_dicom(std::string_view head) {
   if (head.size() >= 132 && head.substr(128, 4) == "DICM") return true;
   return head.size() >= 8 && (head[0] == 8 || head[0] == 2) && head[1] == 0;
@@ -84,7 +85,7 @@ class Unzipper {
     }
     const auto count = static_cast<std::uint64_t>(std::max<zip_int64_t>(0, zip_get_num_entries(zip.get(), 0)));
     if (count > limits_.members) refuse(fmt::format("{} members, at most {} are read", count, limits_.members));
-    // All that can be told from the directory is told before anything is inflated.
+    // Everything that the directory shows is reported before anything is inflated.
     for (std::uint64_t i = 0; i < count; ++i) check(stat(zip.get(), i));
     for (std::uint64_t i = 0; i < count; ++i) {
       request_.report(static_cast<double>(i) / static_cast<double>(count));
@@ -137,12 +138,12 @@ class Unzipper {
       left -= have;
       have = read(member.get(), buffer.data(), std::min<std::uint64_t>(buffer.size(), left));
     }
-    // Its end is where libzip compares the checksum; a byte more would be a size that lies.
+    // libzip compares the checksum at the member's end. A byte more would mean that the stated size is wrong.
     if (read(member.get(), buffer.data(), 1) != 0) refuse("a member is damaged: longer than its size");
   }
 
-  /// Damage must not make a slice look like a foreign file and vanish: what is about as large as one is inflated to its
-  /// checksum.
+  /// Damage must not make a slice look like a file of another kind, so that it is left out silently. Therefore a member
+  /// that is about as large as a slice is inflated to its end, where the checksum is compared.
   void check_foreign(zip_file_t* member, const zip_stat_t& s, std::uint64_t have) {
     constexpr std::uint64_t most = 64 << 20, most_of_all = std::uint64_t{2} << 30;
     if (s.size > most || s.size / limits_.ratio > s.comp_size || checked_ > most_of_all) return;

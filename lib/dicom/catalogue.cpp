@@ -52,7 +52,7 @@ void list_files(const fs::path& folder, int depth, std::vector<fs::path>& files,
   }
 }
 
-/// Everything by which slices are ordered and series told apart that is not a position.
+/// Everything except positions by which slices are ordered and series are told apart.
 auto stack_key(const FrameRef& r) {
   const Frame& f = r.header->frames[static_cast<std::size_t>(r.frame)];
   const auto& o = *f.orientation;
@@ -125,7 +125,7 @@ Series make_series(std::vector<FrameRef> slices, ModalityPolicy modality) {
     if (r.header->syntax != h.syntax &&
         (r.header->syntax->encoding == Encoding::native) != (h.syntax->encoding == Encoding::native))
       s.summary.transfer_syntax = "mixed";
-  // What is not compressed is there; what is may claim anything.
+  // Pixels that are not compressed are there in full. Compressed ones may claim any size.
   constexpr std::uint64_t free_of_ratio = std::uint64_t{1} << 30, most = 2000;
   std::uint64_t claimed = 0, there = 0;
   for (const FrameRef& r : s.slices) {
@@ -144,7 +144,8 @@ Series make_series(std::vector<FrameRef> slices, ModalityPolicy modality) {
 
 /// Splits a group into stacks and adds them.
 void add_series(Group& group, ModalityPolicy modality, std::vector<Series>& out) {
-  // By content; the name decides between files that agree in all that is compared here, so that messages are steady.
+  // Files are ordered by content. Names decide only between files that agree in all of it, so that messages do not
+  // vary.
   std::sort(group.slices.begin(), group.slices.end(), [](const FrameRef& a, const FrameRef& b) {
     const Vec3 p = *frame_of(a).position_mm, q = *frame_of(b).position_mm;
     return std::make_tuple(stack_key(a), p.x, p.y, p.z, std::cref(a.header->name), a.frame) <
@@ -278,7 +279,7 @@ Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Pr
   }
   for (auto& [key, group] : groups) {
     if (!std::get<2>(key) && modality == ModalityPolicy::ct && group.slices.empty() && !group.faulty.empty()) {
-      // Not ours to complain of its tags: it is the modality that is not read.
+      // Its tags are not to blame: this modality is not read at all.
       Series s;
       const FileHeader& h = **std::min_element(group.faulty.begin(), group.faulty.end(),
                                                [](const auto* a, const auto* b) { return a->name < b->name; });
@@ -313,7 +314,7 @@ const Series& choose(const Catalogue& c, const std::string& token) {
     throw Error(ExitCode::usage, "", "series",
                 fmt::format("{} usable series, choose one by its token: ", usable) + listing(c));
   if (usable == 1) return c.series.front();
-  // Nothing usable: the largest CT series says why, else whatever was nearest to being one.
+  // Nothing is usable. The reason given is that of the largest CT series, or else of whatever was nearest to being one.
   if (!c.series.empty()) {
     const Series& s = c.series.front();
     throw Error(ExitCode::bad_input, s.refusal_file, s.refusal_field, s.refusal);

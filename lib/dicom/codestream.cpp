@@ -10,7 +10,7 @@ const std::uint8_t* bytes_of(std::string_view s) { return reinterpret_cast<const
 unsigned be16(const std::uint8_t* p) { return (unsigned{p[0]} << 8) | p[1]; }
 unsigned be32(const std::uint8_t* p) { return (be16(p) << 16) | be16(p + 2); }
 
-/// The stream ends in FF D9, but for the padding to an even length.
+/// The stream must end in FF D9; only the padding to an even length may follow.
 bool has_end_marker(std::string_view s) {
   while (!s.empty() && s.back() == '\0') s.remove_suffix(1);
   if (s.size() >= 3 && be16(bytes_of(s) + s.size() - 3) == 0xffd9) s.remove_suffix(1);

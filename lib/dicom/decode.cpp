@@ -13,7 +13,7 @@ namespace {
   throw Error(ExitCode::io, h.name, tag_name(h.pixels.tag), "cannot be read, or the file shrank meanwhile");
 }
 
-/// f(source); what the system says becomes an Error.
+/// Calls f(source) and turns a fault of the system into an Error.
 template <class F>
 void with_source(const FileHeader& h, F&& f) {
   try {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The only file that includes GDCM: its codecs, on fragments and shapes that the parent has checked, in the bounded
-// child.
+// The only file that includes GDCM. It runs GDCM's codecs in the bounded child process, on fragments and shapes that
+// the parent process has checked.
 #include <fmt/format.h>
 #include <gdcmDataElement.h>
 #include <gdcmFragment.h>
@@ -126,7 +126,7 @@ std::vector<char> decode(Job& j) {
   if (image.GetBufferLength() != wanted) bad_stream(j, "the decoder expects another size");
   std::vector<char> out(wanted);
   if (!image.GetBuffer(out.data())) bad_stream(j, "cannot be decoded");
-  // The codec sets what its stream says; another word size would have been another image.
+  // The codec sets the word size that its stream states. Another word size would be another image.
   if (image.GetPixelFormat().GetBitsAllocated() != j.bits_allocated)
     bad_stream(j, fmt::format("decodes to {} bits, BitsAllocated is {}", image.GetPixelFormat().GetBitsAllocated(),
                               j.bits_allocated));
@@ -157,7 +157,8 @@ ChildResult run(const std::vector<FrameRef>& frames, const Progress& progress) {
     largest = std::max(largest, f.header->frame_bytes());
   }
   ChildLimits limits;
-  // Address space: this program's libraries, a frame in its stages (stream, fragments, codec, output), the result.
+  // The address space holds this program's libraries, one frame in each of its forms (stream, fragments, codec, output)
+  // and the result.
   limits.memory_bytes = (std::uint64_t{2} << 30) + bytes + 16 * largest;
   limits.cpu_s = 30 + static_cast<double>(bytes) / 1e6;
   limits.wall_s = 2 * limits.cpu_s;
@@ -172,7 +173,8 @@ void decode_in_child(const std::vector<FrameRef>& frames, const FrameSink& sink,
     result = run(frames, progress);
   } catch (Error& e) {
     if (e.code() != ExitCode::internal) throw;
-    // The child died. Which file it was is found one by one; where each alone goes well, it was none of them.
+    // The child process died. Decoding the files one by one shows which of them caused it; if each of them decodes
+    // alone, none did.
     for (const FrameRef& f : frames) {
       try {
         run({f}, progress);

@@ -19,7 +19,7 @@ ByteSource::ByteSource(const Origin& origin) {
     size_ = origin.bytes.size();
     return;
   }
-  // O_NONBLOCK: a FIFO must not block the scan.
+  // O_NONBLOCK, because a FIFO must not block the scan.
   fd_ = ::open(origin.file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd_ < 0) throw std::system_error(errno, std::generic_category());
   struct stat st {};
@@ -83,7 +83,7 @@ class Walker {
          const std::function<void(const Element&, const std::vector<Level>&)>& visit)
       : source_(source), into_sequence_(into_sequence), visit_(visit) {}
 
-  /// Returns the position behind the data set; `until_item_end`: an item of undefined length.
+  /// Returns the position behind the data set. `until_item_end` says that it is an item of undefined length.
   std::uint64_t data_set(std::uint64_t at, std::uint64_t end, bool explicit_vr, bool until_item_end) {
     while (at < end && pixels_.tag == 0) {
       Head h = head(at, end, explicit_vr);

@@ -29,7 +29,8 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Indices in order along the normal, ties by the rest of the position, so that the files' order does not matter.
+/// The indices in order along the normal. Ties are decided by the rest of the position, so that the order of the files
+/// does not matter.
 std::vector<int> sorted_along(const SliceStack& stack) {
   const Vec3 n = stack.normal();
   std::vector<int> order(stack.positions_mm.size());
@@ -62,9 +63,9 @@ std::vector<double> steps_of(const std::vector<double>& along) {
   return steps;
 }
 
-/// A step over missing slices: nearly two or more times both neighbours, which are equal, and two or more times what is
-/// usual around it (so that jitter is not taken for it). At the stack's ends the next two steps stand for both
-/// neighbours.
+/// Whether a step leads over missing slices: it is at least nearly twice each of its two neighbours, which are equal,
+/// and at least twice the usual step around it, so that jitter is not mistaken for it. At the ends of the stack the
+/// next two steps are used as the neighbours.
 bool is_missing_slice(const std::vector<double>& steps, std::size_t k) {
   constexpr double factor = 1.8, equal = 0.1;
   const std::size_t n = steps.size();
@@ -82,7 +83,8 @@ struct Run {
   std::size_t first = 0, count = 0;
 };
 
-/// The longest run of consecutive steps within `tolerance` of `step` (or of the run's own first where step is 0).
+/// The longest run of consecutive steps that differ from `step` by at most `tolerance`; where `step` is 0, from the
+/// first step of the run.
 template <class Accept>
 Run longest_run(const std::vector<double>& steps, double tolerance, Accept accept) {
   Run best;
@@ -99,7 +101,8 @@ Run longest_run(const std::vector<double>& steps, double tolerance, Accept accep
 void choose_levels(const std::vector<double>& along, StackGeometry& g) {
   const std::vector<double> steps = steps_of(along);
   const double length = along.back() - along.front(), usual = median(steps);
-  // A real change of spacing shows as a run of equal steps; the finer part decides, or it would lose detail.
+  // A real change of spacing shows as a run of equal steps. The spacing of the finer part is taken, so that no detail
+  // is lost.
   double finest = usual;
   for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
     const double s = std::max(steps[k], steps[k + 1]);
@@ -110,7 +113,7 @@ void choose_levels(const std::vector<double>& along, StackGeometry& g) {
   const Run run =
       longest_run(steps, 2 * uniform_tolerance_mm, [&](double s) { return std::abs(s - finest) <= 0.05 * finest; });
   if (run.count >= 2 && 4 * run.count >= steps.size()) {
-    // In phase with the regular part, whose slices then stay as they are.
+    // The levels are in phase with the regular part, whose slices then stay unchanged.
     const double anchor = along[run.first];
     const double step = (along[run.first + run.count] - anchor) / static_cast<double>(run.count);
     const double from = std::ceil((along.front() - anchor) / step - 1e-3),
@@ -171,7 +174,7 @@ StackGeometry analyse_stack(const SliceStack& stack, GapPolicy gaps, double max_
     refuse(fmt::format("{} slice position{}, at least {} are needed", g.levels.size(), g.levels.size() == 1 ? "" : "s",
                        least_slices));
 
-  // Positions relative to the first slice: large coordinates cost no digits.
+  // Positions are relative to the first slice, so that large coordinates cost no digits.
   const Vec3 first = stack.positions_mm[g.levels.front().front()];
   std::vector<double> along, across_u, across_v;
   for (const auto& level : g.levels) {

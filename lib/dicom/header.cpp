@@ -46,7 +46,7 @@ std::uint32_t macro_of(std::uint32_t tag) {
   }
 }
 
-/// Tags outside RawFrame on which HU or the choice of files depends.
+/// Tags, other than those of RawFrame, on which HU or the choice of files depends.
 bool matters(std::uint32_t tag) {
   static constexpr std::uint32_t all[] = {t_image_type,  t_sop_class, t_modality,       t_series,  t_samples,
                                           t_photometric, t_frames,    t_rows,           t_columns, t_allocated,
@@ -64,7 +64,7 @@ class HeaderReader {
     const bool explicit_vr = h_.syntax->explicit_vr;
     h_.pixels = walk_elements(source_, begin, source_.size(), explicit_vr, descend,
                               [this](const Element& e, const std::vector<Level>& levels) { take(e, levels); });
-    // An image without pixels was cut short, if between two elements; reports and structures have none.
+    // An image without pixels was cut short between two elements. Reports and structure sets have no pixels.
     const bool image = h_.modality.empty() || h_.modality == "CT" || (h_.sop_class && h_.sop_class->is_ct);
     if (h_.pixels.tag == 0 && image) throw WalkFault{tag_name(t_pixels), "missing: the file ends before it"};
     check_pixels(h_, source_, representation_);
@@ -110,7 +110,7 @@ class HeaderReader {
         throw WalkFault{tag_name(t_transfer_syntax), std::string(h_.syntax->name) + " is not supported"};
       return at;
     }
-    // No transfer syntax: files of older programs. Only what begins as a data set does is taken for one.
+    // Files of older programs have no transfer syntax. They are accepted only if they begin as a data set does.
     const bool letters = p[4] >= 'A' && p[4] <= 'Z' && p[5] >= 'A' && p[5] <= 'Z';
     const std::uint32_t length = letters ? le16(p + 6) : le32(p + 4);
     if (le16(p) != 8 || le16(p + 2) > 0x0100 || length > 4096) throw WalkFault{"", "not a DICOM file"};
@@ -153,7 +153,7 @@ class HeaderReader {
       *slot = text(e);
       return;
     }
-    // Elements ascend; one that matters and comes again would leave it to chance which is meant.
+    // Elements stand in ascending order. If one that matters occurred twice, it would be unclear which of them holds.
     if (e.tag <= last_tag_ && std::find(seen_.begin(), seen_.end(), e.tag) != seen_.end()) fault(e.tag, "given twice");
     last_tag_ = std::max(last_tag_, e.tag);
     if (matters(e.tag)) seen_.push_back(e.tag);

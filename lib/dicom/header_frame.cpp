@@ -43,7 +43,7 @@ std::optional<std::array<Vec3, 2>> orthonormal(const std::vector<double>& v, std
     fault(faults, t_orientation, "its directions are not orthogonal");
     return std::nullopt;
   }
-  // What is missing from the right angle is shared by both; the last step takes out the rest of second order.
+  // Both axes share the deviation from the right angle. The last step removes the remaining error of second order.
   const Vec3 u = normalized(a - b * (c / 2));
   b = b - a * (c / 2);
   const Vec3 w = normalized(b - u * dot(u, b));

@@ -64,7 +64,7 @@ class PixelCheck {
  private:
   void fault(std::uint32_t tag, const std::string& what) { h_.faults.push_back({tag, what}); }
 
-  // Which fragments belong to which frame: one each, or as the basic offset table says.
+  // Finds which fragments belong to which frame: one fragment a frame, or as the basic offset table says.
   void check_fragments() {
     std::vector<Fragment> all;
     try {
@@ -95,7 +95,7 @@ class PixelCheck {
         h_.frame_fragments.push_back({from, at});
       }
     }
-    // No codec of ours makes an image larger than that; what would be read at once stays bounded by the image.
+    // No codec makes a stream much larger than its image, so the bytes that are read at once stay bounded by the image.
     const std::uint64_t most = 4 * h_.frame_bytes() + (1 << 20);
     for (const auto& [from, to] : h_.frame_fragments) {
       std::uint64_t stream = 0;

@@ -37,8 +37,8 @@ struct Plan {
   std::vector<Slab> slabs;
 };
 
-/// How many target slices a worker reads at once: a child is worth starting for some megabytes only, and what is under
-/// way must stay small beside the volume.
+/// How many target slices a worker reads at once. Starting a child process pays only for some megabytes, and the slices
+/// that are being read must stay small beside the volume.
 int slab_size(const Series& series, const StackGeometry& g) {
   constexpr std::int64_t least_bytes = 8 << 20, most_bytes = 128 << 20;
   const FileHeader& h = *series.slices.front().header;
@@ -123,7 +123,7 @@ void read_levels(const Plan& plan, const Plan::Slab& slab, std::vector<HuCounts>
     if (std::memcmp(other.data(), last, pixels * sizeof(T)) != 0) different_duplicates(*frames[i].header);
     if (p.member + 1 == static_cast<int>(members.size())) take.done(p.level, last);
   };
-  // Compressed and uncompressed files may stand side by side: read in runs of one kind.
+  // Compressed and uncompressed files may be mixed, so they are read in runs of one kind.
   for (std::size_t from = 0; from < frames.size();) {
     const auto native = [&](std::size_t i) { return frames[i].header->syntax->encoding == Encoding::native; };
     std::size_t to = from + 1;
@@ -135,7 +135,7 @@ void read_levels(const Plan& plan, const Plan::Slab& slab, std::vector<HuCounts>
   }
 }
 
-/// Straight into the volume.
+/// Reads the slices straight into the volume.
 template <class T>
 struct Direct {
   Grid<T>& volume;
@@ -143,7 +143,8 @@ struct Direct {
   void done(int, const T*) {}
 };
 
-/// Through a window of four slices in the target's plane; a target slice is made once its last level is there.
+/// Reads through a window of four slices in the target's plane. A target slice is made as soon as its last level is
+/// there.
 template <class T>
 struct Windowed {
   const Plan& plan;
@@ -178,7 +179,7 @@ struct Windowed {
   std::vector<float>* buffer = nullptr;
 };
 
-/// Empty where a value does not fit T = int16.
+/// Returns nothing where a value does not fit T = int16.
 template <class T>
 std::optional<Grid<T>> read_volume(const Plan& plan, HuCounts& counts, const Progress& progress) {
   Grid<T> volume(plan.geometry.target);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What import would say of each series, without decoding any.
+// Lists what import would say of each series, without decoding pixels.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,7 +30,8 @@ std::string plane_of(const SliceStack& stack) {
 
 bool is_native(const FrameRef& r) { return r.header->syntax->encoding == Encoding::native; }
 
-/// Throws what import would of slices at one position whose pixels differ; compressed ones are left to it.
+/// Throws the error that import would throw for slices at one position whose pixels differ. Compressed slices are not
+/// compared here.
 void check_duplicates(const Series& series, const StackGeometry& geometry, const ImportParams& params) {
   const std::size_t pixels = std::size_t(series.stack.columns) * std::size_t(series.stack.rows);
   HuMapper<float> mapper;

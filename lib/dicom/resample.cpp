@@ -8,12 +8,12 @@
 namespace trephine::dicom {
 namespace {
 
-/// Nearer to a sample than this share of a step is the sample.
+/// A place that is nearer to a sample than this share of a step gets the sample's own value.
 constexpr double on_sample = 1e-4;
 
-/// Taps of an interpolation between equidistant samples; `before` of them lie before the place. Many: four would blur
-/// edges at half a step so much (0.88 of the amplitude at half of the highest frequency, eight leave 0.98) that a
-/// tilted skull came out a seventh worse than an upright one.
+/// Taps of an interpolation between equidistant samples; `before` of them lie before the place. There are eight because
+/// four would blur edges at half a step: four leave 0.88 of the amplitude at half of the highest frequency, eight leave
+/// 0.98. With four, the skull of a tilted scan was a seventh less accurate than that of an upright one.
 constexpr int taps = 8, before = taps / 2 - 1;
 
 struct Line {
@@ -22,7 +22,8 @@ struct Line {
   bool copy = false;
 };
 
-/// Lagrange's polynomial through the samples around: exact up to the seventh degree, and the sample itself at one.
+/// Lagrange's polynomial through the samples around the place. It is exact up to the seventh degree, and at a sample it
+/// gives that sample.
 Line line_of(double shift) {
   Line l;
   l.base = static_cast<int>(std::floor(-shift));
@@ -49,7 +50,8 @@ bool reach(const Line& l, int t, int size, std::array<int, taps>& at) {
   return true;
 }
 
-/// Weighted and limited to the range of the middle four: no over- or undershoot beyond what is next to the place.
+/// The weighted sum, clamped to the range of the middle four samples, so that it does not overshoot the values next to
+/// the place.
 template <class At>
 inline float limited_sum(const std::array<float, taps>& w, At&& at) {
   float sum = 0;

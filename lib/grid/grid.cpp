@@ -41,7 +41,7 @@ Box place_in(const Lattice& part, const Lattice& whole) {
   if (!is_finite(first)) refuse("origin", "not finite");
   for (int a = 0; a < 3; ++a) {
     const std::string axis = "axis " + std::to_string(a);
-    // What the far end of the part is off by, in voxels, because the steps differ.
+    // How far the far end of the part is off, in voxels, because the steps differ.
     const Vec3 step =
         transpose_times(whole.direction, part.direction.column[a] * part.spacing_mm[a]) * double(part.size[a]);
     for (int b = 0; b < 3; ++b) {

@@ -67,7 +67,7 @@ std::vector<LabelSegment> segments_of(const NrrdKeys& keys, const LayeredNrrd& f
     LabelSegment segment;
     if (id != keys.end()) segment.id = id->second;
     segment.name = name != keys.end() ? name->second : segment.id;
-    // Files of before layers could be shared have neither key: a layer a segment, of ones.
+    // Files from before layers could be shared have neither key: each segment has a layer of its own, with the value 1.
     segment.layer = number(prefix + "Layer", file.layers > 1 ? s : 0, file.layers - 1);
     segment.value = number(prefix + "LabelValue", 1, 1 << 24);
     if (const auto extent = keys.find(prefix + "Extent"); extent != keys.end())
@@ -77,7 +77,7 @@ std::vector<LabelSegment> segments_of(const NrrdKeys& keys, const LayeredNrrd& f
   return all;
 }
 
-/// Which samples are meant: of all layers or one, a value or all but 0.
+/// Which samples belong to a segment: those of all layers or of one, with one value or with any but 0.
 struct Wanted {
   std::optional<int> layer;
   std::optional<double> value;
@@ -100,7 +100,7 @@ std::size_t take(const Grid<T>& samples, const LabelFile& map, const Wanted& wan
   return count;
 }
 
-/// The values other than 0, at most `most_named` of them and one more.
+/// The values other than 0; at most `most_named` + 1 of them, which shows that there are more than can be named.
 std::set<long long> values_of(const LabelFile& map) {
   std::set<long long> values;
   std::visit(

@@ -83,7 +83,7 @@ class Source {
   z_stream z_{};
 };
 
-/// What of either header is needed, by name.
+/// The fields that are needed of either version of the header.
 struct Header {
   int version = 1;
   bool swapped = false;
@@ -234,7 +234,7 @@ Affine pixdim_of(const Header& h) {
   return a;
 }
 
-/// How far apart the two put a corner of the volume.
+/// The distance between the places at which the two transforms put a corner of the volume.
 double disagreement(const Affine& a, const Affine& b, const std::array<int, 3>& size) {
   double most = 0;
   for (int corner = 0; corner < 8; ++corner) {
@@ -258,7 +258,7 @@ Lattice lattice_of(const Header& h, Nifti& out) {
       try {
         off = disagreement(affine, qform_of(h), l.size);
       } catch (const Error&) {
-        // A qform that is none: the sform holds.
+        // The qform is invalid, so the sform holds.
       }
       if (!(off <= 0.5 * norm(affine.steps[0])))
         out.warnings.push_back("sform and qform place the volume differently; the sform is taken");
@@ -287,7 +287,7 @@ Grid<T> grid_with(const Lattice& l) {
   return g;
 }
 
-/// All samples, in pieces: memory grows with what is really there.
+/// Reads all samples in pieces, so that memory grows only with what the file really holds.
 template <class S>
 std::vector<S> samples_of(Source& in, const Header& h, std::size_t count) {
   std::vector<S> samples;

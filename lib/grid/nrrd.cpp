@@ -47,7 +47,7 @@ void write_grid(const std::filesystem::path& file, const Grid<T>& grid, const Nr
   out.commit();
 }
 
-// Bytes to read: of a file, or in memory.
+// The source of the bytes: a file, or memory.
 class Input {
  public:
   virtual ~Input() = default;
@@ -171,7 +171,7 @@ void check_finite(const std::vector<float>& voxels) {
       throw Error(ExitCode::bad_input, "", "data", "voxel " + std::to_string(i) + " is not finite");
 }
 
-// int16 where every value fits, else float32.
+// Makes a volume of int16 where every value fits, else of float32.
 template <class S>
 AnyGrid from_integers(const Lattice& lattice, const std::vector<S>& samples) {
   const auto [least, most] = std::minmax_element(samples.begin(), samples.end());

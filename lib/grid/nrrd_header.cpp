@@ -51,7 +51,7 @@ std::vector<std::string> words(const std::string& s) {
   return out;
 }
 
-// Other programs write 1e-05 and +1; what must hold is that the whole word is one finite number.
+// Other programs write 1e-05 and +1. The whole word must be one finite number.
 double number_of(const std::string& word, const std::string& field) {
   double v = 0;
   const char* begin = word.data() + (word.size() > 1 && word[0] == '+' ? 1 : 0);
@@ -122,7 +122,7 @@ std::array<Vec3, 3> steps_of(const Lattice& l) {
           l.direction.column[2] * l.spacing_mm.z};
 }
 
-// What a reader without the two keys makes of the steps.
+// The spacing and direction that a reader without the two keys computes from the steps.
 void take_steps(Lattice& l, const std::array<Vec3, 3>& steps, const std::string& field = "space directions") {
   for (int a = 0; a < 3; ++a) {
     // hypot of an axis-aligned step is exact.
@@ -142,7 +142,7 @@ void check_orthogonal(Lattice& l, const std::string& field = "space directions")
     worst = std::max(worst, std::abs(dot(l.direction.column[a], l.direction.column[(a + 1) % 3])));
   if (!(worst <= refused_above)) refuse(field, "the axes are not orthogonal (cosine " + to_text(worst) + ")");
   if (worst <= kept_below) return;
-  // Written with few digits: the nearest orthonormal axes, the first one kept.
+  // The file was written with few digits, so the nearest orthonormal axes are taken; the first axis is kept.
   auto& c = l.direction.column;
   const double hand = determinant(l.direction) < 0 ? -1 : 1;
   c[1] = normalized(c[1] - c[0] * dot(c[0], c[1]));
@@ -165,7 +165,7 @@ void take_exact_keys(Lattice& l, NrrdKeys& keys, const std::array<Vec3, 3>& step
                std::abs(norm(exact.direction.column[a]) - 1) <= 1e-6;
       if (same) l = exact;
     } catch (const Error&) {
-      // Somebody else's key of that name: the steps hold.
+      // The key is of another program, so the steps hold.
     }
   }
   keys.erase(spacing_key);

@@ -18,7 +18,8 @@ struct Tap {
 };
 
 std::vector<Tap> taps_of(int old_size, double old_step, int new_size, double new_step) {
-  // A box as wide as the larger voxel; over old voxels that are constant, one as wide as theirs interpolates linearly.
+  // The average over a box as wide as the larger voxel. Old voxels are taken as constant, so a box as wide as they are
+  // interpolates linearly.
   const double width = std::max(1.0, new_step / old_step);
   std::vector<Tap> taps(static_cast<std::size_t>(new_size));
   for (int i = 0; i < new_size; ++i) {
@@ -44,7 +45,8 @@ std::vector<Tap> taps_of(int old_size, double old_step, int new_size, double new
   return taps;
 }
 
-// One axis at a time, slowest first: the volume is never larger than before and after.
+// Resamples one axis at a time, slowest first, so that the volume in between is never larger than the larger of input
+// and result.
 template <class In, class Out>
 Grid<Out> along(const Grid<In>& in, int axis, const std::vector<Tap>& taps, double step_mm, const Progress& progress) {
   Lattice lattice = in;

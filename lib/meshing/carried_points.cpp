@@ -11,7 +11,7 @@ namespace trephine {
 namespace {
 
 constexpr std::uint32_t none = CollapseMesh::none;
-/// Share of the limit from which what lies beside a point is looked at.
+/// Where a point has moved by more than this share of the limit, its surroundings are searched too.
 constexpr double some_way = 0.5;
 
 /// Calls visit(triangle) for the triangles around u or v, each once.
@@ -24,8 +24,8 @@ void for_each_around(const CollapseMesh& mesh, std::uint32_t u, std::uint32_t v,
   });
 }
 
-/// The nearest of the triangles around a point, and of those around a point of their rim where the nearest place lies
-/// there, as long as that leads nearer.
+/// The nearest of the triangles around a point. Where the nearest place lies on the rim of these triangles, the search
+/// goes on around the rim's point, as long as that leads nearer.
 std::uint32_t descend(const CollapseMesh& mesh, std::uint32_t start, Vec3 p, double& best) {
   best = std::numeric_limits<double>::infinity();
   std::uint32_t triangle = none;

@@ -17,7 +17,7 @@ void for_each_piece(std::size_t count, const Each& each) {
                [&](std::int64_t from, std::int64_t to) { each(from / grain, from, to); });
 }
 
-/// How many of those before each piece are chosen, and in the end of all.
+/// For each piece, how many items of the pieces before it are chosen; the last entry counts those of all pieces.
 template <class Chosen>
 std::vector<std::uint32_t> numbers_of(std::size_t count, const Chosen& chosen) {
   std::vector<std::uint32_t> before(count / grain + 2, 0);
@@ -42,7 +42,7 @@ CollapseMesh::CollapseMesh(const TriMesh& mesh)
       dead_(mesh.triangles.size(), 0),
       live_triangles_(mesh.triangles.size()) {
   for (std::uint32_t v = 0; v < points_mm_.size(); ++v) move(v, mesh.points_mm[v]);
-  // The half-edges by the point that they leave: the twin of one is among those that leave its end.
+  // The half-edges are sorted by the point that they leave. The twin of a half-edge is among those that leave its end.
   std::vector<std::uint32_t> begin(points_mm_.size() + 1, 0), leaving(twin_.size());
   for (const auto& t : triangles_)
     for (const std::uint32_t v : t) ++begin[v + 1];

@@ -14,17 +14,20 @@ namespace {
 
 /// A round works off at most this share of the edges.
 constexpr double round_share = 0.35;
-/// Points carry once so many times the target is left.
+/// Points are carried from the moment when this many times the target of triangles is left.
 constexpr double carry_from = 2.5;
-/// The rounds end at so many times the target, with a limit (there each attempt takes long), or at this count.
+/// The rounds end at this many times the target where there is a limit (each attempt takes long there), or at this
+/// count.
 constexpr double rounds_to = 1.1, limited_rounds_to = 1.03;
 constexpr std::size_t rounds_to_count = 20000;
-/// A round that takes less than this share of the triangles is the last; while points are yet to be carried the second.
+/// A round that takes less than this share of the triangles is the last one. The second share holds as long as there is
+/// a limit but no points are carried yet.
 constexpr double least_progress = 0.03, least_uncarried_progress = 0.1;
-/// Points of a cell: enough for most to lie off its walls. At most so many cells along an axis.
+/// How many points a cell holds: enough for most of them to lie away from its walls. And how many cells there may be
+/// along an axis.
 constexpr double points_per_cell = 1500;
 constexpr int most_cells = 64;
-/// Every so many points are looked at to find a round's cost.
+/// One point in so many is looked at to find the cost at which a round ends.
 constexpr std::uint32_t sampling = 32;
 
 constexpr float infinite_cost = std::numeric_limits<float>::infinity();
@@ -43,7 +46,7 @@ float EdgeCollapse::cost_below(double share) const {
   std::vector<std::vector<float>> found((count + 1023) / 1024);
   parallel_for(0, static_cast<std::int64_t>(count), 1024, [&](std::int64_t from, std::int64_t to) {
     for (auto n = static_cast<std::size_t>(from); n < static_cast<std::size_t>(to); ++n) {
-      // Spread over the residues, so that no regularity of the numbering matters.
+      // The sample is spread over the residues, so that a regular numbering of the points does not distort it.
       const std::size_t u = n * sampling + (n * 7) % sampling;
       if (u >= mesh_.points() || !mesh_.live_point(static_cast<std::uint32_t>(u))) continue;
       mesh_.for_each_leaving(static_cast<std::uint32_t>(u), [&](std::uint32_t e) {
@@ -125,7 +128,7 @@ void EdgeCollapse::gather(const std::uint32_t* from, const std::uint32_t* to, fl
   }
 }
 
-/// With the cost as last computed: a quadric only grows, so that is a lower bound of what it is.
+/// Keeps the cost that was computed last. A quadric only grows, so this is a lower bound of the cost now.
 bool EdgeCollapse::bounded_candidate(std::uint32_t half_edge, Candidate& c) {
   const float known = costs_[half_edge];
   if (std::isnan(known)) {
@@ -138,8 +141,8 @@ bool EdgeCollapse::bounded_candidate(std::uint32_t half_edge, Candidate& c) {
   return !((flags_[u] | flags_[v]) & locked);
 }
 
-/// Collapses at most so many edges, the cheapest first, with those that come up on the way. An edge whose points have
-/// changed is looked at again when its turn comes by its old cost, not before.
+/// Collapses at most `count` edges, the cheapest first, including edges that arise on the way. An edge whose points
+/// have changed keeps its place by its old cost, and its cost is computed again when its turn comes.
 void EdgeCollapse::work_off(std::size_t count, float cost_limit, Worker& w, const std::function<void()>& tick) {
   const auto push = [&](const Candidate& c) {
     if (!(c.cost <= cost_limit)) return;
@@ -171,7 +174,7 @@ void EdgeCollapse::work_off(std::size_t count, float cost_limit, Worker& w, cons
     }
     const std::uint32_t g = mesh_.twin(h);
     const auto known = [this](std::uint32_t e) { return costs_[std::min(e, mesh_.twin(e))]; };
-    // The sides that fall together: the cost of both is a lower bound of what it will be.
+    // Two sides become one. The cost of either is a lower bound of the new cost.
     const std::array<float, 4> sides{known(CollapseMesh::next(h)), known(CollapseMesh::previous(h)),
                                      known(CollapseMesh::next(g)), known(CollapseMesh::previous(g))};
     const Outcome outcome = attempt(h, w);
@@ -187,7 +190,7 @@ void EdgeCollapse::work_off(std::size_t count, float cost_limit, Worker& w, cons
     const std::uint32_t first = mesh_.twin(CollapseMesh::previous(h)), second = mesh_.twin(CollapseMesh::previous(g));
     costs_[std::min(first, mesh_.twin(first))] = larger(sides[0], sides[1]);
     costs_[std::min(second, mesh_.twin(second))] = larger(sides[2], sides[3]);
-    // What had been rejected may do now.
+    // An edge that was rejected before may be collapsed now.
     mesh_.for_each_leaving(u, [&](std::uint32_t e) {
       const std::uint32_t k = std::min(e, mesh_.twin(e));
       costs_[k] = -std::abs(costs_[k]);
@@ -220,7 +223,7 @@ void EdgeCollapse::rounds(std::size_t target, std::size_t floor, bool& limited, 
         std::swap(w.log, workers[n].log);
         gather(cells.points.data() + cells.begin[n], cells.points.data() + cells.begin[n + 1], cost_limit, w.sorted);
         std::sort(w.sorted.begin(), w.sorted.end(), Later());
-        // Together the cells cannot pass the target.
+        // Each cell has its share, so that all cells together cannot go below the target.
         const std::size_t most = (live - target) / 2 * (cells.begin[n + 1] - cells.begin[n]) / cells.points.size();
         work_off(most, cost_limit, w, [] {});
         w.log.records.shrink_to_fit();
@@ -255,7 +258,7 @@ void EdgeCollapse::finish(std::size_t target, bool& limited, const Progress& pro
   parallel_for(0, count, piece, [&](std::int64_t from, std::int64_t to) {
     gather(points.data() + from, points.data() + to, infinite_cost, edges[from / piece]);
   });
-  // Few of them will be worked off.
+  // Only a few of these edges will be collapsed.
   for (const auto& e : edges) w.heap.insert(w.heap.end(), e.begin(), e.end());
   std::make_heap(w.heap.begin(), w.heap.end(), Later());
   const auto gone = [&] { return double(2 * w.log.records.size()) / double(live - target); };

@@ -28,7 +28,8 @@ void require_surface(const Lattice& lattice, const InsideVoxels& inside) {
     if (inside.box.end[a] - inside.box.begin[a] < 2) fail(of + ", all in one slice: too thin for a surface");
 }
 
-/// From continuous indices to patient mm about a local origin; the triangles look outwards in either handedness.
+/// Transforms continuous indices to patient mm about a local origin. The triangles are oriented outwards, whether the
+/// lattice is right-handed or left-handed.
 void to_patient(TriMesh& mesh, const Lattice& lattice) {
   Vec3 low = mesh.points_mm.front(), high = low;
   for (const Vec3 p : mesh.points_mm)
@@ -52,7 +53,7 @@ void to_patient(TriMesh& mesh, const Lattice& lattice) {
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 
-/// Takes the points of the triangles (and of what surrounds them) further from the ends of their lattice edges.
+/// Moves the points of the triangles, and of the triangles around them, away from the ends of their lattice edges.
 std::size_t draw_in(TriMesh& mesh, const Lattice& lattice, const std::vector<std::uint32_t>& triangles, double margin) {
   std::vector<char> marked(mesh.points_mm.size(), 0);
   for (const std::uint32_t t : triangles)
@@ -81,8 +82,8 @@ std::size_t draw_in(TriMesh& mesh, const Lattice& lattice, const std::vector<std
   return moved;
 }
 
-/// Snaps the mesh to float32 and makes it valid there, drawing in more where the rounding matters; counts how many
-/// points that moved.
+/// Rounds the mesh to float32 and makes it valid there: where rounding makes it invalid, points are moved further from
+/// the ends of their edges. Counts the points that moved.
 Validity make_valid(TriMesh& mesh, const Lattice& lattice, std::size_t& moved, const Progress& progress) {
   moved = 0;
   double margin = first_margin;

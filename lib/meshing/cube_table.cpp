@@ -88,8 +88,8 @@ std::array<int, edge_count> links(int signs) {
     const auto edge = [&](int i) { return edge_between(c[(i + 4) % 4], c[(i + 5) % 4]); };
     for (int i = 0; i < 4; ++i) {
       if (!inside(i) || inside(i + 1)) continue;  // edge i leaves the inside
-      // It is joined to the next crossing around the face, which enters again: where the face has four crossings, the
-      // segments cut off the outside corners, and so join the inside ones.
+      // A crossing is joined to the next one around the face, which enters the material again. Where a face has four
+      // crossings, the segments therefore cut off the outside corners and join the inside ones.
       int partner = i + 1;
       while (inside(partner) || !inside(partner + 1)) ++partner;
       next[edge(partner)] = edge(i);

@@ -19,8 +19,8 @@
 namespace trephine {
 namespace {
 
-/// After so many rounds of undoing, what is undone is made up for elsewhere only once nothing is left to undo, so
-/// often; more often where this share of the target is missing.
+/// After this many rounds of undoing, collapses elsewhere make up for the undone ones only when nothing is left to
+/// undo. That is repeated this often, and more often where this share of the target is missing.
 constexpr int rounds_that_collapse = 12, times_made_up = 3, times_share_made_up = 12;
 constexpr double missing_share = 0.01;
 /// Share of the bound that samples may use; the rest is for what lies between them.
@@ -29,7 +29,7 @@ constexpr double sampled_share = 0.9;
 std::size_t target_count(const TriMesh& mesh, const DecimateParams& p) {
   const auto share = static_cast<std::int64_t>(std::ceil(p.keep_ratio * static_cast<double>(mesh.triangles.size())));
   const std::int64_t asked = std::max(p.target_triangles_count, share);
-  // Without a count the bound alone decides.
+  // Where no count is asked for, the bound alone decides.
   return asked > 0 ? static_cast<std::size_t>(std::max<std::int64_t>(asked, 4)) : p.max_deviation_mm > 0 ? 4 : 0;
 }
 
@@ -98,7 +98,7 @@ class Sides {
   std::vector<double> input_volume_;
 };
 
-/// As the collapses need it: points alone, on float32's raster, each of them used.
+/// The mesh as the collapses need it: without normals, rounded to float32, and without unused points.
 bool fit(const TriMesh& mesh) {
   if (!mesh.normals.empty()) return false;
   std::vector<bool> used(mesh.points_mm.size(), false);

@@ -27,8 +27,8 @@ constexpr double some_way = 0.35;
 /// Share of the limit that the root of the mean squared distance to the planes may use while no points are carried.
 constexpr double uncarried_share = 0.25;
 
-/// What was collapsed without carried points and went too far is undone so often; the final measurement sees to the
-/// rest.
+/// How often collapses that were made without carried points and went too far are undone. The final measurement undoes
+/// the rest.
 constexpr int times_undone = 20;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -53,7 +53,7 @@ EdgeCollapse::EdgeCollapse(const TriMesh& input, double limit_mm, double step_mm
       flags_(input.points_mm.size(), 0),
       rejected_(input.triangles.size(), 0) {
   area_ = area_mm2(input);
-  // An even triangle's side, were all of them.
+  // The side that all triangles would have if they were equilateral and of one size.
   const double side = std::sqrt(area_ / double(input.triangles.size()) * 4 / std::sqrt(3.0));
   sample_spacing_ = limit_mm > 0 ? 1.4 * std::clamp(1.5 * limit_mm, side / 4, side) : side;
   parallel_for(0, static_cast<std::int64_t>(quadrics_.size()), 8192, [&](std::int64_t from, std::int64_t to) {
@@ -133,7 +133,7 @@ bool EdgeCollapse::keeps_shape(std::uint32_t u, std::uint32_t v, Vec3 at, Worker
       if (wing.b == other || wing.c == other) continue;
       const Vec3 n1 = cross(b - at, c - at);
       const double length1 = norm(n1);
-      // A sliver's normal says little: it need only not turn over.
+      // The normal of a sliver says little, so it only has to stay on the same side.
       if (!(dot(n0, n1) > (before > least_compactness ? least_turn_cosine : 0) * length0 * length1) ||
           !(length0 * length1 > 0))
         return false;
@@ -154,7 +154,7 @@ bool EdgeCollapse::keeps_shape(std::uint32_t u, std::uint32_t v, Vec3 at, Worker
   return look(w.wings_u, u, v) && look(w.wings_v, v, u) && worst_after >= std::min(least_compactness, worst_before);
 }
 
-/// By the triangles around the nearest of the points in hand.
+/// Finds it among the triangles around the nearest of the points that are at hand.
 bool EdgeCollapse::near_input(Vec3 place, double limit2, const CarriedPoints::Hand& hand) const {
   std::uint32_t near = 0;
   if (!hand.points.empty()) {
@@ -165,8 +165,9 @@ bool EdgeCollapse::near_input(Vec3 place, double limit2, const CarriedPoints::Ha
   return input_->squared_bound(place, near, limit2) <= limit2;
 }
 
-/// Looks at the new point, and at the middles of the new sides and triangles, where a carried point has come some way:
-/// where none has, no triangle lies far from the input either (it happens, seldom; the final measurement sees to that).
+/// Measures the new point, and the middles of the new sides and triangles, if a carried point has moved by some
+/// distance. If none has, hardly any triangle lies far from the input; the final measurement finds the rare one that
+/// does.
 bool EdgeCollapse::samples_within(Worker& w) const {
   if (limit2_ == infinity) return true;
   float farthest = 0;
@@ -212,8 +213,8 @@ EdgeCollapse::Outcome EdgeCollapse::attempt(std::uint32_t h, Worker& w) {
   return Outcome::done;
 }
 
-/// What was collapsed before points were carried may have left some of them too far behind; the sooner that is undone
-/// the less goes with it.
+/// Collapses made before points were carried may have left some points too far away. The sooner these collapses are
+/// undone, the fewer later ones are undone with them.
 void EdgeCollapse::undo_beyond() {
   const double limit2 = limit2_ * carried_share * carried_share;
   std::vector<std::uint32_t> beyond;
@@ -234,7 +235,7 @@ std::size_t EdgeCollapse::undo(const std::vector<std::uint32_t>& triangles) {
   return count;
 }
 
-/// With the triangles around the corners of these; none where that adds nothing.
+/// These triangles with those around their corners; nothing where that adds no triangle.
 std::vector<std::uint32_t> EdgeCollapse::widened(const std::vector<std::uint32_t>& triangles) const {
   std::vector<std::uint32_t> more = triangles;
   for (const std::uint32_t t : triangles)

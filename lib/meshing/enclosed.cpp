@@ -23,7 +23,8 @@ bool within(const Bounds& a, const Bounds& b) {
   return true;
 }
 
-/// Crossing parity along a skew ray; the direction meets no lattice plane, so a hit on an edge is practically excluded.
+/// Parity of the crossings along a skew ray. The direction lies in no lattice plane, so the ray practically never meets
+/// an edge.
 bool encloses(const TriMesh& mesh, const Component& shell, Vec3 p) {
   const Vec3 d{0.8017837257, 0.5345224838, 0.2672612419 + 0.0123456789};
   bool inside = false;

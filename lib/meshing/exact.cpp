@@ -15,7 +15,7 @@ using Point = Kernel::Point_3;
 
 Point exact(Vec3 p) { return {p.x, p.y, p.z}; }
 
-/// 1 or -1 where certain, else 0: Shewchuk's first error bound on the determinant.
+/// The sign of the determinant, 1 or -1, where Shewchuk's first error bound makes it certain; else 0.
 int quick_side(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
   const Vec3 u = a - d, v = b - d, w = c - d;
   const double vw = v.x * w.y, wv = w.x * v.y, wu = w.x * u.y, uw = u.x * w.y, uv = u.x * v.y, vu = v.x * u.y;
@@ -27,7 +27,7 @@ int quick_side(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
   return det > bound ? 1 : det < -bound ? -1 : 0;
 }
 
-/// All of the points certainly lie strictly on one side of the triangle's plane.
+/// Whether all points certainly lie strictly on one side of the triangle's plane.
 template <std::size_t N>
 bool apart(const std::array<Vec3, 3>& t, const std::array<Vec3, N>& points) {
   const int first = quick_side(t[0], t[1], t[2], points[0]);
@@ -45,7 +45,8 @@ bool overlap_at_edge(Vec3 p, Vec3 q, Vec3 a, Vec3 b) {
          CGAL::coplanar_orientation(exact(p), exact(q), exact(a), exact(b)) == CGAL::POSITIVE;
 }
 
-/// The triangles, given with the shared point first, meet beyond it: then one's far side meets the other.
+/// Whether two triangles that share their first point also meet elsewhere. Then the side opposite that point of one of
+/// them meets the other.
 bool meet_beyond_point(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
   if (apart(a, std::array<Vec3, 2>{b[1], b[2]}) || apart(b, std::array<Vec3, 2>{a[1], a[2]})) return false;
   return CGAL::do_intersect(exact(a), Kernel::Segment_3(exact(b[1]), exact(b[2]))) ||

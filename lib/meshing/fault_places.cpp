@@ -21,7 +21,7 @@ Vec3 middle_of(const TriMesh& m, std::uint32_t t) {
   return m.origin_mm + (m.points_mm[v[0]] + m.points_mm[v[1]] + m.points_mm[v[2]]) / 3;
 }
 
-/// Nearest points of two segments (Ericson, Real-Time Collision Detection, 5.1.9); the one on the first.
+/// The point of the first segment that is nearest to the second (Ericson, Real-Time Collision Detection, 5.1.9).
 Vec3 nearest_on_segment(Vec3 p, Vec3 q, Vec3 a, Vec3 b, double& squared) {
   const Vec3 u = q - p, v = b - a, w = p - a;
   const double uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), uw = dot(u, w), vw = dot(v, w);
@@ -35,7 +35,7 @@ Vec3 nearest_on_segment(Vec3 p, Vec3 q, Vec3 a, Vec3 b, double& squared) {
   return on;
 }
 
-/// What both triangles hold, as far as their corners and edges show it.
+/// Points that lie in both triangles, found from their corners and edges.
 struct Contacts {
   double nearest2 = std::numeric_limits<double>::infinity();  ///< the best contact's gap, squared
   double tolerance2 = 0;
@@ -49,7 +49,7 @@ struct Contacts {
   }
 };
 
-/// Where the edges of a cross the inside of b.
+/// The points at which the edges of a pass through the inside of b.
 void add_crossings(const Corners& a, const Corners& b, Contacts& found) {
   const Vec3 normal = cross(b[1] - b[0], b[2] - b[0]);
   for (int e = 0; e < 3; ++e) {

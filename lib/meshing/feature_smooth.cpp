@@ -30,7 +30,7 @@ struct Facets {
   }
 };
 
-/// The mean distance between the middles of neighbours.
+/// The mean distance between the centres of neighbouring triangles.
 double mean_step(const TriMesh& mesh, const Incidence& incidence, const Facets& facets) {
   double sum = 0;
   std::size_t count = 0;

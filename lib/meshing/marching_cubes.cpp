@@ -100,8 +100,8 @@ RowPoints count_points(const Nodes<T>& nodes) {
   return rows;
 }
 
-/// The triangles of the cells between node rows j, j + 1 and k, k + 1. Walking along i, the numbers of the crossed
-/// edges are counted up; no look-up is needed.
+/// The triangles of the cells between node rows j, j + 1 and k, k + 1. On the way along i the numbers of the crossed
+/// edges are counted up, so no table of them is needed.
 template <class T>
 void cut_row(const Nodes<T>& nodes, const RowPoints& rows, int j, int k,
              std::vector<std::array<std::uint32_t, 3>>& triangles) {

@@ -32,7 +32,7 @@ double squared_to(const TriMesh& mesh, std::uint32_t triangle, Vec3 p) {
   return dot(d, d);
 }
 
-/// Weighted figures of distances; the percentile by a histogram.
+/// Weighted statistics of distances; the percentile comes from a histogram.
 class Gathering {
  public:
   explicit Gathering(double max_mm) : max_mm_(max_mm), bins_(65537, 0.0) {}
@@ -71,7 +71,8 @@ DeviationMeter::DeviationMeter(const NearInput& input, double limit_mm, double b
       exact_beyond2_(limit_mm > 0 ? exact_share * exact_share * limit2_ : edge_ * edge_ / 16),
       raster_of_(input_.triangles.size(), CollapseMesh::none) {}
 
-/// Without the tree, where it takes one: an upper bound, and the lack of it.
+/// The distance of a place, searched from a nearby point. Where that does not suffice and there is no search tree, it
+/// is an upper bound, and `lacks_tree` is set.
 void DeviationMeter::look(NearbyPlace& place, bool& lacks_tree) const {
   double d2 = near_.squared_bound(place.at, place.near, exact_beyond2_ / 36, &place.triangle);
   if (d2 > exact_beyond2_ && !tree_) lacks_tree = true;
@@ -86,7 +87,7 @@ void DeviationMeter::look(NearbyPlace& place, bool& lacks_tree) const {
   place.distance = std::sqrt(d2);
 }
 
-/// The search starts at the nearest of the points in hand. False, with nothing measured, where it takes the tree.
+/// Searches from the nearest of the points at hand. Returns false and measures nothing where the search tree is needed.
 bool DeviationMeter::from_triangle(Raster& raster, Room& room) const {
   room.places.clear();
   for (const std::uint32_t p : room.points) room.places.add(input_.points_mm[p]);
@@ -122,7 +123,7 @@ bool DeviationMeter::from_triangle(Raster& raster, Room& room) const {
   return !room.lacks_tree;
 }
 
-/// Of a raster of n steps a side.
+/// Whether every cell of a raster with n steps along each side is proven to lie within the bound.
 bool DeviationMeter::cells_proven(const std::vector<NearbyPlace>& samples, int n, Room& room) const {
   const auto check = [&](const NearbyPlace& a, const NearbyPlace& b, const NearbyPlace& c) {
     return proven_within(
@@ -138,7 +139,7 @@ bool DeviationMeter::cells_proven(const std::vector<NearbyPlace>& samples, int n
   return true;
 }
 
-/// A proof holds as long as nothing of the mesh that lay within the bound is gone.
+/// A proof holds as long as no part of the mesh that lay within the bound has been removed.
 void DeviationMeter::input_unproven(const TriMesh& plain, const TriangleTree& tree,
                                     const std::vector<std::uint32_t>& plain_of, const CarriedPoints& carried,
                                     std::vector<std::uint32_t>& beyond, const Progress& progress) {
@@ -204,7 +205,8 @@ void DeviationMeter::from_input(const TriMesh& plain, const TriangleTree& tree,
   std::vector<std::vector<std::uint32_t>> found((triangles + grain - 1) / grain);
   const bool first = forward_.empty();
   input_beyond_.resize(input_.triangles.size(), 0);
-  // Between points of two carriers the nearest triangle can be a third: what lies beyond all points is looked up.
+  // Between points that two triangles carry, a third triangle can be the nearest. What lies farther than all points is
+  // looked up in the tree.
   double exact_beyond2 = 0;
   for (std::uint32_t p = 0; p < input_.points_mm.size() && exact_beyond2 < exact_beyond2_; ++p)
     exact_beyond2 = std::max<double>(exact_beyond2, carried.squared_distance(p));
@@ -227,7 +229,8 @@ void DeviationMeter::from_input(const TriMesh& plain, const TriangleTree& tree,
     std::size_t slot = 0;
     for (std::int64_t t = from; t < to; ++t) {
       const auto& v = input_.triangles[t];
-      // What was beyond is looked at again: undoing may have brought a triangle near that carries none of its points.
+      // A sample that was beyond the bound is measured again, because undoing may have brought a triangle near that
+      // carries none of its points.
       const bool measure =
           first || input_beyond_[t] || carried.moved(v[0]) || carried.moved(v[1]) || carried.moved(v[2]);
       input_beyond_[t] = 0;
@@ -278,7 +281,7 @@ void DeviationMeter::from_input(const TriMesh& plain, const TriangleTree& tree,
           add(middle, std::min(between(middle, 0, 1), between(middle, 1, 2)));
       }
       next();
-      // A triangle that is large beside the bound: also a raster.
+      // A triangle that is large compared with the bound gets a raster of samples, too.
       const Vec3 o = input_.points_mm[v[0]], ab = input_.points_mm[v[1]] - o, ac = input_.points_mm[v[2]] - o;
       const double longest = std::max({dot(ab, ab), dot(ac, ac), dot(ac - ab, ac - ab)});
       if (longest <= raster_beyond2_) continue;
@@ -334,7 +337,7 @@ std::vector<std::uint32_t> DeviationMeter::measure(const TriMesh& plain, const s
       Room room;
       for (std::int64_t n = from; n < to; ++n) {
         if (!lacks_tree[n]) continue;
-        // Near it are what it carries, and the points at which the triangle of that number lay in the input.
+        // Near it lie the points that it carries, and those of the input's triangle with the same number.
         const std::uint32_t t = triangle_of[to_do[n]];
         room.points.assign(input_.triangles[t].begin(), input_.triangles[t].end());
         for (std::uint32_t p = carried.first_of(t); p != CollapseMesh::none; p = carried.next_of(p))

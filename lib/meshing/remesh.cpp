@@ -43,8 +43,8 @@ double reach_mm(const TriMesh& from, const PointToMesh& to, const Progress& prog
   return to.largest_distance_mm(points, 0, progress);
 }
 
-/// CGAL's remeshing dies of some surfaces with edges much longer than asked for, and not of the same ones where their
-/// sharpest edges are kept.
+/// CGAL's remeshing crashes on some surfaces whose edges are much longer than asked for. It does not crash on the same
+/// surfaces where their sharpest edges are kept.
 TriMesh evenly(const TriMesh& mesh, double edge_mm, const RemeshParams& p, const Progress& progress) {
   using Clock = std::chrono::steady_clock;
   constexpr double sharpest_deg = 90;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The only file with CGAL's remeshing: seconds to compile, and it may crash, so that it runs in the bounded child.
+// The only file that includes CGAL's remeshing, because it takes long to compile. It may crash, so it runs in the
+// bounded child process.
 #include "meshing/remesh_child.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>

@@ -35,7 +35,7 @@ void add(SoupCounts& to, const SoupCounts& more) {
   to.split += more.split;
 }
 
-/// What the triangles' points and middles say of how far the mesh reaches from the surface.
+/// How far the mesh lies from the surface, measured at the points and the centres of its triangles.
 double reach_mm(const TriMesh& mesh, const PointToMesh& surface, const Progress& progress) {
   std::vector<Vec3> points;
   for (const auto& t : mesh.triangles) {
@@ -45,7 +45,7 @@ double reach_mm(const TriMesh& mesh, const PointToMesh& surface, const Progress&
   return surface.largest_distance_mm(points, 0, progress);
 }
 
-/// A Halton sequence's number: as even as the raster, but meets no facet.
+/// A number of a Halton sequence: as even as a raster, but its points do not lie on facets.
 double halton(std::uint32_t i, std::uint32_t base) {
   double f = 1, r = 0;
   for (++i; i > 0; i /= base) r += (f /= base) * (i % base);
@@ -70,7 +70,8 @@ double changed_ratio(const TriMesh& soup, const TriMesh& mesh) {
   return any > 0 ? double(any - both) / double(any) : 0;
 }
 
-/// In place; false where no valid surface came of it. `cleaned` receives the soup as an oriented manifold with borders.
+/// Repairs the mesh in place and returns false where the result is not valid. `cleaned` receives the soup as an
+/// oriented manifold with borders.
 bool mend_in_place(const TriMesh& input, const RepairParams& params, Repaired& r, TriMesh& cleaned,
                    const Progress& progress) {
   TriMesh mesh = input;
@@ -91,7 +92,7 @@ bool mend_in_place(const TriMesh& input, const RepairParams& params, Repaired& r
     mesh = r.mended.mesh;
     snap_to_float32(mesh);
     if (check_validity(mesh, progress.part(0.9, 1)).valid()) {
-      // What crossed itself at large is cut into other pieces than it encloses.
+      // A surface that crosses itself widely is cut into pieces that differ from the space that it encloses.
       if (r.mended.self_intersections > 0 && changed_ratio(cleaned, mesh) > max_changed_ratio) {
         r.mended.fault = "it passes through itself";
         return false;

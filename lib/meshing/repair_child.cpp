@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The only file with CGAL's repairs: seconds to compile, and they may crash or hang, so that they run in the bounded
-// child.
+// The only file that includes CGAL's repairs, because they take long to compile. They may crash or hang, so they run in
+// the bounded child process.
 #include "meshing/repair_child.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -97,7 +97,7 @@ Pairs crossing(const Mesh& m) {
   return pairs;
 }
 
-/// Pieces that meet others become one with them. Returns how many went into another.
+/// Unites pieces that meet. Returns how many were united with another one.
 std::int64_t unite(Mesh& m) {
   auto label = m.add_property_map<Face, std::size_t>("f:piece", 0).first;
   const std::size_t count = Pmp::connected_components(m, label);
@@ -156,7 +156,7 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
   const Pairs pairs = crossing(m);
   crossings = std::int64_t(pairs.size());
   if (!pairs.empty()) {
-    // Only what a piece does to itself: where two pieces cross, cutting and filling would tear both.
+    // Only self-intersections within one piece: where two pieces cross, cutting and filling would damage both.
     Pmp::experimental::remove_self_intersections(
         m, CGAL::parameters::preserve_genus(false).apply_per_connected_component(false).number_of_iterations(10));
     holes += fill_holes(m);

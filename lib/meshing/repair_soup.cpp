@@ -52,7 +52,7 @@ std::size_t merge_equal(TriMesh& mesh) {
   return merged;
 }
 
-/// Points of edges that only one triangle uses, by sweeping along x.
+/// Joins points of edges that only one triangle uses; they are found by a sweep along x.
 std::size_t merge_open(TriMesh& mesh, double merge_mm) {
   std::vector<char> open(mesh.points_mm.size(), 0);
   double length = 0;
@@ -102,7 +102,7 @@ std::size_t drop_duplicates(TriMesh& mesh) {
     }
   const std::size_t extra = std::size_t(std::count(drop.begin(), drop.end(), 1));
   if (extra == 0) return 0;
-  // A wall: on each of its edges two other triangles meet.
+  // The triangle is an inner wall: on each of its edges two other triangles meet.
   std::vector<std::uint8_t> held(n, 0);
   for_each_edge(mesh, Incidence(mesh), [&](std::uint32_t, auto from, auto to) {
     int others = 0;
@@ -146,7 +146,7 @@ std::uint32_t half_edge(const TriMesh& mesh, std::uint32_t t, std::uint32_t from
   return none;
 }
 
-/// Turns every patch one way; returns the count of turned triangles.
+/// Orients the triangles of each patch alike. Returns how many were turned.
 std::size_t orient(TriMesh& mesh) {
   struct Link {
     std::uint32_t triangle;
@@ -232,7 +232,8 @@ HalfEdges join(const TriMesh& mesh) {
   return edges;
 }
 
-/// One point a fan. Copies that are at no border move inwards, so that the fans part. Returns how many were added.
+/// Gives each fan of triangles a point of its own. Copies that lie on no border are moved inwards, so that the fans do
+/// not touch. Returns how many points were added.
 std::size_t split_points(TriMesh& mesh, const HalfEdges& edges, double step) {
   const std::size_t corners = 3 * mesh.triangles.size();
   DisjointSets fans(corners);
@@ -277,7 +278,7 @@ std::size_t split_points(TriMesh& mesh, const HalfEdges& edges, double step) {
   return split;
 }
 
-/// Drops flat open pieces and turns closed ones that lie in no other outwards.
+/// Drops flat open pieces, and orients closed pieces that lie in no other one outwards.
 void settle_components(TriMesh& mesh, SoupCounts& counts, const Progress& progress) {
   std::vector<int> label;
   const int n = label_components(mesh, label);
@@ -310,7 +311,7 @@ void settle_components(TriMesh& mesh, SoupCounts& counts, const Progress& progre
   for (int c = 0; c < n; ++c) {
     if (drop[c] || volume[c] >= 0) continue;
     progress.check();
-    // In nothing else: the others' winding number there is about 0, whatever way they look.
+    // The piece lies in no other one: the winding number of the others is about 0 there, however they are oriented.
     TriMesh others;
     others.points_mm = mesh.points_mm;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)

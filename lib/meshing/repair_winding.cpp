@@ -37,7 +37,7 @@ class Recontour {
       for (const std::uint32_t v : t) include(box, mesh.points_mm[v]);
     const Vec3 lo = box.min_mm, hi = box.max_mm;
     side_ = std::max({hi.x - lo.x, hi.y - lo.y, hi.z - lo.z}) / voxels_count;
-    // The raster's place has nothing to do with the surface's: facets that lie on one do no harm.
+    // The raster is placed independently of the surface, so facets that lie on a raster plane do no harm.
     lo_ = lo - Vec3{3.37, 3.41, 3.29} * side_;
     field_.spacing_mm = {side_, side_, side_};
     field_.origin_mm = mesh.origin_mm + lo_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Groups of neighbouring triangles against what lies in their box. Most pairs whose boxes meet share a point; those
-// are cleared together, a point at a time, where its triangles lie over one plane like a fan.
+// Groups of neighbouring triangles are tested against the triangles in their bounding box. Most pairs whose boxes meet
+// share a point. Such pairs are ruled out together, one point at a time, where the triangles around the point project
+// to one plane as a fan.
 #include <algorithm>
 #include <cmath>
 
@@ -20,8 +21,9 @@ std::array<Vec3, 3> corners_of(const TriMesh& m, std::uint32_t t) {
   return {m.points_mm[v[0]], m.points_mm[v[1]], m.points_mm[v[2]]};
 }
 
-/// Certainly no two triangles around p meet but in what they share: seen along the sum of their normals, all of them
-/// turn the same way about p, once around. Then each has a sector of the plane to itself. Rounding is allowed for.
+/// Whether two triangles around p certainly meet only in what they share. This is so where, seen along the sum of their
+/// normals, all of them turn the same way about p and go around it once, because each then has its own sector of the
+/// plane. Rounding is allowed for.
 bool is_fan(const TriMesh& mesh, const Incidence& incidence, std::uint32_t p) {
   constexpr double margin = 1e-10;
   const std::uint32_t begin = incidence.begin[p], end = incidence.begin[p + 1];
@@ -44,7 +46,7 @@ bool is_fan(const TriMesh& mesh, const Incidence& incidence, std::uint32_t p) {
     if (!(w.scale > 0)) return false;
     sum += w.normal / w.scale;
   }
-  // A direction across the sum, in which side of it each neighbour lies.
+  // A direction perpendicular to the sum, and on which side of it each neighbour lies.
   const Vec3 across = std::abs(sum.x) > std::abs(sum.y) ? Vec3{-sum.z, 0, sum.x} : Vec3{0, sum.z, -sum.y};
   const double length = norm(sum), across_length = norm(across);
   int turns = 0;
@@ -59,8 +61,8 @@ bool is_fan(const TriMesh& mesh, const Incidence& incidence, std::uint32_t p) {
   return turns == 1;
 }
 
-/// For each triangle: 2 where degenerate, 1 where each of its points has a fan, else 0; without the incidence no fan is
-/// looked for.
+/// For each triangle: 2 where it is degenerate, 1 where each of its points has a fan, else 0. Without the incidence,
+/// fans are not looked for.
 std::vector<char> classify(const TriMesh& mesh, const Incidence* incidence) {
   std::vector<char> fan(mesh.points_mm.size()), kind(mesh.triangles.size());
   parallel_for(0, static_cast<std::int64_t>(incidence ? fan.size() : 0), 8192, [&](std::int64_t from, std::int64_t to) {
@@ -136,7 +138,7 @@ std::vector<std::array<std::uint32_t, 2>> find_pairs(const TriMesh& mesh, const 
   };
   const auto end_of = [&](std::size_t leaf) { return std::min(TriangleTree::width * (leaf + 1), order.size()); };
 
-  // Per triangle asked for against all, or per group of leaves against itself and those that follow.
+  // Tests each triangle that is asked for against all, or each group of leaves against itself and those that follow.
   const std::int64_t grain = only.empty() ? 64 : 512;
   const auto jobs =
       static_cast<std::int64_t>(only.empty() ? (tree.leaves() + group_leaves - 1) / group_leaves : only.size());
@@ -189,7 +191,7 @@ std::vector<std::array<std::uint32_t, 2>> find_pairs(const TriMesh& mesh, const 
 std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriMesh& mesh, const Progress& progress,
                                                              const std::vector<std::uint32_t>& only) {
   if (mesh.triangles.empty()) return {};
-  // A few pairs are tested sooner than every point's fan is looked at.
+  // Where there are few pairs, testing them takes less time than looking at the fan of every point.
   if (!only.empty() && only.size() < mesh.triangles.size() / 8) return find_pairs(mesh, nullptr, progress, only);
   return self_intersections(mesh, Incidence(mesh), progress, only);
 }

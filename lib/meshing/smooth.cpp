@@ -35,8 +35,8 @@ struct Neighbours {
   }
 };
 
-/// Coefficients of the Chebyshev polynomials of the low-pass filter: an ideal filter's, under a Hamming window, shifted
-/// so that the filter is 1 at frequency 0 (a constant passes unchanged: nothing shrinks towards the origin).
+/// Coefficients of the Chebyshev polynomials of the low-pass filter: those of an ideal filter under a Hamming window,
+/// shifted so that the filter is 1 at frequency 0. A constant then passes unchanged, and nothing shrinks to the origin.
 std::vector<double> filter_coefficients(int degree, double pass_band) {
   std::vector<double> c(degree + 1);
   const double theta = std::acos(std::clamp(1 - pass_band / 2, -1.0, 1.0));
@@ -136,7 +136,7 @@ void move_points(TriMesh& mesh, const TriMesh& original, const std::vector<Vec3>
   Report unused;
   compute_normals(shape, NormalsParams(), unused);
   const double step = float32_step_mm(original), area = area_mm2(original);
-  // The snap moves a point by less than a step; so the bound holds after it too.
+  // Rounding to float32 moves a point by less than one step of the grid, so the bound holds after it as well.
   const double limit = std::max(0.0, max_displacement_mm - step);
   double offset = 0;
   for (int round = 0; round < 4; ++round) {

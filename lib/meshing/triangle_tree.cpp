@@ -32,7 +32,8 @@ std::uint64_t spread(std::uint64_t v) {
 
 constexpr std::int64_t grain = 16384;
 
-/// By both: the upper bits of the first eleven at a time, and the few that agree in these one against another.
+/// Sorts by both keys: a radix sort over the upper bits of the first key, eleven at a time, then comparisons among the
+/// few that agree in these bits.
 void sort_by_key(std::vector<std::pair<std::uint64_t, std::uint32_t>>& keys) {
   if (keys.size() < 4096) {
     std::sort(keys.begin(), keys.end());

@@ -54,7 +54,7 @@ std::vector<std::uint32_t> degenerate_triangles(const TriMesh& mesh) {
 
 namespace {
 
-/// What needs no neighbours.
+/// The checks that need no neighbours.
 void look_at_each(const TriMesh& mesh, Validity& v) {
   v.volume_mm3 = volume_mm3(mesh);
   v.float32 = std::all_of(mesh.points_mm.begin(), mesh.points_mm.end(), [](Vec3 p) {
@@ -115,8 +115,8 @@ double float32_step_mm(const TriMesh& mesh) {
 
 namespace {
 
-/// Where its origin lies outside the bounds, how far to move it: whole mm, or a power of two small enough not to matter
-/// to a small mesh.
+/// How far to move a mesh whose origin lies outside its bounds: by whole mm, or by a power of two that is small enough
+/// for a small mesh.
 bool shift_of_origin(const TriMesh& mesh, Vec3& shift) {
   if (mesh.points_mm.empty()) return false;
   Bounds box;

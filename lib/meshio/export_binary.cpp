@@ -69,7 +69,7 @@ std::string encode_ply(const PreparedSurface& s) {
 
 }  // namespace
 
-// The normals are the facets'; no colour.
+// STL: the normals are those of the facets, and there is no colour.
 ExportFormat stl_format() {
   ExportFormat f;
   f.name = "stl";
@@ -83,7 +83,7 @@ ExportFormat stl_format() {
   return f;
 }
 
-// Little endian; a colour and a normal a point.
+// PLY in little endian, with a colour and a normal for each point.
 ExportFormat ply_format() {
   ExportFormat f;
   f.name = f.help = "ply";

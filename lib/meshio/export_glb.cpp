@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Binary glTF as the case package holds it (cases/glb.h): float32 mm about the mesh's origin_mm, and a node's matrix to
-// metres and Y up.
+// Binary glTF as the case package holds it (cases/glb.h): float32 mm about the mesh's origin_mm, and the matrix of a
+// node that transforms them to metres with Y up.
 #include "cases/glb.h"
 #include "meshio/export_encode.h"
 #include "meshio/export_format.h"
@@ -19,7 +19,7 @@ std::string encode(const PreparedSurface& s) {
 
 }  // namespace
 
-// One surface, without texture coordinates, for the case package needs none.
+// Writes one surface, without texture coordinates, because the case package needs none.
 ExportFormat glb_format() {
   ExportFormat f;
   f.name = f.help = "glb";

@@ -44,7 +44,8 @@ std::vector<Vec3> normals_of(const TriMesh& mesh) {
   return normals;
 }
 
-// What is checked is what is written: the rounded coordinates. Bounds first: float32 has an end.
+// Checks what will be written, which are the rounded coordinates. The bounds are checked first, because float32 has a
+// largest value.
 void check_rounded(const PreparedSurface& s, const ExportFormat& format, const Progress& progress) {
   TriMesh written;
   written.points_mm = s.world_mm;

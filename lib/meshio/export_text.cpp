@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The formats of text: OBJ with its materials, legacy VTK, VRML 2.0 and X3D. Positions are the shortest decimals that
-// give back the same double, whatever the locale.
+// The formats that are text: OBJ with its materials, legacy VTK, VRML 2.0 and X3D. Positions are written as the
+// shortest decimals that read back as the same double, whatever the locale.
 #include <cmath>
 
 #include "base/text.h"
@@ -39,7 +39,7 @@ std::string rgb_text(const std::array<double, 3>& rgb) {
   return short_text(rgb[0]) + ' ' + short_text(rgb[1]) + ' ' + short_text(rgb[2]);
 }
 
-// A name as VRML and X3D allow it for DEF.
+// Makes a name that VRML and X3D allow for DEF.
 std::string def_name(const std::string& name) {
   std::string out = name;
   for (char& c : out)
@@ -114,7 +114,7 @@ std::string encode_mtl(const std::vector<PreparedSurface>& all) {
   return out;
 }
 
-// Version 3.0, which every reader takes; 5.1, VTK 9's own, is unknown to most.
+// Legacy VTK, version 3.0, which every reader accepts. Most readers do not know version 5.1, which VTK 9 writes.
 std::string encode_legacy_vtk(const PreparedSurface& s) {
   const PlainSurface p = plain_surface(s);
   const std::string count = std::to_string(p.world_mm.size());
@@ -147,7 +147,8 @@ std::string encode_legacy_vtk(const PreparedSurface& s) {
   return out;
 }
 
-// No index of its own for the texture: VTK's importer loses every point of a shape that has one and normals.
+// The texture has no index of its own, because VTK's importer loses every point of a shape that has such an index and
+// normals.
 std::string encode_vrml(const std::vector<PreparedSurface>& all) {
   std::string out = "#VRML V2.0 utf8\n# trephine SPACE=LPS UNIT=mm\n";
   for (const PreparedSurface& s : all) {
@@ -205,7 +206,7 @@ std::string encode_x3d(const std::vector<PreparedSurface>& all) {
 
 }  // namespace
 
-// A surface is a group, its colour and opacity a material in the .mtl beside it.
+// OBJ: a surface is a group; its colour and opacity are a material in the .mtl file beside it.
 ExportFormat obj_format() {
   ExportFormat f;
   f.name = "obj";
@@ -221,7 +222,7 @@ ExportFormat obj_format() {
   return f;
 }
 
-// A colour and a normal a point.
+// Legacy VTK, with a colour and a normal for each point.
 ExportFormat vtk_format() {
   ExportFormat f;
   f.name = "vtk";
@@ -235,7 +236,7 @@ ExportFormat vtk_format() {
   return f;
 }
 
-// A surface is a shape with a material.
+// VRML: a surface is a shape with a material.
 ExportFormat wrl_format() {
   ExportFormat f;
   f.name = "wrl";
@@ -250,7 +251,7 @@ ExportFormat wrl_format() {
   return f;
 }
 
-// Version 3.3, in XML; a surface is a shape with a material, and its name that of the node about it.
+// X3D version 3.3 in XML: a surface is a shape with a material, and its name is that of the node around it.
 ExportFormat x3d_format() {
   ExportFormat f;
   f.name = f.help = "x3d";

@@ -29,7 +29,7 @@ std::string encode(const PreparedSurface& s) {
 
 }  // namespace
 
-// Doubles; a colour and a normal a point.
+// Coordinates are doubles; each point has a colour and a normal.
 ExportFormat vtp_format() {
   ExportFormat f;
   f.name = f.help = "vtp";

@@ -52,7 +52,7 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
     surfaces = reader.program == ForeignProgram::vtk ? read_with_vtk(reader, bytes)
                                                      : read_with_assimp(reader, bytes, companion);
   } catch (const std::exception& e) {
-    // Whatever a reader throws, std::bad_alloc for a hostile count too, the bytes are at fault.
+    // Whatever a reader throws, the bytes are at fault; this includes std::bad_alloc for a hostile count.
     if (const auto* known = dynamic_cast<const Error*>(&e)) throw *known;
     throw Error(ExitCode::bad_input, "", "", std::string("damaged: the reader gave up: ") + e.what());
   }
@@ -85,7 +85,7 @@ std::vector<ForeignSurface> read_foreign(const ForeignReader& reader, std::strin
 
 ChildLimits foreign_limits(std::size_t bytes) {
   ChildLimits limits;
-  // Text becomes a structure of some hundred bytes a corner in assimp.
+  // In assimp, text becomes a structure of some hundred bytes for each corner.
   limits.memory_bytes = (std::uint64_t{2} << 30) + 64 * std::uint64_t(bytes);
   limits.cpu_s = 20 + double(bytes) / 1e6;
   limits.wall_s = 3 * limits.cpu_s;

@@ -31,7 +31,7 @@ class Stream final : public Assimp::IOStream {
   }
   std::size_t Write(const void*, std::size_t, std::size_t) override { return 0; }
   aiReturn Seek(std::size_t offset, aiOrigin origin) override {
-    // Offsets are unsigned: back from the end or from here they wrap round.
+    // Offsets are unsigned, so a step back from the end or from the current position wraps around.
     const std::size_t from = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? at_ : bytes_.size();
     const std::size_t to = origin == aiOrigin_END ? from - offset : from + offset;
     if (to > bytes_.size()) return aiReturn_FAILURE;
@@ -47,7 +47,7 @@ class Stream final : public Assimp::IOStream {
   std::size_t at_ = 0;
 };
 
-// The file system as assimp sees it: the file and its materials, whatever their name.
+// The file system that assimp sees: the file and its materials, whatever their names.
 class Files final : public Assimp::IOSystem {
  public:
   Files(std::string name, std::string_view bytes, std::string_view materials)
@@ -70,7 +70,7 @@ class Files final : public Assimp::IOSystem {
   std::string_view bytes_, materials_;
 };
 
-// Row by row, in double; points as columns.
+// The matrix row by row, in double; points are columns.
 using Matrix = std::array<std::array<double, 4>, 4>;
 
 Matrix matrix_of(const aiMatrix4x4& m) {

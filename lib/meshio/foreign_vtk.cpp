@@ -33,7 +33,7 @@ ForeignSurface surface_of(vtkPolyData* data) {
   const vtkIdType points = data->GetNumberOfPoints();
   s.points.resize(std::size_t(points));
   for (vtkIdType i = 0; i < points; ++i) data->GetPoint(i, &s.points[std::size_t(i)].x);
-  // Offsets and ids come from the file; what does not fit was not made by a sane one.
+  // Offsets and ids come from the file, so those that do not fit mean that it is damaged.
   vtkCellArray* cells = data->GetPolys();
   vtkDataArray* ids = cells->GetConnectivityArray();
   vtkDataArray* offsets = cells->GetOffsetsArray();
@@ -72,7 +72,7 @@ ForeignSurface surface_of(vtkPolyData* data) {
   return s;
 }
 
-// One colour for all points.
+// The colour, where all points have the same one.
 void take_point_colour(vtkPolyData* data, ForeignSurface& s) {
   auto* rgb = vtkUnsignedCharArray::SafeDownCast(data->GetPointData()->GetArray("RGB"));
   if (!rgb || rgb->GetNumberOfComponents() != 3 || rgb->GetNumberOfTuples() < 1) return;
@@ -82,7 +82,7 @@ void take_point_colour(vtkPolyData* data, ForeignSurface& s) {
   for (int c = 0; c < 3; ++c) s.colour[std::size_t(c)] = rgb->GetValue(c) / 255.0;
 }
 
-// VTK's importer knows only files.
+// VTK's importer can only read files.
 class MemoryFile {
  public:
   explicit MemoryFile(std::string_view bytes) : fd_(::memfd_create("mesh", MFD_CLOEXEC)) {

@@ -32,7 +32,7 @@ Lattice covering_lattice(const std::vector<LabelledField>& fields, std::vector<B
   return lattice;
 }
 
-// Of the voxels that the field takes, how many an earlier one had.
+// Writes the value where the field is positive. Returns how many of these voxels belonged to an earlier field.
 std::size_t paint(Mask& labels, const Field& field, const Box& place, std::uint8_t value) {
   std::size_t taken = 0;
   for (int k = place.begin[2]; k < place.end[2]; ++k)

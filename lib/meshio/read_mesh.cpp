@@ -53,7 +53,7 @@ TriMesh joined(std::vector<ForeignSurface>&& surfaces) {
   return mesh;
 }
 
-// Sorted, so that the kept point is the first of its kind whatever the order of equal ones. Returns how many went.
+// Sorts the points, so that of equal points the first one is kept. Returns how many were removed.
 std::size_t merge_points(TriMesh& mesh) {
   std::vector<std::uint32_t> order(mesh.points_mm.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = std::uint32_t(i);
@@ -102,7 +102,7 @@ TriMesh foreign_mesh(const ForeignReader& reader, std::string_view bytes, const 
   try {
     mesh = joined(read_foreign(reader, bytes, "", child, progress));
   } catch (const Error& e) {
-    // Only the bytes can have killed it.
+    // The child process died, and only the bytes can be the cause.
     if (e.code() != ExitCode::internal) throw;
     throw Error(ExitCode::bad_input, "", "", std::string("damaged, or too much for its reader: ") + e.what());
   }

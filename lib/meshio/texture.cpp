@@ -9,7 +9,7 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-// Digits beyond these are the C library's.
+// Rounds to the digits that do not depend on the C library.
 double rounded(double v) { return std::round(v * 1e6) / 1e6; }
 
 Vec3 area_centroid(const TriMesh& mesh) {
@@ -38,14 +38,14 @@ Direction direction_of(Vec3 d) {
   }
   r.v = rounded(0.5 + std::atan2(d.z, across) / pi);
   r.on_axis = across <= 1e-9 * length;
-  // The point behind belongs to u = 0; 1 is the same place.
+  // The point at the back belongs to u = 0; u = 1 is the same place.
   if (!r.on_axis) r.u = rounded(0.5 + std::atan2(d.x, -d.y) / (2 * pi));
   if (r.u >= 1) r.u -= 1;
   return r;
 }
 
-// The u of the corners that have one (count 1 to 3), moved by whole turns so that they lie as near together as they
-// can: the circle is cut at its widest gap.
+// Moves the u of the corners that have one (1 to 3 of them) by whole turns, so that they lie as near together as
+// possible: the circle is cut at its widest gap.
 void unwrap(double* u, int count) {
   int order[3] = {0, 1, 2};
   const auto sort_pair = [&](int a, int b) {
@@ -76,7 +76,7 @@ TextureMap spherical_texture(const TriMesh& mesh) {
 
   TextureMap map;
   map.triangles.reserve(mesh.triangles.size());
-  // Of each mesh point the first of its texture points; they form a chain.
+  // For each point of the mesh, the first of its texture points; the others follow in a chain.
   constexpr std::uint32_t none = 0xffffffffu;
   std::vector<std::uint32_t> first(mesh.points_mm.size(), none), next;
   const auto texture_point = [&](std::uint32_t p, double u, double v) {

@@ -11,7 +11,7 @@
 namespace trephine {
 namespace {
 
-// glTF's metres, Y up, about the origin, back to mm, LPS.
+// Transforms glTF's metres with Y up about the origin back to mm in LPS.
 void turn_back(ForeignSurface& s, Vec3 origin_mm) {
   for (Vec3& p : s.points) p = origin_mm + Vec3{1000 * p.x, -1000 * p.z, 1000 * p.y};
 }

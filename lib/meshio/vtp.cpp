@@ -34,8 +34,8 @@ namespace {
 
 static_assert(sizeof(Vec3) == 3 * sizeof(double), "copied as three doubles");
 
-// The last bytes of a file of ours: a comment behind the root element with the checksum of every byte before it. VTK
-// never reads so far, and a program that rewrites the file drops it.
+// The last bytes of a file that this program wrote: a comment behind the root element with the checksum of every byte
+// before it. VTK does not read that far, and a program that rewrites the file drops the comment.
 constexpr std::string_view trailer_begin = "<!-- trephine sha256 ";
 constexpr std::string_view trailer_end = " -->\n";
 constexpr std::size_t trailer_size = trailer_begin.size() + 64 + trailer_end.size();

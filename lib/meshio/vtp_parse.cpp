@@ -58,9 +58,9 @@ struct Declared {
   std::uint64_t points = 0, polys = 0;
 };
 
-// VTK allocates what the header's counts ask for before it finds that the data are not there, and gives an empty result
-// without an error where they are not. A point takes 12 bytes and more, deflated to a 1030th at best: no file holds 100
-// points a byte.
+// VTK allocates as much as the header's counts ask for before it finds that the data are missing, and then gives an
+// empty result without an error. A point takes at least 12 bytes, which deflate reduces by a factor of 1030 at most. So
+// no file holds 100 points in a byte.
 Declared check_counts(std::string_view bytes) {
   const std::string_view head = bytes.substr(0, bytes.find("<AppendedData"));
   Declared declared;
@@ -75,7 +75,7 @@ Declared check_counts(std::string_view bytes) {
 }
 
 vtkSmartPointer<vtkPolyData> parse(std::string&& text) {
-  // VTK prints several lines per fault to stderr; a fault is one line of ours.
+  // VTK prints several lines for a fault to stderr; this program says one line for each fault.
   vtkObject::GlobalWarningDisplayOff();
   try {
     vtkNew<vtkXMLPolyDataReader> reader;

@@ -85,7 +85,7 @@ class OneWay {
         seed = corners_[p].nearest;
       }
     });
-    // Points of no triangle count for nothing.
+    // Points that no triangle uses do not count.
     std::vector<char> used(corners_.size(), 0);
     for (const auto& t : from_.triangles)
       for (const std::uint32_t v : t) used[v] = 1;
@@ -98,7 +98,8 @@ class OneWay {
     return std::sqrt(nearest_on_triangle(p, to_.points_mm[v[0]], to_.points_mm[v[1]], to_.points_mm[v[2]]).squared_mm2);
   }
 
-  /// The least over the corners' own nearest triangles of the largest distance of a corner to it.
+  /// Of the triangles that are nearest to one of the corners, takes the one whose largest distance to a corner is
+  /// least, and returns that distance.
   double bound(const std::array<Corner, 3>& c) const {
     double best = 1e300;
     for (int i = 0; i < 3; ++i) {
@@ -119,7 +120,7 @@ class OneWay {
       const std::array<Corner, 3> t = stack.back();
       stack.pop_back();
       const double upper = bound(t);
-      // What was found in this run of triangles only: so the result does not depend on the threads.
+      // Uses only what this run of triangles found, so that the result does not depend on the number of threads.
       if (upper <= std::max(floor_, best.lower_mm) + tolerance_ || pieces > max_pieces) {
         best.upper_mm = std::max(best.upper_mm, upper);
         continue;

@@ -33,7 +33,7 @@ std::vector<Vec3> used_points(const TriMesh& mesh) {
   return points;
 }
 
-// Of signed distances, which are taken over. `vertex_max_mm` joins the max only.
+// Statistics of signed distances, which are moved from. `vertex_max_mm` only counts for the maximum.
 DeviationStats stats_of(std::vector<double> signed_mm, double vertex_max_mm) {
   DeviationStats s;
   s.samples = signed_mm.size();
@@ -74,7 +74,7 @@ std::vector<Vec3> kept(std::vector<Vec3> points, const KnownRegion& within) {
   return points;
 }
 
-// From points and vertices of `from` to `to`.
+// The distances from sample points and vertices of `from` to `to`.
 Side measure_side(const TriMesh& from, const PointToMesh& to, const DeviationParams& params, const KnownRegion& within,
                   const Progress& progress) {
   Side side;

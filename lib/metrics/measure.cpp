@@ -58,7 +58,7 @@ void add_quality(Report& report, const MeshMeasures& m) {
 void add_validity(Report& report, const Validity& v) {
   report.add("oriented", v.oriented());
   report.add("valid", v.valid());
-  // How many, and where there are some the first of them: x, y, z, x, y, z ...
+  // How many there are, and the positions of the first of them: x, y, z, x, y, z, ...
   const auto add = [&](const std::string& what, std::size_t count, const std::vector<Vec3>& places) {
     report.add(what + "_count", count);
     if (places.empty()) return;

@@ -60,7 +60,7 @@ std::string_view letter_of(Vec3 d) {
   return d.z > 0 ? "S" : "I";
 }
 
-// Three axes as the camera sees them, those that point away first.
+// The three axes as the camera sees them; those that point away from it come first.
 void draw_axes(Image& image, const Camera& camera, double text_px) {
   const double reach = text_px * 2.2, x0 = text_px * 4, y0 = image.height - text_px * 4;
   std::array<Vec3, 3> axes{Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, 1}};
@@ -106,7 +106,7 @@ Camera camera_for(const std::vector<SurfaceView>& surfaces, const RenderParams& 
   double x0 = 1e300, x1 = -1e300, y0 = 1e300, y1 = -1e300;
   const auto widen = [&](Vec3 world) {
     const Vec3 p = c.to_camera(world);
-    // A point that a given frame leaves out may lie behind the eye; those of the frame cannot.
+    // A point outside the given frame may lie behind the eye; a point within it cannot.
     const double m = c.magnification(p.z);
     x0 = std::min(x0, p.x * m);
     x1 = std::max(x1, p.x * m);

@@ -19,7 +19,7 @@ namespace {
 constexpr int shades = 33;  // from -full to full
 constexpr int bar_width = 110;
 
-/// From blue over grey to red; x from -1 to 1.
+/// The colour of x from -1 to 1: from blue over grey to red.
 Rgb colour_at(double x) {
   const Rgb low{0.10, 0.25, 0.85}, none{0.80, 0.80, 0.80}, high{0.85, 0.10, 0.10};
   const double w = std::min(1.0, std::abs(x));
@@ -76,7 +76,7 @@ Image deviation_picture(const TriMesh& mesh, const TriMesh& reference, double fu
     Report ignored;
     compute_normals(smooth, NormalsParams(), ignored);
   }
-  // A surface a shade: the renderer knows one colour each.
+  // There is one surface for each shade, because the renderer gives a surface one colour.
   std::vector<TriMesh> parts(shades);
   for (const auto& t : smooth.triangles) {
     const double mean = (deviation[t[0]] + deviation[t[1]] + deviation[t[2]]) / 3;

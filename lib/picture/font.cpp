@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A stroke font, drawn for this program. A point is two digits, x then y (0 to 9, a to g), twelve units a capital's
-// height, y down; lines are parted by '/'; '~' makes one a quadratic B-spline of its points, closed where it ends as it
-// began.
+// A stroke font, drawn for this program. A point is two digits, x then y (0 to 9, a to g); y runs down, and a capital
+// is twelve units high. Lines are separated by '/'. A line that begins with '~' is a quadratic B-spline of its points,
+// which is closed where it ends at its beginning.
 #include <map>
 #include <string>
 
@@ -121,7 +121,7 @@ Points smoothed(Points p) {
       const auto mix = [&](double t) {
         return std::array<double, 2>{a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t};
       };
-      // The ends of an open line stay: their outermost cuts would only shorten it.
+      // The ends of an open line are kept, because cutting them would only shorten the line.
       if (closed || i > 0) q.push_back(mix(0.25));
       if (closed || i + 2 < n) q.push_back(mix(0.75));
     }

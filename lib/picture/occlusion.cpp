@@ -15,7 +15,8 @@ struct Offset {
   int x, y;  // pixels
 };
 
-// A spiral, turned by another angle at each pixel of a 4 x 4 tile; the blur over such a tile takes its pattern away.
+// A spiral that is turned by another angle at each pixel of a 4 x 4 tile. The blur over such a tile removes the
+// pattern.
 std::vector<Offset> spirals(float radius_px) {
   constexpr double full = 6.283185307179586;
   std::vector<Offset> out;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int sub = 256;  // steps of a sample
 
-// Twice the signed area of a, b, p.
+// Twice the signed area of the triangle a, b, p.
 std::int64_t side(std::int64_t ax, std::int64_t ay, std::int64_t bx, std::int64_t by, std::int64_t px,
                   std::int64_t py) {
   return (bx - ax) * (py - ay) - (by - ay) * (px - ax);
@@ -42,7 +42,7 @@ void draw_triangle(const Projected& s, std::uint32_t number, int x_end, int y_be
   }
   const auto [x_min, x_max] = std::minmax({p[0]->x, p[1]->x, p[2]->x});
   const auto [y_min, y_max] = std::minmax({p[0]->y, p[1]->y, p[2]->y});
-  // Samples whose centres (i + 1/2) may lie inside.
+  // The range of samples whose centres (i + 1/2) may lie inside.
   const auto first = [](std::int32_t v) { return (v - sub / 2 + sub - 1) >> 8; };
   const auto last = [](std::int32_t v) { return (v - sub / 2) >> 8; };
   const int i0 = std::max(0, first(x_min)), i1 = std::min(x_end - 1, last(x_max));

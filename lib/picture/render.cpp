@@ -44,8 +44,8 @@ std::uint8_t srgb_byte(float linear) {
 
 Vec3 direction(double x, double y, double z) { return normalized({x, y, z}); }
 
-// Key light from the upper left, a weak one from the right, a rim from behind; the sky a little brighter than the
-// ground.
+// The lights: a key light from the upper left, a weak one from the right, and a rim light from behind. The sky is a
+// little brighter than the ground.
 Light shaded(const Light& albedo, Vec3 n, Vec3 to_eye) {
   static const Vec3 key = direction(-0.45, 0.62, 0.64), fill = direction(0.80, 0.05, 0.45),
                     rim = direction(0.25, 0.55, -0.80);
@@ -74,7 +74,7 @@ struct Scene {
   std::vector<Light> background;  // of each row
 };
 
-// What one surface shows at one sample.
+// What is seen of one surface at one sample.
 struct Fragment {
   float depth;
   int surface;
@@ -82,7 +82,8 @@ struct Fragment {
   bool inner, cap;
 };
 
-// Where the ray through a sample meets the clip plane, as a depth; false where it does not, in front of the eye.
+// The depth at which the ray through a sample meets the clip plane. Returns false where it does not meet it in front of
+// the eye.
 bool plane_depth(const Scene& s, double x, double y, float& depth) {
   const Camera& c = s.camera;
   const double px = (x - c.center_x) / c.px_per_mm, py = (c.center_y - y) / c.px_per_mm;
@@ -130,13 +131,14 @@ Lit lit(const Scene& s, const Fragment& f, int x, int y) {
   const SurfaceView& view = s.surfaces[f.surface];
   const bool warn = f.inner && !f.cap && !s.params.clip;
   out.colour = shaded(warn ? s.warning : s.colours[f.surface], out.normal, to_eye);
-  // Glass: a surface seen at a grazing angle hides more.
+  // As with glass, a surface that is seen at a grazing angle hides more.
   const double grazing = 1 - std::abs(dot(out.normal, to_eye));
   out.opacity = warn || view.opacity >= 1 ? 1 : view.opacity + (1 - view.opacity) * 0.7 * grazing * grazing * grazing;
   return out;
 }
 
-// Sums over a pixel's samples: light that creases darken (opaque surfaces), and light that they do not.
+// Sums over the samples of a pixel: the light that occlusion darkens (of opaque surfaces), and the light that it does
+// not.
 struct Pixels {
   std::vector<Light> open, shadowed;
   detail::SurfaceBuffer buffer;
@@ -165,7 +167,7 @@ class BandPainter {
       if (value == Layer::none) continue;
       Fragment f{layers_[i].depth[at], static_cast<int>(i), value / 2, (value & 1) != 0, false};
       float depth = 0;
-      // The nearest that is left is an inner side: the plane cuts through the solid here.
+      // The nearest side that is left is an inner one, so the plane cuts through the solid here.
       if (f.inner && s_.params.clip && plane_depth(s_, (x + 0.5) / s_.samples, (y + 0.5) / s_.samples, depth) &&
           depth >= f.depth) {
         f.depth = depth;
@@ -173,7 +175,7 @@ class BandPainter {
       }
       found_.push_back(f);
     }
-    // From near to far; of equal depth (caps) the later surface first.
+    // Sorted from near to far. Of surfaces at equal depth (caps) the later one comes first.
     std::sort(found_.begin(), found_.end(), [](const Fragment& a, const Fragment& b) {
       return a.depth != b.depth ? a.depth > b.depth : a.surface > b.surface;
     });
@@ -282,7 +284,7 @@ Image render_surfaces(const std::vector<SurfaceView>& surfaces, const RenderPara
   pixels.buffer.position.resize(count, {nowhere, nowhere, nowhere});
   pixels.buffer.normal.resize(count);
   pixels.buffer.covered.resize(count);
-  // A pixel's samples all lie in one piece: it starts and ends at whole pixels, and its sums run in one order.
+  // A piece begins and ends at whole pixels. So all samples of a pixel lie in one piece and are summed in one order.
   const std::int64_t bands = (rows + detail::band_rows - 1) / detail::band_rows;
   const std::int64_t grain = scene.samples == 3 ? 3 : 1;
   parallel_for(0, bands, grain, [&](std::int64_t from, std::int64_t to) {

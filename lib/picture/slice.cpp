@@ -29,7 +29,7 @@ const PlaneAxes& axes_of(SlicePlane plane) {
   return plane == SlicePlane::axial ? axial : plane == SlicePlane::coronal ? coronal : sagittal;
 }
 
-// Trilinear; up to half a voxel beyond the outermost centres their values hold. False outside.
+// Interpolates trilinearly. Up to half a voxel beyond the outermost centres, their values hold. Returns false outside.
 template <class T>
 bool sample(const Grid<T>& g, Vec3 index, double& hu) {
   int low[3], high[3];
@@ -78,7 +78,7 @@ std::vector<Segment> cut(const TriMesh& mesh, const SliceGeometry& g, int normal
     double ends[2][2];
     int found = 0;
     for (int e = 0; e < 3 && found < 2; ++e) {
-      // Along the edge always from the same end, so that both its triangles find the same point.
+      // The edge is always followed from the same end, so that both of its triangles find the same point.
       int a = e, b = (e + 1) % 3;
       if ((h[a] >= 0) == (h[b] >= 0)) continue;
       if (h[a] >= 0) std::swap(a, b);
@@ -92,7 +92,8 @@ std::vector<Segment> cut(const TriMesh& mesh, const SliceGeometry& g, int normal
   return out;
 }
 
-// Where the field crosses 0 between pixels, by marching squares; outside of its lattice nothing is inside.
+// The lines where the field crosses 0 between pixels, by marching squares. Outside of its lattice nothing counts as
+// inside.
 std::vector<Segment> cut(const Field& field, const SliceGeometry& g) {
   const std::size_t row = std::size_t(g.width) + 1;
   std::vector<float> values(row * (std::size_t(g.height) + 1));
@@ -125,7 +126,7 @@ std::vector<Segment> cut(const Field& field, const SliceGeometry& g) {
   return out;
 }
 
-// The inside of the lines by the even-odd rule, a row at a time, covered in part where the lines cross it.
+// The inside of the lines by the even-odd rule, one row at a time. Pixels that a line crosses are covered in part.
 void fill(Image& image, const std::vector<Segment>& segments, Rgb colour, double opacity) {
   constexpr int sub_rows = 4;
   std::vector<std::vector<double>> crossings(std::size_t(image.height) * sub_rows);

@@ -82,7 +82,7 @@ int text_width(std::string_view text, double height_px) {
 
 void draw_text(Image& image, double x, double y, std::string_view text, double height_px, Rgb colour, Rgb halo) {
   if (text.empty()) return;
-  // A mask of the text's own size, at whole pixels.
+  // A mask that is as large as the text and lies at whole pixels.
   const double line = std::max(1.0, height_px * 0.145), pad = line + 4;
   const int x0 = static_cast<int>(std::floor(x - pad)), y0 = static_cast<int>(std::floor(y - pad));
   const int w = text_width(text, height_px) + static_cast<int>(2 * pad) + 2;
@@ -101,7 +101,7 @@ void draw_text(Image& image, double x, double y, std::string_view text, double h
       }
     pen += glyph.advance * height_px;
   }
-  // Through a cut-out of the picture, so that text may hang over its edges.
+  // Only the part within the picture is drawn, so that text may extend beyond its edges.
   Image part(w, h);
   const auto each = [&](const auto& f) {
     for (int j = std::max(0, -y0); j < std::min(h, image.height - y0); ++j)

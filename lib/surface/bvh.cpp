@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Build: binary splits by the surface area heuristic over refs that move (upper levels one after another, the subtrees
-// below in parallel), then pairs of levels are merged into nodes of four. Query: nearest child first, boxes in float.
+// Build: the list of triangles is split in two by the surface area heuristic, the upper levels one after another and
+// the subtrees below in parallel. Then pairs of levels are merged into nodes with four children. Query: the nearest
+// child first; boxes are stored as float.
 #include "surface/bvh.h"
 
 #include <algorithm>
@@ -40,7 +41,7 @@ struct Ref {
   float centre(int axis) const { return box.lo[axis] + box.hi[axis]; }  // twice it
 };
 
-// Of the binary tree; a leaf has count > 0 and begins at ref `first`.
+// A node of the binary tree. A leaf has count > 0 and begins at ref `first`.
 struct BinaryNode {
   FloatBox box;
   std::uint32_t left = 0, right = 0, first = 0, count = 0;
@@ -51,7 +52,7 @@ struct Range {
   int depth;
 };
 
-// Where to split a range: refs before the returned index go left. A range that should be a leaf gives its begin.
+// Returns where to split a range: refs before that index go left. For a range that should be a leaf it is the begin.
 class Splitter {
  public:
   explicit Splitter(std::vector<Ref>& refs) : refs_(refs) {}
@@ -168,7 +169,7 @@ std::vector<BinaryNode> build_binary(std::vector<Ref>& refs, const Progress& pro
     }
   });
   for (std::size_t i = 0; i < tasks.size(); ++i) {
-    // The subtree's root takes the place kept for it, the rest follows behind.
+    // The root of the subtree takes the place that was kept for it; its other nodes are appended.
     const auto shift = std::uint32_t(nodes.size()) - 1;
     for (std::size_t k = 0; k < subtrees[i].size(); ++k) {
       BinaryNode b = subtrees[i][k];
@@ -255,7 +256,7 @@ ClosestPoint Bvh::nearest(Vec3 local, std::uint32_t seed, double enough_mm, std:
   };
   const Vec3 p = local - centre_;
   const float q[3] = {float(p.x), float(p.y), float(p.z)};
-  // What float rounding of the point, the boxes and their distance may amount to.
+  // An upper bound of the error from rounding the point, the boxes and their distance to float.
   const double margin = 1e-6 * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z) + radius_);
   const auto limit_of = [&](double squared) {
     const double d = std::sqrt(squared) * (1 + 2e-6) + margin;

@@ -12,8 +12,8 @@
 namespace trephine {
 namespace {
 
-// A triangle in continuous indices (x along j, y along k, z along i), its corners in ascending order: so equal
-// triangles and equal edges, of one mesh or two, give equal answers whatever their direction.
+// A triangle in continuous indices (x along j, y along k, z along i), with its corners in ascending order. So equal
+// triangles and equal edges, of one mesh or of two, give equal answers whatever their direction.
 using Corners = std::array<Vec3, 3>;
 
 void sort_corners(Corners& c) {
@@ -34,7 +34,8 @@ bool covers(const Corners& c, double px, double py) {
          edge_passes_right(c[0], c[2], px, py);
 }
 
-// Where the row through (px, py) meets the triangle's plane, held within its own extent where it is nearly upright.
+// Where the row through (px, py) meets the triangle's plane. The result is clamped to the triangle's extent, because
+// the plane may be nearly parallel to the row.
 double depth_at(const Corners& t, double px, double py) {
   const Vec3 &a = t[0], &b = t[1], &c = t[2];
   const Vec3 n = cross(b - a, c - a);

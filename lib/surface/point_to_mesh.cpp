@@ -41,7 +41,7 @@ struct PointToMesh::Impl {
 
   const TriMesh& mesh;
   Bvh bvh;
-  // Only signs need it.
+  // Only the sign of a distance needs it.
   mutable std::once_flag once;
   mutable std::unique_ptr<const Incidence> incidence;
 
@@ -140,13 +140,13 @@ std::vector<double> PointToMesh::signed_distances_mm(const std::vector<Vec3>& wo
 
 double PointToMesh::largest_distance_mm(const std::vector<Vec3>& world_mm, double at_least_mm,
                                         const Progress& progress) const {
-  // A point is done with as soon as something within the largest distance so far is met; each piece keeps its own
-  // largest.
+  // The search for a point ends as soon as it meets a triangle within the largest distance so far. Each piece keeps its
+  // own largest distance.
   std::vector<double> largest((world_mm.size() + piece - 1) / piece, at_least_mm);
   parallel_for(0, std::int64_t(world_mm.size()), piece, [&](std::int64_t from, std::int64_t to) {
     progress.check();
     double& so_far = largest[std::size_t(from / piece)];
-    // A surface's points run along rows through it: to and fro between some walls.
+    // The points of a surface follow rows of voxels, which pass to and fro between opposite walls.
     std::array<std::uint32_t, 8> met{};
     std::size_t next = 0;
     const auto near_one_met = [&](Vec3 p) {

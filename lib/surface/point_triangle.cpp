@@ -6,7 +6,7 @@
 namespace trephine {
 namespace {
 
-// Of segment from a to a + d; the feature is start, `edge` or end.
+// The nearest point of the segment from a to a + d. The feature is the start, `edge` or the end.
 void take_segment(Vec3 p, Vec3 a, Vec3 d, double length2, int start, int edge, int end, ClosestPoint& best) {
   const double along = dot(p - a, d);
   const bool at_start = !(along > 0), at_end = !at_start && along >= length2;
@@ -23,7 +23,7 @@ ClosestPoint nearest_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
   const double ab2 = dot(ab, ab), bc2 = dot(bc, bc), ca2 = dot(ca, ca), n2 = dot(n, n);
   const double longest2 = std::max(ab2, std::max(bc2, ca2));
   const Vec3 ap = p - a;
-  // On which sides of the planes through the edges, upright on the triangle, p lies.
+  // On which side p lies of each plane that contains an edge and is perpendicular to the triangle.
   bool out_ab = true, out_bc = true, out_ca = true;
   if (n2 > 1e-20 * longest2 * longest2) {
     out_ab = dot(cross(n, ab), ap) < 0;
@@ -34,8 +34,8 @@ ClosestPoint nearest_on_triangle(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
       return {height * height / n2, p - n * (height / n2), 6};
     }
   }
-  // The nearest point lies on an edge that p is outside of: were it a corner between two edges, p is outside one of
-  // them.
+  // The nearest point lies on an edge that p is outside of. Where it is the corner of two edges, p is outside at least
+  // one of them.
   ClosestPoint best;
   best.squared_mm2 = 1e300;
   if (out_ab) take_segment(p, a, ab, ab2, 0, 3, 1, best);

@@ -84,7 +84,7 @@ std::vector<Span> RayColumn::spans(double u, double v, double merge_mm) const {
     const auto& t = triangles_[number];
     const bool side = left_of_edge(points_, t[0], t[1], u, v);
     if (left_of_edge(points_, t[1], t[2], u, v) != side || left_of_edge(points_, t[2], t[0], u, v) != side) continue;
-    // Counter-clockwise about the axis looks along it: there the ray leaves.
+    // A triangle that is counter-clockwise about the axis faces along it, so the ray leaves the solid there.
     hits.push_back({height_at(points_[t[0]], points_[t[1]], points_[t[2]], u, v), !side});
   }
   std::stable_sort(hits.begin(), hits.end(),

@@ -12,7 +12,7 @@ namespace {
 
 bool repeats(const std::array<std::uint32_t, 3>& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-/// Reused from point to point.
+/// Buffers that are reused from point to point.
 struct Around {
   std::vector<std::array<std::uint32_t, 2>> ends;  ///< the far edges of a point's triangles
   std::vector<std::uint32_t> group;
@@ -50,7 +50,7 @@ int count_fans(Around& around) {
   return fans;
 }
 
-/// Triangles around p with the same points as another, where p is their lowest.
+/// Counts the triangles around p that have the same points as another one, where p is the lowest of these points.
 std::size_t count_duplicates(Around& around, std::uint32_t p) {
   auto& ends = around.ends;
   std::size_t kept = 0, duplicates = 0;
@@ -84,7 +84,8 @@ Topology counts_at(const TriMesh& mesh, const Incidence& incidence, std::uint32_
   return r;
 }
 
-/// Pieces joined by edges. Where no point parts the surface, those joined by points are the same, and sooner found.
+/// Counts the pieces that are connected by edges. Where no single point connects two fans, the pieces connected by
+/// points are the same, and they are found faster.
 int count_components(const TriMesh& mesh, const Incidence& incidence, bool by_points) {
   int components = 0;
   if (by_points) {
