@@ -66,11 +66,13 @@ TEST(HapticsLoad, AnOverrunIsCountedAndGivesNoJump) {
   for (std::size_t n = 1; n < frames.size(); ++n) {
     const ServoFrame &a = frames[n - 1], &b = frames[n];
     EXPECT_EQ(b.faults, 0u);
-    EXPECT_LE(std::abs(b.force_n[2] - a.force_n[2]), force.max_force_rate_n_per_s * b.dt_s + 1e-9) << n;
+    // After a late tick the device holds less; from there the force goes on as in one tick.
+    const double holds = a.force_n[2] * (b.dt_s > 0.0015 ? ForceHold().share(b.dt_s) : 1);
+    EXPECT_LE(std::abs(b.force_n[2] - holds), force.max_force_rate_n_per_s * 0.001 + 1e-9) << n;
     if (n % 50 == 0) long_steps += b.dt_s > 0.0195;  // the tick after a slow one
   }
   EXPECT_EQ(long_steps, 7);
-  EXPECT_GT(frames.back().force_n[2], 0.5);
+  EXPECT_GT(frames.back().force_n[2], 0.3);
 }
 
 // H8: a floor is drilled away, layer by layer, under a tip that presses on it, until the tip stands on what lies below;
@@ -132,7 +134,8 @@ TEST(HapticsLoad, DrillingThroughUnderContactOnABusyMachine) {
   Vec3 last;
   for (const ServoFrame& f : frames) {
     const Vec3 is{f.force_n[0], f.force_n[1], f.force_n[2]};
-    EXPECT_LE(norm(is - last), force.max_force_rate_n_per_s * f.dt_s + 1e-9) << f.tick;
+    const Vec3 holds = last * (f.dt_s > 0.0015 ? ForceHold().share(f.dt_s) : 1);
+    EXPECT_LE(norm(is - holds), force.max_force_rate_n_per_s * 0.001 + 1e-9) << f.tick;
     EXPECT_EQ(f.faults, 0u);
     EXPECT_GT(f.proxy_mm[2], -5.1) << f.tick << ": through the lower floor";
     EXPECT_TRUE(f.tip_mm[2] > -5.1 || f.touched != 0) << f.tick << ": a contact was missed";

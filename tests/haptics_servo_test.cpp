@@ -116,11 +116,11 @@ TEST(HapticsServo, ReplayIsBitForBit) {
   EXPECT_EQ(read.header.shaft.shaft_length_mm, 40);
   ASSERT_EQ(read.frames.size(), frames.size());
   Proxy again(contact, s.feels, s.force, shaft);
-  const std::vector<ServoFrame> replayed = replay_frames(read.frames, again);
+  const std::vector<ServoFrame> replayed = replay_frames(read.frames, read.header.rate_hz, again);
   for (std::size_t n = 0; n < frames.size(); ++n) ASSERT_TRUE(same_frame(frames[n], replayed[n])) << n;
   // With another spring it is not.
   Proxy other(contact, one_shape(1, face(0.61), face(0.6)), s.force, shaft);
-  EXPECT_FALSE(same_frame(frames.back(), replay_frames(read.frames, other).back()));
+  EXPECT_FALSE(same_frame(frames.back(), replay_frames(read.frames, read.header.rate_hz, other).back()));
 
   // Damaged in every way that shows.
   const std::vector<char> good = read_file(file);
@@ -290,10 +290,10 @@ TEST(HapticsServo, ReplayWithAToolIsBitForBit) {
   EXPECT_EQ(read.header.tool.tool_search, ToolParams::Search::tail_to_tip);
   EXPECT_EQ(read.header.tool.tool_diameter_mm, header.tool.tool_diameter_mm);
   Proxy again(contact, s.feels, s.force, {}, make_tool(read.header.tool));
-  const std::vector<ServoFrame> replayed = replay_frames(read.frames, again);
+  const std::vector<ServoFrame> replayed = replay_frames(read.frames, read.header.rate_hz, again);
   for (std::size_t n = 0; n < frames.size(); ++n) ASSERT_TRUE(same_frame(frames[n], replayed[n])) << n;
   Proxy point(contact, s.feels, s.force);
-  EXPECT_FALSE(same_frame(frames.back(), replay_frames(read.frames, point).back()));
+  EXPECT_FALSE(same_frame(frames.back(), replay_frames(read.frames, read.header.rate_hz, point).back()));
 }
 
 TEST(HapticsServo, KeepsToTheClock) {

@@ -24,7 +24,7 @@ ContactVolume::ContactVolume(HapticVolume& volume, ContactParams params)
     blocks_[a] = std::max(0, (l.size[a] - 1) >> block_bits);
     count *= std::size_t(blocks_[a]);
   }
-  block_shape_.assign(count, mixed_block);
+  block_state_.assign(count, mixed_block);
   if (params.surface == ContactParams::Surface::subvoxel) {
     block_cells_.assign(2 * count, ~std::uint64_t{0});
     block_names_.assign(count, 0);
@@ -63,7 +63,7 @@ Vec3 ContactVolume::to_index(Vec3 world_mm) const { return to_index_ * (world_mm
 int ContactVolume::shape_of_uniform_cell(std::size_t block, int i, int j, int k) const {
   constexpr int last = (1 << block_bits) - 1;
   const int cell = (i & last) + ((j & last) << block_bits) + ((k & last) << 2 * block_bits);
-  const std::uint64_t cells = __atomic_load_n(&block_cells_[2 * block + std::size_t(cell >> 5)], __ATOMIC_ACQUIRE);
+  const std::uint64_t cells = __atomic_load_n(&block_cells_[2 * block + std::size_t(cell >> 5)], __ATOMIC_RELAXED);
   const int kind = int(cells >> 2 * (cell & 31) & 3);
   if (kind == 0 || kind == 3) return kind == 0 ? 0 : -1;
   return __atomic_load_n(&block_names_[block], __ATOMIC_RELAXED) >> (kind == 1 ? 0 : 8) & 255;
@@ -87,9 +87,9 @@ int ContactVolume::shape_of(Vec3 index) const {
   }
   const int i = int(std::floor(index.x)), j = int(std::floor(index.y)), k = int(std::floor(index.z));
   if (const std::size_t block = block_of(i, j, k); block != no_block) {
-    const int all = __atomic_load_n(&block_shape_[block], __ATOMIC_RELAXED);
-    if (all != mixed_block) return all;
-    const int uniform = shape_of_uniform_cell(block, i, j, k);
+    const std::uint32_t state = state_of_block(block);
+    if (shape_in(state) != mixed_block) return shape_in(state);
+    const int uniform = state & details_known ? shape_of_uniform_cell(block, i, j, k) : -1;
     if (uniform >= 0) return uniform;
   }
   return ContactCell(*this, i, j, k).shape_at(within_cell(index, i, j, k));

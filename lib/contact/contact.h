@@ -81,10 +81,13 @@ class ContactVolume {
   /// rewritten in that form (settle, over the whole volume), which does not change any voxel's meaning.
   explicit ContactVolume(HapticVolume& volume, ContactParams params = {});
 
-  /// Must be called before voxels of the box are lowered: it forgets what is known of the blocks around them.
+  /// Forgets what is known of the blocks around the box. It must be called before voxels of the box are lowered, unless
+  /// the thread that lowers them is the one that walks; and after it, if another thread may settle meanwhile. It takes
+  /// no lock and does not allocate.
   void loosen(const Box& box);
-  /// To be called for a box around voxels that were changed and two more on each side, by a thread that can spend the
-  /// time.
+  /// Finds out anew what walks need not look at. To be called for a box around voxels that were changed and two more on
+  /// each side, by a thread that can spend the time, one at a time. Voxels may be lowered and loosened meanwhile: a
+  /// block that was is left as not known, and no voxel gets an older value back.
   void settle(const Box& box);
 
   /// The shape that holds the point, 0 for none, beyond the lattice, and where a coordinate is not finite.
@@ -105,9 +108,10 @@ class ContactVolume {
   /// The normal that intersect() gives to a contact met along `way`.
   Vec3 normal_of(const Contact& contact, Vec3 way) const;
 
-  /// Unit normal of the surface between the two shapes (0: none), from `into` towards `from`. It is made of central
-  /// differences of the occupancy over one voxel to each side, weighted 1 2 1 across (Sobel) and interpolated to the
-  /// point; zero where there are none.
+  /// Unit normal of the surface between the two shapes (0: none), from `into` towards `from`: that of the linear
+  /// function which fits the occupancy of the 4 x 4 x 4 voxels around best, weighted 1 2 1 along each axis and
+  /// interpolated to the point. Voxels count by how far they are from empty and full, so that a plane's normal is
+  /// exact; zero where nothing changes.
   Vec3 normal_at(Vec3 world_mm, int from, int into) const;
 
   /// Unit normal of the sub-voxel surface itself where a segment along `way` met it, from `into` towards `from`. It
@@ -140,14 +144,24 @@ class ContactVolume {
   /// voxels after it belong; mixed_block where they differ and where it is not known.
   int shape_of_block(int i, int j, int k) const {
     const std::size_t block = block_of(i, j, k);
-    return block != no_block ? __atomic_load_n(&block_shape_[block], __ATOMIC_RELAXED) : mixed_block;
+    return block != no_block ? shape_in(state_of_block(block)) : mixed_block;
   }
+  std::uint32_t state_of_block(std::size_t block) const {
+    return __atomic_load_n(&block_state_[block], __ATOMIC_ACQUIRE);
+  }
+  static int shape_in(std::uint32_t state) { return int(state & 255); }
+  bool begin_note(std::size_t block, std::uint32_t& state);
+  void end_note(std::size_t block, std::uint32_t state, int shape);
   bool has_block(int bi, int bj, int bk) const {
     return bi >= 0 && bj >= 0 && bk >= 0 && bi < blocks_[0] && bj < blocks_[1] && bk < blocks_[2];
   }
   std::uint32_t near_block(int i, int j, int k) const {
     const std::size_t block = block_of(i, j, k);
-    return block != no_block ? __atomic_load_n(&block_near_[block], __ATOMIC_RELAXED) : all_shapes;
+    return block != no_block ? near_of_block(block) : all_shapes;
+  }
+  std::uint32_t near_of_block(std::size_t block) const {
+    const bool known = (state_of_block(block) & details_known) != 0;
+    return known ? __atomic_load_n(&block_near_[block], __ATOMIC_RELAXED) : all_shapes;
   }
   /// The block that holds the voxel, or no_block.
   std::size_t block_of(int i, int j, int k) const {
@@ -158,7 +172,7 @@ class ContactVolume {
     return (std::size_t(bk) * std::size_t(blocks_[1]) + std::size_t(bj)) * std::size_t(blocks_[0]) + std::size_t(bi);
   }
   /// The shape (0: none) of the whole cell between eight voxel centres, for a sub-voxel surface; -1 where the cell is
-  /// not of one shape, and where that is not known.
+  /// not of one shape. The block's details must be known.
   int shape_of_uniform_cell(std::size_t block, int i, int j, int k) const;
   void note_cells(std::size_t block, int bi, int bj, int bk);
   bool shares_around(const int* begin, int from, int into, double (*v)[16]) const;
@@ -179,7 +193,10 @@ class ContactVolume {
   static constexpr std::uint32_t all_shapes = ~std::uint32_t{0};
   static constexpr std::size_t no_block = ~std::size_t{0};
   std::array<int, 3> blocks_{0, 0, 0};  ///< whole ones, with the voxels after them
-  std::vector<std::uint8_t> block_shape_;
+  /// The block's shape or mixed_block, details_known where the three vectors below may be used for it, and above these
+  /// bits a count of how often it was loosened: what was found out of voxels before does not count after.
+  static constexpr std::uint32_t details_known = 256, one_loosening = 512;
+  std::vector<std::uint32_t> block_state_;
   /// For a sub-voxel surface, 2 bits for each cell, x fastest. 0: no shape; 1 and 2: the shapes in the low and the high
   /// byte of the block's names; 3: not of one shape or not known. Names are written once, before the first cell that
   /// needs them.

@@ -16,12 +16,14 @@ void ContactVolume::settle(const Box& box) {
     for (int k = int(from); k < int(to); ++k)
       for (int j = box.begin[1]; j < box.end[1]; ++j)
         for (int i = box.begin[0]; i < box.end[0]; ++i) {
-          std::int16_t& voxel = v.at(i, j, k);
+          std::int16_t& voxel = v.voxels[v.index(i, j, k)];
           const std::int16_t raw = detail::load_voxel(voxel);
           if (raw == haptic_empty || (table_[std::uint16_t(raw)] & contact_pure)) continue;
           const detail::RawVoxel r = detail::split(raw);
           if (r.number == 0 || r.bare || detail::other_shape(v, r.number, i, j, k) != 0) continue;
-          __atomic_store_n(&voxel, detail::join(r.number, r.share, true), __ATOMIC_RELAXED);
+          std::int16_t was = raw;  // what was lowered meanwhile stays so
+          __atomic_compare_exchange_n(&voxel, &was, detail::join(r.number, r.share, true), false, __ATOMIC_RELAXED,
+                                      __ATOMIC_RELAXED);
         }
   });
   note_blocks(box);
@@ -43,13 +45,27 @@ void ContactVolume::loosen(const Box& box) {
     for (int j = blocks.begin[1]; j < blocks.end[1]; ++j)
       for (int i = blocks.begin[0]; i < blocks.end[0]; ++i) {
         const std::size_t at = block_at(i, j, k);
-        __atomic_store_n(&block_shape_[at], std::uint8_t(mixed_block), __ATOMIC_RELAXED);
-        if (volume_.encoding == HapticEncoding::hu)  // where occupancy is lowered no shape is new
-          __atomic_store_n(&block_near_[at], all_shapes, __ATOMIC_RELAXED);
-        if (block_cells_.empty()) continue;
-        for (std::size_t half = 0; half < 2; ++half)
-          __atomic_store_n(&block_cells_[2 * at + half], ~std::uint64_t{0}, __ATOMIC_RELAXED);
+        std::uint32_t was = __atomic_load_n(&block_state_[at], __ATOMIC_RELAXED), now;
+        do now = (was & ~(one_loosening - 1)) + one_loosening + mixed_block;
+        while (!__atomic_compare_exchange_n(&block_state_[at], &was, now, true, __ATOMIC_ACQ_REL, __ATOMIC_RELAXED));
       }
+}
+
+// From now until end_note nobody uses the block's details. False where it was loosened in this moment.
+bool ContactVolume::begin_note(std::size_t block, std::uint32_t& state) {
+  state = state_of_block(block);
+  const std::uint32_t unknown = state & ~details_known;
+  if (state != unknown &&
+      !__atomic_compare_exchange_n(&block_state_[block], &state, unknown, false, __ATOMIC_ACQ_REL, __ATOMIC_RELAXED))
+    return false;
+  state = unknown;
+  return true;
+}
+
+// What was noted counts only where the block was not loosened since begin_note: it may be of voxels that are no more.
+void ContactVolume::end_note(std::size_t block, std::uint32_t state, int shape) {
+  const std::uint32_t known = (state & ~(one_loosening - 1)) + details_known + std::uint32_t(shape);
+  __atomic_compare_exchange_n(&block_state_[block], &state, known, false, __ATOMIC_ACQ_REL, __ATOMIC_RELAXED);
 }
 
 // Which cells of a block are of one shape or none, as ContactCell says.
@@ -91,7 +107,7 @@ void ContactVolume::note_cells(std::size_t block, int bi, int bj, int bk) {
       }
   __atomic_store_n(&block_names_[block], names, __ATOMIC_RELAXED);
   for (std::size_t half = 0; half < 2; ++half)
-    __atomic_store_n(&block_cells_[2 * block + half], cells[half], __ATOMIC_RELEASE);
+    __atomic_store_n(&block_cells_[2 * block + half], cells[half], __ATOMIC_RELAXED);
 }
 
 // Which blocks, with the voxels after them, are of one shape or of none.
@@ -103,6 +119,9 @@ void ContactVolume::note_blocks(const Box& box) {
     for (int k = int(from); k < int(to); ++k)
       for (int j = blocks.begin[1]; j < blocks.end[1]; ++j)
         for (int i = blocks.begin[0]; i < blocks.end[0]; ++i) {
+          const std::size_t at = block_at(i, j, k);
+          std::uint32_t state;
+          if (!begin_note(at, state)) continue;
           const std::uint32_t first = table_[std::uint16_t(detail::load_voxel(v.at(i * side, j * side, k * side)))];
           bool same = entry_shape(first) == 0 ? first == 0 : (first & contact_pure) != 0;
           for (int z = k * side; z <= (k + 1) * side && same; ++z)
@@ -110,9 +129,11 @@ void ContactVolume::note_blocks(const Box& box) {
               const std::int16_t* row = v.voxels.data() + v.index(i * side, y, z);
               for (int x = 0; x <= side; ++x) same = same && table_[std::uint16_t(detail::load_voxel(row[x]))] == first;
             }
-          const std::size_t at = block_at(i, j, k);
-          __atomic_store_n(&block_shape_[at], std::uint8_t(same ? entry_shape(first) : mixed_block), __ATOMIC_RELAXED);
-          if (same) continue;
+          if (same) {
+            __atomic_store_n(&block_near_[at], all_shapes, __ATOMIC_RELAXED);
+            end_note(at, state, entry_shape(first));
+            continue;
+          }
           if (!block_cells_.empty()) note_cells(at, i, j, k);
           const int low[3] = {i * side, j * side, k * side};
           int begin[3], end[3];
@@ -129,6 +150,7 @@ void ContactVolume::note_blocks(const Box& box) {
             }
           __atomic_store_n(&block_near_[at], std::uint32_t(near >> 1), __ATOMIC_RELAXED);
           note_seconds(at, i, j, k);
+          end_note(at, state, mixed_block);
         }
   });
 }
@@ -139,7 +161,7 @@ void ContactVolume::keep_seconds() {
   std::uint32_t kept = 0;
   for (std::size_t at = 0; at < block_near_.size(); ++at) {
     const std::uint32_t but_one = block_near_[at] & (block_near_[at] - 1);
-    if (block_shape_[at] == mixed_block && (but_one & (but_one - 1)) != 0) block_seconds_[at] = ++kept;
+    if (shape_in(block_state_[at]) == mixed_block && (but_one & (but_one - 1)) != 0) block_seconds_[at] = ++kept;
   }
   seconds_.assign((std::size_t(kept) + 1) << 3 * block_bits, 0);
   parallel_for(0, blocks_[2], 1, [&](std::int64_t from, std::int64_t to) {
@@ -166,10 +188,11 @@ void ContactVolume::note_seconds(std::size_t block, int bi, int bj, int bk) {
 
 int ContactVolume::second_of(int own, int i, int j, int k) const {
   if (const std::size_t at = block_of(i, j, k); at != no_block) {
-    const std::uint32_t near = __atomic_load_n(&block_near_[at], __ATOMIC_RELAXED);
+    const std::uint32_t near = near_of_block(at);
     const std::uint32_t others = near & ~(std::uint32_t{1} << (own - 1));
     if ((others & (others - 1)) == 0) return others != 0 ? __builtin_ctz(others) + 1 : 0;
-    if (const std::size_t kept = block_seconds_[at]) {
+    const std::size_t kept = state_of_block(at) & details_known ? block_seconds_[at] : 0;
+    if (kept != 0) {
       constexpr int last = (1 << block_bits) - 1;
       const int voxel = (i & last) + ((j & last) << block_bits) + ((k & last) << 2 * block_bits);
       return __atomic_load_n(&seconds_[(kept << 3 * block_bits) + std::size_t(voxel)], __ATOMIC_RELAXED);

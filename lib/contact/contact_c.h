@@ -5,7 +5,12 @@
 
 /* Contact with a haptic volume for programs in C and for other haptic libraries: the interface is that of
  * OpenHaptics' intersectSurface callback [Rizzi, chapter 3]. Positions are mm, DICOM patient LPS. Nothing throws. The
- * functions that open and close allocate, the others do not. An object may be used by one thread at a time. */
+ * functions that open and close allocate, the others do not. An object may be used by one thread at a time.
+ *
+ * Normals come from the ramp of occupancy across a surface, about a voxel to each side. A binary mask (0 and 255) has
+ * none: in voxels that are not cubes its normals are off by 31 to 39 degrees (99th percentile), and forces jump. Of
+ * TREPHINE_HU, bone that meets air has a coat of one voxel of the window that holds the HU between them. The stepped
+ * walk may pass a wall of one voxel at any speed; the exact one passes none. */
 
 #ifdef __cplusplus
 extern "C" {

@@ -48,7 +48,7 @@ class ContactVolume::CellWalk {
     const int bi = i >> block_bits, bj = j >> block_bits, bk = k >> block_bits;
     if (((bi ^ block_of_[0]) | (bj ^ block_of_[1]) | (bk ^ block_of_[2])) != 0) look_up(bi, bj, bk);
     if (block_ < mixed_block) return enter(block_, t0) ? WalkStep::end : WalkStep::block;
-    if (block_ == mixed_block) {
+    if (block_ == mixed_block && details_known_) {
       const int uniform = contact_.shape_of_uniform_cell(block_index_, i, j, k);
       if (uniform >= 0) return enter(uniform, t0) ? WalkStep::end : WalkStep::cell;
     }
@@ -66,10 +66,14 @@ class ContactVolume::CellWalk {
     block_of_[0] = bi, block_of_[1] = bj, block_of_[2] = bk;
     block_ = outer_block;
     near_ = all_shapes;
+    details_known_ = false;
     if (!contact_.has_block(bi, bj, bk)) return;
     block_index_ = contact_.block_at(bi, bj, bk);
-    block_ = __atomic_load_n(&contact_.block_shape_[block_index_], __ATOMIC_RELAXED);
-    if (block_ == mixed_block) near_ = __atomic_load_n(&contact_.block_near_[block_index_], __ATOMIC_RELAXED);
+    const std::uint32_t state = contact_.state_of_block(block_index_);
+    block_ = shape_in(state);
+    details_known_ = (state & details_known) != 0;
+    if (block_ == mixed_block && details_known_)
+      near_ = __atomic_load_n(&contact_.block_near_[block_index_], __ATOMIC_RELAXED);
   }
 
   bool touches(int number) const { return number != 0 && (touch_ >> (number - 1) & 1); }
@@ -111,7 +115,7 @@ class ContactVolume::CellWalk {
   std::uint32_t near_ = 0;
   int last_[3];
   double last_t0_, last_t1_;
-  bool left_ = false;
+  bool left_ = false, details_known_ = false;
 };
 
 ContactVolume::Crossing ContactVolume::walk_cells(const Segment& s, int shape, const TouchableFaces& faces) const {

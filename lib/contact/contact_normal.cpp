@@ -10,6 +10,76 @@
 
 namespace trephine {
 
+namespace {
+
+// The gradient, in a voxel's own units, of the linear function that fits the 4 x 4 x 4 values best. A voxel counts by
+// its nearness to the point (1 2 1 along each axis, interpolated to it, so that the result is continuous) and by how
+// far it is from empty and from full: a ramp ends there, and differences across its end lean towards the axes, by up to
+// 3 degrees on a plane. Values that are all empty or full, as of a mask, count alike.
+Vec3 fitted_gradient(const double (*v)[16], Vec3 f, double full) {
+  float near[3][4];
+  for (int a = 0; a < 3; ++a) {
+    const float t = float(f[a]), u = 1 - t;
+    const float w[4] = {0.25f * u, 0.5f * u + 0.25f * t, 0.25f * u + 0.5f * t, 0.25f * t};
+    std::copy(w, w + 4, near[a]);
+  }
+  float across[16];
+  for (int n = 0; n < 16; ++n) across[n] = near[2][n >> 2] * near[1][n & 3];
+  const float scale = float(1 / full);
+  float part[16] = {};  // of each column that lies on a ramp
+  for (int x = 0; x < 4; ++x)
+    for (int n = 0; n < 16; ++n) {
+      const float o = float(v[x][n]) * scale;
+      part[n] += near[0][x] * across[n] * 4 * o * (1 - o);
+    }
+  float on_ramp = 0;
+  for (const float p : part) on_ramp += p;
+  // What a voxel that is empty or full counts: little where enough others lie on a ramp.
+  const float least = 0.02f + 2 * std::max(0.0f, 1 - on_ramp / 0.6f);
+  // Sums of the weights, and of the weights times value, over columns of one y and z; x is counted from the middle.
+  float w0[16] = {}, w1[16] = {}, w2[16] = {}, s0[16] = {}, s1[16] = {};
+  for (int x = 0; x < 4; ++x) {
+    const float at = float(x) - 1.5f;
+    for (int n = 0; n < 16; ++n) {
+      const float o = float(v[x][n]) * scale, w = near[0][x] * across[n] * (least + 4 * o * (1 - o));
+      w0[n] += w;
+      w1[n] += w * at;
+      w2[n] += w * at * at;
+      s0[n] += w * o;
+      s1[n] += w * o * at;
+    }
+  }
+  double m = 0, x = 0, y = 0, z = 0, xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0, o = 0, ox = 0, oy = 0, oz = 0;
+  for (int n = 0; n < 16; ++n) {
+    const double by = (n & 3) - 1.5, bz = (n >> 2) - 1.5, w = double(w0[n]), wx = double(w1[n]), s = double(s0[n]);
+    m += w;
+    x += wx;
+    y += w * by;
+    z += w * bz;
+    xx += double(w2[n]);
+    yy += w * by * by;
+    zz += w * bz * bz;
+    xy += wx * by;
+    xz += wx * bz;
+    yz += w * by * bz;
+    o += s;
+    ox += double(s1[n]);
+    oy += s * by;
+    oz += s * bz;
+  }
+  if (!(m > 0)) return {};
+  for (double* sum : {&x, &y, &z, &xx, &yy, &zz, &xy, &xz, &yz, &o, &ox, &oy, &oz}) *sum /= m;
+  xx -= x * x, yy -= y * y, zz -= z * z;
+  xy -= x * y, xz -= x * z, yz -= y * z;
+  const Vec3 b{ox - o * x, oy - o * y, oz - o * z};
+  // The matrix is positive definite, for all 64 count; Cramer's rule, whose determinant is positive, leaves its length.
+  return {b.x * (yy * zz - yz * yz) + b.y * (xz * yz - xy * zz) + b.z * (xy * yz - xz * yy),
+          b.x * (xz * yz - xy * zz) + b.y * (xx * zz - xz * xz) + b.z * (xy * xz - xx * yz),
+          b.x * (xy * yz - xz * yy) + b.y * (xy * xz - xx * yz) + b.z * (xx * yy - xy * xy)};
+}
+
+}  // namespace
+
 Vec3 ContactVolume::normal_of(const Contact& c, Vec3 way) const {
   const Vec3 forward = normalized(way);
   Vec3 n = normal_at(c.point_mm, c.from, c.into);
@@ -96,32 +166,7 @@ Vec3 ContactVolume::normal_at(Vec3 world_mm, int from, int into) const {
     for (int n = 0; n < 16; ++n)
       for (int x = 0; x < 4; ++x)
         v[x][n] = share_around(begin[0] + x, begin[1] + (n & 3), begin[2] + (n >> 2), from, into);
-  // Along an axis: differences two voxels apart, and the weights 1 2 1, both interpolated to the point.
-  double change[3][4], smooth[3][4];
-  for (int a = 0; a < 3; ++a) {
-    const double t = f[a], u = 1 - t;
-    const double d[4] = {-u, -t, u, t}, w[4] = {0.25 * u, 0.5 * u + 0.25 * t, 0.25 * u + 0.5 * t, 0.25 * t};
-    std::copy(d, d + 4, change[a]);
-    std::copy(w, w + 4, smooth[a]);
-  }
-  double gx[16], gy[16], gz[16];
-  for (int n = 0; n < 16; ++n) {
-    gx[n] = change[0][0] * v[0][n] + change[0][1] * v[1][n] + change[0][2] * v[2][n] + change[0][3] * v[3][n];
-    gy[n] = smooth[0][0] * v[0][n] + smooth[0][1] * v[1][n] + smooth[0][2] * v[2][n] + smooth[0][3] * v[3][n];
-  }
-  for (int z = 0; z < 4; ++z)
-    for (int y = 0; y < 4; ++y) {
-      const int n = 4 * z + y;
-      gx[n] = smooth[2][z] * smooth[1][y] * gx[n];
-      gz[n] = change[2][z] * smooth[1][y] * gy[n];
-      gy[n] = smooth[2][z] * change[1][y] * gy[n];
-    }
-  Vec3 g;
-  for (int n = 0; n < 16; ++n) {
-    g.x += gx[n];
-    g.y += gy[n];
-    g.z += gz[n];
-  }
+  Vec3 g = fitted_gradient(v, f, volume_.encoding == HapticEncoding::hu ? 1 : haptic_full);
   g = l.direction * Vec3{g.x / l.spacing_mm.x, g.y / l.spacing_mm.y, g.z / l.spacing_mm.z};
   const double length = norm(g);
   if (!(length > 1e-9)) return {};

@@ -33,7 +33,7 @@ Sums filled_by_shape(const HapticVolume& volume, const Grid<std::int16_t>& voxel
     Sums& sums = by_slice[std::size_t(k)];
     for (int j = 0; j < voxels.size[1]; ++j)
       for (int i = 0; i < voxels.size[0]; ++i) {
-        const std::int16_t raw = voxels.voxels[voxels.index(i, j, k)];
+        const std::int16_t raw = detail::load_voxel(voxels.voxels[voxels.index(i, j, k)]);
         if (volume.encoding == HapticEncoding::hu) {
           for (const HapticShape& s : volume.shapes)
             if (raw >= s.window_low && raw <= s.window_high) sums[std::size_t(s.number)] += volume_unit;
@@ -105,7 +105,12 @@ void cut_occupancy(const Cut& c, const Progress& progress) {
     const bool shared = !v.bare && v.share < haptic_full;
     const int other = shared ? detail::other_shape(c.before, v.number, x, y, z) : 0;
     if (!c.cut[std::size_t(v.number)] && !c.cut[std::size_t(other)]) return;
-    c.volume.voxels.at(i, j, k) = lowered(v, other, c.cut, c.solid.at(i, j, k).left);
+    const int left = c.solid.at(i, j, k).left;
+    detail::change_voxel(c.volume.voxels.at(i, j, k), [&](std::int16_t raw) {
+      // A voxel that is drilled meanwhile is bare, and maybe of its other shape.
+      const RawVoxel is = detail::split(raw);
+      return is.number == 0 ? raw : lowered(is, is.bare || is.share == haptic_full ? 0 : other, c.cut, left);
+    });
   });
   // What the rest of a voxel belongs to hangs on its neighbours. Where they changed it must not pass to another shape.
   const Box beside = grown(c.box, 1, c.volume.voxels);
@@ -114,8 +119,11 @@ void cut_occupancy(const Cut& c, const Progress& progress) {
     const RawVoxel v = detail::split(detail::load_voxel(raw));
     if (v.number == 0 || v.bare || v.share == haptic_full) return;
     const int was = detail::other_shape(c.before, v.number, i - b[0], j - b[1], k - b[2]);
-    if (detail::other_shape(c.volume.voxels, v.number, i, j, k) != was)
-      __atomic_store_n(&raw, detail::join(v.number, v.share, true), __ATOMIC_RELAXED);
+    if (detail::other_shape(c.volume.voxels, v.number, i, j, k) == was) return;
+    detail::change_voxel(raw, [](std::int16_t is) {
+      const RawVoxel now = detail::split(is);
+      return now.number == 0 ? is : detail::join(now.number, now.share, true);
+    });
   });
 }
 
@@ -159,7 +167,8 @@ void cut_hu_windows(const Cut& c, const Progress& progress) {
       else
         value = std::min({hu, std::max(level, haptic_beyond_hu), lowest->window_low - 1});
     }
-    c.volume.voxels.at(i, j, k) = std::int16_t(value);
+    detail::change_voxel(c.volume.voxels.at(i, j, k),
+                         [&](std::int16_t raw) { return std::min(raw, std::int16_t(value)); });
   });
 }
 
@@ -183,7 +192,7 @@ void cut_volume(HapticVolume& volume, const DistanceFunction& solid, const Bound
   std::size_t changed = 0;
   if (!box.empty()) {
     const Box around = grown(box, 2, volume.voxels);
-    const Grid<std::int16_t> before = crop(volume.voxels, around);
+    const Grid<std::int16_t> before = detail::copy_voxels(volume.voxels, around);
     const SolidOnLattice on_lattice(volume.voxels, solid);
     const Cut c{
         volume, on_lattice, box, around, before, cut, std::all_of(volume.shapes.begin(), volume.shapes.end(), is_cut)};
@@ -191,7 +200,7 @@ void cut_volume(HapticVolume& volume, const DistanceFunction& solid, const Bound
       cut_occupancy(c, progress);
     else
       cut_hu_windows(c, progress);
-    const Grid<std::int16_t> after = crop(volume.voxels, around);
+    const Grid<std::int16_t> after = detail::copy_voxels(volume.voxels, around);
     const Sums had = filled_by_shape(volume, before), has = filled_by_shape(volume, after);
     for (std::size_t n = 1; n < had.size(); ++n) removed[n] = had[n] - has[n];
     for (std::size_t i = 0; i < after.voxels.size(); ++i) changed += after.voxels[i] != before.voxels[i];

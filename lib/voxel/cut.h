@@ -23,6 +23,8 @@ namespace trephine {
 /// above the lowest it may lie up to (low - lowest low) / (low + 1024) of a voxel farther from the solid), but never a
 /// value of another window. No voxel reads as a shape that it was not before.
 ///
+/// A servo may read and drill the same voxels meanwhile: each is replaced only as it was read, so none rises.
+///
 /// The report: "<name>.removed_mm3" (by shape_volume_mm3) of the shapes that are cut, and the voxels_count that
 /// changed; a warning where nothing is removed from any of them.
 void cut_volume(HapticVolume& volume, const DistanceFunction& solid, const Bounds& solid_bounds_mm,

@@ -13,6 +13,29 @@ namespace trephine::detail {
 /// Reads a voxel's raw value in a way that is safe while another thread drills.
 inline std::int16_t load_voxel(const std::int16_t& voxel) { return __atomic_load_n(&voxel, __ATOMIC_RELAXED); }
 
+/// Replaces a voxel's raw value by what `change` makes of it, again where another thread changed it meanwhile: so
+/// nobody's older value comes back.
+template <class Change>
+void change_voxel(std::int16_t& voxel, const Change& change) {
+  std::int16_t was = load_voxel(voxel), now;
+  do {
+    now = change(was);
+    if (now == was) return;
+  } while (!__atomic_compare_exchange_n(&voxel, &was, now, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED));
+}
+
+/// A copy of the box, voxel by voxel, while another thread drills.
+inline Grid<std::int16_t> copy_voxels(const Grid<std::int16_t>& voxels, const Box& box) {
+  Grid<std::int16_t> out(cropped(voxels, box));
+  std::int16_t* to = out.voxels.data();
+  for (int k = box.begin[2]; k < box.end[2]; ++k)
+    for (int j = box.begin[1]; j < box.end[1]; ++j) {
+      const std::int16_t* row = voxels.voxels.data() + voxels.index(0, j, k);
+      for (int i = box.begin[0]; i < box.end[0]; ++i) *to++ = load_voxel(row[i]);
+    }
+  return out;
+}
+
 struct RawVoxel {
   int number = 0;     ///< 0: EMPTY, or the value of no shape
   int share = 0;      ///< 1 to 255 where number > 0

@@ -82,7 +82,7 @@ ExitCode run_replay(const ParsedCommand& parsed) {
 
   const ContactVolume contact(felt.loaded.haptic, contact_params);
   Proxy proxy(contact, felt.feels, h.force, h.shaft, tool_again(parsed.text("recording"), h.tool));
-  const std::vector<ServoFrame> replayed = replay_frames(recording.frames, proxy);
+  const std::vector<ServoFrame> replayed = replay_frames(recording.frames, h.rate_hz, proxy);
   std::size_t different = 0, first = 0;
   for (std::size_t n = 0; n < replayed.size(); ++n)
     if (!same_frame(replayed[n], recording.frames[n]) && different++ == 0) first = n;

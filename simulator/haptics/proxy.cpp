@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "device/device.h"
+
 namespace trephine {
 namespace {
 
 constexpr int most_passes = 6;
 constexpr double motion_mm = 0.1;       // how far the proxy moves for an event
+constexpr double turned_back = 0.6;     // of the dynamic cone: a way that is shorter was not shortened by roughness
+constexpr double rested_s = 0.05;       // without motion, until what slid is held by static friction
 constexpr double shaft_n_per_mm = 0.5;  // spring of the shaft's friction until it slips
 
 bool usable(Vec3 p) { return std::abs(p.x) <= 1e6 && std::abs(p.y) <= 1e6 && std::abs(p.z) <= 1e6; }  // not for NaN
@@ -63,6 +67,7 @@ const HapticState& Proxy::update(const HapticInput& in) {
   velocity_ += ((in.tip_mm - device_mm_) / in.dt_s - velocity_) * (in.dt_s / (in.dt_s + slowness));
   device_mm_ = in.tip_mm;
   since_s_ += in.dt_s;
+  since_slid_s_ += in.dt_s;
   if (body_) {
     follow_tool(in);
   } else {
@@ -85,11 +90,19 @@ const HapticState& Proxy::update(const HapticInput& in) {
     }
     force = force * (force_.max_force_n / size);
   }
-  const Vec3 step = force - before.force_n;
-  const double change = norm(step), most = force_.max_force_rate_n_per_s * in.dt_s;
-  state_.force_n = change <= most ? force : before.force_n + step * (most / change);
+  state_.force_n = limited(force, before.force_n, in);
   note_events(before);
   return state_;
+}
+
+// The force may change from what the device holds by what the rate allows in one period. After a stall the device holds
+// less than it was sent, and the time that passed gives no right to a larger step: the hand would feel it as a blow.
+Vec3 Proxy::limited(Vec3 force, Vec3 sent, const HapticInput& in) const {
+  const double period = in.period_s > 0 ? std::min(in.period_s, in.dt_s) : in.dt_s;
+  const bool stalled = in.dt_s > 1.5 * period;
+  const Vec3 holds = stalled ? sent * ForceHold().share(in.dt_s) : sent, step = force - holds;
+  const double change = norm(step), most = force_.max_force_rate_n_per_s * period;
+  return change <= most ? force : holds + step * (most / change);
 }
 
 // Places the proxy: where the device is, or, inside what nothing enters, on the nearest surface.
@@ -198,14 +211,27 @@ bool Proxy::meet(const Contact& c, Vec3 device, Vec3& goal, int pass) {
   }
   const Vec3 way = nearest_.point_mm - state_.proxy_mm;
   const double length = norm(way), depth = norm(nearest_.point_mm - device);
-  const double ratio = sliding_ ? feel.dynamic_friction_ratio : feel.static_friction_ratio;
-  if (length <= ratio * depth) {
-    sliding_ = false;
-    return false;
-  }
-  sliding_ = true;
+  if (!slides(feel, length, depth)) return false;
   goal = state_.proxy_mm + way * (1 - feel.dynamic_friction_ratio * depth / length);
   return true;
+}
+
+// Whether the proxy moves along a surface, where `length` is left and the device is `depth` behind it. What slides goes
+// on sliding: a tick in which the way is a little shorter than the dynamic cone, because the surface is uneven, does
+// not bring the static limit back. That takes a device that turned back, or that rests.
+bool Proxy::slides(const CaseFace& feel, double length, double depth) {
+  const double limit = feel.dynamic_friction_ratio * depth;
+  if (!sliding_) {
+    sliding_ = length > feel.static_friction_ratio * depth;
+    if (sliding_) since_slid_s_ = 0;
+    return sliding_ && length > limit;
+  }
+  if (length > limit) {
+    since_slid_s_ = 0;
+    return true;
+  }
+  sliding_ = length > turned_back * limit && since_slid_s_ < rested_s;
+  return false;
 }
 
 // Up a step, along, and down towards the device; false where that is barred, too.

@@ -19,6 +19,7 @@ struct HapticInput {
   Vec3 axis{0, 0, 1};  ///< unit, from the tool's tip to its tail
   std::uint32_t buttons = 0;
   double dt_s = 0.001;  ///< since the previous frame
+  double period_s = 0;  ///< the loop's own; 0: dt_s. A longer dt_s is a stall, in which the device let its force decay
 };
 
 namespace haptic_event {
@@ -63,6 +64,9 @@ struct HapticState {
 /// device as far as its points may, and where only one wall is in the way the tip gives way. A shape that one point
 /// popped into is open to the other points until the tool's axis no longer passes through it.
 ///
+/// The force changes by at most max_force_rate_n_per_s times the loop's period a frame, however long the frame was.
+/// After a stall it starts from what the device still holds (ForceHold).
+///
 /// update() does not allocate, lock or throw and makes no system call; equal inputs give equal bits.
 class Proxy {
  public:
@@ -91,8 +95,10 @@ class Proxy {
   bool meet(const Contact& c, Vec3 device_mm, Vec3& goal_mm, int pass);
   bool step_over(const Contact& c, Vec3 device_mm, Vec3 goal_mm);
   void approach(const Contact& c);
+  bool slides(const CaseFace& feel, double length, double depth);
   Vec3 surface_force(Vec3 device_mm);
   Vec3 inside_force(const HapticInput& in);
+  Vec3 limited(Vec3 force, Vec3 sent, const HapticInput& in) const;
   void note_events(const HapticState& before);
 
   // The functions of proxy_tool.cpp: the same for a tool.
@@ -133,7 +139,7 @@ class Proxy {
 
   HapticState state_;
   bool begun_ = false, sliding_ = false, solved_ = false;
-  double since_s_ = 0;
+  double since_s_ = 0, since_slid_s_ = 0;
   Vec3 device_mm_, velocity_, moved_from_mm_;
   Plane planes_[3];
   Held held_[3];
@@ -161,7 +167,7 @@ class Proxy {
     Vec3 at_mm, normal;
   };
   Collided from_tip_, from_tail_;
-  bool any_collided_ = false, slid_ = false;
+  bool any_collided_ = false;
 };
 
 }  // namespace trephine

@@ -51,7 +51,7 @@ void Proxy::follow_tool(const HapticInput& in) {
   ToolBody& b = *body_;
   b.begin_frame();
   count_ = 0;
-  solved_ = any_collided_ = slid_ = false;
+  solved_ = any_collided_ = false;
   const Vec3 axis = in.axis == Vec3{} ? b.frame().column[2] : in.axis;
   open_behind();
   try_unlock(normalized(axis));
@@ -195,13 +195,10 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
   if (gives) from = here.point_mm;
   const Vec3 rest = nearest_.point_mm - from;
   const double length = norm(rest), depth = norm(nearest_.point_mm - device);
-  const double ratio = sliding_ ? feel.dynamic_friction_ratio : feel.static_friction_ratio;
-  if (length <= ratio * depth) {
-    sliding_ = sliding_ && slid_;  // what slid so far this frame does not stick for being met again
+  if (!slides(feel, length, depth)) {
     goal = from;
     return gives || turning;
   }
-  sliding_ = slid_ = true;
   goal = from + rest * (1 - feel.dynamic_friction_ratio * depth / length);
   return true;
 }

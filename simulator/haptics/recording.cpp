@@ -214,7 +214,7 @@ ForceFigures force_figures(const std::vector<ServoFrame>& frames, const ForceWin
   return f;
 }
 
-std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, Proxy& proxy) {
+std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, Proxy& proxy) {
   std::vector<ServoFrame> out = recorded;
   for (ServoFrame& f : out) {
     HapticInput in;
@@ -222,6 +222,7 @@ std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, P
     in.axis = vec(f.axis);
     in.buttons = f.buttons;
     in.dt_s = f.dt_s;
+    in.period_s = 1 / rate_hz;
     if (f.faults & haptic_fault::device_lost) proxy.latch(haptic_fault::device_lost);
     const HapticState& s = proxy.update(in);
     for (int a = 0; a < 3; ++a) {

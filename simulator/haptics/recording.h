@@ -72,7 +72,7 @@ ForceWindow force_window(const std::vector<ServoFrame>& frames, double settle_s 
 ForceFigures force_figures(const std::vector<ServoFrame>& frames, const ForceWindow& window);
 
 /// Runs the recording's poses, buttons, steps and lost device through the proxy. The returned frames hold its answers.
-std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, Proxy& proxy);
+std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, Proxy& proxy);
 
 /// Whether two frames are equal bit for bit, except for their lateness.
 bool same_frame(const ServoFrame& a, const ServoFrame& b);

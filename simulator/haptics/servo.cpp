@@ -86,6 +86,7 @@ void Servo::tick(double dt_s, double late_ns) {
   in.axis = reading.axis;
   in.buttons = reading.buttons;
   in.dt_s = dt_s;
+  in.period_s = 1 / params_.rate_hz;
   if (!there) proxy_.latch(haptic_fault::device_lost);
   const HapticState& s = proxy_.update(in);
   device_.tell({frame_.time_s + dt_s, s.proxy_mm, s.touched, s.inside, s.faults});
