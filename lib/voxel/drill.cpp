@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxel/drill.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "voxel/raw_voxel.h"
+
+namespace trephine {
+namespace {
+
+constexpr int fine = 256;  // steps of a unit of occupancy
+constexpr double most_way_mm = 10, largest_mm = 40;
+constexpr std::uint8_t drilled = 1, incised = 2, shared = 4;
+
+double size_of(const Cutter& c) {
+  return c.kind == Cutter::Kind::ball ? 2 * c.radius_mm : std::max({2 * c.semi_a_mm, 2 * c.semi_b_mm, c.height_mm});
+}
+
+bool positive(const Cutter& c) {
+  return c.kind == Cutter::Kind::ball ? c.radius_mm > 0 : c.semi_a_mm > 0 && c.semi_b_mm > 0 && c.height_mm > 0;
+}
+
+}  // namespace
+
+Drill::Drill(HapticVolume& volume, const DrillShapes& shapes, const Cutter& cutter, const DrillParams& params,
+             DirtyBricks* marks)
+    : volume_(volume), shapes_(shapes), cutter_(cutter), params_(params), marks_(marks) {
+  if (volume.encoding != HapticEncoding::occupancy)
+    throw Error(ExitCode::bad_input, "", "encoding", "must be occupancy: a volume of HU cannot be drilled");
+  if (!positive(cutter) || !(size_of(cutter) <= largest_mm))
+    throw Error(ExitCode::bad_config, "", "cutter", "must have a size above 0 and at most 40 mm");
+  const Lattice& l = volume.voxels;
+  voxel_mm3_ = l.voxel_volume_mm3();
+  fraction_.assign(l.count(), 0);
+  kind_.assign(65536, 0);
+  for (const HapticShape& s : volume.shapes)
+    for (int raw = s.window_low; raw <= s.window_high; ++raw) {
+      const detail::RawVoxel v = detail::split(std::int16_t(raw));
+      if (v.number != s.number) continue;
+      const bool rest = !v.bare && v.share < haptic_full;
+      kind_[std::uint16_t(raw)] = std::uint8_t((removes(s.number, false) ? drilled : 0) |
+                                               (removes(s.number, true) ? incised : 0) | (rest ? shared : 0));
+    }
+  for (const std::int16_t raw : volume.voxels.voxels) any_shared_ = any_shared_ || (kind_[std::uint16_t(raw)] & shared);
+  // The box of the cutter on a way of a tick, and the one around an incision's share.
+  double voxels = 1, grown = 1;
+  const double reach = 0.5 * std::sqrt(2.0) * size_of(cutter);
+  for (int a = 0; a < 3; ++a) {
+    voxels *= 2 * std::min(reach, 0.5 * size_of(cutter)) / l.spacing_mm[a] + 2;
+    grown *= (2 * reach + most_way_mm) / l.spacing_mm[a] + 4;
+  }
+  slices_ = std::clamp(int(std::ceil(voxels / most_voxels)), 1, most_slices);
+  const std::size_t most = std::size_t(std::min({grown, double(l.count()), 4e6}));
+  entries_.reserve(most + incision_voxels);
+  changes_.reserve(2 * most + 2 * incision_voxels);
+  shared_.reserve(most + 30 * incision_voxels);
+  brick_marked_.assign(marks ? marks->layout().count() : 0, 0);
+}
+
+Box Drill::box_around(Vec3 middle_mm, double reach_mm) const {
+  const Lattice& l = volume_.voxels;
+  const Vec3 m = l.to_index(middle_mm);
+  Box box;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double reach = reach_mm / l.spacing_mm[int(a)];
+    box.begin[a] = int(std::clamp(std::ceil(m[int(a)] - reach), 0.0, double(l.size[a])));
+    box.end[a] = int(std::clamp(std::floor(m[int(a)] + reach) + 1, 0.0, double(l.size[a])));
+  }
+  return box;
+}
+
+double Drill::energy_of(int shape, std::uint32_t at) const {
+  const double energy = shapes_[std::size_t(shape)].energy_j_per_mm3;
+  if (volume_.hardness.voxels.empty()) return energy;
+  return energy * (params_.soft_energy_ratio + (1 - params_.soft_energy_ratio) * volume_.hardness.voxels[at] / 255.0);
+}
+
+const Removal& Drill::cut(const ToolPose& pose, double dt_s, double power_ratio) {
+  out_ = {};
+  // A ring of the poses of the last m calls: past_[calls_ % (m + 1)] is this one.
+  const std::uint64_t ring = std::uint64_t(slices_) + 1;
+  past_[calls_ % ring] = {pose, dt_s};
+  const std::uint64_t back = std::min<std::uint64_t>(calls_, std::uint64_t(slices_));
+  const int slice = int(calls_ % std::uint64_t(slices_));
+  ++calls_;
+  if (back == 0) return out_;
+  double time_s = 0;
+  for (std::uint64_t n = 0; n < back; ++n) time_s += past_[(calls_ - 1 - n) % ring].dt_s;
+  const ToolPose& from = past_[(calls_ - 1 - back) % ring].pose;
+  const Vec3 way = pose.tip_mm - from.tip_mm;
+  if (!(norm(way) <= most_way_mm) || !(time_s > 0)) return out_;
+  // A cylinder turns in steps of 0.02 rad at most; a ball does not care.
+  int steps = 1;
+  if (cutter_.kind == Cutter::Kind::cylinder) {
+    const double angle =
+        norm(pose.frame.column[2] - from.frame.column[2]) + norm(pose.frame.column[0] - from.frame.column[0]);
+    steps = std::clamp(int(std::ceil(angle / 0.02)), 1, 32);
+  }
+  for (int n = 0; n < steps; ++n) {
+    ToolPose part = from;
+    part.tip_mm = from.tip_mm + way * (double(n) / steps);
+    const double t = (n + 0.5) / steps;
+    for (std::size_t a = 0; a < 3 && steps > 1; ++a)
+      part.frame.column[a] = normalized(from.frame.column[a] * (1 - t) + pose.frame.column[a] * t);
+    if (cutter_.kind == Cutter::Kind::ball) part.frame = pose.frame;
+    Vec3 to = from.tip_mm + way * (double(n + 1) / steps);
+    if (cutter_.kind == Cutter::Kind::ball) {  // what counts is its centre
+      const Vec3 shift = (from.frame.column[2] - pose.frame.column[2]) * cutter_.radius_mm;
+      part.tip_mm += shift;
+    }
+    entries_.clear();
+    collect(CutterSweep(cutter_, part, to), time_s / steps, slice, slices_);
+    const double budget_j = params_.power_w * std::clamp(power_ratio, 0.0, 1.0) * time_s / (slices_ * steps);
+    const double rate = rate_for(budget_j);
+    apply(rate * haptic_full * fine, false);
+  }
+  out_.power_w = out_.energy_j / dt_s;
+  return out_;
+}
+
+// The rate K at which the entries take the budget. What a voxel cannot give because it ends within the tick goes to the
+// others, so that a long tick removes what many short ones do.
+double Drill::rate_for(double budget_j) {
+  double rate = params_.max_rate_per_s;
+  for (int pass = 0; pass < 4; ++pass) {
+    double work_j = 0, ended_j = 0;  // work_j: at a rate of 1 per second
+    for (Entry& e : entries_) {
+      if (pass == 0) {
+        const detail::RawVoxel v = detail::split(detail::load_voxel(volume_.voxels.voxels[e.at]));
+        const double share = removes(v.number, false) ? v.share : haptic_full - v.share;
+        e.energy = float(voxel_mm3_ * energy_of(removes(v.number, false) ? v.number : 0, e.at));
+        e.left = float((share - fraction_[e.at] / double(fine)) / haptic_full);
+      }
+      const double dose = double(e.dose);
+      if (pass > 0 && dose * rate >= double(e.left))
+        ended_j += double(e.energy) * double(e.left);
+      else
+        work_j += double(e.energy) * dose;
+    }
+    const double then =
+        work_j > 0 ? std::min(params_.max_rate_per_s, std::max(0.0, budget_j - ended_j) / work_j) : rate;
+    if (pass > 0 && std::abs(then - rate) <= 1e-4 * rate) return then;
+    rate = then;
+  }
+  return rate;
+}
+
+// The voxels of every m-th slice that the cutter passes and that something may be removed of, with their doses in s.
+void Drill::collect(const CutterSweep& sweep, double time_s, int slice, int slices) {
+  const Lattice& l = volume_.voxels;
+  const Box box = box_around(sweep.middle_mm(), sweep.reach_mm());
+  const Vec3 m = l.to_index(sweep.middle_mm()), s = l.spacing_mm;
+  const double reach = sweep.reach_mm() * sweep.reach_mm();
+  const Vec3 step = l.direction.column[0] * s.x;
+  for (int k = box.begin[2] + (slice - box.begin[2] % slices + slices) % slices; k < box.end[2]; k += slices)
+    for (int j = box.begin[1]; j < box.end[1]; ++j) {
+      const double y = (j - m.y) * s.y, z = (k - m.z) * s.z, left = reach - y * y - z * z;
+      if (!(left > 0)) continue;
+      const double half = std::sqrt(left) / s.x;
+      const int first = std::max(box.begin[0], int(std::ceil(m.x - half)));
+      const int last = std::min(box.end[0] - 1, int(std::floor(m.x + half)));
+      const std::int16_t* row = volume_.voxels.voxels.data() + l.index(0, j, k);
+      const Vec3 begin = l.to_world_mm({0, double(j), double(k)});
+      for (int i = first; i <= last; ++i) {
+        const std::uint8_t kind = kind_[std::uint16_t(detail::load_voxel(row[i]))];
+        if ((kind & (drilled | shared)) == 0) continue;
+        const double dose = sweep.dose(begin + step * i) * time_s;
+        if (!(dose > 0) || entries_.size() == entries_.capacity()) continue;
+        entries_.push_back(
+            {std::uint32_t(l.index(i, j, k)), std::int16_t(i), std::int16_t(j), std::int16_t(k), 0, float(dose), 0, 0});
+      }
+    }
+}
+
+void Drill::apply(double units_per_dose, bool incision) {
+  changes_.clear();
+  shared_.clear();
+  changing_ = {};
+  for (Entry& e : entries_) {
+    if (!incision) {
+      const std::int64_t fall = fraction_[e.at] + std::llrint(double(e.dose) * units_per_dose);
+      e.fall = std::int16_t(std::min<std::int64_t>(fall / fine, haptic_full));
+      fraction_[e.at] = std::uint8_t(fall % fine);
+    }
+    if (e.fall > 0) lower(e, incision);
+  }
+  if (changes_.empty()) return;
+  if (any_shared_) keep_shared();
+  store(incision);
+}
+
+// A changed voxel can keep one of its parts, bare: that which may not be removed, else the larger.
+bool Drill::keeps_own(int own, int share, int other, int rest, bool incision) const {
+  const bool own_stays = !removes(own, incision), other_stays = rest > 0 && !removes(other, incision);
+  return own_stays != other_stays ? own_stays : share >= rest;
+}
+
+// Notes the voxel's new value: each removable part of it falls.
+void Drill::lower(const Entry& e, bool incision) {
+  const detail::RawVoxel v = detail::split(detail::load_voxel(volume_.voxels.voxels[e.at]));
+  if (v.number == 0) return;
+  const bool has_rest = !v.bare && v.share < haptic_full;
+  const int other = has_rest ? detail::other_shape(volume_.voxels, v.number, e.i, e.j, e.k) : 0;
+  const int rest = other != 0 ? haptic_full - v.share : 0;
+  const int own = removes(v.number, incision) ? std::max(0, v.share - e.fall) : v.share;
+  const int others = removes(other, incision) ? std::max(0, rest - e.fall) : rest;
+  if (own == v.share && others == rest) return;
+  const bool first = keeps_own(v.number, own, other, others, incision);
+  const int kept = first ? own : others;
+  const std::int16_t raw = kept == 0 ? haptic_empty : detail::join(first ? v.number : other, kept, true);
+  const int gone = v.share - (first ? own : 0), gone_too = rest - (first ? 0 : others);
+  out_.units[std::size_t(v.number)] += gone;
+  out_.units[std::size_t(other)] += gone_too;
+  if (!incision)
+    out_.energy_j += voxel_mm3_ / haptic_full *
+                     ((removes(v.number, false) ? gone * energy_of(v.number, e.at) : 0) +
+                      (removes(other, false) ? gone_too * energy_of(other, e.at) : 0));
+  changes_.push_back({e.at, e.i, e.j, e.k, raw});
+  Box& box = changing_;
+  const int at[3] = {e.i, e.j, e.k};
+  for (std::size_t a = 0; a < 3; ++a) {
+    box.begin[a] = changes_.size() == 1 ? at[a] : std::min(box.begin[a], at[a]);
+    box.end[a] = changes_.size() == 1 ? at[a] + 1 : std::max(box.end[a], at[a] + 1);
+  }
+}
+
+// The voxels of two shapes around what changes, with the shape that their rest belongs to so far.
+void Drill::keep_shared() {
+  const Box box = grown(changing_, 1, volume_.voxels);
+  for (int k = box.begin[2]; k < box.end[2]; ++k)
+    for (int j = box.begin[1]; j < box.end[1]; ++j) {
+      const std::int16_t* row = volume_.voxels.voxels.data() + volume_.voxels.index(0, j, k);
+      for (int i = box.begin[0]; i < box.end[0]; ++i) {
+        const std::int16_t raw = detail::load_voxel(row[i]);
+        if (!(kind_[std::uint16_t(raw)] & shared) || shared_.size() == shared_.capacity()) continue;
+        const int own = detail::split(raw).number;
+        shared_.push_back({std::uint32_t(volume_.voxels.index(i, j, k)), std::int16_t(i), std::int16_t(j),
+                           std::int16_t(k), std::int16_t(detail::other_shape(volume_.voxels, own, i, j, k))});
+      }
+    }
+}
+
+void Drill::store(bool incision) {
+  std::vector<std::int16_t>& voxels = volume_.voxels.voxels;
+  for (const Change& c : changes_) __atomic_store_n(&voxels[c.at], c.raw, __ATOMIC_RELAXED);
+  const std::size_t lowered = changes_.size();
+  for (const Shared& s : shared_) {
+    const detail::RawVoxel v = detail::split(detail::load_voxel(voxels[s.at]));
+    if (v.number == 0 || v.bare || v.share == haptic_full) continue;
+    if (detail::other_shape(volume_.voxels, v.number, s.i, s.j, s.k) == s.other) continue;
+    const int rest = s.other != 0 ? haptic_full - v.share : 0;
+    const bool own = keeps_own(v.number, v.share, s.other, rest, incision);
+    out_.units[std::size_t(own ? s.other : v.number)] += own ? rest : v.share;
+    changes_.push_back(
+        {s.at, s.i, s.j, s.k, own ? detail::join(v.number, v.share, true) : detail::join(s.other, rest, true)});
+  }
+  for (std::size_t n = lowered; n < changes_.size(); ++n)
+    __atomic_store_n(&voxels[changes_[n].at], changes_[n].raw, __ATOMIC_RELAXED);
+  if (changes_.size() > lowered) changing_ = grown(changing_, 1, volume_.voxels);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const bool first = out_.changed.begin[a] >= out_.changed.end[a];
+    out_.changed.begin[a] = first ? changing_.begin[a] : std::min(out_.changed.begin[a], changing_.begin[a]);
+    out_.changed.end[a] = std::max(out_.changed.end[a], changing_.end[a]);
+  }
+  if (!marks_) return;
+  // Each brick once: a mark is an atomic that another thread's cache may hold.
+  const BrickLayout& layout = marks_->layout();
+  std::array<int, 3> low, high;
+  for (std::size_t a = 0; a < 3; ++a) {
+    low[a] = layout.first_reader(changing_.begin[a], 1);
+    high[a] = layout.last_reader(int(a), changing_.end[a] - 1, 1);
+  }
+  for (const Change& c : changes_) {
+    const int v[3] = {c.i, c.j, c.k};
+    int first[3], last[3];
+    for (int a = 0; a < 3; ++a) {
+      first[a] = layout.first_reader(v[a], 1);
+      last[a] = layout.last_reader(a, v[a], 1);
+    }
+    for (int z = first[2]; z <= last[2]; ++z)
+      for (int y = first[1]; y <= last[1]; ++y)
+        for (int x = first[0]; x <= last[0]; ++x) brick_marked_[layout.index(x, y, z)] = 1;
+  }
+  for (int z = low[2]; z <= high[2]; ++z)
+    for (int y = low[1]; y <= high[1]; ++y)
+      for (int x = low[0]; x <= high[0]; ++x) {
+        const std::size_t brick = layout.index(x, y, z);
+        if (brick_marked_[brick] == 0) continue;
+        brick_marked_[brick] = 0;
+        marks_->mark(brick);
+      }
+}
+
+void Drill::incise(Vec3 point_mm, double radius_mm) {
+  incision_mm_ = point_mm;
+  incision_radius_mm_ = std::clamp(radius_mm, 0.0, 30.0);
+  incision_ = is_finite(point_mm) ? box_around(point_mm, incision_radius_mm_) : Box{};
+  if (incision_.empty()) incision_ = {};
+  next_ = incision_.begin[2];
+  next_row_ = incision_.begin[1];
+}
+
+const Removal& Drill::go_on() {
+  out_ = {};
+  entries_.clear();
+  const Lattice& l = volume_.voxels;
+  int looked = 0;
+  for (; next_ < incision_.end[2]; ++next_, next_row_ = incision_.begin[1])
+    for (; next_row_ < incision_.end[1]; ++next_row_) {
+      looked += incision_.end[0] - incision_.begin[0];
+      if (looked > incision_voxels && !entries_.empty()) return apply(0, true), out_;
+      if (looked > 8 * incision_voxels) return out_;  // nothing there so far
+      for (int i = incision_.begin[0]; i < incision_.end[0]; ++i) {
+        const std::uint32_t at = std::uint32_t(l.index(i, next_row_, next_));
+        const std::uint8_t kind = kind_[std::uint16_t(detail::load_voxel(volume_.voxels.voxels[at]))];
+        if ((kind & (incised | shared)) == 0) continue;
+        const Vec3 d = l.to_world_mm({double(i), double(next_row_), double(next_)}) - incision_mm_;
+        if (dot(d, d) > incision_radius_mm_ * incision_radius_mm_) continue;
+        entries_.push_back({at, std::int16_t(i), std::int16_t(next_row_), std::int16_t(next_), haptic_full, 0, 0, 0});
+      }
+    }
+  apply(0, true);
+  return out_;
+}
+
+}  // namespace trephine

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/params.h"
+#include "voxel/bricks.h"
+#include "voxel/cutter.h"
+#include "voxel/haptic_volume.h"
+
+namespace trephine {
+
+/// The law of removal.
+struct DrillParams {
+  double power_w = 20, max_rate_per_s = 25, soft_energy_ratio = 0.3;
+  template <class V>
+  static void describe(V& v) {
+    using P = DrillParams;
+    v.number(&P::power_w, "power_w", Range{0.01, 1000}, "Power of the drill's spindle under load.");
+    v.number(&P::max_rate_per_s, "max_rate_per_s", Range{0.01, 10000},
+             "Largest rate at which occupancy falls in the cutter's middle; 25: a full voxel in 40 ms.");
+    v.number(&P::soft_energy_ratio, "soft_energy_ratio", Range{0.001, 1},
+             "Energy for the softest material of a hardness volume, as a share of its shape's.");
+  }
+};
+
+/// How a shape is removed. Energy 0: never by a rotating tool, however cuttable it is.
+struct DrillShape {
+  bool cuttable = false;
+  double energy_j_per_mm3 = 0;
+};
+using DrillShapes = std::array<DrillShape, haptic_max_shapes + 1>;
+
+/// What one call removed. A voxel counts by its occupancy.
+struct Removal {
+  std::array<std::int64_t, haptic_max_shapes + 1> units{};  ///< by shape; 255 are a voxel
+  double energy_j = 0;
+  double power_w = 0;  ///< over the call's time
+  Box changed;         ///< voxels that may have another value than before; empty where there are none
+};
+
+/// Removes material from a haptic volume of encoding `occupancy`, in its servo loop [Rizzi, chapter 6, Tables VII and
+/// VIII, as rates in time]. The occupancy o of the voxels with the centre x falls by do/dt = -K w(x - c(t)), where w is
+/// the cutter's weight, c goes straight within a tick, and K is the smaller of max_rate_per_s and what the power
+/// allows: power / sum of energy * w * voxel volume over voxels that are not empty. Fractions of 1/255 are kept, in
+/// steps of 1/65280, so the removed volume does not depend on the tick's length.
+///
+/// As the law has no rate, a cutter of more than 15,000 voxels cuts every m-th slice of voxels in a tick, each for the
+/// time since it was last cut.
+///
+/// Only cuttable shapes are removed. Voxels only fall: the occupancy of no shape rises anywhere, and a voxel beside a
+/// cut becomes bare where its rest would go to another shape than before (cut_volume()). A voxel of two shapes that is
+/// cut keeps one of them: that which may not be removed, at its share, else the larger.
+///
+/// The thread that calls is the only one that lowers voxels; others may read them (relaxed atomics), settle, and take
+/// marks, which are set after the stores. Only the constructor allocates, locks or throws, and nothing makes a system
+/// call; equal calls give equal bits. After a call ContactVolume::loosen(changed) is due.
+class Drill {
+ public:
+  /// `volume` and `marks` (may be null) must outlive it. Throws Error 65 where the encoding is not `occupancy`, or the
+  /// cutter is larger than 40 mm or has a size that is not positive.
+  Drill(HapticVolume& volume, const DrillShapes& shapes, const Cutter& cutter, const DrillParams& params,
+        DirtyBricks* marks = nullptr);
+
+  /// The tool runs, and came to this pose in dt_s. The first call after the start or after rest() only notes the pose.
+  /// A way of more than 10 mm in a tick is not followed. `power_ratio`: the share of the power that is left, 0 to 1.
+  const Removal& cut(const ToolPose& pose, double dt_s, double power_ratio = 1);
+  /// The tool does not run.
+  void rest() { calls_ = 0; }
+
+  /// Begins to remove what cannot be drilled (energy 0) within the radius, at most 30 mm, of the point: the scalp of a
+  /// flap. Each call of go_on() takes 4,000 voxels at most, and does nothing where there is nothing left to do.
+  void incise(Vec3 point_mm, double radius_mm);
+  bool incising() const { return next_ < incision_.end[2]; }
+  const Removal& go_on();
+
+  const Cutter& cutter() const { return cutter_; }
+  int slices() const { return slices_; }  ///< m
+
+ private:
+  struct Entry {
+    std::uint32_t at;
+    std::int16_t i, j, k, fall;  ///< fall: of 1/255; the fraction is kept
+    float dose, energy, left;    ///< s; J of the full voxel; occupancy
+  };
+  struct Change {
+    std::uint32_t at;
+    std::int16_t i, j, k, raw;
+  };
+  struct Shared {
+    std::uint32_t at;
+    std::int16_t i, j, k, other;
+  };
+  struct Past {
+    ToolPose pose;
+    double dt_s;
+  };
+  Box box_around(Vec3 middle_mm, double reach_mm) const;
+  void collect(const CutterSweep& sweep, double time_s, int slice, int slices);
+  double rate_for(double budget_j);
+  void apply(double units_per_dose, bool incision);
+  void lower(const Entry& e, bool incision);
+  void keep_shared();
+  void store(bool incision);
+  bool keeps_own(int own, int share, int other, int rest, bool incision) const;
+  double energy_of(int shape, std::uint32_t at) const;
+  bool removes(int shape, bool incision) const {
+    const DrillShape& s = shapes_[std::size_t(shape)];
+    return shape != 0 && s.cuttable && (s.energy_j_per_mm3 > 0) != incision;
+  }
+
+  HapticVolume& volume_;
+  DrillShapes shapes_;
+  Cutter cutter_;
+  DrillParams params_;
+  DirtyBricks* marks_;
+  std::vector<std::uint8_t> fraction_;  ///< of 1/255, by voxel
+  std::vector<std::uint8_t> kind_;  ///< by raw value: 1 its shape is drilled, 2 incised, 4 the rest may be of another
+  std::vector<Entry> entries_;
+  std::vector<Change> changes_;
+  std::vector<Shared> shared_;
+  std::vector<std::uint8_t> brick_marked_;
+  double voxel_mm3_ = 1;
+  bool any_shared_ = false;
+
+  int slices_ = 1;
+  static constexpr int most_slices = 16, most_voxels = 15000, incision_voxels = 4000;
+  std::array<Past, most_slices + 1> past_{};
+  std::uint64_t calls_ = 0;
+  Vec3 incision_mm_;
+  double incision_radius_mm_ = 0;
+  Box incision_;
+  int next_ = 0, next_row_ = 0;
+  Box changing_;
+  Removal out_;
+};
+
+}  // namespace trephine

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "voxel/live_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "voxel/cell_triangles.h"
+#include "voxel/raw_voxel.h"
+
+namespace trephine {
+namespace {
+
+constexpr int side = BrickLayout::side, corners = side + 1;
+constexpr float level = 0.5f * haptic_full;  // no value is equal to it, so no vertex lies in a corner
+
+}  // namespace
+
+ShadowVolume::ShadowVolume(const HapticVolume& volume, int number)
+    : volume_(volume), number_(number), layout_(volume.voxels) {
+  for (int a = 0; a < 3; ++a) size_[a] = std::size_t(side * layout_.bricks[std::size_t(a)] + 4);
+  values_.assign(size_[0] * size_[1] * size_[2], 0);
+  const Grid<std::int16_t>& v = volume.voxels;
+  parallel_for(0, v.size[2], 4, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < int(to); ++k)
+      for (int j = 0; j < v.size[1]; ++j) {
+        const std::int16_t* row = v.voxels.data() + v.index(0, j, k);
+        std::uint8_t* out = values_.data() + index(0, j, k);
+        for (int i = 0; i < v.size[0]; ++i)
+          if (detail::load_voxel(row[i]) != haptic_empty) out[i] = std::uint8_t(detail::share_of(v, number_, i, j, k));
+      }
+  });
+}
+
+void ShadowVolume::copy(std::size_t brick, std::vector<std::uint8_t>& reads_it) {
+  const Grid<std::int16_t>& v = volume_.voxels;
+  const std::array<int, 3> at = layout_.place(brick);
+  int low[3], high[3];
+  for (std::size_t a = 0; a < 3; ++a) {
+    low[a] = std::max(0, side * at[a] - 2);
+    high[a] = std::min(v.size[a] - 1, side * at[a] + side);
+  }
+  for (int k = low[2]; k <= high[2]; ++k)
+    for (int j = low[1]; j <= high[1]; ++j) {
+      std::uint8_t* row = values_.data() + index(0, j, k);
+      for (int i = low[0]; i <= high[0]; ++i) {
+        const std::uint8_t now = std::uint8_t(detail::share_of(v, number_, i, j, k));
+        if (row[i] == now) continue;
+        row[i] = now;
+        const int voxel[3] = {i, j, k};
+        int first[3], last[3];
+        for (int a = 0; a < 3; ++a) {
+          first[a] = layout_.first_reader(voxel[a], 0);
+          last[a] = layout_.last_reader(a, voxel[a], 0);
+        }
+        for (int z = first[2]; z <= last[2]; ++z)
+          for (int y = first[1]; y <= last[1]; ++y)
+            for (int x = first[0]; x <= last[0]; ++x) reads_it[layout_.index(x, y, z)] = 1;
+      }
+    }
+}
+
+void mesh_brick(const ShadowVolume& shadow, std::size_t brick, BrickMesh& out) {
+  out.vertices.clear();
+  out.indices.clear();
+  const std::array<int, 3> at = shadow.layout().place(brick);
+  const std::size_t row = shadow.row(), slice = shadow.slice();
+  // The corner (x, y, z) of the brick's cells is voxel side * at + (x, y, z) - 1.
+  const int begin[3] = {side * at[0] - 1, side * at[1] - 1, side * at[2] - 1};
+  const std::uint8_t* const first = shadow.data() + shadow.index(begin[0], begin[1], begin[2]);
+  bool some = false, all = true;
+  std::uint8_t solid[corners][corners][corners];
+  for (int z = 0; z < corners; ++z)
+    for (int y = 0; y < corners; ++y) {
+      const std::uint8_t* from = first + std::size_t(z) * slice + std::size_t(y) * row;
+      for (int x = 0; x < corners; ++x) {
+        const bool in = from[x] > haptic_full / 2;
+        solid[z][y][x] = in;
+        some = some || in;
+        all = all && in;
+      }
+    }
+  if (!some || all) return;
+  const Vec3 s = shadow.spacing_mm();
+  const float spacing[3] = {float(s.x), float(s.y), float(s.z)};
+  const std::size_t step[3] = {1, row, slice};
+  std::int16_t known[3][corners][corners][corners];  // the vertex of the edge from a corner along an axis
+  std::fill_n(&known[0][0][0][0], 3 * corners * corners * corners, std::int16_t(-1));
+  const auto vertex = [&](int axis, int x, int y, int z) {
+    std::int16_t& number = known[axis][z][y][x];
+    if (number >= 0) return number;
+    number = std::int16_t(out.vertices.size());
+    const std::uint8_t* p = first + std::size_t(z) * slice + std::size_t(y) * row + std::size_t(x);
+    const std::uint8_t* q = p + step[axis];
+    const float t = (level - float(*p)) / (float(*q) - float(*p));
+    const int voxel[3] = {begin[0] + x, begin[1] + y, begin[2] + z};
+    LiveVertex v;
+    float length = 0;
+    for (int a = 0; a < 3; ++a) {
+      v.position_mm[a] = (float(voxel[a]) + (a == axis ? t : 0)) * spacing[a];
+      const std::size_t d = step[a];
+      const float at_p = float(p[d]) - float(*(p - d)), at_q = float(q[d]) - float(*(q - d));
+      v.normal[a] = -(at_p + t * (at_q - at_p)) / spacing[a];
+      length += v.normal[a] * v.normal[a];
+    }
+    if (!(length > 0)) {
+      v.normal[axis] = *p > *q ? 1.0f : -1.0f;
+      length = 1;
+    }
+    const float scale = 1 / std::sqrt(length);
+    for (float& n : v.normal) n *= scale;
+    out.vertices.push_back(v);
+    return number;
+  };
+  const auto& table = detail::cell_triangles();
+  for (int z = 0; z < side; ++z)
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) {
+        int set = 0;
+        for (int c = 0; c < 8; ++c) set |= solid[z + (c >> 2)][y + (c >> 1 & 1)][x + (c & 1)] << c;
+        if (set == 0 || set == 255) continue;
+        const detail::CellTriangles& t = table[std::size_t(set)];
+        for (int n = 0; n < 3 * t.count; ++n) {
+          const int edge = t.edge[std::size_t(n)], c = detail::low_corner(edge);
+          out.indices.push_back(std::uint16_t(vertex(edge >> 2, x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))));
+        }
+      }
+}
+
+LiveSurface::LiveSurface(const HapticVolume& volume, int number)
+    : shadow_(volume, number), bricks_(shadow_.layout().count()), stale_(bricks_.size(), 0) {
+  parallel_for(0, std::int64_t(bricks_.size()), 64, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t b = from; b < to; ++b) mesh_brick(shadow_, std::size_t(b), bricks_[std::size_t(b)]);
+  });
+}
+
+const std::vector<std::size_t>& LiveSurface::update(const std::vector<std::size_t>& marked) {
+  made_.clear();
+  // What was marked late shows in a value; so bricks are made anew by what changed, not by what was marked.
+  for (const std::size_t b : marked) shadow_.copy(b, stale_);
+  const BrickLayout& layout = shadow_.layout();
+  for (const std::size_t b : marked) {
+    const std::array<int, 3> at = layout.place(b);
+    for (int z = std::max(0, at[2] - 1); z <= std::min(layout.bricks[2] - 1, at[2] + 1); ++z)
+      for (int y = std::max(0, at[1] - 1); y <= std::min(layout.bricks[1] - 1, at[1] + 1); ++y)
+        for (int x = std::max(0, at[0] - 1); x <= std::min(layout.bricks[0] - 1, at[0] + 1); ++x) {
+          const std::size_t n = layout.index(x, y, z);
+          if (stale_[n] == 0) continue;
+          stale_[n] = 0;
+          made_.push_back(n);
+        }
+  }
+  std::sort(made_.begin(), made_.end());
+  for (const std::size_t b : made_) mesh_brick(shadow_, b, bricks_[b]);
+  return made_;
+}
+
+std::size_t LiveSurface::triangles() const {
+  std::size_t n = 0;
+  for (const BrickMesh& b : bricks_) n += b.indices.size() / 3;
+  return n;
+}
+
+}  // namespace trephine

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "voxel/bricks.h"
+#include "voxel/haptic_volume.h"
+
+namespace trephine {
+
+/// A vertex as a renderer takes it: mm along the lattice's own axes, from the centre of voxel (0, 0, 0); the world's
+/// are origin_mm + direction * position. The normal points out of the shape, in the same axes.
+struct LiveVertex {
+  float position_mm[3], normal[3];
+};
+struct BrickMesh {
+  std::vector<LiveVertex> vertices;
+  std::vector<std::uint16_t> indices;  ///< three a triangle, counter-clockwise from outside
+};
+
+/// One shape's occupancy, 0 to 255, as surfaces are made of it: a copy of the volume by the rule of shared voxels, with
+/// two EMPTY voxels around. So all bricks are made of the same values, whatever is cut meanwhile, and no crack opens
+/// between them.
+class ShadowVolume {
+ public:
+  ShadowVolume(const HapticVolume& volume, int number);
+  const BrickLayout& layout() const { return layout_; }
+  Vec3 spacing_mm() const { return volume_.voxels.spacing_mm; }
+  int number() const { return number_; }
+
+  /// Copies the voxels that the brick reads, and sets `reads_it` of every brick that reads one with another value.
+  void copy(std::size_t brick, std::vector<std::uint8_t>& reads_it);
+
+  /// Voxel (-2, -2, -2) is the first.
+  const std::uint8_t* data() const { return values_.data(); }
+  std::size_t index(int i, int j, int k) const {
+    return (std::size_t(k + 2) * size_[1] + std::size_t(j + 2)) * size_[0] + std::size_t(i + 2);
+  }
+  std::size_t row() const { return size_[0]; }
+  std::size_t slice() const { return size_[0] * size_[1]; }
+
+ private:
+  const HapticVolume& volume_;
+  int number_;
+  BrickLayout layout_;
+  std::size_t size_[3];
+  std::vector<std::uint8_t> values_;
+};
+
+/// The triangles of one brick: where the trilinear occupancy along the edges between voxel centres is 1/2
+/// [Lorensen1987], with solid corners kept apart on ambiguous faces, so that bricks fit together. Vertices on the
+/// border of two bricks have the same bits in both.
+void mesh_brick(const ShadowVolume& shadow, std::size_t brick, BrickMesh& out);
+
+/// The surface of a shape that follows while the shape is cut, for the thread beside the servo. The bricks together are
+/// closed, also at the lattice's border, after the constructor and after every update().
+class LiveSurface {
+ public:
+  /// Makes the whole surface, on all threads. `volume` must outlive it.
+  LiveSurface(const HapticVolume& volume, int number);
+
+  /// Looks at the marked bricks (DirtyBricks::take, of the same lattice), and makes those anew that read a changed
+  /// voxel. Returns them, ascending; valid until the next call.
+  const std::vector<std::size_t>& update(const std::vector<std::size_t>& marked);
+
+  const BrickMesh& brick(std::size_t index) const { return bricks_[index]; }
+  const BrickLayout& layout() const { return shadow_.layout(); }
+  const ShadowVolume& shadow() const { return shadow_; }
+  std::size_t triangles() const;
+
+ private:
+  ShadowVolume shadow_;
+  std::vector<BrickMesh> bricks_;
+  std::vector<std::size_t> made_;
+  std::vector<std::uint8_t> stale_;
+};
+
+}  // namespace trephine

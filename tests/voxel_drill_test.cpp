@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Removal as a rate: how much, of what, and that nothing rises.
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "drill_scene.h"
+
+using namespace trephine;
+using namespace trephine::drilling;
+
+namespace {
+
+// A stroke of 2 s through material, along two sides of a square, at 20 mm/s.
+Vec3 on_stroke(Vec3 middle, double t) {
+  return t < 1 ? middle + Vec3{-10 + 20 * t, 2, -1} : middle + Vec3{10, 2 - 20 * (t - 1), -1};
+}
+
+double stroked_mm3(double rate_hz, double radius) {
+  HapticVolume v = full(72, 0.6);
+  const Vec3 m = middle(v);
+  DrillParams params;
+  params.power_w = 5;
+  Drill drill(v, only(1, 0.1), ball(radius), params);
+  std::int64_t units = 0;
+  const int ticks = int(2 * rate_hz);
+  for (int n = 0; n <= ticks; ++n) units += drill.cut(centred(on_stroke(m, n / rate_hz), radius), 1 / rate_hz).units[1];
+  return mm3(v, units);
+}
+
+}  // namespace
+
+// "What must be shown", 1
+TEST(Drill, RemovesTheSameWhateverTheTicksLength) {
+  const double at_1000 = stroked_mm3(1000, 1.5);
+  std::printf("  250, 1000, 4000 Hz:");
+  for (const double rate : {250.0, 1000.0, 4000.0}) {
+    const double is = stroked_mm3(rate, 1.5);
+    std::printf(" %.4f", is);
+    EXPECT_NEAR(is / at_1000, 1, 1e-3) << rate;
+  }
+  std::printf(" mm3\n");
+  EXPECT_GT(at_1000, 50);
+}
+
+// 2: a ball that is moved through new material all the time: 20 W at 0.1 J/mm3 are 200 mm3/s.
+TEST(Drill, APowerIsARate) {
+  for (const double energy : {0.1, 0.2}) {
+    HapticVolume v = full(80, 0.6);
+    const Vec3 m = middle(v);
+    Drill drill(v, only(1, energy), ball(2.5), {});
+    std::int64_t units = 0;
+    double energy_j = 0;
+    for (int n = 0; n <= 1000; ++n) {
+      const Removal& r = drill.cut(centred(m + Vec3{-10 + 0.02 * n, 0.3, 0.2}, 2.5), 0.001);
+      units += r.units[1];
+      energy_j += r.energy_j;
+    }
+    EXPECT_NEAR(mm3(v, units), 20 / energy, 0.01 * 20 / energy);
+    EXPECT_NEAR(energy_j, 20, 0.2);
+  }
+  // Half of the power, and none.
+  HapticVolume v = full(80, 0.6);
+  const Vec3 m = middle(v);
+  Drill drill(v, only(1, 0.1), ball(2.5), {});
+  std::int64_t half = 0, none = 0;
+  for (int n = 0; n <= 500; ++n) half += drill.cut(centred(m + Vec3{-10 + 0.02 * n, 0, 0}, 2.5), 0.001, 0.5).units[1];
+  for (int n = 0; n <= 100; ++n) none += drill.cut(centred(m + Vec3{0.02 * n, 0, 0}, 2.5), 0.001, 0).units[1];
+  EXPECT_NEAR(mm3(v, half), 50, 0.8);
+  EXPECT_EQ(none, 0);
+}
+
+// Hardness: half as hard, twice as fast, by the share that is declared for the softest.
+TEST(Drill, HardMaterialTakesMore) {
+  double removed[2];
+  for (const int hardness : {0, 255}) {
+    HapticVolume v = full(60, 0.6);
+    v.hardness = Mask(v.voxels, std::uint8_t(hardness));
+    const Vec3 m = middle(v);
+    DrillParams params;
+    params.soft_energy_ratio = 0.25;
+    params.power_w = 1;
+    Drill drill(v, only(1, 0.1), ball(2), params);
+    std::int64_t units = 0;
+    for (int n = 0; n <= 2000; ++n) units += drill.cut(centred(m + Vec3{-5 + 0.005 * n, 0, 0}, 2), 0.001).units[1];
+    removed[hardness == 0 ? 0 : 1] = mm3(v, units);
+  }
+  EXPECT_NEAR(removed[0] / removed[1], 4, 0.1);
+}
+
+// 3: the ellipse of Table VIII, PF1 + PF2 <= 2a and 0 <= z <= h, at a million points.
+TEST(Drill, TheEllipseOfTheCraniotome) {
+  Cutter c;
+  c.kind = Cutter::Kind::cylinder;
+  c.semi_a_mm = 2.1;
+  c.semi_b_mm = 1.3;
+  c.height_mm = 7;
+  std::mt19937_64 rng(1);
+  ToolPose pose;
+  pose.frame.column[2] = normalized(Vec3{0.3, -0.5, 0.8});
+  pose.frame.column[0] = normalized(cross(pose.frame.column[2], Vec3{0, 0, 1}));
+  pose.frame.column[1] = cross(pose.frame.column[2], pose.frame.column[0]);
+  pose.tip_mm = {3, -2, 1};
+  const CutterSweep rests(c, pose, pose.tip_mm);
+  const double f = std::sqrt(c.semi_a_mm * c.semi_a_mm - c.semi_b_mm * c.semi_b_mm);
+  int wrong = 0, inside = 0;
+  for (int n = 0; n < 1000000; ++n) {
+    const Vec3 p{uniform(rng, -2.6, 2.6), uniform(rng, -1.8, 1.8), uniform(rng, -1, 8)};
+    const double foci = std::hypot(p.x - f, p.y) + std::hypot(p.x + f, p.y);
+    const bool in = foci <= 2 * c.semi_a_mm && p.z >= 0 && p.z <= c.height_mm;
+    if (std::abs(foci - 2 * c.semi_a_mm) < 1e-9) continue;
+    wrong += (rests.dose(pose.tip_mm + pose.frame * p) > 0) != in;
+    inside += in;
+  }
+  EXPECT_EQ(wrong, 0);
+  EXPECT_GT(inside, 100000);
+}
+
+// The closed form against a sum of 20,000 places on the way, for both cutters.
+TEST(Drill, TheSweepIsTheIntegral) {
+  std::mt19937_64 rng(2);
+  for (int n = 0; n < 400; ++n) {
+    Cutter c;
+    c.kind = n % 2 ? Cutter::Kind::cylinder : Cutter::Kind::ball;
+    c.radius_mm = uniform(rng, 0.5, 4);
+    c.semi_a_mm = uniform(rng, 1, 3);
+    c.semi_b_mm = uniform(rng, 0.5, 1);
+    c.height_mm = uniform(rng, 1, 8);
+    ToolPose pose;
+    const Vec3 to{uniform(rng, -6, 6), uniform(rng, -6, 6), n % 3 ? uniform(rng, -6, 6) : 0};
+    const CutterSweep sweep(c, pose, to);
+    const Vec3 p{uniform(rng, -6, 6), uniform(rng, -6, 6), uniform(rng, -3, 10)};
+    double sum = 0;
+    constexpr int parts = 20000;
+    for (int m = 0; m < parts; ++m) {
+      ToolPose at = pose;
+      at.tip_mm = to * ((m + 0.5) / parts);
+      sum += CutterSweep(c, at, at.tip_mm).dose(p) / parts;
+    }
+    EXPECT_NEAR(sweep.dose(p), sum, 1e-4);
+    if (sum > 1e-4) {
+      EXPECT_LE(norm(p - sweep.middle_mm()), sweep.reach_mm());
+    }
+  }
+}
+
+namespace {
+
+// After each of many cuts at the borders of three shapes: no shape's occupancy is higher anywhere than before.
+void random_cuts(int count) {
+  std::mt19937_64 rng(4);
+  HapticVolume v = layers(36, 0.5);
+  auto drill = std::make_unique<Drill>(v, of_layers(), ball(0.8), DrillParams{});
+  Removal all;
+  int risen = 0, touched = 0;
+  for (int n = 0; n < count; ++n) {
+    if (n % 2000 == 1999) {
+      v = layers(36, 0.5);
+      drill = std::make_unique<Drill>(v, of_layers(), ball(uniform(rng, 0.4, 1.2)), DrillParams{});
+    }
+    const Vec3 at = v.voxels.to_world_mm({uniform(rng, 3, 33), uniform(rng, 3, 33), uniform(rng, 8, 34)});
+    const Grid<std::int16_t> before = v.voxels;
+    const bool incision = n % 200 == 199;
+    Box changed;
+    if (incision) {
+      drill->incise(at, 1.5);
+      while (drill->incising()) {
+        const Removal& r = drill->go_on();
+        if (!r.changed.empty()) changed = r.changed;
+        EXPECT_EQ(r.units[2] + r.units[3], 0) << "an incision cuts skin";
+      }
+      changed = changed.empty() ? changed : whole_box(v.voxels);
+    } else {
+      drill->rest();
+      drill->cut(centred(at, drill->cutter().radius_mm), 0.001);
+      const Removal& r = drill->cut(centred(at + Vec3{0.1, 0, 0.1}, drill->cutter().radius_mm), 0.02);
+      changed = r.changed;
+      EXPECT_EQ(r.units[1], 0) << "a drill cuts no skin";
+      EXPECT_EQ(r.units[3], 0) << "nor brain";
+    }
+    const Box box = grown(changed, 2, v.voxels);
+    for (int k = box.begin[2]; k < box.end[2]; ++k)
+      for (int j = box.begin[1]; j < box.end[1]; ++j)
+        for (int i = box.begin[0]; i < box.end[0]; ++i) {
+          const std::int16_t was = before.at(i, j, k), is = v.voxels.at(i, j, k);
+          if (changed.empty()) continue;
+          touched += was != is;
+          for (int shape = 1; shape <= 3; ++shape) {
+            const int had = detail::share_of(before, shape, i, j, k), has = detail::share_of(v.voxels, shape, i, j, k);
+            risen += has > had;
+            if (shape == 3 && !incision) risen += has < had;
+          }
+        }
+  }
+  EXPECT_EQ(risen, 0);
+  EXPECT_GT(touched, count);
+}
+
+}  // namespace
+
+// 4
+TEST(Drill, NoVoxelRisesOrChangesItsShape) { random_cuts(6000); }
+TEST(LongDrill, AHundredThousandCutsRaiseNothing) { random_cuts(100000); }
+
+// A flap: all skin within the radius goes, in shares of 4,000 voxels, and nothing else does.
+TEST(Drill, AnIncisionRemovesTheSkinWithinARadius) {
+  HapticVolume v = layers(80, 0.5);
+  const Grid<std::int16_t> before = v.voxels;
+  Drill drill(v, of_layers(), ball(2), {});
+  const Vec3 at = v.voxels.to_world_mm({40, 40, 60});
+  EXPECT_FALSE(drill.incising());
+  drill.incise(at, 12);
+  int calls = 0;
+  std::int64_t units = 0;
+  for (; drill.incising() && calls < 1000; ++calls) units += drill.go_on().units[1];
+  EXPECT_FALSE(drill.incising());
+  EXPECT_GT(calls, 5) << "not all at once";
+  EXPECT_GT(units, 0);
+  int left = 0, beyond = 0, others = 0;
+  for (int k = 0; k < 80; ++k)
+    for (int j = 0; j < 80; ++j)
+      for (int i = 0; i < 80; ++i) {
+        const double d = norm(v.voxels.to_world_mm({double(i), double(j), double(k)}) - at);
+        const int had = detail::share_of(before, 1, i, j, k), has = detail::share_of(v.voxels, 1, i, j, k);
+        if (d < 11.99) left += has;
+        if (d > 13.2) beyond += had != has;
+        const detail::RawVoxel was = detail::split(before.at(i, j, k)), is = detail::split(v.voxels.at(i, j, k));
+        if (was.number > 1) others += was.number != is.number || was.share != is.share;
+      }
+  EXPECT_EQ(left, 0);
+  EXPECT_EQ(beyond, 0);
+  EXPECT_EQ(others, 0);
+}
+
+TEST(Drill, WhatCannotBeDrilledIsRefused) {
+  HapticVolume v = full(8, 1);
+  EXPECT_THROW(Drill(v, only(1, 0.1), ball(0), {}), Error);
+  EXPECT_THROW(Drill(v, only(1, 0.1), ball(25), {}), Error);
+  v.encoding = HapticEncoding::hu;
+  EXPECT_THROW(Drill(v, only(1, 0.1), ball(1), {}), Error);
+}
