@@ -13,6 +13,7 @@ Command measure_command();
 Command run_command();
 Command trade_command();
 Command export_command();
+Command page_command();
 Command boolean_command();
 Command voxelize_command();
 Command repair_command();

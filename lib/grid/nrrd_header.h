@@ -31,8 +31,8 @@ NrrdHeader parse_nrrd_header(std::string_view text, bool layered = false);
 /// naming `field` where a step is 0, not finite, or the axes are not orthogonal.
 void take_axes(Lattice& lattice, const std::array<Vec3, 3>& steps, const std::string& field);
 
-/// One gzip member without time and name. The same bytes whatever the thread count.
-std::string gzip_compress(std::string_view bytes);
+/// One gzip member without time and name; level 1 (fastest) to 9. The same bytes whatever the thread count.
+std::string gzip_compress(std::string_view bytes, int level = 1);
 /// Inflates one member of exactly `size` bytes into `out` (null: only checks that it is so).
 /// Throws Error 65 where it is damaged, or longer or shorter.
 void gzip_expand(std::string_view compressed, char* out, std::uint64_t size);

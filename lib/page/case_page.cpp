@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "page/case_page.h"
+
+#include <nlohmann/json.hpp>
+
+#include "base/parallel.h"
+#include "page/html.h"
+#include "page/pack.h"
+#include "page/web_files.h"
+
+namespace trephine {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr int page_version = 1;
+
+Json to_list(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
+
+Json to_json(const CaseValues& values) {
+  Json out = Json::object();
+  for (const auto& [name, value] : values) out[name] = std::visit([](const auto& v) { return Json(v); }, value);
+  return out;
+}
+
+// The page's data: JSON, and a block for what is large.
+class PageMaker {
+ public:
+  PageMaker(const LoadedCase& loaded, const PageNotes& notes, const Progress& progress)
+      : case_(loaded), manifest_(loaded.manifest), notes_(notes), progress_(progress) {}
+
+  std::string make() {
+    json_["page"] = page_version;
+    json_["case"] = manifest_.case_token;
+    add_anatomies();
+    add_volumes();
+    add_marks();
+    add_text();
+    for (const PageBlock& b : blocks_) json_["blocks"][b.id] = b.bytes.size();
+    return html_page(web::template_html, web::style_css, web::viewer_js, json_.dump(), blocks_);
+  }
+
+ private:
+  const CaseShape* felt_shape(const std::string& name) const {
+    for (const CaseShape& shape : manifest_.haptic.shapes)
+      if (shape.name == name && shape.displayed == "haptic" && case_.has_haptic()) return &shape;
+    return nullptr;
+  }
+
+  PackedSurface packed(std::size_t anatomy) const {
+    const CaseAnatomy& a = manifest_.anatomies[anatomy];
+    if (case_.surfaces[anatomy].triangles.empty()) {
+      const CaseShape* shape = felt_shape(a.name);
+      return shape ? pack_surface(felt_surface_for_page(case_.haptic, shape->number)) : PackedSurface();
+    }
+    const auto deviation = notes_.deviation_mm.find(a.name);
+    return pack_surface(case_.surfaces[anatomy],
+                        deviation == notes_.deviation_mm.end() ? std::vector<float>() : deviation->second);
+  }
+
+  void add_anatomies() {
+    std::vector<PackedSurface> surfaces(manifest_.anatomies.size());
+    parallel_for(0, static_cast<std::int64_t>(surfaces.size()), 1, [&](std::int64_t from, std::int64_t) {
+      progress_.check();
+      surfaces[static_cast<std::size_t>(from)] = packed(static_cast<std::size_t>(from));
+    });
+    json_["anatomies"] = Json::array();
+    for (std::size_t i = 0; i < surfaces.size(); ++i) add_anatomy(manifest_.anatomies[i], surfaces[i]);
+  }
+
+  void add_anatomy(const CaseAnatomy& a, PackedSurface& surface) {
+    Json out;
+    out["name"] = a.name;
+    out["from"] = !a.file.empty() ? "surface" : surface.triangles > 0 ? "haptic" : "none";
+    out["colour_rgb"] = a.colour_rgb;
+    out["opacity"] = a.opacity;
+    out["case_triangles"] = a.triangles;
+    out["volume_ml"] = a.volume_ml;
+    if (!a.file.empty()) {
+      out["area_cm2"] = a.area_cm2;
+      out["deviation_mm"] = {{"max", a.deviation.max_mm}, {"p99", a.deviation.p99_mm}, {"rms", a.deviation.rms_mm}};
+      out["budget_mm"] = {{"asked", a.budget_asked_mm}, {"used", a.budget_used_mm}};
+    }
+    if (surface.triangles > 0) {
+      out["points"] = surface.points;
+      out["triangles"] = surface.triangles;
+      out["min_mm"] = to_list(surface.min_mm);
+      out["size_mm"] = to_list(surface.size_mm);
+      if (surface.has_deviation) {
+        out["deviation_scale_mm"] = surface.deviation_scale_mm;
+        out["deviation_p99_mm"] = surface.deviation_p99_mm;
+      }
+      const std::string id = "surface-" + std::to_string(json_["anatomies"].size());
+      out["block"] = id;
+      blocks_.push_back({id, std::move(surface.bytes)});
+    }
+    json_["anatomies"].push_back(std::move(out));
+  }
+
+  void add_volume(const char* id, PackedVolume volume) {
+    json_[id] = {{"block", id},
+                 {"size", volume.lattice.size},
+                 {"spacing_mm", to_list(volume.lattice.spacing_mm)},
+                 {"origin_mm", to_list(volume.lattice.origin_mm)}};
+    blocks_.push_back({id, std::move(volume.bytes)});
+  }
+
+  void add_volumes() {
+    progress_.check();
+    const bool felt_hu = case_.has_haptic() && case_.haptic.encoding == HapticEncoding::hu;
+    if (felt_hu) {
+      add_volume("ct", pack_ct(HuVolume(case_.haptic.voxels), progress_));
+      json_["ct"]["from"] = "haptic";
+    }
+    if (json_.contains("ct")) json_["ct"]["levels"] = page_hu_levels;
+    if (!case_.has_haptic()) return;
+    add_volume("felt", pack_shapes(case_.haptic, progress_));
+    for (const CaseShape& s : manifest_.haptic.shapes)
+      json_["felt"]["shapes"].push_back({{"name", s.name},
+                                         {"number", s.number},
+                                         {"colour_rgb", s.material.colour_rgb},
+                                         {"material", s.material.name},
+                                         {"volume_ml", s.volume_ml}});
+  }
+
+  void add_marks() {
+    json_["landmarks"] = json_["targets"] = json_["burr_holes"] = Json::array();
+    for (const CaseLandmark& l : manifest_.landmarks)
+      json_["landmarks"].push_back({{"name", l.name},
+                                    {"position_mm", to_list(l.position_mm)},
+                                    {"confidence", l.confidence},
+                                    {"source", l.source}});
+    for (const CaseTarget& t : manifest_.targets)
+      json_["targets"].push_back({{"name", t.name},
+                                  {"position_mm", to_list(t.position_mm)},
+                                  {"confidence", t.confidence},
+                                  {"anatomy", t.anatomy}});
+    for (const CaseBurrHole& b : manifest_.burr_holes)
+      json_["burr_holes"].push_back({{"name", b.name},
+                                     {"position_mm", to_list(b.position_mm)},
+                                     {"direction", to_list(b.direction)},
+                                     {"diameter_mm", b.diameter_mm},
+                                     {"cut", b.cut},
+                                     {"figures", to_json(b.figures)}});
+  }
+
+  void add_text() {
+    json_["figures"] = to_json(manifest_.figures);
+    json_["face"] = {{"policy", manifest_.face_policy}, {"reason", manifest_.face_reason}};
+    json_["provenance"] = {{"program", manifest_.program_version},
+                           {"input_sha256", manifest_.input_sha256},
+                           {"parameters", to_json(manifest_.parameters)}};
+    const Json notes = Json::parse(page_notes_json(notes_));
+    json_["warnings"] = notes["warnings"];
+    if (notes.contains("trade")) json_["trade"] = notes["trade"];
+  }
+
+  const LoadedCase& case_;
+  const CaseManifest& manifest_;
+  const PageNotes& notes_;
+  const Progress& progress_;
+  Json json_;
+  std::vector<PageBlock> blocks_;
+};
+
+}  // namespace
+
+std::string make_case_page(const LoadedCase& loaded, const PageNotes& notes, const Progress& progress) {
+  return PageMaker(loaded, notes, progress).make();
+}
+
+std::string make_case_page(const std::filesystem::path& case_folder, const Progress& progress) {
+  const LoadedCase loaded = load_case(case_folder);
+  return make_case_page(loaded, read_page_notes(case_folder, loaded.manifest), progress);
+}
+
+}  // namespace trephine

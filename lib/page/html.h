@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace trephine {
+
+/// Named binary data of a page.
+struct PageBlock {
+  std::string id;  ///< a-z, 0-9 and '-'
+  std::string bytes;
+};
+
+/// One HTML file that needs nothing beside it: a template of web/ with its style, script and data in the places
+/// @STYLE@,
+/// @SCRIPT@, @DATA@ and @BLOCKS@, which are filled in one pass, so that nothing in the data can name a place.
+/// @STYLE_HASH@ and @SCRIPT_HASH@ become their hashes for the page's content security policy. `json` becomes the text
+/// of a script element that no browser executes: every '<' in it is written as an escape, so that no text can end it.
+/// The blocks are gzip in base64. The same input gives the same bytes. Throws Error 70 where style or script would end
+/// their own element, or the template names another place.
+std::string html_page(std::string_view html, std::string_view style, std::string_view script, const std::string& json,
+                      const std::vector<PageBlock>& blocks);
+
+std::string base64(std::string_view bytes);
+
+}  // namespace trephine

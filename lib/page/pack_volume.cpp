@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/parallel.h"
+#include "grid/resample.h"
+#include "page/pack.h"
+#include "voxel/decode.h"
+
+namespace trephine {
+namespace {
+
+constexpr double along_axis = 1 - 1e-6;  // of a direction: it does not lie oblique
+
+// The patient's axis along which axis k of the lattice runs; nothing where it lies oblique.
+std::optional<int> patient_axis(const Lattice& lattice, int k) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(lattice.direction.column[k][axis]) >= along_axis) return axis;
+  return {};
+}
+
+// The lattice along the patient's axes for a volume: its own voxels where it lies along them, else the box around it.
+// At most page_volume_side voxels a side.
+Lattice page_lattice(const Lattice& from) {
+  Vec3 least{1e300, 1e300, 1e300}, most{-1e300, -1e300, -1e300};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 at = from.to_world_mm({corner & 1 ? from.size[0] - 1.0 : 0.0, corner & 2 ? from.size[1] - 1.0 : 0.0,
+                                      corner & 4 ? from.size[2] - 1.0 : 0.0});
+    for (int k = 0; k < 3; ++k) {
+      least[k] = std::min(least[k], at[k]);
+      most[k] = std::max(most[k], at[k]);
+    }
+  }
+  const double finest = std::min({from.spacing_mm.x, from.spacing_mm.y, from.spacing_mm.z});
+  Lattice to;
+  to.origin_mm = least;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double length = most[axis] - least[axis];
+    to.size[axis] = std::clamp(static_cast<int>(std::ceil(length / finest - 1e-6)) + 1, 1, page_volume_side);
+    to.spacing_mm[axis] = to.size[axis] > 1 ? length / (to.size[axis] - 1) : finest;
+  }
+  bool straight = true;
+  for (int k = 0; k < 3; ++k) straight &= patient_axis(from, k).has_value();
+  for (int k = 0; straight && k < 3; ++k) {
+    const int axis = *patient_axis(from, k);
+    to.size[axis] = from.size[k];
+    to.spacing_mm[axis] = from.spacing_mm[k];
+  }
+  return to;
+}
+
+// As many voxels as a page takes, each the mean of those that it covers.
+HuVolume small_enough(const HuVolume& volume) {
+  const Lattice& lattice = lattice_of(volume);
+  ResampleParams params;
+  bool large = false;
+  for (int k = 0; k < 3; ++k)
+    if (lattice.size[k] > page_volume_side) {
+      params.spacing_mm[k] = lattice.spacing_mm[k] * lattice.size[k] / page_volume_side;
+      large = true;
+    }
+  if (!large) return volume;
+  Report ignored;
+  return resample(volume, params, ignored);
+}
+
+std::uint8_t level_of(double hu) {
+  const auto& levels = page_hu_levels;
+  if (!(hu > levels.front()[1])) return 0;
+  for (std::size_t i = 1; i < levels.size(); ++i)
+    if (hu < levels[i][1]) {
+      const double share = (hu - levels[i - 1][1]) / (levels[i][1] - levels[i - 1][1]);
+      return static_cast<std::uint8_t>(std::lround(levels[i - 1][0] + share * (levels[i][0] - levels[i - 1][0])));
+    }
+  return static_cast<std::uint8_t>(levels.back()[0]);
+}
+
+// Calls value(index) for every voxel of `to` with its continuous index in `from`.
+template <class F>
+PackedVolume sample(const Lattice& from, const Lattice& to, const Progress& progress, F&& value) {
+  PackedVolume out;
+  out.lattice = to;
+  out.bytes.resize(to.count());
+  const Vec3 start = from.to_index(to.origin_mm);
+  std::array<Vec3, 3> step;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 next = to.origin_mm;
+    next[axis] += to.spacing_mm[axis];
+    step[static_cast<std::size_t>(axis)] = from.to_index(next) - start;
+  }
+  parallel_for(0, to.size[2], 1, [&](std::int64_t begin, std::int64_t end) {
+    for (auto k = static_cast<int>(begin); k < end; ++k) {
+      progress.check();
+      for (int j = 0; j < to.size[1]; ++j)
+        for (int i = 0; i < to.size[0]; ++i)
+          out.bytes[to.index(i, j, k)] =
+              static_cast<char>(value(start + step[0] * double(i) + step[1] * double(j) + step[2] * double(k)));
+    }
+  });
+  return out;
+}
+
+bool nearest(const Lattice& lattice, Vec3 index, std::array<int, 3>& voxel) {
+  for (int k = 0; k < 3; ++k) {
+    if (!(index[k] > -0.5 && index[k] < lattice.size[k] - 0.5)) return false;
+    voxel[static_cast<std::size_t>(k)] = static_cast<int>(std::lround(index[k]));
+  }
+  return true;
+}
+
+constexpr double edge_slack = 1e-6;  // voxels: a lattice rounded to the volume's own end still lies in it
+
+template <class T>
+double trilinear(const Grid<T>& grid, Vec3 index, double beyond) {
+  std::array<int, 3> low{};
+  std::array<double, 3> share{};
+  for (int k = 0; k < 3; ++k) {
+    if (!(index[k] >= -edge_slack && index[k] <= grid.size[k] - 1 + edge_slack)) return beyond;
+    const auto at = static_cast<std::size_t>(k);
+    low[at] = std::clamp(static_cast<int>(std::floor(index[k])), 0, std::max(0, grid.size[k] - 2));
+    share[at] = std::clamp(index[k] - low[at], 0.0, 1.0);
+  }
+  double sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1;
+    std::array<int, 3> voxel = low;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const bool upper = corner >> k & 1;
+      weight *= upper ? share[k] : 1 - share[k];
+      voxel[k] += upper && grid.size[k] > 1;
+    }
+    if (weight > 0) sum += weight * double(grid.at(voxel[0], voxel[1], voxel[2]));
+  }
+  return sum;
+}
+
+}  // namespace
+
+PackedVolume pack_ct(const HuVolume& volume, const Progress& progress) {
+  const HuVolume small = small_enough(volume);
+  return std::visit(
+      [&](const auto& grid) {
+        const Lattice to = page_lattice(grid);
+        const bool straight = to.count() == grid.count() && patient_axis(grid, 0) && patient_axis(grid, 1);
+        return sample(grid, to, progress, [&](Vec3 index) -> std::uint8_t {
+          std::array<int, 3> voxel{};
+          // Along the axes every voxel is one of the volume's own: nothing is interpolated.
+          if (straight) return nearest(grid, index, voxel) ? level_of(grid.at(voxel[0], voxel[1], voxel[2])) : 0;
+          return level_of(trilinear(grid, index, page_hu_levels.front()[1]));
+        });
+      },
+      small);
+}
+
+PackedVolume pack_shapes(const HapticVolume& volume, const Progress& progress) {
+  const HapticDecoder decoder(volume);
+  Lattice to = page_lattice(volume.voxels);
+  for (int axis = 0; axis < 3; ++axis)
+    if (to.size[axis] > page_volume_side) {
+      const double length = to.spacing_mm[axis] * (to.size[axis] - 1);
+      to.size[axis] = page_volume_side;
+      to.spacing_mm[axis] = length / (page_volume_side - 1);
+    }
+  return sample(volume.voxels, to, progress, [&](Vec3 index) -> std::uint8_t {
+    std::array<int, 3> v{};
+    if (!nearest(volume.voxels, index, v)) return 0;
+    return static_cast<std::uint8_t>(decoder.shape_at(v[0], v[1], v[2]));
+  });
+}
+
+}  // namespace trephine

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A case's page, read back from its HTML.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/write_file.h"
+#include "case_samples.h"
+#include "page/case_page.h"
+#include "page/html.h"
+#include "page/pack.h"
+#include "page_reading.h"
+
+namespace trephine {
+namespace {
+
+namespace fs = std::filesystem;
+using page_reading::Page;
+using page_reading::read_page;
+
+LoadedCase loaded(const case_samples::MemoryCase& c) { return load_case_through(c.reader()); }
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t n = 0;
+  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size()) ++n;
+  return n;
+}
+
+// Every point of the case's surface, in the order in which its triangles first use it, with its number.
+std::vector<std::uint32_t> by_first_use(const TriMesh& mesh) {
+  std::vector<std::uint32_t> order;
+  std::vector<bool> seen(mesh.points_mm.size());
+  for (const auto& t : mesh.triangles)
+    for (const std::uint32_t p : t)
+      if (!seen[p]) {
+        seen[p] = true;
+        order.push_back(p);
+      }
+  return order;
+}
+
+TEST(Page, SurfacesAreThoseOfTheCase) {
+  const LoadedCase c = loaded(case_samples::make_case({{"outer", 90, 40}, {"inner", 40, 20}}, 24));
+  PageNotes notes;
+  for (std::size_t a = 0; a < 2; ++a)
+    for (std::size_t i = 0; i < c.surfaces[a].points_mm.size(); ++i)
+      notes.deviation_mm[c.manifest.anatomies[a].name].push_back(i % 7 == 3 ? std::numeric_limits<float>::quiet_NaN()
+                                                                            : 0.3f * std::sin(float(i)));
+  const Page page = read_page(make_case_page(c, notes));
+  ASSERT_EQ(page.surfaces.size(), 2u);
+  for (std::size_t a = 0; a < 2; ++a) {
+    const TriMesh& mine = c.surfaces[a];
+    const auto& read = page.surfaces[a];
+    const auto order = by_first_use(mine);
+    ASSERT_EQ(read.mesh.points_mm.size(), order.size());
+    ASSERT_EQ(read.mesh.triangles.size(), mine.triangles.size());
+    for (std::size_t t = 0; t < mine.triangles.size(); ++t)
+      for (int k = 0; k < 3; ++k) ASSERT_EQ(order[read.mesh.triangles[t][k]], mine.triangles[t][k]);
+    const double level = page.data["anatomies"][a]["deviation_scale_mm"].get<double>() / 127;
+    for (std::size_t p = 0; p < order.size(); ++p) {
+      ASSERT_LT(norm(read.mesh.points_mm[p] - mine.world_mm(order[p])), 0.005);
+      const float d = notes.deviation_mm.at(read.name)[order[p]];
+      ASSERT_EQ(read.known[p], !std::isnan(d));
+      if (!std::isnan(d)) {
+        ASSERT_NEAR(read.deviation_mm[p], d, level);
+      }
+    }
+  }
+}
+
+TEST(Page, SaysWhatTheCaseSays) {
+  const LoadedCase c = loaded(case_samples::minimal_case());
+  PageNotes notes;
+  notes.warnings = {"import: a warning, word for word"};
+  notes.trade.rule = "seconds 10";
+  notes.trade.chosen = "a";
+  notes.trade.points = {{"a", 3, 0.2, 1000, ""}, {"b", 30, 0.1, 5000, "too thin"}};
+  const auto data = read_page(make_case_page(c, notes)).data;
+  EXPECT_EQ(data["case"], "sample");
+  EXPECT_EQ(data["anatomies"][1]["deviation_mm"]["p99"], 0.1);
+  EXPECT_EQ(data["landmarks"][0]["position_mm"], (std::vector<double>{1, -110, 300}));
+  EXPECT_EQ(data["targets"][0]["anatomy"], "inner");
+  EXPECT_EQ(data["burr_holes"][0]["figures"]["bone_thickness_mm"], 6.5);
+  EXPECT_EQ(data["warnings"], (std::vector<std::string>{"import: a warning, word for word"}));
+  EXPECT_EQ(data["trade"]["points"][1]["refused"], "too thin");
+  EXPECT_EQ(data["provenance"]["parameters"]["outer.decimate.max_deviation_mm"], 0.2);
+  EXPECT_EQ(data["felt"]["shapes"][0]["name"], "outer");
+  EXPECT_FALSE(data.contains("ct")) << "the case holds no CT";
+}
+
+TEST(Page, IsTheSameWhateverTheThreads) {
+  const auto c = case_samples::make_case({{"outer", 90, 30}, {"inner", 40, 20}}, 40);
+  set_thread_count(1);
+  const std::string one = make_case_page(loaded(c), {});
+  set_thread_count(4);
+  EXPECT_EQ(make_case_page(loaded(c), {}), one);
+  set_thread_count(0);
+}
+
+TEST(Page, HostileTextsStayText) {
+  const LoadedCase c = loaded(case_samples::minimal_case());
+  const std::string plain = make_case_page(c, {});
+  PageNotes hostile;
+  hostile.warnings = {"</script><script>alert(1)</script><!-- @SCRIPT@ @BLOCKS@ <img src=http://x/ onerror=alert(1)>"};
+  const std::string page = make_case_page(c, hostile);
+  EXPECT_EQ(count_of(page, "<script"), count_of(plain, "<script"));
+  EXPECT_EQ(count_of(page, "</script"), count_of(plain, "</script"));
+  EXPECT_EQ(count_of(page, "<!--"), 0u);
+  EXPECT_EQ(count_of(page, "<img"), 0u);
+  EXPECT_EQ(read_page(page).data["warnings"][0], hostile.warnings[0]);
+}
+
+TEST(Page, TemplateIsFilledOnce) {
+  EXPECT_EQ(html_page("a@b @STYLE@ @DATA@ @lower@ @", "s", "", "\"@SCRIPT@<\"", {}),
+            "a@b s \"@SCRIPT@\\u003c\" @lower@ @");
+  EXPECT_THROW(html_page("@OTHER@", "", "", "", {}), Error);
+  EXPECT_THROW(html_page("@SCRIPT@", "", "'</ScRipt>'", "", {}), Error);
+  EXPECT_EQ(base64("abcd"), "YWJjZA==");
+}
+
+// A shape that is displayed from the haptic volume has a surface of its own in the page, and nothing is said twice.
+TEST(Page, FeltShapeIsContoured) {
+  const auto c = case_samples::make_case({{"outer", 90, 10}, {"inner", 40, 10}}, 60);
+  const HapticVolume haptic = loaded(c).haptic;
+  const TriMesh whole = felt_surface_for_page(haptic, 2), coarse = felt_surface_for_page(haptic, 2, 2000);
+  EXPECT_NEAR(volume_mm3(whole) / volume_mm3(case_samples::ball(40, 60)), 1, 0.02);
+  EXPECT_NEAR(volume_mm3(coarse) / volume_mm3(whole), 1, 0.05);
+  EXPECT_NEAR(double(coarse.triangles.size()), 2000, 600);
+  EXPECT_TRUE(felt_surface_for_page(haptic, 9).triangles.empty()) << "no such shape";
+}
+
+TEST(Page, CtIsCompanded) {
+  Lattice lattice;
+  lattice.size = {300, 4, 3};
+  lattice.spacing_mm = {0.5, 2, 3};
+  lattice.origin_mm = {10, 20, 30};
+  lattice.direction.column[0] = {-1, 0, 0};  // towards the right: the page runs towards the left
+  Grid<std::int16_t> grid(lattice);
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 300; ++i) grid.at(i, j, k) = std::int16_t(i - 150 + 10 * j);
+  const PackedVolume packed = pack_ct(HuVolume(grid));
+  EXPECT_EQ(packed.lattice.size, (std::array<int, 3>{256, 4, 3}));
+  EXPECT_TRUE(packed.lattice.direction == Mat3());
+  EXPECT_NEAR(packed.lattice.origin_mm.x, 10 - 299 * 0.5, 0.5);
+  for (int i = 1; i < 255; ++i) {
+    const Vec3 at = packed.lattice.to_world_mm({double(i), 2, 1});
+    const double hu = (10 - at.x) / 0.5 - 150 + 20;
+    const int level = static_cast<unsigned char>(packed.bytes[packed.lattice.index(i, 2, 1)]);
+    if (std::abs(hu) < 158) {
+      ASSERT_NEAR((level - 24) * 2 - 160, hu, 1.6) << i;
+    }
+  }
+}
+
+// A volume that lies oblique: what it measures is found where it lies.
+TEST(Page, ObliqueCtIsResampled) {
+  Lattice lattice;
+  lattice.size = {40, 50, 60};
+  lattice.spacing_mm = {1.1, 1, 0.9};
+  lattice.origin_mm = {-30, 12, 5};
+  const double c = std::cos(0.3), s = std::sin(0.3);
+  lattice.direction.column = {Vec3{c, s, 0}, Vec3{-s, c, 0}, Vec3{0, 0, 1}};
+  Grid<float> grid(lattice);
+  const auto truth = [](Vec3 p) { return 1.5 * p.x - 0.7 * p.y + 0.4 * p.z; };
+  for (int k = 0; k < 60; ++k)
+    for (int j = 0; j < 50; ++j)
+      for (int i = 0; i < 40; ++i)
+        grid.at(i, j, k) = float(truth(lattice.to_world_mm({double(i), double(j), double(k)})));
+  const PackedVolume packed = pack_ct(HuVolume(grid));
+  int inside = 0;
+  for (int k = 0; k < packed.lattice.size[2]; k += 3)
+    for (int j = 0; j < packed.lattice.size[1]; j += 3)
+      for (int i = 0; i < packed.lattice.size[0]; i += 3) {
+        const Vec3 at = packed.lattice.to_world_mm({double(i), double(j), double(k)}), index = lattice.to_index(at);
+        const int level = static_cast<unsigned char>(packed.bytes[packed.lattice.index(i, j, k)]);
+        bool in = true, out = false;
+        for (int a = 0; a < 3; ++a) {
+          in &= index[a] > 0.01 && index[a] < lattice.size[a] - 1.01;
+          out |= index[a] < -0.01 || index[a] > lattice.size[a] - 0.99;
+        }
+        if (out) {
+          ASSERT_EQ(level, 0);
+        }
+        if (in && std::abs(truth(at)) < 158) {
+          ASSERT_NEAR((level - 24) * 2 - 160, truth(at), 1.01);
+        }
+        inside += in;
+      }
+  EXPECT_GT(inside, 1000);
+}
+
+TEST(Page, NotesAreReadBack) {
+  const fs::path folder = fs::temp_directory_path() / ("page-notes-" + std::to_string(::getpid()));
+  const auto c = case_samples::minimal_case();
+  c.write(folder);
+  PageNotes notes;
+  notes.warnings = {"one"};
+  notes.trade = {{{"a", 3, 0.2, 1000, ""}}, "a", "rule", "why"};
+  notes.deviation_mm["outer"].assign(c.manifest.anatomies[0].points, 0.25f);
+  const fs::path report = folder / "report", values = report / deviation_file_name(c.manifest, c.manifest.anatomies[0]);
+  fs::create_directories(report);
+  write_file(report / page_notes_file, page_notes_json(notes));
+  write_file(values, encode_deviation(notes.deviation_mm["outer"]));
+  EXPECT_EQ(make_case_page(folder), make_case_page(loaded(c), notes)) << "`page` makes the page that `run` made";
+
+  std::string damaged = encode_deviation(notes.deviation_mm["outer"]);
+  damaged.back() ^= 1;
+  write_file(values, damaged);
+  try {
+    make_case_page(folder);
+    ADD_FAILURE() << "damaged deviations were taken";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::bad_input);
+    EXPECT_EQ(e.file(), values.string());
+  }
+  fs::remove(values);
+  write_file(report / page_notes_file, "{\"warnings\": 1}");
+  EXPECT_THROW(make_case_page(folder), Error);
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace trephine
