@@ -28,7 +28,7 @@ struct LibraryBuildParams {
     v.flag(&P::rehash, "rehash", "Read every series again, also where its files look unchanged.");
     v.flag(&P::rebuild, "rebuild", "Build every case, stale or not.");
     v.flag(&P::dry_run, "dry_run", "Say what would be built and why; build nothing and write nothing.");
-    v.flag(&P::pictures, "pictures", "Make the pictures in the cases' report folders.");
+    v.flag(&P::pictures, "pictures", "Make the pictures and the pages in the cases' report folders.");
     v.flag(&P::sheet, "sheet", "Make the contact sheet, index.html and contact_sheet.png, where a case changed.");
     v.flag(&P::check_disk, "check_disk", "Refuse to begin where the disk is too small by estimate.");
     v.integer(&P::cache_limit_mb, "cache_limit_mb", Range{0, 1e9},

@@ -284,12 +284,13 @@ class Builder {
 
 }  // namespace
 
-std::vector<int> wanted_nodes(const Graph& graph, bool pictures) {
+std::vector<int> wanted_nodes(const Graph& graph, bool pictures, bool page) {
   std::vector<int> wanted = graph.burr_holes;
   if (pictures) wanted.push_back(graph.scan);
   for (const Graph::Anatomy& a : graph.anatomies) {
     wanted.push_back(a.surface);
     wanted.push_back(a.measure);
+    if (page) wanted.insert(wanted.end(), {a.first_surface, a.finished});
   }
   for (const int node : {graph.landmarks, graph.anatomy_gate, graph.face_gate, graph.haptic, graph.mismatch})
     if (node >= 0) wanted.push_back(node);

@@ -24,8 +24,9 @@ struct CaseContent {
   std::vector<CasePicture> pictures;
 };
 
-/// The nodes whose data or report the case needs. Only these and their sources are computed.
-std::vector<int> wanted_nodes(const Graph& graph, bool pictures);
+/// The nodes whose data or report the case needs, and those that its pictures and its page need beside. Only these and
+/// their sources are computed.
+std::vector<int> wanted_nodes(const Graph& graph, bool pictures, bool page = false);
 
 /// Makes the case from a run's results and checks it against the scene's limits. Throws Error 80, naming the anatomy,
 /// where a surface is not valid in float32, exceeds the scene's triangles or deviation, or a burr hole is not free.

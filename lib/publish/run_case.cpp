@@ -16,8 +16,10 @@
 #include "base/write_file.h"
 #include "cases/case.h"
 #include "head/anatomy_gate.h"
+#include "page/page_notes.h"
 #include "publish/case_content.h"
 #include "publish/case_lock.h"
+#include "publish/page_files.h"
 #include "publish/run_json.h"
 
 namespace trephine {
@@ -147,21 +149,27 @@ void tell_overrun(Run& run, double seconds) {
   log_warning(run.config.case_token + ": " + run.warnings.back());
 }
 
-// Pictures of an older state of the case could be mistaken for this one's.
+// What a run leaves in the report folder.
+bool is_of_report(const fs::path& file) {
+  return file.extension() == ".png" || file.extension() == ".f32" || file.filename() == page_file ||
+         file.filename() == page_notes_file;
+}
+
+// Pictures and pages of an older state of the case could be mistaken for this one's.
 void remove_other_pictures(const fs::path& folder, const std::vector<CasePicture>& pictures) {
   std::error_code ignored;
   std::vector<fs::path> others;
   for (const auto& entry : fs::directory_iterator(folder, ignored))
-    if (entry.path().extension() == ".png" && std::none_of(pictures.begin(), pictures.end(), [&](const CasePicture& p) {
+    if (is_of_report(entry.path()) && std::none_of(pictures.begin(), pictures.end(), [&](const CasePicture& p) {
           return entry.path().filename() == p.name;
         }))
       others.push_back(entry.path());
   for (const fs::path& f : others) fs::remove(f, ignored);
 }
 
-// Publishes the case. Everything has been made and checked, so only the disk can still fail. The pictures are not part
-// of the case's checksummed bytes; they are written last, just before case.json, so that both change at nearly the same
-// moment.
+// Publishes the case. Everything has been made and checked, so only the disk can still fail. Pictures and page are not
+// part of the case's checksummed bytes; they are written last, just before case.json, so that both change at nearly the
+// same moment.
 void publish(const Run& run, const fs::path& folder, const CaseContent& content) {
   for (const CaseContent::File& f : content.files) write_case_file(folder, f.stem, f.extension, f.bytes);
   for (const CasePicture& p : content.pictures) write_file(folder / "report" / p.name, p.png);
@@ -220,7 +228,7 @@ Explanation explain_case(const RunRequest& request) {
   run.graph = make_graph(run.config, hash_input(run, Progress({}, &cancel_requested())));
   std::error_code ignored;
   const fs::path cache = cache_folder_of(request);
-  return explain(run.config, run.graph, wanted_nodes(run.graph, request.params.pictures),
+  return explain(run.config, run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page),
                  StageCache(fs::exists(cache, ignored) ? cache : fs::path()));
 }
 
@@ -247,7 +255,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     const CaseLock lock(folder);
     const UnpublishedFolder cleanup(folder);
     make_output_folder(folder / "meshes");
-    if (request.params.pictures) make_output_folder(folder / "report");
+    if (request.params.pictures || request.params.page) make_output_folder(folder / "report");
     for (const fs::path& f : {folder, folder / "meshes", folder / "report"}) remove_stale_temporaries(f);
     if (!request.keep.empty()) make_output_folder(request.keep);
     const StageCache cache(cache_folder);
@@ -259,12 +267,15 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     execution.cache = &cache;
     execution.cancel = &cancel_requested();
     run.graph = make_graph(run.config, input_sha256);
-    run.results = execute(run.graph, wanted_nodes(run.graph, request.params.pictures), execution, observer);
+    run.results =
+        execute(run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page), execution, observer);
     tell_warnings(run);
 
-    const CaseContent content =
-        make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version, input_sha256,
-                          request.params.pictures, cancelled);
+    CaseContent content = make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version,
+                                            input_sha256, request.params.pictures, cancelled);
+    if (request.params.page)
+      for (CasePicture& file : make_page_files(run.config, run.graph, run.results, content, run.warnings, cancelled))
+        content.pictures.push_back(std::move(file));
     cancelled.check();
     publish(run, folder, content);
     std::error_code ignored;

@@ -19,7 +19,7 @@ struct RunParams {
   std::string profile;
   bool use_cache = true;
   std::int64_t cache_limit_mb = 8192;
-  bool pictures = true;
+  bool pictures = true, page = true;
 
   template <class V>
   static void describe(V& v) {
@@ -34,6 +34,8 @@ struct RunParams {
     v.integer(&P::cache_limit_mb, "cache_limit_mb", Range{0, 1e9},
               "Largest size of the cache after the run, in MB; the entries used longest ago go first.");
     v.flag(&P::pictures, "pictures", "Make the pictures in the case's report folder.");
+    v.flag(&P::page, "page",
+           "Make the case's page, report/view.html, which shows it in a browser; trephine page makes it later.");
   }
 };
 
