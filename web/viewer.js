@@ -117,6 +117,7 @@ async function start() {
   // ---- the view: mouse, touch, keys
   const pointers = new Map()
   let pinch = 0, travelled = 0
+  const spread = () => { const [a, b] = [...pointers.values()]; return Math.hypot(a[0] - b[0], a[1] - b[1]) }
   const local = e => { const b = view.getBoundingClientRect(); return [e.clientX - b.left, e.clientY - b.top] }
   const click = (x, y) => {
     const w = view.clientWidth, h = view.clientHeight, m = cam.matrix(w, h)
@@ -128,8 +129,8 @@ async function start() {
     if (e.target !== solid) return
     view.setPointerCapture(e.pointerId)
     pointers.set(e.pointerId, [e.clientX, e.clientY])
-    if (pointers.size === 1) travelled = 0
-    else travelled = 99
+    travelled = pointers.size === 1 ? 0 : 99
+    pinch = pointers.size === 2 ? spread() : 0
     view.focus()
   })
   view.addEventListener('pointermove', e => {
@@ -141,7 +142,7 @@ async function start() {
     if (travelled < 4) return
     moving = true
     if (pointers.size === 2) {
-      const [a, b] = [...pointers.values()], d = Math.hypot(a[0] - b[0], a[1] - b[1])
+      const d = spread()
       if (pinch && d) cam.dist *= pinch / d
       pinch = d
       cam.pan[0] += dx * mm / 2, cam.pan[1] -= dy * mm / 2
