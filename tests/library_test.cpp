@@ -199,10 +199,14 @@ TEST(LibrarySheet, EscapesAndShowsWhatThereIs) {
   good.warnings = {"<script>alert(1)</script>"};
   bad.token = "b";
   bad.fault = "was never built";
+  scratch.write("a/report/view.html", "page");
+  scratch.write("a/report/skull.png", "picture");
   const std::string page = sheet_page(scratch.path(), {good, bad});
-  EXPECT_EQ(page.find("<script"), std::string::npos);
-  EXPECT_NE(page.find("&lt;script&gt;"), std::string::npos);
-  EXPECT_NE(page.find("12,345"), std::string::npos);
+  EXPECT_EQ(page.find("<script>alert"), std::string::npos);
+  EXPECT_NE(page.find("\\u003cscript>alert(1)\\u003c/script>"), std::string::npos);
+  EXPECT_NE(page.find("12345"), std::string::npos);
+  EXPECT_NE(page.find("\"pictures\":[\"report/skull.png\"],\"page\":true"), std::string::npos);
+  EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
   EXPECT_NE(page.find("was never built"), std::string::npos);
   const Image picture = sheet_picture(scratch.path(), {good, bad});
   EXPECT_GT(picture.width, 400);

@@ -3,17 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "base/write_file.h"
+#include "page/html.h"
+#include "page/page_notes.h"
+#include "page/web_files.h"
 
 namespace trephine {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char *picture_name = "contact_sheet.png", *page_name = "index.html";
+constexpr const char *picture_name = "contact_sheet.png", *index_name = "index.html";
 constexpr double most_pixels = 4e7;  // of the whole picture: with many cases the thumbnails become smaller
 constexpr int most_side_px = 240, least_side_px = 40, columns_count = 5, most_png_bytes = 1 << 26;
 
@@ -99,26 +104,60 @@ Image cell_of(const fs::path& library, const CaseRow& row, int side) {
   return cell;
 }
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
+using Json = nlohmann::ordered_json;
+
+// The figure as a number; nothing where the case has none.
+void add_figure(const CaseRow& row, const std::string& name, const char* key, Json& out) {
+  if (const ParameterValue* value = row.figure(name))
+    if (const auto* number = std::get_if<double>(value)) out[key] = *number;
+}
+
+Json to_json(const fs::path& library, const CaseRow& row) {
+  Json out;
+  out["case"] = row.token;
+  out["class"] = row.patient_class;
+  out["fault"] = row.fault;
+  if (!row.fault.empty())
+    out["state"] = row.fault;
+  else
+    out["state"] = row.last.code == 0 ? "" : "last build failed with " + std::to_string(row.last.code);
+  if (row.last.code != 0) out["fault"] = row.fault + (row.fault.empty() ? "" : "; ") + row.last.reason;
+  out["warnings"] = row.warnings;
+  out["pictures"] = Json::array();
+  for (const std::string& file : pictures_of(library, row))
+    out["pictures"].push_back(file.substr(row.token.size() + 1));
+  std::error_code ignored;
+  out["page"] = row.fault.empty() && fs::exists(library / row.token / "report" / page_file, ignored);
+  out["anatomies"] = Json::array();
+  if (!row.fault.empty()) return out;
+  out["triangles"] = row.triangles;
+  out["deviation_mm"] = row.deviation_max_mm;
+  add_figure(row, "evans_index_ratio", "evans", out);
+  add_figure(row, "midline_shift_mm", "shift_mm", out);
+  for (const CaseAnatomy& a : row.manifest.anatomies)
+    out["anatomies"].push_back({{"name", a.name},
+                                {"triangles", a.triangles},
+                                {"volume_ml", a.volume_ml},
+                                {"deviation_mm", a.deviation.max_mm}});
   return out;
 }
 
-std::string row_of_page(const CaseAnatomy& a) {
-  return "<tr><td>" + escaped(a.name) + "</td><td>" + grouped_text(static_cast<long long>(a.triangles)) + "</td><td>" +
-         fixed_text(a.volume_ml, 1) + "</td><td>" + fixed_text(a.deviation.max_mm, 2) + "</td></tr>\n";
+constexpr std::size_t most_volume_columns = 6;
+
+// The anatomies whose volumes have a column: those that most cases have.
+std::vector<std::string> volume_columns(const std::vector<CaseRow>& rows) {
+  std::vector<std::pair<std::size_t, std::string>> counts;  // in the order in which the cases name them
+  std::map<std::string, std::size_t> place;
+  for (const CaseRow& row : rows)
+    for (const CaseAnatomy& a : row.manifest.anatomies) {
+      const auto [at, is_new] = place.try_emplace(a.name, counts.size());
+      if (is_new) counts.emplace_back(0, a.name);
+      ++counts[at->second].first;
+    }
+  std::stable_sort(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < std::min(counts.size(), most_volume_columns); ++i) names.push_back(counts[i].second);
+  return names;
 }
 
 }  // namespace
@@ -139,50 +178,22 @@ Image sheet_picture(const fs::path& library, const std::vector<CaseRow>& rows) {
 }
 
 std::string sheet_page(const fs::path& library, const std::vector<CaseRow>& rows) {
-  std::string page =
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Patient library</title>\n"
-      "<style>\n"
-      "body { font: 14px/1.4 sans-serif; margin: 1.5em; color: #1a1a26; background: #fff }\n"
-      "main { display: grid; grid-template-columns: repeat(auto-fill, minmax(22em, 1fr)); gap: 1.2em }\n"
-      "article { border: 1px solid #ccd; border-radius: 4px; padding: .8em }\n"
-      "h2 { font-size: 1.05em; margin: 0 0 .4em }\n"
-      "img { width: 49%; aspect-ratio: 3 / 2; object-fit: contain; vertical-align: top }\n"
-      "table { border-collapse: collapse; width: 100%; margin-top: .5em }\n"
-      "td, th { text-align: right; padding: 0 .3em } td:first-child, th:first-child { text-align: left }\n"
-      "p { margin: .3em 0 } .bad { color: #b01818 }\n"
-      "</style></head><body>\n<h1>Patient library</h1>\n<p>" +
-      std::to_string(rows.size()) + (rows.size() == 1 ? " case" : " cases") + "</p>\n<main>\n";
-  for (const CaseRow& row : rows) {
-    page += "<article><h2>" + escaped(row.token) + "</h2>\n";
-    for (const std::string& file : pictures_of(library, row))
-      page += "<a href=\"" + escaped(row.token) + "/report/overview.png\"><img loading=\"lazy\" alt=\"\" src=\"" +
-              escaped(file) + "\"></a>\n";
-    const std::vector<std::string> lines = lines_of(row);
-    for (std::size_t i = 1; i < std::min<std::size_t>(lines.size(), 3); ++i)
-      if (!lines[i].empty()) page += (row.fault.empty() ? "<p>" : "<p class=\"bad\">") + escaped(lines[i]) + "</p>\n";
-    if (row.fault.empty()) {
-      page += "<table><tr><th>surface</th><th>triangles</th><th>ml</th><th>max mm</th></tr>\n";
-      for (const CaseAnatomy& a : row.manifest.anatomies) page += row_of_page(a);
-      page += "</table>\n";
-    }
-    for (const std::string& w : row.warnings) page += "<p class=\"bad\">" + escaped(w) + "</p>\n";
-    if (row.last.code != 0)
-      page += "<p class=\"bad\">its last build failed with " + std::to_string(row.last.code) + ": " +
-              escaped(row.last.reason) + "</p>\n";
-    page += "</article>\n";
-  }
-  return page + "</main>\n</body></html>\n";
+  Json json;
+  json["volumes"] = volume_columns(rows);
+  json["cases"] = Json::array();
+  for (const CaseRow& row : rows) json["cases"].push_back(to_json(library, row));
+  return html_page(web::index_html, web::index_css, web::index_js, json.dump(), {});
 }
 
 void make_sheet(const fs::path& library) {
   const std::vector<CaseRow> rows = read_library(library);
   write_file(library / picture_name, encode_png(sheet_picture(library, rows)));
-  write_file(library / page_name, sheet_page(library, rows));
+  write_file(library / index_name, sheet_page(library, rows));
 }
 
 bool has_sheet(const fs::path& library) {
   std::error_code ignored;
-  return fs::exists(library / picture_name, ignored) && fs::exists(library / page_name, ignored);
+  return fs::exists(library / picture_name, ignored) && fs::exists(library / index_name, ignored);
 }
 
 }  // namespace trephine

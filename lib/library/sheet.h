@@ -10,8 +10,9 @@
 namespace trephine {
 
 /// Writes contact_sheet.png and index.html into the library's folder: a thumbnail of every case (two pictures of its
-/// report folder, of what sets the case apart and of an axial slice) and its figures. The page is static and refers to
-/// the pictures where they lie. It holds only tokens and figures. Throws Error 66, 73 and 74.
+/// report folder, of what sets the case apart and of an axial slice) and its figures. index.html lists the cases so
+/// that they can be searched, filtered and sorted, and leads to their pages; it needs no server and no network, and
+/// refers to the pictures where they lie. It holds only tokens, figures and warnings. Throws Error 66, 73 and 74.
 void make_sheet(const std::filesystem::path& library);
 bool has_sheet(const std::filesystem::path& library);
 
