@@ -19,6 +19,30 @@ expect() {
   grep -Eq -- "$pattern" "$work/stderr" || { cat "$work/stderr" >&2; fail "stderr does not match '$pattern': $*"; }
 }
 
+# interrupted COMMAND...: Ctrl-C while it runs, into `code`; stdout and stderr go to $work/said. It is sent once the program listens
+# for it (a background process of a shell ignores it before) and has run a little; a command that ends before that is tried again.
+interrupted() {
+  local delay try pid
+  for delay in 0.4 0.3 0.2 0.1 0.05 0.02 0; do
+    "$@" >"$work/said" 2>&1 &
+    pid=$!
+    for try in {1..3000}; do
+      (($((16#$(sed -n 's/^SigCgt:[[:space:]]*//p' /proc/$pid/status 2>/dev/null || true)0)) & 0x20)) && break
+      [[ -e /proc/$pid ]] || break
+      sleep 0.01
+    done
+    sleep $delay
+    code=0
+    if kill -INT $pid 2>/dev/null; then
+      wait $pid || code=$?
+      ((code == 0)) || return 0  # 0: its last step was done when the signal came
+    else
+      wait $pid || { code=$?; return 0; }
+    fi
+  done
+  fail "ends before it can be interrupted: $*"
+}
+
 # The case's bytes: case.json and every file that it names, each of which must be there and whole.
 case_digest() {
   python3 - "$1" <<'PY'

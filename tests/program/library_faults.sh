@@ -178,14 +178,11 @@ build l.yaml
 [[ -z $(find "$work/out" -name '.trephine-tmp-*') ]] || fail "kill: temporary files are left: $(find "$work/out" -name '.trephine-tmp-*')"
 echo "killed $met of $kills"
 
-# Ctrl-C: 130, soon, nothing left.
-"$TREPHINE" library build l.yaml --out "$work/out" --quiet --no-pictures --rebuild "${new[@]}" 2>said &
-pid=$!
-sleep 0.4
-kill -INT $pid
-code=0; wait $pid || code=$?
-[[ $code == 130 || $code == 0 ]] || { cat said; fail "Ctrl-C: $code"; }
+# Ctrl-C: 130, soon, nothing left. The cache keeps nothing, so that there is work to interrupt.
+interrupted "$TREPHINE" library build l.yaml --out "$work/out" --quiet --no-pictures --rebuild --cache-limit-mb 0 "${new[@]}"
+[[ $code == 130 ]] || { cat "$work/said"; fail "Ctrl-C: $code"; }
 [[ -z $(find "$work/out" -name '.trephine-tmp-*') ]] || fail "Ctrl-C: temporary files are left"
+for c in a b; do case_digest "$work/out/$c" >/dev/null || fail "Ctrl-C: case $c is torn"; done
 
 # A case beyond its time is stopped: 70, no process left.
 code=0; build l.yaml --rebuild --case-limit-s 0.001 --case a --set skull.smooth.iterations_count=9 >said 2>&1 || code=$?

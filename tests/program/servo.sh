@@ -58,7 +58,7 @@ printf '0 0 0 2000\n1 0 0 2000\n' >"$work/air.txt"
 # Ctrl-C ends a session; what it recorded stays.
 "${servo[@]}" --seconds 60 --no-realtime --record "$work/stopped.servo" --json "$work/stopped.json" >"$work/text" 2>"$work/stderr" &
 stopped=$!
-for _ in $(seq 500); do grep -q '^servo at ' "$work/text" && break; sleep 0.01; done
+for _ in $(seq 5000); do grep -q '^servo at ' "$work/text" && break; sleep 0.01; done
 sleep 0.5
 kill -INT $stopped
 code=0

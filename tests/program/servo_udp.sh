@@ -45,12 +45,12 @@ PY
 "$TREPHINE" replay "$work/sample" "$work/a.servo" >/dev/null || fail "the recording does not replay"
 
 # Killed while it presses.
-begin --timeout-ms 200 --seconds 4 --record "$work/b.servo"
+begin --timeout-ms 200 --seconds 8 --record "$work/b.servo"
 "$work/client" 127.0.0.1 "$port" 60 1 -20 384 0 0 -1 3 >"$work/client_text" &
 first=$!
-for _ in $(seq 500); do grep -q '^servo at ' "$work/text" && break; sleep 0.01; done
+for _ in $(seq 5000); do grep -q '^servo at ' "$work/text" && break; sleep 0.01; done
 sleep 1
-kill -9 $first
+kill -9 $first 2>/dev/null || fail "the client ended before it was killed: $(cat "$work/client_text")"
 wait $first 2>/dev/null || true
 code=0
 wait $servo || code=$?
@@ -70,7 +70,7 @@ PY
 begin --timeout-ms 5000 --seconds 3
 client 4 >"$work/client_text" &
 first=$!
-for _ in $(seq 500); do grep -q '^servo at ' "$work/text" && break; sleep 0.01; done
+for _ in $(seq 5000); do grep -q '^servo at ' "$work/text" && break; sleep 0.01; done
 code=0
 client 0.5 >"$work/second" || code=$?
 [[ $code == 2 ]] || fail "the second client ended with $code"
