@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/stage_cache.h"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -17,6 +20,46 @@ namespace fs = std::filesystem;
 // No data file has this extension: cutters are .json.
 constexpr const char* index_extension = ".index";
 
+namespace {
+
+// What others may write, or wrote, can hold anything under any name.
+void check_owned(const fs::path& folder) {
+  struct stat s {};
+  if (::stat(folder.c_str(), &s) != 0) return;
+  if (s.st_uid != ::geteuid())
+    throw Error(ExitCode::cannot_create, folder.string(), "cache",
+                "belongs to another user, who could put results of his own into cases: sudo chown -R \"$USER\" '" +
+                    folder.string() + "', after emptying it, or choose another folder");
+  if ((s.st_mode & (S_IWGRP | S_IWOTH)) != 0)
+    throw Error(
+        ExitCode::cannot_create, folder.string(), "cache",
+        "may be written by others, who could put results of their own into cases: chmod 700 '" + folder.string() + "'");
+}
+
+// An entry that somebody else wrote while he could is none.
+bool is_our_file(const fs::path& file) {
+  struct stat s {};
+  return ::lstat(file.c_str(), &s) == 0 && S_ISREG(s.st_mode) && s.st_uid == ::geteuid() && (s.st_mode & S_IWOTH) == 0;
+}
+
+// The checksum of an entry's data is of the key, the kind and the bytes, so that data of another entry has another one.
+std::string data_sha256(const std::string& key, const fs::path& data) {
+  return Sha256().text("data of").text(key).text(data.extension().string()).text(sha256_of_file(data)).hex();
+}
+
+// The index as it is stored: its text and the checksum of that. Throws where it is damaged or is that of another key.
+nlohmann::ordered_json parse_index(const std::vector<char>& bytes, const std::string& key) {
+  const auto outer = nlohmann::ordered_json::parse(bytes.begin(), bytes.end());
+  const std::string text = outer.at("entry").get<std::string>();
+  if (outer.at("sha256").get<std::string>() != sha256_of_bytes(text))
+    throw Error(ExitCode::bad_input, "", "entry", "differs from its checksum");
+  auto entry = nlohmann::ordered_json::parse(text);
+  if (entry.at("key").get<std::string>() != key) throw Error(ExitCode::bad_input, "", "key", "is another one");
+  return entry;
+}
+
+}  // namespace
+
 StageCache::StageCache(fs::path folder) : folder_(std::move(folder)) {
   if (folder_.empty()) return;
   std::error_code ignored;
@@ -24,6 +67,7 @@ StageCache::StageCache(fs::path folder) : folder_(std::move(folder)) {
   const bool is_new = !fs::exists(folder_, ignored);
   make_output_folder(folder_);
   if (is_new) fs::permissions(folder_, fs::perms::owner_all, ignored);
+  check_owned(folder_);
   remove_stale_temporaries(folder_);
 }
 
@@ -34,11 +78,9 @@ std::optional<StageCache::Index> StageCache::load_index(const std::string& key) 
   const fs::path index = folder_.empty() ? fs::path() : file(key, index_extension);
   if (index.empty() || !fs::exists(index, ignored)) return {};
   try {
-    const std::vector<char> bytes = read_file(index, 1 << 20);
-    const auto json = nlohmann::ordered_json::parse(bytes.begin(), bytes.end());
+    if (!is_our_file(index)) throw Error(ExitCode::bad_input, index.string(), "", "is not ours");
+    const auto json = parse_index(read_file(index, 1 << 20), key);
     const std::string report = json.at("report").get<std::string>();
-    if (json.at("report_sha256").get<std::string>() != sha256_of_bytes(report))
-      throw Error(ExitCode::bad_input, index.string(), "report", "differs from its checksum");
     fs::last_write_time(index, fs::file_time_type::clock::now(), ignored);
     return Index{parse_report_json(report), json.value("sha256", std::string())};
   } catch (const std::bad_alloc&) {
@@ -62,7 +104,8 @@ std::optional<StageData> StageCache::load_data(const std::string& key, DataKind 
   if (index->sha256.empty()) return {};
   const fs::path data = file(key, file_extension(kind));
   try {
-    if (sha256_of_file(data) != index->sha256) throw Error(ExitCode::bad_input, data.string(), "sha256", "differs");
+    if (!is_our_file(data) || data_sha256(key, data) != index->sha256)
+      throw Error(ExitCode::bad_input, data.string(), "sha256", "differs");
     return trephine::load_data(data, kind);
   } catch (const std::bad_alloc&) {
     throw;
@@ -78,29 +121,34 @@ void StageCache::store(const std::string& key, DataKind kind, const StageData& d
                        double seconds) const {
   if (folder_.empty()) return;
   nlohmann::ordered_json json;
+  json["key"] = key;
   if (!std::holds_alternative<std::monostate>(data)) {
     save_data(file(key, file_extension(kind)), data);
-    json["sha256"] = sha256_of_file(file(key, file_extension(kind)));
+    json["sha256"] = data_sha256(key, file(key, file_extension(kind)));
   }
-  const std::string text = report_json(report);
-  json["report"] = text;
-  json["report_sha256"] = sha256_of_bytes(text);
+  json["report"] = report_json(report);
   json["seconds"] = seconds;
-  write_file(file(key, index_extension), json.dump());
+  const std::string text = json.dump();
+  write_file(file(key, index_extension),
+             nlohmann::ordered_json{{"entry", text}, {"sha256", sha256_of_bytes(text)}}.dump());
 }
 
 StageCache::Entry StageCache::look_up(const std::string& key) const {
   std::error_code ignored;
   const fs::path index = folder_.empty() ? fs::path() : file(key, index_extension);
   if (index.empty() || !fs::exists(index, ignored)) return {};
-  const std::vector<char> bytes = read_file(index, 1 << 20);
-  const auto json = nlohmann::ordered_json::parse(bytes.begin(), bytes.end(), nullptr, false);
-  if (!json.is_object() || !json.contains("report")) return {};
-  Entry entry;
-  entry.has_report = true;
-  entry.has_data = json.contains("sha256");
-  if (const auto s = json.find("seconds"); s != json.end() && s->is_number()) entry.seconds = s->get<double>();
-  return entry;
+  try {
+    const auto json = parse_index(read_file(index, 1 << 20), key);
+    Entry entry;
+    entry.has_report = json.contains("report");
+    entry.has_data = json.contains("sha256");
+    if (const auto s = json.find("seconds"); s != json.end() && s->is_number()) entry.seconds = s->get<double>();
+    return entry;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
+    return {};
+  }
 }
 
 void StageCache::shrink_to(std::uint64_t max_bytes) const {

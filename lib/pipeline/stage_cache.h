@@ -10,12 +10,14 @@
 namespace trephine {
 
 /// Outputs of stages on disk, by key. The cache holds patient data, so its folder is made with mode 0700. An entry is a
-/// JSON file with the stage's report and, where the output was worth its space, a data file with its SHA-256. The JSON
-/// is written last. A torn or damaged entry counts as missing.
+/// JSON file with the key, the stage's report and, where the output was worth its space, the SHA-256 of the key and a
+/// data file; it has a SHA-256 of its own and is written last. An entry that is torn, damaged, that of another key, or
+/// written by another user counts as missing. That is no protection against who may act as the user: he can compute
+/// checksums too.
 class StageCache {
  public:
   /// An empty folder name means no cache: nothing is found and nothing is stored. Throws Error 73 where the folder
-  /// cannot be made.
+  /// cannot be made, belongs to another user, or may be written by others.
   explicit StageCache(std::filesystem::path folder);
 
   std::optional<Report> load_report(const std::string& key) const;
