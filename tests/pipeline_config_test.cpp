@@ -286,6 +286,32 @@ TEST(Config, PathsStayUnderTheRoot) {
   EXPECT_NO_THROW(read_case_config(files.folder.path() / "deep/case.yaml"));
 }
 
+TEST(Config, NoPathOfAFileLeavesTheRootByALinkOrByWhatDoesNotExist) {
+  namespace fs = std::filesystem;
+  ScratchFolder other;
+  other.write("recipe.yaml", recipe);
+  const auto said = [&](const std::string& path) {
+    Files files(head);
+    fs::create_directory_symlink(other.path(), files.folder.path() / "out");
+    fs::create_directory_symlink("loop", files.folder.path() / "loop");
+    fs::create_directory_symlink(".", files.folder.path() / "here");
+    files.folder.write("case.yaml", "trephine: 1\npipeline: \"" + path + "\"\nscene: scene.yaml\n");
+    const auto all = faults(files);
+    return all.empty() ? std::string() : all.at(0);
+  };
+  EXPECT_EQ(said("recipe.yaml"), "");
+  EXPECT_EQ(said("here/./here/recipe.yaml"), "") << "a link within the root";
+  EXPECT_TRUE(has(said("out/recipe.yaml"), "leads out of the root"));
+  EXPECT_TRUE(has(said("x/../out/recipe.yaml"), "goes up again from x, which does not exist"));
+  EXPECT_TRUE(has(said("here/../out/recipe.yaml"), "leads out of the root"));
+  EXPECT_TRUE(has(said("recipe.yaml\\0/../x"), "NUL")) << said("recipe.yaml\\0/../x");
+  EXPECT_TRUE(has(said("loop/recipe.yaml"), "in a circle"));
+  EXPECT_TRUE(has(said(std::string(300, 'n') + "/recipe.yaml"), "too long"));
+  std::string deep;
+  for (int i = 0; i < 3000; ++i) deep += "d/";
+  EXPECT_TRUE(has(said(deep + "recipe.yaml"), "too long"));
+}
+
 TEST(Config, PortsNameAnEarlierAnatomysStage) {
   std::string wrong = recipe;
   wrong.replace(wrong.find("skull.segment"), 13, "brain.contour");

@@ -14,10 +14,7 @@ ConfigReading::ConfigReading(const fs::path& f, const ConfigOverrides& o) : file
 }
 
 fs::path ConfigReading::in_root(const fs::path& from, const std::string& text, std::string& fault) const {
-  const fs::path path = absolute_path(fs::absolute(from).parent_path() / text);
-  if (std::any_of(roots.begin(), roots.end(), [&](const fs::path& root) { return lies_in(path, root); })) return path;
-  fault = text + ", leads out of the root " + roots[0].string() + "; --root adds one";
-  return {};
+  return path_in_roots(fs::absolute(from).parent_path(), text, roots, fault);
 }
 
 ValueOrigin ConfigReading::origin(ValueSource source, const fs::path& from, const YamlNode& at) const {

@@ -32,8 +32,8 @@ class Reader {
     }
     if (!said.landmarks_file.empty()) read_points(file_of(said.landmarks_file), false);
     if (!r_.overrides.landmarks.empty()) read_points(r_.overrides.landmarks, true);
-    if (!said.pipeline.empty()) read_recipe(r_, file_of(said.pipeline));
-    if (!said.scene.empty()) read_scene(r_, file_of(said.scene));
+    if (const fs::path file = file_of(said.pipeline); !file.empty()) read_recipe(r_, file);
+    if (const fs::path file = file_of(said.scene); !file.empty()) read_scene(r_, file);
     import_ = AnyParams::make(said.import);
     name_burr_holes();
     collect_values();
@@ -262,8 +262,10 @@ class Reader {
     const ValueOrigin& origin = r_.values.origin(path);
     const bool from_command_line = origin.source == ValueSource::command_line;
     std::string what;
-    fs::path file = absolute_path(fs::absolute(text));
-    if (!from_command_line) {
+    fs::path file;
+    if (from_command_line) {
+      file = absolute_path(text);
+    } else {
       const fs::path folder = origin.folder.empty() ? r_.recipe.parent_path() : origin.folder;
       file = r_.in_root(folder / "from", text, what);
     }

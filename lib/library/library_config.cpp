@@ -60,11 +60,7 @@ class Reader {
 
  private:
   fs::path in_root(const std::string& text, std::string& fault) const {
-    const fs::path path = absolute_path(fs::absolute(out_.file).parent_path() / text);
-    if (std::any_of(roots_.begin(), roots_.end(), [&](const fs::path& root) { return lies_in(path, root); }))
-      return path;
-    fault = text + ", leads out of the root " + roots_[0].string() + "; --root adds one";
-    return {};
+    return path_in_roots(fs::absolute(out_.file).parent_path(), text, roots_, fault);
   }
   fs::path path_at(const YamlNode& at, const std::string& where, const std::string& text) {
     std::string fault;
