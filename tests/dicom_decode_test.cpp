@@ -37,6 +37,8 @@ Scan scan_for(bool is_signed, int bits) {
   s.intercept = is_signed ? 0 : -1024;
   s.background_hu = is_signed ? -300 : 0;
   s.blobs = synthetic::four_blobs(10, 5);
+  // GDCM writes US, unspecified, where there is none.
+  s.edit = [](int, synthetic::DataSet& d) { d.text(synthetic::tag(0x28, 0x1054), "LO", "HU"); };
   // Noise over the whole range but the values that GDCM's encoder is known to need: none.
   s.stored = [s](int i, int j, int k) -> std::optional<std::int64_t> {
     if ((i * 31 + j * 17 + k * 7) % 5 != 0) return std::nullopt;

@@ -2,15 +2,20 @@
 #include "dicom/catalogue.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
+#include <set>
 #include <system_error>
 #include <tuple>
 
 #include "base/error.h"
+#include "base/open_beneath.h"
 #include "base/parallel.h"
+#include "dicom/mixtures.h"
 
 namespace trephine::dicom {
 namespace {
@@ -26,7 +31,14 @@ bool is_hidden(const fs::path& p) {
   return !s.empty() && s[0] == '.';
 }
 
-void list_files(const fs::path& folder, int depth, std::vector<fs::path>& files, Catalogue& c) {
+// A link to a file beneath the folder is a file; what it leads to elsewhere is no part of the series that was named.
+bool leads_out(const fs::path& link, const fs::path& folder) {
+  const int fd = open_beneath(folder, link.lexically_relative(folder));
+  if (fd >= 0) ::close(fd);
+  return fd < 0;
+}
+
+void list_files(const fs::path& top, const fs::path& folder, int depth, std::vector<fs::path>& files, Catalogue& c) {
   std::error_code ec;
   std::vector<fs::path> entries;
   for (fs::directory_iterator it(folder, ec), end; !ec && it != end; it.increment(ec)) entries.push_back(it->path());
@@ -43,8 +55,13 @@ void list_files(const fs::path& folder, int depth, std::vector<fs::path>& files,
     }
     const fs::file_status own = fs::symlink_status(p, ec);
     if (fs::is_directory(own)) {  // links to folders are not followed: they may lead round in circles
-      if (depth < max_depth) list_files(p, depth + 1, files, c);
-    } else if (fs::is_regular_file(fs::status(p, ec))) {
+      if (depth < max_depth) list_files(top, p, depth + 1, files, c);
+    } else if (fs::is_symlink(own)) {
+      if (leads_out(p, top) || !fs::is_regular_file(fs::status(p, ec)))
+        ++c.links;  // to a folder, out of the folder that was named, or nowhere
+      else
+        files.push_back(p);
+    } else if (fs::is_regular_file(own)) {
       files.push_back(p);
       if (files.size() > max_files)
         throw Error(ExitCode::bad_input, folder.string(), "", fmt::format("more than {} files", max_files));
@@ -157,6 +174,10 @@ void add_series(Group& group, ModalityPolicy modality, std::vector<Series>& out)
     if (it == stacks.end()) it = stacks.insert(stacks.end(), std::vector<FrameRef>());
     it->push_back(r);
   }
+  std::vector<std::vector<FrameRef>> parts;
+  for (auto& stack : stacks)
+    for (auto& part : part_mixture(std::move(stack))) parts.push_back(std::move(part));
+  stacks = std::move(parts);
   std::sort(group.faulty.begin(), group.faulty.end(), [](const auto* a, const auto* b) { return a->name < b->name; });
   if (stacks.empty() && !group.faulty.empty()) {
     Series s;
@@ -179,6 +200,19 @@ struct Input {
   std::string name;
   bool is_candidate = true;  ///< an archive's member that does not begin as DICOM was not even kept
 };
+
+// A DICOMDIR is DICOM, and names every UID, but no slice is lost with it.
+bool is_index(const std::string& what) { return what.rfind("a DICOMDIR", 0) == 0; }
+
+bool begins_as_dicom(const Origin& origin) {
+  try {
+    ByteSource source(origin);
+    const std::uint8_t* p = source.get(128, 4);
+    return p && std::memcmp(p, "DICM", 4) == 0;
+  } catch (const std::system_error&) {
+    return false;
+  }
+}
 
 void read_headers(const std::vector<Input>& files, Catalogue& c, const Progress& progress) {
   std::vector<FileHeader> headers(files.size());
@@ -203,7 +237,31 @@ void read_headers(const std::vector<Input>& files, Catalogue& c, const Progress&
       headers[i].name = files[i].name;
       c.headers.push_back(std::move(headers[i]));
     } else {
-      c.broken.push_back({files[i].name, faults[i].field, faults[i].what, !faults[i].field.empty()});
+      c.broken.push_back({files[i].name, faults[i].field, faults[i].what,
+                          !faults[i].field.empty() || (!is_index(faults[i].what) && begins_as_dicom(files[i].origin)),
+                          static_cast<int>(i) + 1});
+    }
+  }
+}
+
+/// What has lost its beginning, but holds the UID of a series of the folder, is a lost slice of that series.
+void know_by_uid(const std::vector<Input>& files, Catalogue& c) {
+  std::set<std::string> uids;
+  for (const FileHeader& h : c.headers)
+    if (h.series_uid.size() >= 6) uids.insert(h.series_uid);
+  constexpr std::size_t most_looked_into = 2000, most_series = 200;
+  if (uids.size() > most_series) return;
+  std::size_t looked_into = 0;
+  for (Catalogue::Broken& b : c.broken) {
+    if (b.is_dicom || is_index(b.what) || ++looked_into > most_looked_into) continue;
+    try {
+      ByteSource source(files[static_cast<std::size_t>(b.number - 1)].origin);
+      const std::size_t size = static_cast<std::size_t>(std::min<std::uint64_t>(source.size(), ByteSource::max_value));
+      const std::uint8_t* p = source.get(0, size);
+      const std::string_view bytes(reinterpret_cast<const char*>(p), p ? size : 0);
+      b.is_dicom = std::any_of(uids.begin(), uids.end(),
+                               [&](const std::string& uid) { return bytes.find(uid) != std::string_view::npos; });
+    } catch (const std::system_error&) {
     }
   }
 }
@@ -245,8 +303,9 @@ Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Pr
   Progress rest = progress;
   if (fs::is_directory(status)) {
     std::vector<fs::path> paths;
-    list_files(folder_or_file, 0, paths, c);
-    for (const fs::path& p : paths) files.push_back({p, p.lexically_relative(folder_or_file).string()});
+    list_files(folder_or_file, folder_or_file, 0, paths, c);
+    for (const fs::path& p : paths)
+      files.push_back({Origin::beneath(folder_or_file, p), p.lexically_relative(folder_or_file).string()});
   } else if (is_zip(folder_or_file)) {
     c.archive = read_archive(folder_or_file, progress.part(0, 0.8));
     rest = progress.part(0.8, 1);
@@ -260,14 +319,15 @@ Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Pr
   }
   c.files = static_cast<int>(files.size());
   read_headers(files, c, rest);
+  know_by_uid(files, c);
 
-  std::map<std::tuple<std::string, std::string, bool>, Group> groups;
+  std::map<std::tuple<std::string, std::string, bool, std::string, std::string>, Group> groups;
   for (const FileHeader& h : c.headers) {
     if (h.is_localizer()) {
       ++c.localizers;
       continue;
     }
-    Group& g = groups[{h.series_uid, h.modality, h.is_ct()}];
+    Group& g = groups[{h.series_uid, h.modality, h.is_ct(), h.patient_id, h.study_uid}];
     const bool secondary = h.raw_image_type.find("DERIVED") != std::string::npos ||
                            h.raw_image_type.find("SECONDARY") != std::string::npos;
     if (h.faults.empty())
@@ -293,6 +353,7 @@ Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Pr
     add_series(group, modality, c.series);
   }
   sort_series(c.series);
+  find_odd_slices(c.series);
   return c;
 }
 
@@ -329,59 +390,4 @@ const Series& choose(const Catalogue& c, const std::string& token) {
   throw Error(ExitCode::bad_input, "", "series", fmt::format("no DICOM image among {} files", c.files));
 }
 
-Report describe_rest(const Catalogue& c, const Series* chosen) {
-  Report r;
-  int others = 0, refused = 0, other_files = 0;
-  for (const Series& s : c.series) {
-    if (&s == chosen) continue;
-    ++others;
-    refused += !s.refusal.empty() && s.is_ct;
-    other_files += s.summary.size[2];
-  }
-  int not_dicom = 0, cut_short = 0;
-  for (const auto& b : c.broken) (b.is_dicom ? cut_short : not_dicom) += 1;
-  r.add("files_count", c.files);
-  if (chosen) {
-    r.add("other_series_count", others);
-    r.add("other_series_slices_count", other_files);
-  }
-  r.add("localizers_count", c.localizers);
-  r.add("images_without_geometry_count", c.without_geometry);
-  r.add("skipped_not_dicom_count", not_dicom);
-  r.add("skipped_broken_count", cut_short);
-  r.add("skipped_hidden_count", c.hidden);
-  if (c.links > 0) r.add("skipped_links_count", c.links);
-  if (cut_short > 0)
-    r.warn(fmt::format(
-        "{} DICOM files are broken before their pixel data and were left out; the first: {}: {}", cut_short,
-        [&] {
-          for (const auto& b : c.broken)
-            if (b.is_dicom) return b.field;
-          return std::string();
-        }(),
-        [&] {
-          for (const auto& b : c.broken)
-            if (b.is_dicom) return b.what;
-          return std::string();
-        }()));
-  for (const Series& s : c.series)
-    if (chosen && &s != chosen && s.is_ct && !s.refusal.empty())
-      r.warn("not used: " + s.summary.line() + ": " + s.summary.verdict);
-  return r;
-}
-
 }  // namespace trephine::dicom
-
-namespace trephine {
-
-std::string SeriesSummary::line() const {
-  std::string out =
-      fmt::format("{}: {}, {:.4g} x {:.4g} x {:.4g} mm", token, modality, spacing_mm.x, spacing_mm.y, spacing_mm.z);
-  if (!kernel.empty()) out += ", kernel " + kernel;
-  if (slice_thickness_mm > 0) out += fmt::format(", slice thickness {:.4g} mm", slice_thickness_mm);
-  if (!image_type.empty()) out += ", " + image_type;
-  out += contrast ? ", contrast" : ", no contrast";
-  return out;
-}
-
-}  // namespace trephine

@@ -13,6 +13,13 @@
 
 namespace trephine::dicom {
 
+/// A slice that has a series' UID and was parted from it, and how it differs.
+struct OddSlice {
+  std::string file, field, what;
+  double along_mm = 0;  ///< along the normal of the series' slices
+  bool within = false;  ///< between its first and last slice
+};
+
 /// The files of one series that share matrix, spacing and orientation.
 struct Series {
   std::vector<FrameRef> slices;  ///< ordered by content, not by name
@@ -20,6 +27,7 @@ struct Series {
   SeriesSummary summary;
   std::string sort_uid;  ///< decides between equal series; never shown
   bool is_ct = false;
+  std::vector<OddSlice> odd;                         ///< ascending along the normal
   std::string refusal_file, refusal_field, refusal;  ///< why it is not usable; with an empty `refusal` it is usable
 };
 
@@ -34,7 +42,8 @@ struct Catalogue {
   std::vector<Series> series;  ///< usable ones first, then CT, then larger ones; tokens follow this order
   struct Broken {
     std::string name, field, what;
-    bool is_dicom;  ///< it begins as a DICOM file does
+    bool is_dicom;   ///< it begins as a DICOM file does
+    int number = 0;  ///< among the files by name, from 1
   };
   std::vector<Broken> broken;  ///< files that are not DICOM or end before their pixel data
   int files = 0, hidden = 0, links = 0, without_geometry = 0, localizers = 0;

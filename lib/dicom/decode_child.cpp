@@ -24,7 +24,7 @@ constexpr const char* worker_name = "dicom-decode";
 // The request: for each frame its shape and either its file and where the fragments lie in it, or, of an archive's
 // member, the stream itself; as 8-byte numbers and texts with their length.
 struct Job {
-  std::string name, syntax, file;
+  std::string name, syntax, file, folder;
   int columns = 0, rows = 0, bits_allocated = 0, bits_stored = 0;
   bool is_signed = false;
   std::vector<Fragment> fragments;
@@ -44,6 +44,7 @@ void pack(const FrameRef& ref, MessageWriter& p) {
     return;
   }
   p.text(std::filesystem::absolute(h.origin.file).string());
+  p.text(h.origin.folder.empty() ? "" : std::filesystem::absolute(h.origin.folder).string());
   p.number(to - from);
   for (std::size_t i = from; i < to; ++i) {
     p.number(h.fragments[i].offset);
@@ -65,6 +66,7 @@ Job unpack(MessageReader& u) {
     j.stream = std::string(u.text());
     return j;
   }
+  j.folder = std::string(u.text());
   for (std::uint64_t n = u.number(); n > 0; --n) {
     Fragment f;
     f.offset = u.number();
@@ -83,7 +85,7 @@ std::string read_stream(Job& j) {
   if (j.file.empty()) return std::move(j.stream);
   std::string stream;
   try {
-    const ByteSource source{std::filesystem::path(j.file)};
+    const ByteSource source{Origin::beneath(j.folder, j.file)};
     for (const Fragment& f : j.fragments) {
       const std::size_t at = stream.size();
       if (f.offset > source.size() || f.length > source.size() - f.offset) bad_stream(j, "the file shrank meanwhile");

@@ -11,6 +11,9 @@
 #include <cstring>
 #include <system_error>
 
+#include "base/error.h"
+#include "base/open_beneath.h"
+
 namespace trephine::dicom {
 
 ByteSource::ByteSource(const Origin& origin) {
@@ -20,7 +23,11 @@ ByteSource::ByteSource(const Origin& origin) {
     return;
   }
   // O_NONBLOCK, because a FIFO must not block the scan.
-  fd_ = ::open(origin.file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  fd_ = origin.folder.empty() ? ::open(origin.file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)
+                              : open_beneath(origin.folder, origin.file.lexically_relative(origin.folder));
+  // A file that is not opened for want of a descriptor is no file that cannot be read: no slice may be lost by it.
+  if (fd_ < 0 && (errno == EMFILE || errno == ENFILE))
+    throw Error(ExitCode::io, "", "open", "too few file descriptors: raise the limit (ulimit -n)");
   if (fd_ < 0) throw std::system_error(errno, std::generic_category());
   struct stat st {};
   if (::fstat(fd_, &st) != 0 || !S_ISREG(st.st_mode)) {
@@ -247,8 +254,29 @@ std::string tag_name(std::uint32_t tag) {
     case make_tag(0x0008, 0x0060):
       name = "Modality";
       break;
+    case make_tag(0x0010, 0x0020):
+      name = "PatientID";
+      break;
     case make_tag(0x0018, 0x0050):
       name = "SliceThickness";
+      break;
+    case make_tag(0x0018, 0x1210):
+      name = "ConvolutionKernel";
+      break;
+    case make_tag(0x0020, 0x000d):
+      name = "StudyInstanceUID";
+      break;
+    case make_tag(0x0020, 0x0012):
+      name = "AcquisitionNumber";
+      break;
+    case make_tag(0x0020, 0x0052):
+      name = "FrameOfReferenceUID";
+      break;
+    case make_tag(0x0028, 0x0301):
+      name = "BurnedInAnnotation";
+      break;
+    case make_tag(0x0028, 0x1054):
+      name = "RescaleType";
       break;
     case make_tag(0x0020, 0x000e):
       name = "SeriesInstanceUID";

@@ -13,11 +13,17 @@ namespace trephine::dicom {
 /// Where a file's bytes are: on disk, or in memory, which must outlive the objects that read from it.
 struct Origin {
   std::filesystem::path file;
+  std::filesystem::path folder;  ///< what is opened must lie beneath it, links or not; empty: it may lie anywhere
   std::string_view bytes;
   bool in_memory = false;
 
   Origin() = default;
   Origin(std::filesystem::path f) : file(std::move(f)) {}  // NOLINT: a path is one
+  static Origin beneath(std::filesystem::path folder, std::filesystem::path file) {
+    Origin o(std::move(file));
+    o.folder = std::move(folder);
+    return o;
+  }
   static Origin memory(std::string_view bytes) {
     Origin o;
     o.bytes = bytes;

@@ -48,9 +48,11 @@ std::uint32_t macro_of(std::uint32_t tag) {
 
 /// Tags, other than those of RawFrame, on which HU or the choice of files depends.
 bool matters(std::uint32_t tag) {
-  static constexpr std::uint32_t all[] = {t_image_type,  t_sop_class, t_modality,       t_series,  t_samples,
-                                          t_photometric, t_frames,    t_rows,           t_columns, t_allocated,
-                                          t_stored,      t_high_bit,  t_representation, t_padding, t_padding_limit};
+  static constexpr std::uint32_t all[] = {
+      t_image_type,    t_sop_class,        t_modality,  t_series,      t_samples,     t_photometric,    t_frames,
+      t_rows,          t_columns,          t_allocated, t_stored,      t_high_bit,    t_representation, t_padding,
+      t_padding_limit, t_patient,          t_study,     t_frame_uid,   t_acquisition, t_kernel,         t_kvp,
+      t_contrast,      t_patient_position, t_burned_in, t_rescale_type};
   return std::find(std::begin(all), std::end(all), tag) != std::end(all);
 }
 
@@ -69,6 +71,7 @@ class HeaderReader {
     if (h_.pixels.tag == 0 && image) throw WalkFault{tag_name(t_pixels), "missing: the file ends before it"};
     check_pixels(h_, source_, representation_);
     check_frames();
+    check_rest();
     return std::move(h_);
   }
 
@@ -144,6 +147,7 @@ class HeaderReader {
           if (*slot) fault(e.tag, "given twice in one frame");
           *slot = text(e);
         }
+        if (e.tag == t_rescale_type && levels[1].tag == macro_of(e.tag)) take_rescale_type(e);
         if (e.tag == t_kernel && h_.kernel.empty()) h_.kernel = known_kernel(text(e));
       }
       return;
@@ -174,6 +178,24 @@ class HeaderReader {
         break;
       case t_kernel:
         h_.kernel = known_kernel(text(e));
+        break;
+      case t_kvp:
+        if (const auto v = parse_decimals(text(e)); v && v->size() == 1) h_.kvp = v->front();
+        break;
+      case t_rescale_type:
+        take_rescale_type(e);
+        break;
+      case t_burned_in:
+        h_.burned_in = trimmed(text(e)) == "YES";
+        break;
+      case t_patient:
+        h_.patient_id = std::string(trimmed(text(e)));
+        break;
+      case t_study:
+        h_.study_uid = std::string(trimmed(text(e)));
+        break;
+      case t_acquisition:
+        h_.acquisition = std::string(trimmed(text(e)));
         break;
       case t_patient_position:
         h_.patient_position = known_patient_position(text(e));
@@ -233,6 +255,42 @@ class HeaderReader {
   }
 
   void fault(std::uint32_t tag, const std::string& what) { h_.faults.push_back({tag, what}); }
+
+  // Of several frames the first that is something else than HU.
+  void take_rescale_type(const Element& e) {
+    if (h_.rescale_type.empty() || h_.rescale_type == "HU") h_.rescale_type = known_rescale_type(text(e));
+  }
+
+  // What follows the pixel data must not say anything else of the image: it would be left to chance which is meant.
+  void check_rest() {
+    if (h_.pixels.tag != t_pixels) return;
+    std::uint64_t at = h_.pixels.offset + h_.pixels.length;
+    if (h_.pixels.undefined_length) {
+      if (h_.fragments.empty()) return;
+      at = h_.fragments.back().offset + h_.fragments.back().length + 8;  // and the delimiter
+    }
+    const auto another_file = [this](std::uint64_t from) {
+      const std::uint8_t* p = source_.get(from + 128, 4);
+      if (!p || std::memcmp(p, "DICM", 4) != 0) return false;
+      fault(t_pixels, "another file follows it: two files were joined");
+      return true;
+    };
+    if (at >= source_.size() || another_file(at)) return;
+    bool told = false;
+    const auto visit = [&](const Element& e, const std::vector<Level>&) {
+      if (told) return;
+      told = another_file(e.offset + e.length);
+      if (told || !(matters(e.tag) || top_.slot(e.tag))) return;
+      told = true;
+      fault(e.tag, "given after the pixel data");
+    };
+    try {
+      const auto nowhere = [](std::uint32_t) { return false; };
+      if (walk_elements(source_, at, source_.size(), h_.syntax->explicit_vr, nowhere, visit).tag != 0)
+        fault(t_pixels, "given twice");
+    } catch (const WalkFault&) {  // padding to a block's size and the like
+    }
+  }
 
   void check_frames() {
     if (h_.frame_count < 1 || h_.frame_count > max_frames) return;

@@ -36,11 +36,13 @@ struct FileHeader {
   const TransferSyntax* syntax = nullptr;
   const SopClass* sop_class = nullptr;  ///< null: unknown or absent
   bool has_sop_class = false;
-  std::string series_uid, frame_uid;  ///< never to leave this module
-  std::string modality;               ///< known_modality
+  std::string series_uid, frame_uid, study_uid, patient_id, acquisition;  ///< never to leave this module
+  std::string modality;                                                   ///< known_modality
   std::string image_type, kernel, patient_position;
   std::string raw_image_type;
-  bool contrast = false;
+  bool contrast = false, burned_in = false;  ///< burned_in: the pixels are said to hold text
+  std::string rescale_type;                  ///< known_rescale_type
+  std::optional<double> kvp;
   std::optional<double> tilt_tag_deg;
 
   int rows = 0, columns = 0, samples = 1, frame_count = 1;

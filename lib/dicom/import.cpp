@@ -15,6 +15,7 @@
 #include "base/parallel.h"
 #include "dicom/catalogue.h"
 #include "dicom/hu.h"
+#include "dicom/mixtures.h"
 #include "dicom/resample.h"
 
 namespace trephine {
@@ -55,7 +56,7 @@ int slab_size(const Series& series, const StackGeometry& g) {
 Plan make_plan(const Series& series, const ImportParams& params) {
   Plan plan;
   plan.series = &series;
-  plan.geometry = analyse_stack(series.stack, params.gaps, params.max_gap_mm);
+  plan.geometry = analyse_series(series, params);
   for (const FrameRef& r : series.slices) {
     plan.rules.push_back(hu_rule(*r.header, r.header->frames[static_cast<std::size_t>(r.frame)], params.clamp_low_hu,
                                  params.clamp_high_hu));
@@ -270,6 +271,7 @@ Report describe(const Series& series, const Plan& plan, const HuCounts& counts, 
   r.add("transfer_syntax", series.summary.transfer_syntax);
   if (h.tilt_tag_deg) r.add("tilt_by_tag_deg", *h.tilt_tag_deg);
 
+  warn_of_changes(series, counts, r);
   if (g.resampled) r.warn("resampled from the true positions: " + g.reason);
   if (counts.below_air > 0)
     r.warn(fmt::format("{} voxels below -1024 HU that no padding tag declares", counts.below_air));
@@ -300,6 +302,7 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
     HuCounts counts;
     result.volume = read_volume(plan, counts, progress.part(0.2, 0.95));
     result.report = describe(series, plan, counts, result.volume);
+    if (!params.burned_in_reason.empty()) result.report.add("burned_in_reason", params.burned_in_reason);
     result.folder = describe_rest(catalogue, &series);
     result.input_sha256 = hash_of_series(series, progress.part(0.95, 1));
     return result;

@@ -14,14 +14,17 @@ namespace trephine {
 
 enum class GapPolicy { refuse, interpolate };
 enum class ModalityPolicy { ct, any };
+enum class UnitPolicy { hu, any };
 
 struct ImportParams {
   std::string series;  ///< a token as list_series gives it, or its part before the first '-'; empty: the only series
   ModalityPolicy modality = ModalityPolicy::ct;
+  UnitPolicy units = UnitPolicy::hu;
   GapPolicy gaps = GapPolicy::refuse;
   double max_gap_mm = 8;
   double clamp_low_hu = -1e6;
   double clamp_high_hu = 1e6;
+  std::string burned_in_reason;  ///< empty: pixels that are said to hold text are refused
 
   template <class V>
   static void describe(V& v) {
@@ -29,12 +32,19 @@ struct ImportParams {
     v.text(&P::series, "series", "Token of the series to read, where a folder holds several (s1, s2, ...).");
     v.choice(&P::modality, "modality", {{"ct", ModalityPolicy::ct}, {"any", ModalityPolicy::any}},
              "Modalities that are read: CT only, or any that has slices with a geometry.");
+    v.choice(
+        &P::units, "units", {{"hu", UnitPolicy::hu}, {"any", UnitPolicy::any}},
+        "Units that a CT's RescaleType may name: Hounsfield units or none at all, or any, which are then taken for "
+        "Hounsfield units.");
     v.choice(&P::gaps, "gaps", {{"refuse", GapPolicy::refuse}, {"interpolate", GapPolicy::interpolate}},
              "What to do where a slice is missing.");
     v.number(&P::max_gap_mm, "max_gap_mm", Range{0.1, 50}, "Largest step between slices that is accepted.");
     v.number(&P::clamp_low_hu, "clamp_low_hu", Range{-1e6, 1e6}, "Values below this are raised to it and counted.");
     v.number(&P::clamp_high_hu, "clamp_high_hu", Range{-1e6, 1e6},
              "Values above this (metal) are lowered to it and counted.");
+    v.text(&P::burned_in_reason, "burned_in_reason",
+           "Why slices may be used whose tag BurnedInAnnotation says that their pixels hold text, which may be a "
+           "name. The reason is recorded.");
   }
 };
 
@@ -86,7 +96,11 @@ struct ImportResult {
 /// A ZIP archive is uncompressed in a bounded child into shared memory, and nothing of it to disk: this needs as much
 /// memory as its images have bytes, in addition to the volume.
 ///
-/// Throws Error 66 (folder missing or unreadable), 64 (several series and no choice: lists them), 65 (bad data: file
+/// Slices that have one SeriesInstanceUID but not one patient, study, frame of reference, or that are of acquisitions
+/// or kernels within each other, are several series. What changes within a series and should not is warned of.
+///
+/// Throws Error 81 where the pixels are said to hold text (BurnedInAnnotation) and no reason is given for using them;
+/// 66 (folder missing or unreadable), 64 (several series and no choice: lists them), 65 (bad data: file
 /// and tag), 70 (the decoding child died), Cancelled. File names in errors are relative to `folder_or_file`.
 ImportResult import_series(const std::filesystem::path& folder_or_file, const ImportParams& params,
                            const Progress& progress = {});

@@ -13,6 +13,7 @@
 #include "dicom/catalogue.h"
 #include "dicom/hu.h"
 #include "dicom/import.h"
+#include "dicom/mixtures.h"
 
 namespace trephine {
 namespace {
@@ -88,7 +89,7 @@ SeriesSummary summary_of(const Series& series, const ImportParams& params, const
     return s;
   }
   try {
-    const StackGeometry g = analyse_stack(series.stack, params.gaps, params.max_gap_mm);
+    const StackGeometry g = analyse_series(series, params);
     check_streams(series, progress);
     check_duplicates(series, g, params);
     s.rectified_for = g.reason;

@@ -132,6 +132,14 @@ std::string known_modality(std::string_view text) {
   return contains(words, text) ? std::string(text) : "unknown";
 }
 
+std::string known_rescale_type(std::string_view text) {
+  static constexpr std::array<std::string_view, 11> words = {"HU", "OD",  "HU_MOD", "US",   "MGML",  "Z_EFF",
+                                                             "ED", "EDW", "PCT",    "CONC", "IMAGED"};
+  text = trimmed(text);
+  if (text.empty()) return "";
+  return contains(words, text) ? std::string(text) : "other";
+}
+
 std::string known_patient_position(std::string_view text) {
   static constexpr std::array<std::string_view, 8> words = {"HFS", "HFP", "HFDR", "HFDL", "FFS", "FFP", "FFDR", "FFDL"};
   text = trimmed(text);

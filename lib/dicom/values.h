@@ -22,6 +22,8 @@ std::string known_kernel(std::string_view text);
 std::string known_image_type(std::string_view text);
 /// One of DICOM's modality codes, else "unknown".
 std::string known_modality(std::string_view text);
+/// HU, or another unit that RescaleType may name, else "other"; empty stays empty.
+std::string known_rescale_type(std::string_view text);
 /// HFS, FFP, ..., else "unknown"; empty stays empty.
 std::string known_patient_position(std::string_view text);
 

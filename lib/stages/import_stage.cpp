@@ -8,7 +8,7 @@ namespace trephine {
 StageType import_stage() {
   StageType s;
   s.name = "import";
-  s.version = 4;
+  s.version = 5;
   s.place = StagePlace::scene;
   s.summary = "reads a CT series from a DICOM folder or ZIP archive into a volume in HU";
   s.output = DataKind::volume;

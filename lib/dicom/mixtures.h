@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "base/report.h"
+#include "dicom/catalogue.h"
+#include "dicom/hu.h"
+
+namespace trephine::dicom {
+
+/// Parts the slices of one stack that do not belong together, though they have one SeriesInstanceUID: several frames of
+/// reference, and acquisitions or kernels that lie within each other. (Slabs of several acquisitions one after the
+/// other are one series, and a FrameOfReferenceUID of its own on nearly every slice is an anonymiser's.)
+std::vector<std::vector<FrameRef>> part_mixture(std::vector<FrameRef> stack);
+
+/// For each series that may be used, finds the single slices that have its UID and lie among or beside its own but were
+/// parted from it: Series::odd says how the first of them differs.
+void find_odd_slices(std::vector<Series>& series);
+
+/// Throws Error 65 where the stack is not a volume, as analyse_stack does, but names an odd slice where one lies in the
+/// gap; 65 where a CT's values are not in HU, unless any unit is taken for it; 81 where the pixels are said to hold
+/// text and no reason is given for using them.
+StackGeometry analyse_series(const Series& series, const ImportParams& params);
+
+/// Warns of what should not change within a series but does, and of values that are unusual for a CT.
+void warn_of_changes(const Series& series, const HuCounts& counts, Report& report);
+
+}  // namespace trephine::dicom
