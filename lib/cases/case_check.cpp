@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "cases/case_names.h"
 #include "cases/case_parts.h"
+#include "cases/material.h"
 #include "voxel/haptic_volume.h"
 
 namespace trephine::detail {
@@ -21,7 +22,7 @@ void check_range(double v, double least, double most, const std::string& field, 
   if (!(v >= least && v <= most)) contradiction(field, what);
 }
 
-constexpr double huge = 1e12;
+constexpr double huge = 1e12, farthest_mm = 1e4;
 
 void check_not_negative(std::initializer_list<double> values, const std::string& field) {
   for (const double v : values) check_range(v, 0, huge, field, "a number must be 0 or more, and finite");
@@ -47,6 +48,23 @@ void check_choice(const std::string& value, std::initializer_list<const char*> k
 void check_unique(std::set<std::string>& seen, const std::string& name, const std::string& field) {
   if (name.empty()) contradiction(field, "a name is empty");
   if (!seen.insert(name).second) contradiction(field, "'" + name + "' is named twice");
+}
+
+// A figure's name ends in its unit; what has a unit is a number, and what is counted a whole one.
+void check_values(const CaseValues& values, const std::string& at) {
+  std::set<std::string> names;
+  for (const auto& [name, value] : values) {
+    check_unique(names, name, at);
+    const auto ends_in = [&name = name](const std::string& unit) {
+      return name.size() > unit.size() && name.compare(name.size() - unit.size(), unit.size(), unit) == 0;
+    };
+    const bool whole = std::holds_alternative<std::int64_t>(value);
+    if (ends_in("_count") && !(whole && std::get<std::int64_t>(value) >= 0))
+      contradiction(at + "." + name, "must be a whole number from 0 on");
+    for (const char* unit : {"_mm", "_mm3", "_ml", "_cm2", "_ratio", "_percent", "_deg", "_hu", "_s", "_n"})
+      if (ends_in(unit) && !whole && !std::holds_alternative<double>(value))
+        contradiction(at + "." + name, "must be a number");
+  }
 }
 
 std::set<std::string> check_files(const CaseManifest& m) {
@@ -76,22 +94,19 @@ void check_anatomies(const CaseManifest& m, const std::set<std::string>& files) 
     check_range(a.opacity, 0, 1, at + ".opacity", "lies between 0 and 1");
     check_finite({a.volume_ml}, at + ".volume_ml");
     check_not_negative({a.area_cm2}, at + ".area_cm2");
-    check_not_negative({a.deviation.max_mm, a.deviation.p99_mm, a.deviation.rms_mm}, at + ".deviation_mm");
-    check_not_negative({a.budget_asked_mm, a.budget_used_mm}, at + ".budget_mm");
+    const CaseDeviation& d = a.deviation;
+    check_range(d.max_mm, 0, farthest_mm, at + ".deviation_mm.max", "lies between 0 and 10000 mm");
+    check_range(d.p99_mm, 0, d.max_mm, at + ".deviation_mm.p99", "lies between 0 and the largest");
+    check_range(d.rms_mm, 0, d.max_mm, at + ".deviation_mm.rms", "lies between 0 and the largest");
+    check_range(a.budget_asked_mm, 0, farthest_mm, at + ".budget_mm.asked", "lies between 0 and 10000 mm");
+    check_range(a.budget_used_mm, 0, farthest_mm, at + ".budget_mm.used", "lies between 0 and 10000 mm");
+    check_values(a.figures, at + ".figures");
   }
 }
 
-void check_face(const CaseFace& f, const std::string& at) {
-  check_not_negative({f.stiffness_n_per_mm, f.damping_n_s_per_mm, f.pop_through_n}, at);
-  for (const double ratio : {f.static_friction_ratio, f.dynamic_friction_ratio})
-    check_range(ratio, 0, 10, at, "a friction ratio lies between 0 and 10");
-}
-
 void check_material(const CaseMaterial& m, const std::string& at) {
-  check_colour(m.colour_rgb, at + ".colour_rgb");
-  check_face(m.front, at + ".front");
-  check_face(m.back, at + ".back");
-  check_not_negative({m.drag_n_s_per_mm, m.shaft_friction_n_per_mm, m.removal_energy_j_per_mm3}, at);
+  if (m.name.empty()) contradiction(at + ".name", "is empty");
+  if (const std::string fault = fault_of(m); !fault.empty()) contradiction(at, fault);
 }
 
 bool is_shape_name(const std::string& name) {
@@ -113,7 +128,9 @@ void check_shape(const CaseShape& s, const CaseManifest& m) {
   check_material(s.material, at + ".material");
   const CaseMismatch& d = s.mismatch;
   check_finite({d.bias_mm}, at + ".mismatch");
-  check_not_negative({d.rms_mm, d.p99_mm, d.max_mm}, at + ".mismatch");
+  check_range(d.max_mm, 0, farthest_mm, at + ".mismatch.max_mm", "lies between 0 and 10000 mm");
+  check_range(d.p99_mm, 0, d.max_mm, at + ".mismatch.p99_mm", "lies between 0 and the largest");
+  check_range(d.rms_mm, 0, d.max_mm, at + ".mismatch.rms_mm", "lies between 0 and the largest");
   check_range(d.missed_ratio, 0, 1, at + ".mismatch.missed_ratio", "lies between 0 and 1");
 }
 
@@ -156,6 +173,7 @@ void check_places(const CaseManifest& m) {
     check_unique(landmarks, l.name, "landmarks");
     check_point(l.position_mm, "landmarks." + l.name);
     check_range(l.confidence, 0, 1, "landmarks." + l.name + ".confidence", "lies between 0 and 1");
+    check_choice(l.source, {"found", "estimated", "given", "truth"}, "landmarks." + l.name + ".source");
   }
   for (const auto& t : m.targets) {
     check_unique(targets, t.name, "targets");
@@ -168,6 +186,7 @@ void check_places(const CaseManifest& m) {
     check_point(b.position_mm, at);
     check_range(norm(b.direction), 1 - 1e-6, 1 + 1e-6, at + ".direction", "is not of length 1");
     check_range(b.diameter_mm, 1e-6, 1e6, at + ".diameter_mm", "must be above 0 and finite");
+    check_values(b.figures, at + ".figures");
     for (const std::string& name : b.cut)
       if (!m.find_anatomy(name) && std::none_of(m.haptic.shapes.begin(), m.haptic.shapes.end(),
                                                 [&](const CaseShape& s) { return s.name == name; }))
@@ -183,6 +202,16 @@ void check_manifest(const CaseManifest& m) {
   check_anatomies(m, files);
   check_haptic(m, files);
   check_places(m);
+  check_values(m.figures, "figures");
+  for (const auto& [name, value] : m.figures)
+    if (name == "class") {
+      if (!std::holds_alternative<std::string>(value)) contradiction("figures.class", "must be a text");
+      check_choice(std::get<std::string>(value), {"normal", "hydrocephalic", "shifted", "small", "unknown"},
+                   "figures.class");
+    }
+  check_choice(m.face_policy, {"none", "keep", "crop", "deface"}, "face.policy");
+  if (m.program_version.empty()) contradiction("provenance.program", "is empty");
+  if (!is_sha256(m.input_sha256)) contradiction("provenance.input_sha256", "is no SHA-256");
 }
 
 }  // namespace trephine::detail

@@ -25,6 +25,14 @@ double share_in(const JsonAt& at) {
   return share;
 }
 
+// Of the sources that a case may name.
+std::string source_in(const detail::JsonAt& at) {
+  const std::string source = at.text();
+  for (const char* known : {"found", "estimated", "given", "truth"})
+    if (source == known) return source;
+  at.refuse("must be found, estimated, given or truth");
+}
+
 }  // namespace
 
 const CaseLandmark* HeadLandmarks::find(std::string_view name) const {
@@ -64,7 +72,7 @@ HeadLandmarks parse_landmarks_json(std::string_view text) {
   std::set<std::string> names;
   for (const JsonAt& item : root["landmarks"].items()) {
     out.landmarks.push_back(
-        {item["name"].text(), vector_in(item["position_mm"]), share_in(item["confidence"]), item["source"].text()});
+        {item["name"].text(), vector_in(item["position_mm"]), share_in(item["confidence"]), source_in(item["source"])});
     if (!names.insert(out.landmarks.back().name).second) item["name"].refuse("is there twice");
   }
   return out;
