@@ -187,6 +187,15 @@ TEST(HeadGraph, TheFaceIsGoneBeforeAnythingIsMade) {
   EXPECT_EQ(source(gone, "face", "skin"), gone.find("original.skin.segment"));
   EXPECT_EQ(source(gone, "face", "surface.skin"), gone.find("skin.normals"));
   EXPECT_EQ(source(gone, "face", "surface.ventricles"), gone.find("ventricles.normals"));
+  EXPECT_LT(gone.find("original.found_landmarks"), 0) << "nobody gave any";
+  // What a person gave says nothing alone: the same search without it goes in beside it.
+  const Graph given = Read("landmarks: {nasion: [0, -93, 40]}\n", scene + "face: {policy: deface}\n").graph();
+  const int found = given.find("original.found_landmarks");
+  ASSERT_GE(found, 0);
+  EXPECT_EQ(given.nodes[static_cast<std::size_t>(found)].sources.count("given"), 0u);
+  EXPECT_EQ(source(given, "deface", "found"), found);
+  EXPECT_EQ(source(given, "face", "found"), found);
+  EXPECT_EQ(source(given, "original.landmarks", "given"), given.given_landmarks);
   const Graph cropped = Read("", scene + "face: {policy: crop}\n").graph();
   EXPECT_NE(cropped.nodes[cropped.scan].key, gone.nodes[gone.scan].key);
   // A scene that says nothing of the face is held against it as well, in the scan as it is.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -126,9 +127,11 @@ void check_output(const StageType& stage, const ParsedCommand& parsed) {
 
 StageInputs stage_inputs(const StageType& stage, const ParsedCommand& parsed, const Progress& progress) {
   StageInputs inputs;
+  bool took_landmarks = false;  // --landmark is of the first such port; another one holds what nobody gave
   for (const Port& port : stage.ports) {
     const std::string flag = flag_name(port);
-    if (port.kind == DataKind::landmarks && (parsed.has(flag) || parsed.has(landmark_flag))) {
+    const bool takes_flags = port.kind == DataKind::landmarks && !std::exchange(took_landmarks, true);
+    if (takes_flags && (parsed.has(flag) || parsed.has(landmark_flag))) {
       inputs.by_port[port.name] = load_landmarks(parsed, flag);
     } else if (is_many(port)) {
       const std::vector<std::string> given = parsed.all(flag);

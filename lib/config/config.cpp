@@ -145,7 +145,8 @@ class Reader {
     add_shown_values(r_);
     for (const auto& [path, origin] : r_.said)
       if (r_.values.has(path)) r_.values.note(path, origin);
-    r_.values.fix("deface.policy", "follows scene.face.policy, set that");
+    for (const char* name : {"policy", "believe", "believe_reason"})
+      r_.values.fix(std::string("deface.") + name, std::string("follows scene.face.") + name + ", set that");
     r_.values.fix("scene.materials", "is read with the scene: name it there");
   }
 

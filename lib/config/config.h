@@ -90,6 +90,7 @@ struct CaseConfig {
   RecipeRoles roles;
   std::vector<SceneAnatomy> scene;      ///< in the recipe's order; triangles scaled by triangles_ratio
   std::string face, face_reason;        ///< "", keep, crop or deface
+  FaceBeliefParams face_belief;         ///< which landmarks say where the face is
   std::vector<CaseLandmark> landmarks;  ///< given by the configuration or by a file that it names
   std::vector<SceneLandmark> scene_landmarks;
   std::vector<CaseDrill> burr_holes;  ///< empty where the scene cuts none

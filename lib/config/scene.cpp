@@ -99,6 +99,8 @@ std::string name_of(FacePolicy policy) {
 }  // namespace
 
 std::string FacePolicyParams::fault() const {
+  if (believe != FaceBelief::both && believe_reason.find_first_not_of(" \t\r\n") == std::string::npos)
+    return "believe_reason: is missing: why are these landmarks right?";
   if (policy != FacePolicy::keep || reason.find_first_not_of(" \t\r\n") != std::string::npos) return "";
   return std::string("reason: is ") + (reason.empty() ? "missing" : "blank") +
          ": why may the case show the patient's face?";
@@ -136,8 +138,15 @@ void derive_scene(ConfigReading& r) {
   if (said.face) {
     out.face = name_of(said.face->policy);
     out.face_reason = said.face->reason;
-    if (said.face->policy != FacePolicy::keep)
-      r.values.set_value("deface.policy", out.face, {ValueSource::scene, "the scene's face policy", {}});
+    if (said.face->policy != FacePolicy::keep) {
+      const ValueOrigin from{ValueSource::scene, "the scene's face policy", {}};
+      out.face_belief = *said.face;
+      if (out.face_reason.empty()) out.face_reason = out.face_belief.believe_reason;
+      r.values.set_value("deface.policy", out.face, from);
+      const AnyParams belief = AnyParams::make(out.face_belief);
+      for (const char* name : {"believe", "believe_reason"})
+        r.values.set_value(std::string("deface.") + name, belief.get(*belief.set->find(name)), from);
+    }
   }
   if (!said.haptic) return;
   out.haptic.wanted = true;

@@ -5,6 +5,7 @@
 
 #include "cases/material.h"
 #include "config/said.h"
+#include "face/deface.h"
 #include "stages/voxelize.h"
 
 namespace trephine {
@@ -28,7 +29,7 @@ struct SceneAnatomyParams {
 
 enum class FacePolicy { keep, crop, deface };
 
-struct FacePolicyParams {
+struct FacePolicyParams : FaceBeliefParams {
   FacePolicy policy = FacePolicy::keep;
   std::string reason;
   template <class V>
@@ -40,6 +41,7 @@ struct FacePolicyParams {
              "what is near the skin, keep leaves it.")
         .is_required();
     v.text(&P::reason, "reason", "With policy keep: why the case may show the face. The reason is recorded.");
+    v.template all_of<FaceBeliefParams>();
   }
   std::string fault() const;
 };

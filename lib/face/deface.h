@@ -33,7 +33,26 @@ constexpr double face_clearance_mm = 5;
 
 enum class FaceRemoval { deface, crop };
 
-struct DefaceParams {
+/// Which landmarks say where the face is, where given and found ones are more than 15 mm apart (face_belief.h).
+enum class FaceBelief { both, given, found };
+
+struct FaceBeliefParams {
+  FaceBelief believe = FaceBelief::both;
+  std::string believe_reason;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = FaceBeliefParams;
+    v.choice(&P::believe, "believe",
+             {{"both", FaceBelief::both}, {"given", FaceBelief::given}, {"found", FaceBelief::found}},
+             "Which landmarks say where the face is. both: the face is what either says, and given ones that lie more "
+             "than 15 mm from where they are found, or cannot be found, are refused. The others need a reason.");
+    v.text(&P::believe_reason, "believe_reason",
+           "Why the given, or the found, landmarks alone are right. The reason is recorded.");
+  }
+};
+
+struct DefaceParams : FaceBeliefParams {
   FaceRemoval policy = FaceRemoval::deface;
   double depth_mm = 12, side_depth_mm = 7;
   double rounding_mm = 15;
@@ -44,6 +63,7 @@ struct DefaceParams {
   template <class V>
   static void describe(V& v) {
     using P = DefaceParams;
+    v.template all_of<FaceBeliefParams>();
     v.choice(&P::policy, "policy", {{"deface", FaceRemoval::deface}, {"crop", FaceRemoval::crop}},
              "deface: removes what lies near the skin of the face; crop: removes that, and the face in its whole depth "
              "under the base of the skull.");

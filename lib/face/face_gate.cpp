@@ -169,9 +169,19 @@ std::vector<FaceDistance> face_distances(const Field& original_skin, const FaceR
 
 void check_face_removed(const Field& original_skin, const FaceRegion& region, const std::vector<FaceSurface>& surfaces,
                         const std::vector<FaceVolume>& volumes, Report& report, const Progress& progress) {
+  check_face_removed(original_skin, std::vector<FaceRegion>{region}, surfaces, volumes, report, progress);
+}
+
+void check_face_removed(const Field& original_skin, const std::vector<FaceRegion>& regions,
+                        const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
+                        Report& report, const Progress& progress) {
   FaceDistance least{"", face_search_mm};
-  for (const FaceDistance& d : face_distances(original_skin, region, surfaces, volumes, progress))
-    if (d.distance_mm < least.distance_mm) least = d;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    const double share = 1.0 / double(regions.size());
+    const Progress part = progress.part(double(r) * share, double(r + 1) * share);
+    for (const FaceDistance& d : face_distances(original_skin, regions[r], surfaces, volumes, part))
+      if (d.distance_mm < least.distance_mm) least = d;
+  }
   report.add("face_distance_mm", least.distance_mm);
   if (least.distance_mm < face_clearance_mm)
     throw Error(

@@ -50,5 +50,9 @@ std::vector<FaceDistance> face_distances(const Field& original_skin, const FaceR
 /// face_clearance_mm. The report: face_distance_mm, the least distance of all (at most face_search_mm).
 void check_face_removed(const Field& original_skin, const FaceRegion& region, const std::vector<FaceSurface>& surfaces,
                         const std::vector<FaceVolume>& volumes, Report& report, const Progress& progress = {});
+/// The same for a face that is the union of several regions (face_regions).
+void check_face_removed(const Field& original_skin, const std::vector<FaceRegion>& regions,
+                        const std::vector<FaceSurface>& surfaces, const std::vector<FaceVolume>& volumes,
+                        Report& report, const Progress& progress = {});
 
 }  // namespace trephine

@@ -159,6 +159,14 @@ class Builder {
     return known >= 0 ? known : landmarks_node("original.landmarks", true);
   }
 
+  // What is removed and what is checked must not rest on given landmarks alone.
+  void add_found_landmarks(Node& node) {
+    if (config_.landmarks.empty()) return;
+    const std::string name = "original.found_landmarks";
+    const int known = graph_.find(name);
+    node.sources["found"] = known >= 0 ? known : add(whole_head(*config_.find_scan_step(landmarks_step), name, true));
+  }
+
   bool needs_landmarks() const {
     if (!config_.find_scan_step(landmarks_step)) return false;
     if (!config_.scene_landmarks.empty()) return true;
@@ -198,6 +206,7 @@ class Builder {
     const RecipeStep& step = *config_.find_scan_step(deface_step);
     Node node = whole_head(step, deface_step, true);
     node.sources["landmarks"] = original_landmarks();
+    add_found_landmarks(node);
     return add(std::move(node));
   }
 
@@ -217,10 +226,11 @@ class Builder {
 
   int face_gate() {
     const RecipeStep& step = *config_.find_scan_step(deface_step);
-    Node node = node_of_stage("face_gate", "face");
+    Node node = node_of_stage("face_gate", "face", AnyParams::make<FaceBeliefParams>(config_.face_belief));
     for (const auto& [port, source] : step.ports)
       if (node.type->find_port(port)) node.sources[port] = node_named(source, true);
     node.sources["landmarks"] = original_landmarks();
+    add_found_landmarks(node);
     for (const Graph::Anatomy& a : graph_.anatomies) node.sources["surface." + a.name] = a.surface;
     if (graph_.haptic >= 0) node.sources["haptic"] = graph_.haptic;
     return add(std::move(node));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "face/deface.h"
+#include "face/face_belief.h"
 
 #include "stages/stage.h"
 
@@ -8,7 +8,7 @@ namespace trephine {
 StageType deface_stage() {
   StageType s;
   s.name = "deface";
-  s.version = 1;
+  s.version = 2;
   s.place = StagePlace::scan;
   s.summary = "takes the face off a CT volume";
   s.description =
@@ -20,13 +20,15 @@ StageType deface_stage() {
                 "--output cropped.nrrd"};
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
              {"skin", DataKind::field, true, "the skin of this volume, as segment finds it"},
-             {"landmarks", DataKind::landmarks, true, "nasion, tragus_left and tragus_right"}};
+             {"landmarks", DataKind::landmarks, true, "nasion, tragus_left and tragus_right"},
+             {"found", DataKind::landmarks, false, "the same, found without any that a person gave"}};
   s.output = DataKind::volume;
   s.make_params = [] { return AnyParams::make<DefaceParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const HuVolume>(deface(*in.get<HuVolume>("volume"), *in.get<Field>("skin"),
-                                                   face_region(*in.get<HeadLandmarks>("landmarks")),
-                                                   params.as<DefaceParams>(), report, progress));
+    const auto& p = params.as<DefaceParams>();
+    const Field& skin = *in.get<Field>("skin");
+    const auto regions = face_regions(*in.get<HeadLandmarks>("landmarks"), in.get<HeadLandmarks>("found"), skin, p);
+    return std::make_shared<const HuVolume>(deface(*in.get<HuVolume>("volume"), skin, regions, p, report, progress));
   };
   return s;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "face/face_belief.h"
 #include "face/face_gate.h"
 
 #include "stages/stage.h"
@@ -6,7 +7,7 @@
 namespace trephine {
 namespace {
 
-StageData run_gate(const AnyParams&, const StageInputs& in, Report& report, const Progress& progress) {
+StageData run_gate(const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) {
   std::vector<FaceSurface> surfaces;
   for (const auto& [name, mesh] : in.all<TriMesh>("surface")) surfaces.push_back({name, mesh});
   std::vector<FaceVolume> volumes;
@@ -14,8 +15,10 @@ StageData run_gate(const AnyParams&, const StageInputs& in, Report& report, cons
     volumes.push_back(face_volume("the haptic volume", *haptic));
     if (haptic->hardness.count() > 0) volumes.push_back(face_volume("the haptic volume's hardness", haptic->hardness));
   }
-  check_face_removed(*in.get<Field>("skin"), face_region(*in.get<HeadLandmarks>("landmarks")), surfaces, volumes,
-                     report, progress);
+  const Field& skin = *in.get<Field>("skin");
+  const auto regions = face_regions(*in.get<HeadLandmarks>("landmarks"), in.get<HeadLandmarks>("found"), skin,
+                                    params.as<FaceBeliefParams>());
+  check_face_removed(skin, regions, surfaces, volumes, report, progress);
   return {};
 }
 
@@ -26,17 +29,18 @@ StageData run_gate(const AnyParams&, const StageInputs& in, Report& report, cons
 StageType face_gate_stage() {
   StageType s;
   s.name = "face_gate";
-  s.version = 1;
+  s.version = 2;
   s.place = StagePlace::scene;
   s.summary = "refuses what still shows the face";
   s.description = "Compares every surface and volume that is about to be published with the original skin.";
   s.examples = {"trephine face-gate skin.nrrd --landmarks landmarks.json --surface skin=skin.vtp"};
   s.ports = {{"skin", DataKind::field, true, "the skin of the original scan"},
              {"landmarks", DataKind::landmarks, true, "nasion, tragus_left and tragus_right"},
+             {"found", DataKind::landmarks, false, "the same, found without any that a person gave"},
              {"surface.*", DataKind::mesh, false, "what is published"},
              {"haptic", DataKind::haptic, false, "the haptic volume that is published"}};
   s.output = DataKind::nothing;
-  s.make_params = [] { return AnyParams::make<NothingDeclared>(); };
+  s.make_params = [] { return AnyParams::make<FaceBeliefParams>(); };
   s.run = run_gate;
   return s;
 }

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "face/face_belief.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace trephine {
+namespace {
+
+constexpr const char* face_landmarks[] = {"nasion", "tragus_left", "tragus_right"};
+constexpr double found_confidence = 0.5;  ///< from which a found landmark says where the face is
+
+const char* how_to_say =
+    "; where one of the two is right, the scene must say which and why: face: {policy: deface, believe: given, "
+    "believe_reason: ...}, or believe: found";
+
+[[noreturn]] void refuse(const std::string& landmark, const std::string& what) {
+  throw Error(ExitCode::privacy, "", "landmarks." + landmark, what);
+}
+
+bool is_blank(const std::string& text) { return text.find_first_not_of(" \t\r\n") == std::string::npos; }
+
+/// What a person gave and what was found contradict each other, and nobody said which is right.
+void check_agreement(const HeadLandmarks& known, const HeadLandmarks* found) {
+  for (const char* name : face_landmarks) {
+    const CaseLandmark* used = known.find(name);
+    if (!used || (!found && used->source == "found")) continue;
+    const CaseLandmark* other = found ? found->find(name) : nullptr;
+    if (!other)
+      refuse(name, "is given and was not found, so that nothing says whether it is right: a face may be left" +
+                       std::string(how_to_say));
+    const double apart_mm = norm(used->position_mm - other->position_mm);
+    if (!(apart_mm <= landmarks_agree_mm))
+      refuse(name, fmt::format("as given lies {:.0f} mm from where it is found, ({:.0f}, {:.0f}, {:.0f}) mm with a "
+                               "confidence of {:.2f}, at most {:.0f}{}",
+                               apart_mm, other->position_mm.x, other->position_mm.y, other->position_mm.z,
+                               other->confidence, landmarks_agree_mm, how_to_say));
+  }
+}
+
+/// Known landmarks, with those that were found for sure in place of the given ones.
+HeadLandmarks as_found(const HeadLandmarks& known, const HeadLandmarks& found) {
+  HeadLandmarks out = known;
+  for (CaseLandmark& l : out.landmarks)
+    if (const CaseLandmark* other = found.find(l.name); other && other->confidence >= found_confidence) l = *other;
+  return out;
+}
+
+bool is_same(const FaceRegion& a, const FaceRegion& b) {
+  return a.nasion_mm == b.nasion_mm && a.tragi_mm == b.tragi_mm && a.left == b.left;
+}
+
+/// What either of two cuts of the same volume changed; where both did, what is nearer to air.
+template <class T>
+void unite(Grid<T>& a, const Grid<T>& b, const Grid<T>& before) {
+  for (std::size_t v = 0; v < a.voxels.size(); ++v)
+    if (a.voxels[v] == before.voxels[v])
+      a.voxels[v] = b.voxels[v];
+    else if (b.voxels[v] != before.voxels[v])
+      a.voxels[v] = std::min(a.voxels[v], b.voxels[v]);
+}
+
+template <class T>
+T figure(const Report& report, const char* name) {
+  return std::get<T>(*report.find(name));
+}
+
+}  // namespace
+
+std::vector<FaceRegion> face_regions(const HeadLandmarks& known, const HeadLandmarks* found, const Field& skin,
+                                     const FaceBeliefParams& params) {
+  if (params.believe != FaceBelief::both && is_blank(params.believe_reason))
+    throw Error(ExitCode::privacy, "", "believe_reason", "is missing: why are these landmarks right?");
+  std::vector<FaceRegion> regions;
+  if (params.believe == FaceBelief::found) {
+    regions = {face_region(found ? *found : known)};
+  } else {
+    if (params.believe == FaceBelief::both) check_agreement(known, found);
+    regions = {face_region(known)};
+    if (params.believe == FaceBelief::both && found)
+      if (const FaceRegion other = face_region(as_found(known, *found)); !is_same(other, regions[0]))
+        regions.push_back(other);
+  }
+  for (const FaceRegion& r : regions) check_tragi(r, skin);
+  return regions;
+}
+
+std::optional<double> tragi_position_ratio(const FaceRegion& region, const Field& skin) {
+  constexpr double beside_mm = 30, above_mm = 45, under_mm = 15;  // the slab about the midline where the occiput is
+  constexpr int rim = 1;
+  double back_mm = 0;
+  bool ends = true;
+  for (int k = 0; k < skin.size[2]; ++k)
+    for (int j = 0; j < skin.size[1]; ++j)
+      for (int i = 0; i < skin.size[0]; ++i) {
+        if (!(skin.at(i, j, k) > 0)) continue;
+        const Vec3 p = skin.to_world_mm({double(i), double(j), double(k)}) - region.tragi_mm;
+        const double back = -dot(p, region.front), up = dot(p, region.up);
+        if (back <= back_mm || std::abs(dot(p, region.left)) > beside_mm || up > above_mm || up < -under_mm) continue;
+        back_mm = back;
+        ends = i < rim || j < rim || i >= skin.size[0] - rim || j >= skin.size[1] - rim;
+      }
+  if (ends) return {};
+  const double front_mm = region.in_front_mm(region.nasion_mm);
+  return front_mm / (front_mm + back_mm);
+}
+
+void check_tragi(const FaceRegion& region, const Field& skin) {
+  constexpr double least_ratio = 0.38;
+  const auto ratio = tragi_position_ratio(region, skin);
+  if (ratio && !(*ratio >= least_ratio))
+    refuse(
+        "tragus_left, tragus_right",
+        fmt::format("lie {:.0f} % of the way from the nasion to the back of the head, must be at least {:.0f}: an ear "
+                    "lies farther back, and what is in front of it would show a face",
+                    100 * *ratio, 100 * least_ratio));
+}
+
+HuVolume deface(const HuVolume& volume, const Field& skin, const std::vector<FaceRegion>& regions,
+                const DefaceParams& params, Report& report, const Progress& progress) {
+  HuVolume out = deface(volume, skin, regions.at(0), params, report, progress.part(0, 1.0 / double(regions.size())));
+  for (std::size_t r = 1; r < regions.size(); ++r) {
+    Report more;
+    const double share = 1.0 / double(regions.size());
+    const HuVolume other =
+        deface(volume, skin, regions[r], params, more, progress.part(double(r) * share, double(r + 1) * share));
+    std::visit(
+        [&](auto& g) {
+          using G = std::decay_t<decltype(g)>;
+          unite(g, std::get<G>(other), std::get<G>(volume));
+        },
+        out);
+    for (auto& [name, value] : report.figures) {
+      if (name == "face_removed_ml") value = std::max(std::get<double>(value), figure<double>(more, name.c_str()));
+      if (name == "face_removed_voxels_count")
+        value = std::max(std::get<std::int64_t>(value), figure<std::int64_t>(more, name.c_str()));
+      if (const double depth = figure<double>(more, "face_depth_mm"); name == "face_depth_mm" && depth >= 0)
+        value = std::get<double>(value) < 0 ? depth : std::min(std::get<double>(value), depth);
+    }
+  }
+  report.add("face_regions_count", regions.size());
+  return out;
+}
+
+}  // namespace trephine

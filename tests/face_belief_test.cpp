@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Wrong landmarks publish no face: what is removed and what is checked rest on given and found ones together.
+#include "face/face_belief.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "base/error.h"
+#include "face/face_gate.h"
+#include "head_recipe.h"
+#include "phantom/head.h"
+#include "phantom/phantom.h"
+#include "segmentation/segment.h"
+
+namespace trephine {
+namespace {
+
+struct Scanned {
+  phantom::Head head;
+  HuVolume volume;
+  Field skin;
+};
+
+Scanned scanned(std::uint64_t seed, phantom::Variant variant, int pixels, int slices) {
+  phantom::HeadParams who;
+  who.level = phantom::Level::simple;
+  who.variant = variant;
+  who.seed = seed;
+  phantom::ScanParams how;
+  how.columns_count = how.rows_count = pixels;
+  how.field_of_view_mm = 240;
+  how.slices_count = slices;
+  how.slice_step_mm = how.slice_thickness_mm = 192.0 / slices;
+  how.noise_hu = 12;
+  Scanned s{phantom::Head(who), {}, {}};
+  s.volume = phantom::volume_of(phantom::scan(s.head, how));
+  Report report;
+  s.skin = segment(s.volume, {}, head_recipe::skin(), report);
+  return s;
+}
+
+const Scanned& small_head() {
+  static const Scanned s = scanned(7, phantom::Variant::normal, 120, 64);
+  return s;
+}
+
+HeadLandmarks landmarks_of(const phantom::Head& head, const char* source) {
+  HeadLandmarks l;
+  for (const char* name : {"nasion", "tragus_left", "tragus_right"})
+    l.landmarks.push_back({name, head.landmark(name), 0.9, source});
+  return l;
+}
+
+std::string refusal(const HeadLandmarks& known, const HeadLandmarks* found, const Field& skin,
+                    const FaceBeliefParams& params = {}) {
+  try {
+    face_regions(known, found, skin, params);
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::privacy);
+    return e.line("");
+  }
+  return "";
+}
+bool has(const std::string& line, const char* what) { return line.find(what) != std::string::npos; }
+
+TEST(FaceBelief, GivenLandmarksAreComparedWithFoundOnes) {
+  const Scanned& s = small_head();
+  const HeadLandmarks found = landmarks_of(s.head, "found");
+  EXPECT_EQ(face_regions(found, nullptr, s.skin, {}).size(), 1u) << "nothing is given";
+  HeadLandmarks given = landmarks_of(s.head, "given");
+  EXPECT_EQ(face_regions(given, &found, s.skin, {}).size(), 1u) << "the same place";
+  given.landmarks[0].position_mm.z += 10;
+  const auto both = face_regions(given, &found, s.skin, {});
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_NEAR(norm(both[0].nasion_mm - both[1].nasion_mm), 10, 1e-9);
+  given.landmarks[0].position_mm.z += 17;
+  EXPECT_TRUE(has(refusal(given, &found, s.skin), "landmarks.nasion: as given lies 27 mm from where it is found"))
+      << refusal(given, &found, s.skin);
+  EXPECT_TRUE(has(refusal(given, nullptr, s.skin), "is given and was not found"));
+  HeadLandmarks less = found;
+  less.landmarks.erase(less.landmarks.begin());
+  EXPECT_TRUE(has(refusal(given, &less, s.skin), "is given and was not found"));
+  // Somebody says which, and why.
+  FaceBeliefParams says;
+  says.believe = FaceBelief::given;
+  EXPECT_TRUE(has(refusal(given, &found, s.skin, says), "why are these landmarks right?"));
+  says.believe_reason = "the finder took the tip of the nose";
+  EXPECT_EQ(face_regions(given, &found, s.skin, says).at(0).nasion_mm, given.landmarks[0].position_mm);
+  says.believe = FaceBelief::found;
+  const auto region = face_regions(given, &found, s.skin, says);
+  ASSERT_EQ(region.size(), 1u);
+  EXPECT_EQ(region[0].nasion_mm, found.landmarks[0].position_mm);
+  // A found one that is not sure of itself is no region of its own, but a contradiction all the same.
+  HeadLandmarks doubtful = found;
+  for (CaseLandmark& l : doubtful.landmarks) l.confidence = 0.2;
+  EXPECT_TRUE(has(refusal(given, &doubtful, s.skin), "with a confidence of 0.20"));
+}
+
+TEST(FaceBelief, TragiAreCheckedByAnatomy) {
+  const Scanned& s = small_head();
+  HeadLandmarks l = landmarks_of(s.head, "found");
+  const auto ratio = tragi_position_ratio(face_region(l), s.skin);
+  ASSERT_TRUE(ratio);
+  EXPECT_NEAR(*ratio, 0.48, 0.07);
+  FaceBeliefParams says;
+  says.believe = FaceBelief::given;
+  says.believe_reason = "a wrong one";
+  for (const double forward_mm : {25.0, 40.0}) {
+    HeadLandmarks wrong = l;
+    for (std::size_t i = 1; i < 3; ++i) wrong.landmarks[i].position_mm.y -= forward_mm;
+    EXPECT_TRUE(has(refusal(wrong, &l, s.skin, says), "of the way from the nasion")) << forward_mm;
+    EXPECT_TRUE(has(refusal(wrong, nullptr, s.skin, says), "of the way from the nasion")) << "nothing was found";
+  }
+}
+
+// Of random wrong sets: refused, or the true face is gone. Returns how many were accepted.
+int attack(const Scanned& s, std::uint64_t seed, int count) {
+  std::mt19937_64 random(seed);
+  const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
+  const auto off = [&](double most) {
+    return Vec3{uniform(-most, most), uniform(-most, most), uniform(-most, most)} * 0.577;
+  };
+  const FaceRegion truth = face_region(landmarks_of(s.head, "truth"));
+  int accepted = 0;
+  for (int i = 0; i < count; ++i) {
+    HeadLandmarks found = landmarks_of(s.head, "found"), given = found;
+    for (CaseLandmark& l : found.landmarks) l.position_mm += off(3);
+    const double most = i % 4 == 0 ? 14 : i % 4 == 1 ? 30 : 70;
+    for (CaseLandmark& l : given.landmarks) {
+      l.source = "given";
+      if (random() % 2) l.position_mm += off(most);
+    }
+    if (i % 4 == 2)  // both ears to the front
+      for (std::size_t t = 1; t < 3; ++t) given.landmarks[t].position_mm.y -= uniform(5, 60);
+    try {
+      const auto regions = face_regions(given, &found, s.skin, {});
+      Report report;
+      const HuVolume out = deface(s.volume, s.skin, regions, {}, report);
+      Report gate;
+      EXPECT_NO_THROW(check_face_removed(s.skin, truth, {}, {face_volume("ct", out)}, gate)) << "set " << i;
+      ++accepted;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::privacy) << e.line("");
+    }
+  }
+  return accepted;
+}
+
+TEST(FaceBelief, RandomWrongLandmarksPublishNoFace) { EXPECT_GE(attack(small_head(), 11, 24), 2); }
+
+TEST(LongFaceBelief, TwoHundredWrongSetsOnThreePhantomsPublishNoFace) {
+  for (const auto variant : {phantom::Variant::normal, phantom::Variant::small, phantom::Variant::hydrocephalic}) {
+    const Scanned s = scanned(3, variant, 150, 80);
+    const int accepted = attack(s, 5, 200);
+    EXPECT_GE(accepted, 10);
+    std::printf("%d of 200 accepted\n", accepted);
+  }
+}
+
+}  // namespace
+}  // namespace trephine
