@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -35,6 +36,20 @@ using Clock = std::chrono::steady_clock;
   throw Error(ExitCode::internal, "", worker, what);
 }
 
+// The limit on file sizes holds for shared memory, too; 0 where there is none below `bytes`.
+std::uint64_t file_size_limit(std::uint64_t bytes) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY || limit.rlim_cur >= bytes) return 0;
+  return std::max<std::uint64_t>(1, limit.rlim_cur);
+}
+[[noreturn]] void file_size_limit_reached(const std::string& worker) {
+  rlimit limit{};
+  ::getrlimit(RLIMIT_FSIZE, &limit);
+  throw Error(ExitCode::io, "", worker,
+              "the limit on file sizes, " + std::to_string(limit.rlim_cur) +
+                  " bytes (ulimit -f), is too small for what is passed to or from a child process");
+}
+
 void check(const std::string& worker, bool good, const char* step) {
   if (!good) fail(worker, std::string("cannot start a child process: ") + step + ": " + std::strerror(errno));
 }
@@ -57,6 +72,7 @@ void write_all(const std::string& worker, int fd, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t n = ::write(fd, bytes.data(), std::min<std::size_t>(bytes.size(), std::size_t{1} << 26));
     if (n < 0 && errno == EINTR) continue;
+    if (n < 0 && errno == EFBIG) file_size_limit_reached(worker);
     check(worker, n > 0, "passing the request");
     bytes.remove_prefix(static_cast<std::size_t>(n));
   }
@@ -259,6 +275,8 @@ ChildResult run_child(const std::string& worker, std::string_view request, const
     if (!ended && Clock::now() > deadline) fail(worker, "wall clock limit " + to_text(limits.wall_s) + " s reached");
   }
   if (messages.parts.size() == 5) throw_child_error(worker, messages.parts);
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXFSZ && file_size_limit(limits.memory_bytes))
+    file_size_limit_reached(worker);
   if (!messages.done || !WIFEXITED(status) || WEXITSTATUS(status) != 0) fail(worker, how_it_died(status, limits));
   return map_result(worker, result_file.get());
 }

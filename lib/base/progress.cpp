@@ -42,6 +42,8 @@ void install_signal_handlers() {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
+  // A limit on file sizes is an error of the write that meets it, be it only of a message.
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 }  // namespace trephine

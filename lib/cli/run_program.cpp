@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <unistd.h>
+
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <new>
@@ -151,6 +154,18 @@ ExitCode run(const Program& program, const std::vector<std::string>& words, std:
     throw;
   }
 }
+
+// While the libraries are initialised, before main: nothing has been begun, so a request to stop ends the program as it
+// does later. What ignores a signal goes on ignoring it until main.
+extern "C" void stop_before_main(int) { ::_exit(static_cast<int>(ExitCode::cancelled)); }
+void catch_early_signals() {
+  for (const int number : {SIGINT, SIGTERM}) {
+    struct sigaction now {};
+    if (sigaction(number, nullptr, &now) == 0 && now.sa_handler == SIG_DFL) std::signal(number, stop_before_main);
+  }
+}
+using EarlyFunction = void (*)();
+[[gnu::section(".preinit_array"), gnu::used]] const EarlyFunction run_before_all = catch_early_signals;
 
 void flush_output() {
   if (std::cout.flush() && std::fflush(stdout) == 0) return;
