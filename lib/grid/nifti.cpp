@@ -271,6 +271,7 @@ Lattice lattice_of(const Header& h, Nifti& out) {
     affine = pixdim_of(h);
     out.warnings.push_back("the file does not say where its volume lies (neither sform nor qform)");
   }
+  if ((h.units & 7) > 3) refuse("xyzt_units", number_text(h.units) + " is no unit of length");
   const double unit = (h.units & 7) == 1 ? 1000 : (h.units & 7) == 3 ? 0.001 : 1;
   const auto to_lps = [&](Vec3 v) { return Vec3{0 - v.x * unit, 0 - v.y * unit, v.z * unit}; };
   for (Vec3& s : affine.steps) s = to_lps(s);
@@ -311,6 +312,7 @@ AnyGrid grid_of(Source& in, const Header& h, const Lattice& l) {
   const std::size_t count = l.count();
   if (!in.may_hold(std::uint64_t(count) * sizeof(S))) refuse("dim", "more voxels than the file can hold");
   std::vector<S> samples = samples_of<S>(in, h, count);
+  if (std::isinf(h.slope)) refuse("scl_slope", "is not finite");  // NaN stands for none
   const bool scaled = h.slope != 0 && std::isfinite(h.slope) && !(h.slope == 1 && h.inter == 0);
   if (!scaled && std::is_same_v<S, std::uint8_t>) {
     auto g = grid_with<std::uint8_t>(l);

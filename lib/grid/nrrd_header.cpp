@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "grid/nrrd_scale.h"
 
 namespace trephine::detail {
 namespace {
@@ -19,47 +20,6 @@ namespace {
 // oblique. Then, and only then, these keys hold them apart; a reader that does not know them loses nothing.
 constexpr const char* spacing_key = "trephine-spacing";
 constexpr const char* direction_key = "trephine-direction";
-
-[[noreturn]] void refuse(const std::string& field, const std::string& what) {
-  throw Error(ExitCode::bad_input, "", field, what);
-}
-
-std::string trimmed(std::string_view s) {
-  const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!s.empty() && is_blank(s.front())) s.remove_prefix(1);
-  while (!s.empty() && is_blank(s.back())) s.remove_suffix(1);
-  return std::string(s);
-}
-
-std::string lower(std::string s) {
-  for (char& c : s)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return s;
-}
-
-std::vector<std::string> words(const std::string& s) {
-  std::vector<std::string> out;
-  std::string word;
-  for (const char c : s + " ") {
-    if (c != ' ' && c != '\t') {
-      word.push_back(c);
-    } else if (!word.empty()) {
-      out.push_back(std::move(word));
-      word.clear();
-    }
-  }
-  return out;
-}
-
-// Other programs write 1e-05 and +1. The whole word must be one finite number.
-double number_of(const std::string& word, const std::string& field) {
-  double v = 0;
-  const char* begin = word.data() + (word.size() > 1 && word[0] == '+' ? 1 : 0);
-  const char* end = word.data() + word.size();
-  const auto r = std::from_chars(begin, end, v);
-  if (r.ec != std::errc() || r.ptr != end || !std::isfinite(v)) refuse(field, "'" + word + "' is not a finite number");
-  return v;
-}
 
 // The text after a leading "none", the entry of a list axis; empty where there is none.
 std::string after_none(const std::string& text) { return lower(text.substr(0, 5)) == "none " ? text.substr(5) : ""; }
@@ -345,8 +305,13 @@ NrrdHeader parse_nrrd_header(std::string_view text, bool layered) {
   if (directions.empty()) refuse("space directions", "the first of 4 axes must be a list: none");
   const auto given = vectors_of(directions, 3, "space directions");
   std::array<Vec3, 3> steps;
+  check_scales(fields, {given[0], given[1], given[2]}, static_cast<std::size_t>(list));
+  const Vec3 unit_mm = units_of(fields);
   // 0 - v and not -v, so that a 0 does not become -0.
-  const auto to_lps = [flip](Vec3 v) { return flip > 0 ? v : Vec3{0 - v.x, 0 - v.y, v.z}; };
+  const auto to_lps = [&](Vec3 v) {
+    v = {v.x * unit_mm.x, v.y * unit_mm.y, v.z * unit_mm.z};
+    return flip > 0 ? v : Vec3{0 - v.x, 0 - v.y, v.z};
+  };
   for (int a = 0; a < 3; ++a) steps[a] = to_lps(given[a]);
   take_steps(h.lattice, steps);
   h.lattice.origin_mm = to_lps(vectors_of(get("space origin"), 1, "space origin")[0]);

@@ -24,6 +24,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "grid/length_unit.h"
 
 namespace trephine {
 namespace {
@@ -154,6 +155,15 @@ void turn_to_lps(TriMesh& mesh) {
   turn(mesh.normals);
 }
 
+void scale_to_mm(TriMesh& mesh, const std::string& unit) {
+  if (unit.empty()) return;
+  const auto mm = mm_per_unit(unit);
+  if (!mm) damaged("UNIT", printable(unit).substr(0, 40) + " is no unit of length that is known");
+  if (*mm == 1) return;
+  mesh.origin_mm = mesh.origin_mm * *mm;
+  for (Vec3& p : mesh.points_mm) p = p * *mm;
+}
+
 }  // namespace
 
 TriMesh parse_vtp(std::string&& bytes) {
@@ -185,7 +195,12 @@ TriMesh parse_vtp(std::string&& bytes) {
   vtkDataArray* normals = arrays->GetNormals() ? arrays->GetNormals() : arrays->GetArray("Normals");
   if (normals) mesh.normals = read_vectors(normals, count, "Normals");
 
-  if (text_field(fields, vtp_space_name).find("RAS") != std::string::npos) turn_to_lps(mesh);
+  scale_to_mm(mesh, text_field(fields, "UNIT"));
+  const std::string space = text_field(fields, vtp_space_name);
+  if (space.find("RAS") != std::string::npos)
+    turn_to_lps(mesh);
+  else if (!space.empty() && space.find("LPS") == std::string::npos)
+    damaged(vtp_space_name, printable(space).substr(0, 40) + ", must be LPS or RAS");
   check_mesh(mesh);
   return mesh;
 }
