@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "meshing/smooth.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "meshing/feature_smooth.h"
 #include "meshing/normals.h"
+#include "meshing/reference_distance.h"
 #include "meshing/validity.h"
 #include "surface/incidence.h"
 #include "surface/results.h"
@@ -169,12 +173,24 @@ std::vector<std::uint32_t> turned_triangles(const TriMesh& mesh, const TriMesh& 
 
 }  // namespace
 
-TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report, const Progress& progress) {
+TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report, const Progress& progress,
+               const TriMesh* reference) {
   check_mesh(input);
+  const double bound_mm = params.total_deviation_mm;
+  if (bound_mm > 0 && !reference)
+    throw Error(ExitCode::usage, "", "total_deviation_mm", "is to a reference: give --reference too");
+  if (reference) with_field("reference", [&] { check_mesh(*reference); });
   TriMesh original = input;
   original.normals.clear();
   snap_to_float32(original);
   with_field("smooth: input", [&] { require_valid(original, progress.part(0, 0.2)); });
+  std::optional<DistanceToReference> to_reference;
+  if (reference) to_reference.emplace(*reference, original.origin_mm);
+  if (bound_mm > 0 && !to_reference->beyond(original, bound_mm, progress).empty())
+    throw Error(ExitCode::quality, "", "smooth: reference",
+                fmt::format("the surface lies further from it before it is smoothed than total_deviation_mm, {}: up to "
+                            "{:.3f} mm at its points",
+                            bound_mm, to_reference->largest_mm(original)));
   TriMesh mesh = original;
   const double volume = volume_mm3(original);
   double strength = 1;
@@ -187,6 +203,7 @@ TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report,
       for (int round = 0;; ++round) {
         auto faults = faulty_triangles(mesh, progress.part(0.6, 0.9));
         if (faults.empty()) faults = turned_triangles(mesh, original);
+        if (faults.empty() && bound_mm > 0) faults = to_reference->beyond(mesh, bound_mm, progress);
         if (faults.empty()) break;
         take_back(mesh, original, held, faults, std::min(round, 1000));
       }
@@ -213,6 +230,8 @@ TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report,
   report.add("strength_ratio", strength);
   report.add("volume_ml", smoothed_volume / 1000);
   report.add("volume_change_percent", 100 * (smoothed_volume / volume - 1));
+  if (to_reference) report.add("reference_distance_max_mm", to_reference->largest_mm(mesh));
+  if (bound_mm > 0) report.add("total_deviation_proven_mm", bound_mm);
   report.add("points_held_back_count", static_cast<std::int64_t>(std::count(held.begin(), held.end(), 1)));
   progress.report(1);
   return mesh;

@@ -18,6 +18,7 @@ struct SmoothParams {
   double feature_angle_deg = 30;
   double max_displacement_mm = 0.1;
   double max_volume_change_percent = 0.5;
+  double total_deviation_mm = 0;
   template <class V>
   static void describe(V& v) {
     using P = SmoothParams;
@@ -37,6 +38,9 @@ struct SmoothParams {
     v.number(&P::max_displacement_mm, "max_displacement_mm", Range{0, 1e6}, "No point moves further than this.");
     v.number(&P::max_volume_change_percent, "max_volume_change_percent", Range{0, 100},
              "Where the volume would change by more than this, all points move less.");
+    v.number(&P::total_deviation_mm, "total_deviation_mm", Range{0, 1e6},
+             "With a reference, such as the surface before it was decimated: the largest distance from it to the "
+             "result, in either direction; points that would break it stay. 0: no such limit.");
   }
 };
 
@@ -49,8 +53,15 @@ struct SmoothParams {
 /// report has the largest and RMS displacement, the share of the movement that was taken, the change of volume in
 /// percent, and the count of points held back.
 ///
-/// Throws Error 65 where the mesh is not finite or its indices are out of range; 80 where it is not closed and
-/// 2-manifold, or intersects itself already.
-TriMesh smooth(const TriMesh& mesh, const SmoothParams& params, Report& report, const Progress& progress = {});
+/// With a `reference` the report also has reference_distance_max_mm, the largest distance in either direction at points
+/// of the surfaces; and where total_deviation_mm is set, no point of either surface lies further from the other
+/// (prove_within.h), which the report repeats as total_deviation_proven_mm. So a chain of single tools keeps what was
+/// asked of it as a whole.
+///
+/// Throws Error 64 where total_deviation_mm is set without a reference; 65 where a mesh is not finite or its indices
+/// are out of range; 80 where it is not closed and 2-manifold, intersects itself already, or lies further from the
+/// reference than total_deviation_mm before it is smoothed.
+TriMesh smooth(const TriMesh& mesh, const SmoothParams& params, Report& report, const Progress& progress = {},
+               const TriMesh* reference = nullptr);
 
 }  // namespace trephine

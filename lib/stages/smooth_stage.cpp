@@ -8,18 +8,20 @@ namespace trephine {
 StageType smooth_stage() {
   StageType s;
   s.name = "smooth";
-  s.version = 3;
+  s.version = 4;
   s.summary = "smooths a surface within a bound in mm";
   s.description =
       "Windowed sinc, Laplacian or feature-keeping smoothing. No point moves farther than the bound, and the volume is "
       "kept. Points stay where moving them would make the surface intersect itself.";
-  s.examples = {"trephine smooth skull.vtp --max-displacement-mm 0.1 --output smooth.vtp"};
-  s.ports = {{"surface", DataKind::mesh, true, "closed surface"}};
+  s.examples = {"trephine smooth skull.vtp --max-displacement-mm 0.1 --output smooth.vtp",
+                "trephine smooth fewer.vtp --reference skull.vtp --total-deviation-mm 0.3 --output smooth.vtp"};
+  s.ports = {{"surface", DataKind::mesh, true, "closed surface"},
+             {"reference", DataKind::mesh, false, "the surface to which the total deviation is kept and measured"}};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<SmoothParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
     return std::make_shared<const TriMesh>(
-        smooth(*in.get<TriMesh>("surface"), params.as<SmoothParams>(), report, progress));
+        smooth(*in.get<TriMesh>("surface"), params.as<SmoothParams>(), report, progress, in.get<TriMesh>("reference")));
   };
   return s;
 }
