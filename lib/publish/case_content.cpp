@@ -49,6 +49,7 @@ class Builder {
       cancelled.check();
       add_anatomy(graph_.anatomies[i], config_.scene[i]);
     }
+    use_published_volumes();
     hold_against_budget();
     if (graph_.haptic >= 0) add_haptic();
     for (const int hole : graph_.burr_holes) add_burr_hole(hole);
@@ -57,6 +58,13 @@ class Builder {
   }
 
  private:
+  // The figures of the patient were taken from the fields; of what is published there is one volume, its surface's.
+  void use_published_volumes() {
+    for (const CaseAnatomy& a : manifest().anatomies)
+      for (auto& [name, value] : manifest().figures)
+        if (name == a.name + "_ml") value = a.volume_ml;
+  }
+
   CaseManifest& manifest() { return out_.manifest; }
   const NodeResult& at(int node) const { return results_[static_cast<std::size_t>(node)]; }
   const TriMesh& mesh(int node) const { return *std::get<std::shared_ptr<const TriMesh>>(at(node).data); }
