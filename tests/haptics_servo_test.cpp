@@ -134,6 +134,9 @@ TEST(HapticsServo, ReplayIsBitForBit) {
     return false;
   };
   std::vector<char> b = good;
+  std::fill_n(b.end() - static_cast<std::ptrdiff_t>(sizeof(ServoFrame)), 8, char(-1));  // the last tick: 2^64 - 1
+  EXPECT_TRUE(refused(b));
+  b = good;
   b.resize(good.size() - 1);
   EXPECT_TRUE(refused(b));
   b.resize(100);

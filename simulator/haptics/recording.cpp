@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -141,6 +142,9 @@ Recording read_recording(const std::filesystem::path& file) {
       refuse("frames", std::to_string(rest / sizeof(ServoFrame)) + ", were " + std::to_string(*frames));
     r.frames.resize(rest / sizeof(ServoFrame));
     if (rest > 0) std::memcpy(r.frames.data(), bytes.data() + fixed_bytes + length, rest);
+    // Counts of ticks are differences of ticks and one more.
+    if (!r.frames.empty() && r.frames.back().tick == std::numeric_limits<std::uint64_t>::max())
+      refuse("frames", "the last tick is beyond what can be counted");
     for (std::size_t n = 1; n < r.frames.size(); ++n)
       if (r.frames[n].tick <= r.frames[n - 1].tick || !(r.frames[n].time_s > r.frames[n - 1].time_s))
         refuse("frames", "tick and time_s of frame " + std::to_string(n) + " must be above those before");
