@@ -10,9 +10,9 @@
 #include "base/parallel.h"
 #include "meshing/collapse_mesh.h"
 #include "meshing/contour.h"
-#include "meshing/triangle_tree.h"
 #include "meshing/validity.h"
 #include "meshing_shapes.h"
+#include "surface/triangle_tree.h"
 
 namespace trephine {
 namespace {

@@ -11,9 +11,9 @@
 
 #include "meshing/decimate.h"
 #include "meshing/smooth.h"
-#include "meshing/triangle_tree.h"
 #include "meshing/validity.h"
 #include "meshing_shapes.h"
+#include "surface/triangle_tree.h"
 
 namespace trephine {
 namespace {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/time_limit.h"
 #include "base/write_file.h"
 #include "commands.h"
 #include "grid/nrrd.h"
@@ -26,6 +27,15 @@ struct LabelParams {
               "With --labels: the label to compare with; 0: every voxel that is not 0.");
     v.integer(&P::last_label, "last_label", Range{0, 255},
               "With --label: all labels from that one to this, together; 0: only that one.");
+  }
+};
+
+struct LimitParams {
+  double total_limit_s = 3600;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&LimitParams::total_limit_s, "total_limit_s", Range{0.1, 86400},
+             "Limit on the wall clock time of all of it; after it the measuring is given up (exit code 70).");
   }
 };
 
@@ -131,10 +141,11 @@ Command measure_command() {
                  report_argument()};
   c.groups = {{"Parameters", stage.make_params},
               ParameterGroup::of<LabelParams>("Labels"),
-              ParameterGroup::of<CertifyParams>("Proof")};
+              ParameterGroup::of<CertifyParams>("Proof"),
+              ParameterGroup::of<LimitParams>("Limit")};
   c.run = [](const ParsedCommand& parsed) {
     check_flags(parsed);
-    run_with_report(parsed, [&](const Progress& progress) {
+    const auto measure = [&](const Progress& progress) -> Report {
       if (parsed.has("truth")) return measure_against_truth(parsed, progress);
       if (parsed.path("surface").extension() == ".nrrd")
         throw Error(ExitCode::usage, parsed.path("surface").string(), "--truth",
@@ -147,6 +158,10 @@ Command measure_command() {
       }
       if (!parsed.has("reference")) return measure_surface(mesh, {}, params, progress);
       return measure_against_mesh(parsed, mesh, progress);
+    };
+    run_with_report(parsed, [&](const Progress& progress) {
+      return within_time(parsed.params<LimitParams>().total_limit_s, progress,
+                         [&](const TimeLimit& limit) { return measure(limit.progress()); });
     });
     return ExitCode::ok;
   };

@@ -26,7 +26,8 @@ class Reader {
     if (node.kind != Kind::map) return fault(node, where, shown(node) + "must hold keys and values" + keys_of(set));
     const std::size_t before = r_.faults.count();
     for (const auto& [key, value] : node.entries)
-      if (!set.find(key.text)) fault(key, below(where, key.text), unknown(key.text, set));
+      if (!set.find(key.text))
+        fault(key, below(where, key.text), r_.faults.full() ? "unknown key" : unknown(key.text, set));
     // In the order of declaration, so that what names something is read after it.
     for (const Parameter& p : set.parameters) {
       const auto entry = std::find_if(node.entries.begin(), node.entries.end(),

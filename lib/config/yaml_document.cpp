@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <unordered_set>
 
 #include "base/text.h"
 #include "base/write_file.h"
@@ -92,6 +93,7 @@ class TreeBuilder : public YAML::EventHandler {
   struct Open {
     YamlNode node, key;
     bool has_key = false;
+    std::unordered_set<std::string> keys{};
   };
 
   void refuse_tag(const YAML::Mark& mark, const std::string& tag) {
@@ -109,7 +111,7 @@ class TreeBuilder : public YAML::EventHandler {
   void push(YamlNode node) {
     if (open_.size() >= max_depth)
       refuse(file_, node.line, node.column, "nested deeper than " + std::to_string(max_depth) + " levels");
-    open_.push_back({std::move(node), {}, false});
+    open_.push_back({std::move(node), {}, false, {}});
   }
   void pop() {
     YamlNode node = std::move(open_.back().node);
@@ -129,7 +131,8 @@ class TreeBuilder : public YAML::EventHandler {
       parent.key = std::move(node);
       parent.has_key = true;
     } else {
-      if (parent.node.find(parent.key.text)) faults_.add(file_, parent.key, parent.key.text, "the key is repeated");
+      if (!parent.keys.insert(parent.key.text).second)
+        faults_.add(file_, parent.key, parent.key.text, "the key is repeated");
       parent.node.entries.emplace_back(std::move(parent.key), std::move(node));
       parent.has_key = false;
     }
@@ -151,11 +154,22 @@ const YamlNode* YamlNode::find(const std::string& key) const {
 
 void ConfigFaults::add(const std::filesystem::path& file, const YamlNode& at, const std::string& key,
                        const std::string& what) {
-  faults_.emplace_back(ExitCode::bad_config, position(file, at.line, at.column), key, what);
+  ++count_;
+  if (!full()) faults_.emplace_back(ExitCode::bad_config, position(file, at.line, at.column), key, what);
+}
+
+void ConfigFaults::add(Error fault) {
+  ++count_;
+  if (!full()) faults_.push_back(std::move(fault));
 }
 
 void ConfigFaults::raise() const {
-  if (!faults_.empty()) throw ErrorList(faults_);
+  if (faults_.empty()) return;
+  std::vector<Error> told = faults_;
+  if (count_ > told.size())
+    told.emplace_back(told.back().code(), told.back().file(), "",
+                      std::to_string(count_ - told.size()) + " more faults are not listed");
+  throw ErrorList(std::move(told));
 }
 
 YamlNode read_yaml(const std::filesystem::path& file) {

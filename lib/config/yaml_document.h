@@ -31,14 +31,19 @@ class ConfigFaults {
  public:
   /// `position` is "file:line:column"; `what` names the value and what is allowed.
   void add(const std::filesystem::path& file, const YamlNode& at, const std::string& key, const std::string& what);
-  void add(Error fault) { faults_.push_back(std::move(fault)); }
-  bool empty() const { return faults_.empty(); }
-  std::size_t count() const { return faults_.size(); }
-  /// Throws ErrorList where there are faults.
+  void add(Error fault);
+  bool empty() const { return count_ == 0; }
+  std::size_t count() const { return count_; }
+  /// Whether more of them would only be counted: what they say need not be made up.
+  bool full() const { return faults_.size() >= most_told; }
+  /// Throws ErrorList with the first faults, and how many more there are, where there are any.
   void raise() const;
+
+  static constexpr std::size_t most_told = 20;
 
  private:
   std::vector<Error> faults_;
+  std::size_t count_ = 0;
 };
 
 /// Reads and parses a file. Throws Error 66 where it is missing; ErrorList (78) with line and column for a syntax

@@ -13,6 +13,7 @@
 #include <type_traits>
 
 #include "base/error.h"
+#include "base/memory_budget.h"
 #include "base/write_file.h"
 #include "grid/nrrd_header.h"
 
@@ -120,6 +121,14 @@ std::string read_header_text(const Input& in) {
   throw Error(ExitCode::bad_input, "", "header", "has no end");
 }
 
+// What reading it, and working on it, will take at least: the samples, and a field of the same voxels.
+void require_memory_for(const NrrdHeader& h) {
+  const auto voxels = static_cast<std::uint64_t>(h.lattice.count());
+  require_memory(voxels * (detail::bytes_of(h.type) + sizeof(float)),
+                 "a volume of " + std::to_string(h.lattice.size[0]) + " x " + std::to_string(h.lattice.size[1]) +
+                     " x " + std::to_string(h.lattice.size[2]) + " voxels");
+}
+
 template <class S>
 std::vector<S> read_samples(const Input& in, std::uint64_t data_begin, const NrrdHeader& h) {
   const std::uint64_t wanted = h.lattice.count() * sizeof(S), have = in.size() - data_begin;
@@ -130,6 +139,7 @@ std::vector<S> read_samples(const Input& in, std::uint64_t data_begin, const Nrr
   std::vector<S> samples;
   if (!h.gzip) {
     if (wanted != have) disagree();
+    require_memory_for(h);
     samples.resize(h.lattice.count());
     in.read(data_begin, reinterpret_cast<char*>(samples.data()), wanted);
   } else {
@@ -138,6 +148,7 @@ std::vector<S> read_samples(const Input& in, std::uint64_t data_begin, const Nrr
     std::string compressed(have, '\0');
     in.read(data_begin, compressed.data(), have);
     if (wanted > (std::uint64_t{64} << 20) && wanted / 100 > have) detail::gzip_expand(compressed, nullptr, wanted);
+    require_memory_for(h);
     samples.resize(h.lattice.count());
     detail::gzip_expand(compressed, reinterpret_cast<char*>(samples.data()), wanted);
   }

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "meshing/triangle_tree.h"
+#include "surface/triangle_tree.h"
 
 namespace trephine {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "meshing/triangle_tree.h"
+#include "surface/triangle_tree.h"
 
 namespace trephine {
 namespace {

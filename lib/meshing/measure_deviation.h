@@ -10,7 +10,7 @@
 #include "meshing/collapse_mesh.h"
 #include "meshing/near_input.h"
 #include "meshing/prove_within.h"
-#include "meshing/triangle_tree.h"
+#include "surface/triangle_tree.h"
 #include "surface/trimesh.h"
 
 namespace trephine {

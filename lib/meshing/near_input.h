@@ -2,8 +2,8 @@
 #pragma once
 #include <cstdint>
 
-#include "meshing/triangle_tree.h"
 #include "surface/incidence.h"
+#include "surface/triangle_tree.h"
 #include "surface/trimesh.h"
 
 namespace trephine {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "meshing/triangle_tree.h"
+#include "surface/triangle_tree.h"
 #include "surface/trimesh.h"
 
 namespace trephine {

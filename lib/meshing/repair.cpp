@@ -2,10 +2,12 @@
 #include "meshing/repair.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/time_limit.h"
 #include "meshing/repair_child.h"
 #include "meshing/repair_soup.h"
 #include "meshing/repair_winding.h"
@@ -15,6 +17,7 @@
 namespace trephine {
 namespace {
 
+using Clock = std::chrono::steady_clock;
 constexpr int rounds = 3;
 constexpr double max_changed_ratio = 0.05;
 
@@ -74,6 +77,7 @@ double changed_ratio(const TriMesh& soup, const TriMesh& mesh) {
 /// oriented manifold with borders.
 bool mend_in_place(const TriMesh& input, const RepairParams& params, Repaired& r, TriMesh& cleaned,
                    const Progress& progress) {
+  const auto start = Clock::now();
   TriMesh mesh = input;
   double flattest = 8 * float32_step_mm(mesh);
   for (int round = 0; round < rounds; ++round, flattest *= 4) {
@@ -82,7 +86,8 @@ bool mend_in_place(const TriMesh& input, const RepairParams& params, Repaired& r
     add(r.soup, counts);
     if (round == 0) cleaned = mesh;
     if (mesh.triangles.empty()) return false;
-    Mended m = mend(mesh, flattest, params.time_limit_s, progress.part(0.2, 0.9));
+    const double left_s = params.time_limit_s - std::chrono::duration<double>(Clock::now() - start).count();
+    Mended m = mend(mesh, flattest, std::max(0.1, left_s), progress.part(0.2, 0.9));
     m.holes += r.mended.holes;
     m.degenerate += r.mended.degenerate;
     if (round > 0) m.self_intersections = r.mended.self_intersections;
@@ -105,9 +110,7 @@ bool mend_in_place(const TriMesh& input, const RepairParams& params, Repaired& r
   return false;
 }
 
-}  // namespace
-
-TriMesh repair(const TriMesh& input, const RepairParams& params, Report& report, const Progress& progress) {
+TriMesh repair_now(const TriMesh& input, const RepairParams& params, Report& report, const Progress& progress) {
   check_mesh(input);
   if (input.triangles.empty()) throw Error(ExitCode::bad_input, "", "repair", "the mesh has no triangles");
   Repaired r;
@@ -156,6 +159,13 @@ TriMesh repair(const TriMesh& input, const RepairParams& params, Report& report,
   report.add("from_input_max_mm", reach_mm(before, PointToMesh(r.mesh), progress));
   progress.report(1);
   return std::move(r.mesh);
+}
+
+}  // namespace
+
+TriMesh repair(const TriMesh& input, const RepairParams& params, Report& report, const Progress& progress) {
+  return within_time(params.total_limit_s, progress,
+                     [&](const TimeLimit& limit) { return repair_now(input, params, report, limit.progress()); });
 }
 
 }  // namespace trephine

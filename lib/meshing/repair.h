@@ -14,6 +14,7 @@ struct RepairParams {
   double min_component_mm3 = 0;
   std::int64_t recontour_voxels_count = 192;
   double time_limit_s = 60;
+  double total_limit_s = 900;
   template <class V>
   static void describe(V& v) {
     using P = RepairParams;
@@ -26,6 +27,9 @@ struct RepairParams {
               "become rounded, and parts thinner than a voxel vanish. 0: refuse instead.");
     v.number(&P::time_limit_s, "time_limit_s", Range{0.1, 3600},
              "Limit on the wall clock time of the repair in place; after it the last resort is used.");
+    v.number(&P::total_limit_s, "total_limit_s", Range{0.1, 86400},
+             "Limit on the wall clock time of all of it, the last resort included; after it the repair is given up "
+             "(exit code 70).");
   }
 };
 
@@ -52,7 +56,8 @@ struct RepairParams {
 /// and triangle centres (to_input_max_mm includes filled holes; from_input_max_mm includes dropped parts).
 ///
 /// Throws Error 65 where the mesh is not finite, has indices out of range or no triangles; 80 where no valid surface
-/// can be made; 70 where the child reached its limit of time or memory and the last resort is turned off; Cancelled.
+/// can be made; 70 where the child reached its limit of time or memory and the last resort is turned off, or where all
+/// of it takes longer than total_limit_s; Cancelled.
 /// The result has the same bytes whatever the thread count.
 TriMesh repair(const TriMesh& mesh, const RepairParams& params, Report& report, const Progress& progress = {});
 

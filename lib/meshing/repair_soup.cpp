@@ -53,7 +53,7 @@ std::size_t merge_equal(TriMesh& mesh) {
 }
 
 /// Joins points of edges that only one triangle uses; they are found by a sweep along x.
-std::size_t merge_open(TriMesh& mesh, double merge_mm) {
+std::size_t merge_open(TriMesh& mesh, double merge_mm, const Progress& progress) {
   std::vector<char> open(mesh.points_mm.size(), 0);
   double length = 0;
   std::size_t edges = 0;
@@ -71,7 +71,8 @@ std::size_t merge_open(TriMesh& mesh, double merge_mm) {
                    [&](std::uint32_t a, std::uint32_t b) { return mesh.points_mm[a].x < mesh.points_mm[b].x; });
   DisjointSets sets(mesh.points_mm.size());
   std::size_t merged = 0;
-  for (std::size_t i = 0; i < order.size(); ++i)
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    progress.check();  // points of one x are a quadratic number of pairs
     for (std::size_t j = i + 1; j < order.size(); ++j) {
       const Vec3 d = mesh.points_mm[order[j]] - mesh.points_mm[order[i]];
       if (d.x > reach) break;
@@ -79,6 +80,7 @@ std::size_t merge_open(TriMesh& mesh, double merge_mm) {
       sets.unite(order[i], order[j]);
       ++merged;
     }
+  }
   for (auto& t : mesh.triangles)
     for (std::uint32_t& v : t) v = sets.find(v);
   return merged;
@@ -335,7 +337,7 @@ void settle_components(TriMesh& mesh, SoupCounts& counts, const Progress& progre
 void clean_soup(TriMesh& mesh, double merge_mm, SoupCounts& counts, const Progress& progress) {
   mesh.normals.clear();
   snap_to_float32(mesh);
-  counts.merged = merge_equal(mesh) + merge_open(mesh, merge_mm);
+  counts.merged = merge_equal(mesh) + merge_open(mesh, merge_mm, progress);
   counts.sideless = drop_sideless(mesh);
   progress.report(0.2);
   counts.duplicates = drop_duplicates(mesh);

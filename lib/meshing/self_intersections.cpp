@@ -7,9 +7,9 @@
 
 #include "base/parallel.h"
 #include "meshing/exact.h"
-#include "meshing/triangle_tree.h"
 #include "meshing/validity.h"
 #include "surface/incidence.h"
+#include "surface/triangle_tree.h"
 
 namespace trephine {
 namespace {
@@ -85,6 +85,10 @@ bool share(const std::array<std::uint32_t, 3>& a, const std::array<std::uint32_t
   return n != 0;
 }
 
+/// Of one chunk of the work: a tangle of millions of crossings is not worth its memory, and some are enough to refuse
+/// it.
+constexpr std::size_t most_pairs = std::size_t{1} << 20;
+
 /// Boxes of triangles, coordinate by coordinate.
 struct Boxes {
   std::array<std::vector<float>, 3> min, max;
@@ -121,13 +125,48 @@ struct Boxes {
   }
 };
 
+/// Marks with 2, as degenerate ones, all but the first of triangles with the same corners, and pairs each with it: what
+/// meets the first meets all of them, and all pairs of n equal triangles would be n^2. Equal ones have equal boxes and
+/// stand together in the tree's order.
+std::vector<std::array<std::uint32_t, 2>> set_equal_aside(const TriMesh& mesh, const TriangleTree& tree,
+                                                          std::vector<char>& kind) {
+  std::vector<std::array<std::uint32_t, 2>> pairs;
+  const auto& order = tree.order();
+  const auto key = [&](std::uint32_t t) {
+    auto c = corners_of(mesh, t);
+    const auto less = [](Vec3 a, Vec3 b) { return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z; };
+    std::sort(c.begin(), c.end(), less);
+    return std::array<double, 9>{c[0].x, c[0].y, c[0].z, c[1].x, c[1].y, c[1].z, c[2].x, c[2].y, c[2].z};
+  };
+  std::vector<std::pair<std::array<double, 9>, std::uint32_t>> run;
+  for (std::size_t from = 0, to = 0; from < order.size(); from = to) {
+    const FloatBox& box = tree.box(from);
+    while (to < order.size() && tree.box(to).min == box.min && tree.box(to).max == box.max) ++to;
+    if (to - from < 2) continue;
+    run.clear();
+    for (std::size_t n = from; n < to; ++n)
+      if (kind[order[n]] != 2) run.emplace_back(key(order[n]), order[n]);
+    std::sort(run.begin(), run.end());
+    for (std::size_t n = 1, first = 0; n < run.size(); ++n) {
+      if (run[n].first != run[first].first) {
+        first = n;
+        continue;
+      }
+      pairs.push_back({run[first].second, run[n].second});
+      kind[run[n].second] = 2;
+    }
+  }
+  return pairs;
+}
+
 std::vector<std::array<std::uint32_t, 2>> find_pairs(const TriMesh& mesh, const Incidence* incidence,
                                                      const Progress& progress, const std::vector<std::uint32_t>& only) {
-  const std::vector<char> kind = classify(mesh, incidence);
+  std::vector<char> kind = classify(mesh, incidence);
   progress.check();
   const TriangleTree tree(mesh);
   progress.check();
   const auto& order = tree.order();
+  const auto equal = set_equal_aside(mesh, tree, kind);
   using Pairs = std::vector<std::array<std::uint32_t, 2>>;
   const auto test = [&](std::uint32_t s, std::uint32_t t, Pairs& out) {
     if (s == t || ((kind[s] | kind[t]) & 2)) return;
@@ -163,7 +202,8 @@ std::vector<std::array<std::uint32_t, 2>> find_pairs(const TriMesh& mesh, const 
         if (box.meets(tree.box(n))) boxes.add(tree.box(n), static_cast<std::uint32_t>(n));
     });
     std::size_t after = 0;  // their numbers ascend
-    for (std::size_t m = begin; m < end; ++m) {
+    for (std::size_t m = begin; m < end && out.size() < most_pairs; ++m) {
+      progress.check();
       while (after < boxes.number.size() && boxes.number[after] <= m) ++after;
       boxes.meet(tree.box(m), after);
       for (std::size_t n = 0; n < boxes.met_count; ++n) test(order[m], order[boxes.met[n]], out);
@@ -173,6 +213,7 @@ std::vector<std::array<std::uint32_t, 2>> find_pairs(const TriMesh& mesh, const 
     progress.check();
     Boxes boxes;
     for (std::int64_t job = from; job < to; ++job) {
+      progress.check();
       if (only.empty())
         group(static_cast<std::size_t>(job), boxes, found[from / grain]);
       else
@@ -180,6 +221,10 @@ std::vector<std::array<std::uint32_t, 2>> find_pairs(const TriMesh& mesh, const 
     }
   });
   Pairs pairs;
+  for (const auto& pair : equal)
+    if (only.empty() || std::find(only.begin(), only.end(), pair[0]) != only.end() ||
+        std::find(only.begin(), only.end(), pair[1]) != only.end())
+      pairs.push_back({std::min(pair[0], pair[1]), std::max(pair[0], pair[1])});
   for (const auto& f : found) pairs.insert(pairs.end(), f.begin(), f.end());
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());

@@ -94,9 +94,23 @@ std::optional<TriMesh> own_glb(std::string_view bytes) {
   }
 }
 
+// The reader of PLY takes time with the square of the properties.
+void check_ply_header(std::string_view bytes) {
+  constexpr std::size_t most_properties = 1000, most_bytes = 1 << 20;
+  const std::size_t end = bytes.find("end_header");
+  const std::string_view head = bytes.substr(0, std::min(end, most_bytes));
+  std::size_t properties = 0;
+  for (std::size_t at = 0; (at = head.find("property", at)) != std::string_view::npos; at += 8) ++properties;
+  if (properties > most_properties)
+    throw Error(ExitCode::bad_input, "", "property",
+                std::to_string(properties) + (end > most_bytes ? " or more" : "") + ", at most " +
+                    std::to_string(most_properties) + " of a PLY file are read");
+}
+
 TriMesh foreign_mesh(const ForeignReader& reader, std::string_view bytes, const ReadMeshLimits& limits,
                      const Progress& progress) {
   ChildLimits child = foreign_limits(bytes.size());
+  if (reader.reads("ply")) check_ply_header(bytes);
   if (limits.max_s > 0) child.cpu_s = child.wall_s = limits.max_s;
   TriMesh mesh;
   try {

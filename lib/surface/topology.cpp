@@ -38,6 +38,23 @@ int count_fans(Around& around) {
     while (group[i] != i) i = group[i] = group[group[i]];
     return i;
   };
+  constexpr std::size_t few = 64;
+  if (ends.size() > few) {
+    // Those that share a far point, found by sorting: a soup may hang a million triangles on one point.
+    std::vector<std::array<std::uint32_t, 2>> by_end;
+    by_end.reserve(2 * ends.size());
+    for (std::uint32_t i = 0; i < ends.size(); ++i)
+      for (const std::uint32_t end : ends[i]) by_end.push_back({end, i});
+    std::sort(by_end.begin(), by_end.end());
+    for (std::size_t n = 1; n < by_end.size(); ++n) {
+      if (by_end[n][0] != by_end[n - 1][0]) continue;
+      const std::uint32_t a = find(by_end[n][1]), b = find(by_end[n - 1][1]);
+      if (a == b) continue;
+      group[a] = b;
+      --fans;
+    }
+    return fans;
+  }
   for (std::uint32_t i = 0; i < ends.size(); ++i)
     for (std::uint32_t j = 0; j < i; ++j) {
       if (ends[i][0] != ends[j][0] && ends[i][0] != ends[j][1] && ends[i][1] != ends[j][0] && ends[i][1] != ends[j][1])

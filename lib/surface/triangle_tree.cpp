@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "meshing/triangle_tree.h"
+#include "surface/triangle_tree.h"
 
 #include <algorithm>
 #include <cmath>
