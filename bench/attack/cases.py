@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mutants of a case whose checksums are right: values of case.json and bytes of its files are exchanged, then it is sealed again.
+
+The simulator's check must accept or refuse each (65) with one line, and never crash."""
+import hashlib
+import json
+import shutil
+
+import common
+
+HEAD = '{\n "format": "trephine-case 1.2",'
+ODD = [None, True, False, 0, -1, 1, 2.5, 1e9, -1e300, 2**63, "", "another", "a\nb", "../../case.json", [], {}, [1, 2, 3], [[[[]]]],
+       "0" * 64, "\u202etxt", "x" * 70000]
+
+
+def leaves(value, path=()):
+    if isinstance(value, dict) and value:
+        for key in value:
+            yield from leaves(value[key], path + (key,))
+    elif isinstance(value, list) and value:
+        for i, item in enumerate(value):
+            yield from leaves(item, path + (i,))
+    else:
+        yield path
+
+
+def put(value, path, new):
+    for step in path[:-1]:
+        value = value[step]
+    value[path[-1]] = new
+
+
+def seal(folder, body):
+    for f in body["files"]:
+        try:
+            data = (folder / f["name"]).read_bytes()
+            f["sha256"], f["bytes"] = hashlib.sha256(data).hexdigest(), len(data)
+        except (OSError, TypeError, KeyError, ValueError):
+            pass
+    text = HEAD + json.dumps(body, indent=1, ensure_ascii=False)[1:-2]
+    text += ',\n "checksum": "' + hashlib.sha256(text.encode()).hexdigest() + '"\n}\n'
+    (folder / "case.json").write_bytes(text.encode())
+
+
+def main():
+    attack = common.Attack(__doc__, 300, {"--case": {"required": True, "help": "a case of the current version"}})
+    good = attack.work / "good"
+    shutil.copytree(attack.args.case, good, ignore=shutil.ignore_patterns("report", ".lock"))
+    body = json.loads((good / "case.json").read_text())
+    del body["format"], body["checksum"]
+    seal(good, body)
+    attack.run("sealed again", "check", good, program=attack.args.sim, allowed={0})
+    paths = list(leaves(body))
+    rnd = attack.random
+    for n in range(attack.args.count):
+        mutant = json.loads(json.dumps(body))
+        folder = attack.work / "mutant"
+        shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(good, folder)
+        what = []
+        for _ in range(rnd.choice([1, 1, 2, 4])):
+            if rnd.random() < 0.25:
+                name = rnd.choice(body["files"])["name"]
+                data = bytearray((folder / name).read_bytes())
+                for _ in range(rnd.choice([1, 8])):
+                    data[rnd.randrange(min(len(data), rnd.choice([400, 4000, len(data)])))] = rnd.randrange(256)
+                if rnd.random() < 0.2:
+                    del data[rnd.randrange(len(data)):]
+                (folder / name).write_bytes(bytes(data))
+                what.append(name)
+            else:
+                path = rnd.choice(paths)
+                value = rnd.choice(ODD)
+                try:
+                    put(mutant, path, value)
+                except (TypeError, KeyError, IndexError):
+                    continue  # an earlier mutation took the place away
+                what.append(".".join(map(str, path)) + " = " + repr(value)[:40])
+        try:
+            seal(folder, mutant)
+        except (TypeError, KeyError):
+            continue
+        attack.run(f"mutant {n}: " + ", ".join(what), "check", folder, program=attack.args.sim, allowed={0, 65, 66})
+    attack.end()
+
+
+if __name__ == "__main__":
+    main()
