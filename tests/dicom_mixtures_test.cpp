@@ -77,10 +77,14 @@ TEST(DicomMixtures, WhatIsNotOneSeriesIsParted) {
   Scan slabs = longer();
   slabs.edit = [](int k, DataSet& d) { d.text(acquisition_tag, "IS", std::to_string(k / 4)); };
   EXPECT_EQ(listed(slabs).size(), 1u);
-  Scan frames = longer();
-  frames.edit = [](int k, DataSet& d) { d.text(frame_tag, "UI", "1.2." + std::to_string(k)); };
-  EXPECT_EQ(listed(frames).size(), 1u);
-  EXPECT_EQ(outcome(frames).code, 0);
+  for (const std::uint32_t t : {frame_tag, study_tag, patient_tag}) {
+    Scan own = longer();
+    own.edit = [=](int k, DataSet& d) { d.text(t, "UI", "1.2." + std::to_string(k)); };
+    EXPECT_EQ(listed(own).size(), 1u);
+    const ScratchFolder folder;
+    own.write(folder);
+    EXPECT_TRUE(warns(import_series(folder.path(), {}).report, "changes within the series, 12 values"));
+  }
 }
 
 TEST(DicomMixtures, ChangesWithinASeriesAndUnusualValuesAreTold) {

@@ -321,13 +321,13 @@ Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Pr
   read_headers(files, c, rest);
   know_by_uid(files, c);
 
-  std::map<std::tuple<std::string, std::string, bool, std::string, std::string>, Group> groups;
+  std::map<std::tuple<std::string, std::string, bool>, Group> groups;
   for (const FileHeader& h : c.headers) {
     if (h.is_localizer()) {
       ++c.localizers;
       continue;
     }
-    Group& g = groups[{h.series_uid, h.modality, h.is_ct(), h.patient_id, h.study_uid}];
+    Group& g = groups[{h.series_uid, h.modality, h.is_ct()}];
     const bool secondary = h.raw_image_type.find("DERIVED") != std::string::npos ||
                            h.raw_image_type.find("SECONDARY") != std::string::npos;
     if (h.faults.empty())

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "dicom/catalogue.h"
 #include "dicom/hu.h"
@@ -215,6 +216,9 @@ std::optional<Grid<T>> read_volume(const Plan& plan, HuCounts& counts, const Pro
 }
 
 HuVolume read_volume(const Plan& plan, HuCounts& counts, const Progress& progress) {
+  const auto& size = plan.geometry.target.size;
+  require_memory(plan.geometry.target.count() * (plan.integral ? sizeof(std::int16_t) : sizeof(float)),
+                 fmt::format("a volume of {} x {} x {} voxels", size[0], size[1], size[2]));
   try {
     if (plan.integral)
       if (auto v = read_volume<std::int16_t>(plan, counts, progress.part(0, 0.9))) return std::move(*v);

@@ -65,9 +65,10 @@ std::vector<Stack> parted(std::vector<Stack> stacks, Parts parts_of) {
   return out;
 }
 
-std::vector<Stack> by_frame(Stack s) {
-  const auto parts = by_text(s, &FileHeader::frame_uid);
-  if (parts.size() < 2 || 3 * parts.size() > s.size()) return {std::move(s)};
+// Where most slices have a value of their own, a program gave each file a new one.
+std::vector<Stack> by_identity(Stack s, std::string FileHeader::*member) {
+  const auto parts = by_text(s, member);
+  if (parts.size() < 2 || (parts.size() > 2 && 2 * parts.size() > s.size())) return {std::move(s)};
   return values_of(parts);
 }
 
@@ -117,7 +118,9 @@ auto distinct(const Series& s, Get get) {
 }  // namespace
 
 std::vector<Stack> part_mixture(Stack stack) {
-  std::vector<Stack> out = by_frame(std::move(stack));
+  std::vector<Stack> out = {std::move(stack)};
+  for (const auto member : {&FileHeader::patient_id, &FileHeader::study_uid, &FileHeader::frame_uid})
+    out = parted(std::move(out), [member](Stack s) { return by_identity(std::move(s), member); });
   out = parted(std::move(out), [](Stack s) { return by_interleaved(std::move(s), &FileHeader::kernel); });
   return parted(std::move(out), [](Stack s) { return by_interleaved(std::move(s), &FileHeader::acquisition); });
 }
@@ -191,6 +194,9 @@ void warn_of_changes(const Series& s, const HuCounts& counts, Report& report) {
   changes("kVp", distinct(s, [](const FrameRef& r) { return r.header->kvp.value_or(0); }).size());
   changes("the contrast agent's tag", distinct(s, [](const FrameRef& r) { return r.header->contrast; }).size());
   changes("PatientPosition", distinct(s, [](const FrameRef& r) { return r.header->patient_position; }).size());
+  changes("PatientID", distinct(s, [](const FrameRef& r) { return r.header->patient_id; }).size(),
+          ": that all slices are of one patient is taken on trust");
+  changes("StudyInstanceUID", distinct(s, [](const FrameRef& r) { return r.header->study_uid; }).size());
   changes("FrameOfReferenceUID", distinct(s, [](const FrameRef& r) { return r.header->frame_uid; }).size(),
           ": that all slices are of one frame is taken on trust");
   if (!s.is_ct) return;

@@ -8,9 +8,10 @@
 
 namespace trephine::dicom {
 
-/// Parts the slices of one stack that do not belong together, though they have one SeriesInstanceUID: several frames of
-/// reference, and acquisitions or kernels that lie within each other. (Slabs of several acquisitions one after the
-/// other are one series, and a FrameOfReferenceUID of its own on nearly every slice is an anonymiser's.)
+/// Parts the slices of one stack that do not belong together, though they have one SeriesInstanceUID: several patients,
+/// studies or frames of reference, and acquisitions or kernels that lie within each other. (Slabs of several
+/// acquisitions one after the other are one series; and where most slices have a UID of their own, an anonymiser gave
+/// each file a new one.)
 std::vector<std::vector<FrameRef>> part_mixture(std::vector<FrameRef> stack);
 
 /// For each series that may be used, finds the single slices that have its UID and lie among or beside its own but were
