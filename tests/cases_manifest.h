@@ -21,7 +21,7 @@ inline CaseManifest sample_manifest() {
   a.points = 4;
   a.volume_ml = 0.1 + 0.2;
   a.area_cm2 = 1e-7;
-  a.deviation = {0.25, 0.125, 1 / 3.0};
+  a.deviation = {0.75, 0.5, 1 / 3.0};
   a.budget_asked_mm = 0.3;
   a.budget_used_mm = 0.2;
   a.figures = {{"stopped_by", std::string("max_deviation_mm")}, {"genus", std::int64_t{0}}, {"closed", true}};

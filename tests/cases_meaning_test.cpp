@@ -76,7 +76,7 @@ TEST(CaseMeaning, WhatTheSpecificationForbidsIsRefused) {
                                    {"/drag_n_s_per_mm", 2},
                                    {"/shaft_friction_n_per_mm", 2},
                                    {"/removal_energy_j_per_mm3", 11}})
-    EXPECT_EQ(with(good, (material + key).c_str(), value), at) << key;
+    EXPECT_EQ(with(good, (material + key).c_str(), value).rfind(at + ".", 0), 0u) << key;
   EXPECT_EQ(with(good, "/anatomies/0/deviation_mm/max", 1e5), "anatomies.outer.deviation_mm.max");
   EXPECT_EQ(with(good, "/anatomies/0/deviation_mm/p99", 0.3), "anatomies.outer.deviation_mm.p99");
   EXPECT_EQ(with(good, "/anatomies/0/deviation_mm/rms", 0.3), "anatomies.outer.deviation_mm.rms");
@@ -134,7 +134,7 @@ TEST(CaseMeaning, WhatIsAcceptedMeansWhatItSays) {
         Json again = Json::parse(to_json(loaded.manifest));
         again.erase("format");
         again.erase("checksum");
-        EXPECT_EQ(nlohmann::json(again), nlohmann::json(changed)) << pointer << ": " << other;
+        EXPECT_TRUE(nlohmann::json(again) == nlohmann::json(changed)) << pointer << ": " << other;
         ++accepted;
       } catch (const Error& e) {
         EXPECT_EQ(e.code(), ExitCode::bad_input) << pointer << ": " << other << ": " << e.line("");

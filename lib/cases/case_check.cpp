@@ -106,7 +106,9 @@ void check_anatomies(const CaseManifest& m, const std::set<std::string>& files) 
 
 void check_material(const CaseMaterial& m, const std::string& at) {
   if (m.name.empty()) contradiction(at + ".name", "is empty");
-  if (const std::string fault = fault_of(m); !fault.empty()) contradiction(at, fault);
+  const std::string fault = fault_of(m);
+  if (const std::size_t colon = fault.find(": "); colon != std::string::npos)
+    contradiction(at + "." + fault.substr(0, colon), fault.substr(colon + 2));
 }
 
 bool is_shape_name(const std::string& name) {

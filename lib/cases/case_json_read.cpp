@@ -101,6 +101,7 @@ CaseShape to_shape(const JsonAt& v) {
     s.mismatch.max_mm = (*d)["max_mm"].number();
     s.mismatch.missed_ratio = (*d)["missed_ratio"].number();
     s.mismatch.samples = (*d)["samples"].count();
+    if (s.mismatch.samples == 0) (*d)["samples"].refuse("0: where nothing was measured, mismatch must be left out");
   }
   return s;
 }
@@ -109,7 +110,10 @@ CaseHaptic to_haptic(const JsonAt& v) {
   CaseHaptic h;
   h.file = v["file"].text();
   if (h.file.empty()) v["file"].refuse("is empty");
-  if (const auto hardness = v.optional("hardness_file")) h.hardness_file = hardness->text();
+  if (const auto hardness = v.optional("hardness_file")) {
+    h.hardness_file = hardness->text();
+    if (h.hardness_file.empty()) hardness->refuse("is empty, must be left out");
+  }
   h.encoding = v["encoding"].text();
   const JsonAt size = v["size"];
   if (size.items().size() != 3) size.refuse("must be three whole numbers");
