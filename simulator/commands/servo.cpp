@@ -158,7 +158,14 @@ ExitCode run_servo(const ParsedCommand& parsed) {
   follow(session);
   const SessionResult result = session.finish();
   print_result(result, options.servo.paced);
-  if (parsed.has("json")) write_file(parsed.path("json"), json_of(result).dump(1) + "\n");
+  nlohmann::ordered_json json = json_of(result);
+  // Whether the machine wakes anything in time is not the servo's doing: the two are told side by side.
+  if (options.servo.paced && options.servo.realtime && !cancel_requested()) {
+    const Histogram bare = bare_loop_lateness(options.servo.rate_hz, 1, true);
+    print_times("bare sleep", bare);
+    json["bare_sleep"] = times_of(bare);
+  }
+  if (parsed.has("json")) write_file(parsed.path("json"), json.dump(1) + "\n");
   Progress({}, &cancel_requested()).check();
   if (const std::uint32_t faults = result.statistics.faults; faults != 0)
     throw Error(ExitCode::io, "", "device", fault_names(faults) + ": the force was zero from then on");

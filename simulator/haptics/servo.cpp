@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <thread>
 
 namespace trephine {
 namespace {
@@ -52,6 +53,23 @@ RealtimeGrant claim_realtime() {
   g.fifo = fault == 0;
   if (fault != 0) g.fifo_fault = std::strerror(fault);
   return g;
+}
+
+Histogram bare_loop_lateness(double rate_hz, double seconds, bool realtime) {
+  Histogram late;
+  std::thread loop([&] {
+    if (realtime) claim_realtime();
+    const std::int64_t period = std::int64_t(std::llround(1e9 / rate_hz));
+    std::int64_t due = now_ns() + period;
+    for (std::int64_t n = 0; n < std::llround(seconds * rate_hz); ++n, due += period) {
+      sleep_until(due);
+      const std::int64_t woke = now_ns();
+      late.add(double(woke - due));
+      due += std::max<std::int64_t>(0, (woke - due) / period) * period;  // what was missed is not made up for
+    }
+  });
+  loop.join();
+  return late;
 }
 
 FrameQueue::FrameQueue(std::size_t capacity) {

@@ -33,6 +33,10 @@ struct RealtimeGrant {
 /// Locks the process's memory and puts the calling thread under SCHED_FIFO.
 RealtimeGrant claim_realtime();
 
+/// How late a loop that does nothing but sleep wakes on this machine, at that rate for that long, under SCHED_FIFO
+/// where it is granted: what of the servo's lateness is the machine's. On a thread of its own.
+Histogram bare_loop_lateness(double rate_hz, double seconds, bool realtime);
+
 /// A queue of frames from the servo thread to the thread that writes them: one writer, one reader, no lock. A full
 /// queue drops the frame and counts it.
 class FrameQueue {
