@@ -135,7 +135,7 @@ std::vector<Case> cases_of(const StageType& stage) {
       for (const std::string& more : named_extremes(stage.name, p.name)) texts.push_back(more);
       for (const std::string& text : texts) {
         // Whether a deadline of 0.1 s is met is the machine's affair; that nothing else happens is ours.
-        const bool deadline = p.name == "time_limit_s";
+        const bool deadline = p.name == "time_limit_s" || p.name == "total_limit_s";
         cases.push_back({prefix + leaf.path + " = " + shown(text),
                          [subject, name = leaf.path, text, deadline] {
                            AnyParams params = params_of(subject);
