@@ -54,7 +54,7 @@ CaseLandmark landmark(const std::string& name, Vec3 at) {
   CaseLandmark l;
   l.name = name;
   l.position_mm = at;
-  l.source = "given";
+  l.source = "found";
   return l;
 }
 
