@@ -160,6 +160,21 @@ TEST_F(Vtp, ForeignAsciiFileIsRead) {
   EXPECT_EQ(m.points_mm[2], (Vec3{0, -2, 0}));
   EXPECT_EQ(m.points_mm[3], (Vec3{0, 0, 3}));
 
+  const auto with_text = [&](const std::string& name, const std::string& text) {
+    std::string codes;
+    for (const char c : text) codes += std::to_string(int(c)) + " ";
+    write_file(path("field.vtp"),
+               file("<FieldData><DataArray type=\"String\" Name=\"" + name +
+                        "\" NumberOfTuples=\"1\" format=\"ascii\">" + codes + "0</DataArray></FieldData>",
+                    good));
+    return path("field.vtp");
+  };
+  EXPECT_EQ(read_vtp(with_text("UNIT", "mm")).points_mm[2], (Vec3{0, 2, 0}));
+  EXPECT_EQ(read_vtp(with_text("UNIT", "cm")).points_mm[2], (Vec3{0, 20, 0}));
+  EXPECT_EQ(read_vtp(with_text("UNIT", "m")).points_mm[3], (Vec3{0, 0, 3000}));
+  EXPECT_EQ(code_of_reading(with_text("UNIT", "furlong")), ExitCode::bad_input);
+  EXPECT_EQ(code_of_reading(with_text("SPACE", "scanner")), ExitCode::bad_input);
+
   for (const char* bad : {"0 1 2 0 2 4", "0 1 2 0 2 -1"}) {
     std::string p = good;
     p.replace(p.find("0 1 2 0 2 3"), 11, bad);
