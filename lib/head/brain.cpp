@@ -30,6 +30,7 @@ constexpr double bone_blur_mm = 1.2;    ///< HU this near to bone are not reliab
 constexpr double bone_margin_mm = 1.0;  ///< the brain never comes nearer to bone than this: dura and a film of CSF
 constexpr double inner_hu = 10;         ///< inside, tissue may be this much darker than at its surface (white matter)
 constexpr double ventricle_hu = 18.5;   ///< the edge between CSF and white matter
+constexpr double csf_hu = -15;          ///< and the least of CSF
 constexpr double ventricle_wall_mm = 1.5;
 constexpr double wide_mm = 2.0;   ///< CSF wider than twice this is as dark as CSF,
 constexpr double lesion_hu = 15;  ///< and what is brighter is oedema or an old infarct: brain
@@ -174,7 +175,11 @@ Field brain_in(const HuView& hu, const BrainMasks& masks, const BrainParams& p, 
   report.add("envelope_ml", double(shape.count()) * soft.voxel_volume_mm3() / 1000);
 
   // Sulci, fissures and cisterns are the CSF that is reached from outside without passing through the ventricles.
-  BitMask closed_off = dilated(deep_csf(soft, shape, -15, ventricle_hu, progress), ventricle_wall_mm, progress);
+  const BitMask wide = wide_csf(soft, shape, csf_hu, ventricle_hu, progress);
+  const HeadPlace place = place_head(shape, &wide, hu.lattice(), progress);
+  report_place(place, report);
+  BitMask closed_off =
+      dilated(deep_csf(soft, shape, place, csf_hu, ventricle_hu, progress), ventricle_wall_mm, progress);
   closed_off &= shape;
   const auto dark_in = [&](const Field& f) {
     BitMask dark = within(f, lower);

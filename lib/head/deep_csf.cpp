@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "head/deep_csf.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "head/brain_box.h"
 #include "mask/filters.h"
 
@@ -10,6 +13,7 @@ namespace {
 constexpr double cistern_depth_mm = 8;  ///< CSF this near to the brain's surface belongs to sulci and cisterns
 constexpr double core_ml = 0.02;        ///< ventricles hold a core at least this large in one of the boxes below
 constexpr double strict_hu = 1;  ///< connections are decided this much below the edge, so that oedema does not join in,
+constexpr double wide_depth_mm = 15, wide_mm = 1.2;
 constexpr double regrow_mm = 2;  ///< and the result is then grown to the edge by at most this
 
 /// The core of a ventricle: a ball of that radius fits in, at that depth under the brain's surface.
@@ -23,8 +27,8 @@ constexpr Core third_ventricle{0.5, 12, {{-12, -30, -18}, {12, 5, 5}}};
 constexpr BrainBox behind_the_third{{-20, 11, -1000}, {20, 1000, -10}};    ///< quadrigeminal, cerebellar cisterns
 constexpr BrainBox below_the_third{{-20, -1000, -1000}, {20, 1000, -28}};  ///< fourth ventricle, basal cisterns
 
-/// Seeds for the watershed in the CSF: 1 in the cores of the ventricles, 2 in cisterns and near the brain's surface.
-Mask seeds_of(const BitMask& csf, const Grid<float>& depth, Vec3 centre_mm, const Progress& progress) {
+/// Seeds by boxes about the envelope's centre.
+Mask seeds_by_boxes(const BitMask& csf, const Grid<float>& depth, Vec3 centre_mm, const Progress& progress) {
   const Lattice& l = csf.lattice();
   const auto from_centre = [&](int i, int j, int k) {
     return l.to_world_mm({double(i), double(j), double(k)}) - centre_mm;
@@ -51,10 +55,133 @@ Mask seeds_of(const BitMask& csf, const Grid<float>& depth, Vec3 centre_mm, cons
   return seeds;
 }
 
+// In the template, mm. A place is reached where its distance is at most this; heads differ by 3 to 5 mm.
+constexpr double lateral_reach_mm = 8, third_reach_mm = 4, other_reach_mm = 2;
+constexpr double lateral_depth_mm = 14, third_depth_mm = 12;
+constexpr double midline_slack_mm = 8;  ///< so far a mass may shift the third ventricle sideways
+constexpr double sheet_mm = 2.2;        ///< the fissure is narrower than twice this
+
+// The third ventricle, mostly a slit that no voxel lies in wholly: darker than both sides by this, over this distance.
+constexpr double slit_hu = 6, slit_contrast_hu = 5, slit_beside_mm = 7, slit_reach_mm = 3, slit_ml = 0.15;
+constexpr double third_front_mm = -26, third_back_mm = 6;  ///< where it is sought
+constexpr double strange_mm = 8, strange_share = 0.5;  ///< a piece of which more than this lies farther off is a cyst
+
+/// The third ventricle may be shifted sideways.
+double third_mm(Vec3 p) {
+  p.x = std::copysign(std::max(0.0, std::abs(p.x) - midline_slack_mm), p.x);
+  return place_mm(Place::third, p);
+}
+
+double lateral_mm(Vec3 p) { return std::min(place_mm(Place::lateral_left, p), place_mm(Place::lateral_right, p)); }
+
+/// The slit of the third ventricle: dark, between two brighter sides, where it should be; empty where there is none.
+BitMask third_slit(const Grid<float>& soft, const BitMask& envelope, const HeadPlace& place, double lower_hu,
+                   double upper_hu) {
+  const Lattice& l = soft;
+  const Vec3 aside = transpose_times(l.direction, place.axes.column[0]) * slit_beside_mm;
+  const int step[3] = {int(std::lround(aside.x / l.spacing_mm.x)), int(std::lround(aside.y / l.spacing_mm.y)),
+                       int(std::lround(aside.z / l.spacing_mm.z))};
+  const BitMask dark = make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i) {
+      row[i] = 0;
+      const float v = soft.at(i, j, k);
+      if (!(v > lower_hu && v < upper_hu + slit_hu) || !envelope.get(i, j, k)) continue;
+      const Vec3 p = place.to_template(l.to_world_mm({double(i), double(j), double(k)}));
+      if (p.y < third_front_mm || p.y > third_back_mm || third_mm(p) > slit_reach_mm) continue;
+      row[i] = 1;
+      for (const int side : {-1, 1}) {
+        const int a = i + side * step[0], b = j + side * step[1], c = k + side * step[2];
+        if (!l.contains(a, b, c) || !envelope.get(a, b, c) || soft.at(a, b, c) < v + slit_contrast_hu) row[i] = 0;
+      }
+    }
+  });
+  return at_least_ml(components(dark, true), slit_ml);
+}
+
+/// The pieces most of which lies where ventricles do.
+BitMask in_place(const BitMask& mask, const HeadPlace& place) {
+  const Components pieces = components(mask);
+  std::vector<double> near(pieces.list.size(), 0);
+  for (int k = 0; k < pieces.lattice.size[2]; ++k)
+    for (int j = 0; j < pieces.lattice.size[1]; ++j) {
+      const std::size_t row = std::size_t(k) * pieces.lattice.size[1] + j;
+      for (std::size_t r = pieces.row_start[row]; r < pieces.row_start[row + 1]; ++r)
+        for (int i = pieces.runs[r].begin; i < pieces.runs[r].end; ++i) {
+          const Vec3 p = place.to_template(pieces.lattice.to_world_mm({double(i), double(j), double(k)}));
+          near[std::size_t(pieces.runs[r].component)] += std::min(lateral_mm(p), third_mm(p)) <= strange_mm;
+        }
+    }
+  std::vector<char> keep;
+  for (std::size_t c = 0; c < near.size(); ++c)
+    keep.push_back(near[c] >= strange_share * double(pieces.list[c].voxels));
+  return select(pieces, keep);
+}
+
+/// Seeds by place: 1 in the cores of the ventricles, 2 in cisterns, fissures and near the brain's surface.
+Mask seeds_by_place(const BitMask& csf, const BitMask& slit, const Grid<float>& depth, const HeadPlace& place,
+                    const Progress& progress) {
+  const Lattice& l = csf.lattice();
+  const auto at = [&](int i, int j, int k) {
+    return place.to_template(l.to_world_mm({double(i), double(j), double(k)}));
+  };
+  BitMask lateral = eroded(csf, lateral_ventricles.radius_mm, progress),
+          third = eroded(csf, third_ventricle.radius_mm, progress);
+  lateral &= make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i)
+      row[i] =
+          lateral.get(i, j, k) && depth.at(i, j, k) >= lateral_depth_mm && lateral_mm(at(i, j, k)) <= lateral_reach_mm;
+  });
+  third &= make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i) {
+      row[i] = 0;
+      if (!third.get(i, j, k) || depth.at(i, j, k) < third_depth_mm) continue;
+      const Vec3 p = at(i, j, k);
+      row[i] = p.y <= third_back_mm && third_mm(p) <= third_reach_mm;
+    }
+  });
+  BitMask cores = at_least_ml(components(lateral), core_ml);
+  cores |= at_least_ml(components(third), core_ml);
+  cores |= slit;
+  // Narrow in every slice across the midline: the fissure, never a ventricle's body.
+  BitMask sheet = csf;
+  sheet.remove(dilated(eroded(csf, sheet_mm, progress), sheet_mm + 1, progress));
+  Mask seeds(l);
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        if (!csf.get(i, j, k)) continue;
+        const Vec3 p = at(i, j, k);
+        const double beside = std::abs(p.x), ventricle = std::min(lateral_mm(p), third_mm(p));
+        const bool behind = beside < 14 && p.y > 14 && p.z < 46 && lateral_mm(p) > 4;
+        const bool below = p.z < 17 && ventricle > 6;
+        const bool basal = place_mm(Place::basal, p) < other_reach_mm && ventricle > 4;
+        const bool before = beside < 4 && p.y < -30 && lateral_mm(p) > 8;
+        const bool above = beside < 4 && p.z > 65 && sheet.get(i, j, k);
+        const bool other = depth.at(i, j, k) < cistern_depth_mm || behind || below || basal || before || above;
+        seeds.at(i, j, k) = other && !(cores.get(i, j, k) && !above && !behind) ? 2 : cores.get(i, j, k) ? 1 : 0;
+      }
+  return seeds;
+}
+
 }  // namespace
 
-BitMask deep_csf(const Grid<float>& soft, const BitMask& envelope, double lower_hu, double upper_hu,
-                 const Progress& progress, BitMask* others) {
+BitMask wide_csf(const Grid<float>& soft, const BitMask& envelope, double lower_hu, double upper_hu,
+                 const Progress& progress) {
+  BitMask outside = envelope;
+  outside.invert();
+  const Grid<float> depth = distance_mm(outside, progress);
+  return eroded(make_mask(soft,
+                          [&](int j, int k, std::uint8_t* row) {
+                            for (int i = 0; i < soft.size[0]; ++i) {
+                              const float v = soft.at(i, j, k);
+                              row[i] = depth.at(i, j, k) > wide_depth_mm && v > lower_hu && v < upper_hu - strict_hu;
+                            }
+                          }),
+                wide_mm, progress);
+}
+
+BitMask deep_csf(const Grid<float>& soft, const BitMask& envelope, const HeadPlace& place, double lower_hu,
+                 double upper_hu, const Progress& progress, BitMask* others) {
   const Lattice& l = soft;
   const auto fluid = [&](double below) {
     BitMask mask = make_mask(l, [&](int j, int k, std::uint8_t* row) {
@@ -65,15 +192,19 @@ BitMask deep_csf(const Grid<float>& soft, const BitMask& envelope, double lower_
   BitMask outside = envelope;
   outside.invert();
   const Grid<float> depth = distance_mm(outside, progress);
-  const BitMask csf = fluid(upper_hu - strict_hu);
+  BitMask csf = fluid(upper_hu - strict_hu);
+  BitMask slit(l);
+  if (place.sure) csf |= slit = third_slit(soft, envelope, place, lower_hu, upper_hu);
   BitMask other = csf;
   other.invert();
-  const Mask labels =
-      flood(distance_mm(other, progress), csf, seeds_of(csf, depth, envelope.centre_mm(), progress), progress);
+  const Mask seeds = place.sure ? seeds_by_place(csf, slit, depth, place, progress)
+                                : seeds_by_boxes(csf, depth, envelope.centre_mm(), progress);
+  const Mask labels = flood(distance_mm(other, progress), csf, seeds, progress);
   BitMask mine = make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 1;
   });
   mine = at_least_ml(components(mine), ventricle_speck_ml);
+  if (place.sure) mine = in_place(mine, place);
   // Grown back to the edge, but not into the fluid of other spaces.
   BitMask free = fluid(upper_hu);
   BitMask apart = make_mask(l, [&](int j, int k, std::uint8_t* row) {

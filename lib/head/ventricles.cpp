@@ -184,11 +184,14 @@ Field ventricles_in(const HuView& hu, const VentriclesMasks& masks, const Ventri
   double upper = p.upper_hu;
   envelope &= allowed;
   BitMask others;
-  BitMask shape = deep_csf(soft, envelope, lower, upper, progress, &others);
+  const BitMask wide = wide_csf(soft, envelope, lower, upper, progress);
+  const HeadPlace place = place_head(envelope, &wide, hu.lattice(), progress);
+  report_place(place, report);
+  BitMask shape = deep_csf(soft, envelope, place, lower, upper, progress, &others);
   progress.report(0.6);
   if (p.edge == SegmentEdge::half_maximum && shape.any()) {
     upper = half_of_both_sides(soft, shape, brain, upper, progress);
-    shape = deep_csf(soft, envelope, lower, upper, progress, &others);
+    shape = deep_csf(soft, envelope, place, lower, upper, progress, &others);
   }
   report.add("upper_hu", upper);
   if (p.close_mm > 0) shape = closed(shape, p.close_mm, progress);

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// Where things lie in a head: a template of our own, and where it lies in a scan.
+#include "base/progress.h"
+#include "base/report.h"
+#include "mask/bits.h"
+
+namespace trephine::segmentation {
+
+/// The template is an analytic head in mm: origin in the middle between the ear canals, x to the patient's left, y to
+/// the back, z up, Frankfurt plane level. Its numbers are those of the synthetic head (lib/phantom), the mean of its
+/// normal shapes; a test holds them against all variants and seeds.
+enum class Place {
+  lateral_left,
+  lateral_right,
+  third,
+  fourth,
+  fissure,        ///< between the hemispheres, above and before the corpus callosum
+  quadrigeminal,  ///< and what lies behind it: the cisterns above the cerebellum
+  basal,          ///< suprasellar, interpeduncular, prepontine
+  sylvian,
+};
+
+/// Signed distance to the structure's mean shape in the template, mm, negative inside, to about 1 mm.
+double place_mm(Place place, Vec3 template_mm);
+
+/// Signed distance to the template's cranial cavity without the spinal canal, mm, negative inside; an estimate.
+double template_cavity_mm(Vec3 template_mm);
+
+/// The foramen magnum: the cord passes its plane at this point, upwards is z.
+constexpr Vec3 template_foramen_mm{0, 26, -24};
+
+/// Where the template lies in a scan: rotated and stretched along its axes.
+struct HeadPlace {
+  Vec3 centre_mm;  ///< LPS of the template's middle
+  Mat3 axes;       ///< the template's axes in LPS
+  Vec3 scale{1, 1, 1};
+  double residual_mm = 0;  ///< median distance of the template's cavity from the scan's, over what was scanned
+  double scanned = 0;      ///< share of the template's cavity that lies in the scan
+  double matched = 0;      ///< share of that which fits to 6 mm
+  bool sure = false;       ///< fits well enough to tell places by it
+
+  Vec3 to_template(Vec3 lps_mm) const;
+  Vec3 to_lps(Vec3 template_mm) const;
+};
+
+/// Registers the template to the cranial cavity (or to the brain with its sulci closed): rotation, shift and a scale
+/// along each axis, by Gauss-Newton steps on the cavity's distance field from several starts in pitch. What fits badly
+/// (an open skull, a cavity that runs on into the neck) has no weight, nor has what lies beyond `scan`. Scales are held
+/// near to those of adults as far as the scan leaves them open. `fluid` (may be null) is wide CSF deep in the brain:
+/// the pose also brings it near to the template's ventricles and cisterns, because the shape of the cavity alone leaves
+/// the pitch open by 10 degrees. Deterministic, the same whatever the thread count. Not
+/// sure where less than half of the cavity was scanned or less than 60 % of that fits to 6 mm.
+HeadPlace place_head(const BitMask& cavity, const BitMask* fluid, const Lattice& scan, const Progress& progress = {});
+
+/// Adds "template_residual_mm", "template_matched_ratio", "template_scanned_ratio" and "head_pitch_deg" (chin down:
+/// above 0), and warns where the template is not sure.
+void report_place(const HeadPlace& place, Report& report);
+
+}  // namespace trephine::segmentation
