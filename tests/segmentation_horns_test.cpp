@@ -45,7 +45,7 @@ Scene scene(double tube_radius_mm) {
 TEST(Horns, ThinTubeInNoiseIsFollowedToItsEnd) {
   const Scene s = scene(1.9);
   int count = 0;
-  const Grid<float> d = find_horns(s.hu, s.known, s.known, s.others, s.shape, {0, 0, 0}, 25, count);
+  const Grid<float> d = find_horns(s.hu, s.known, s.known, s.others, s.shape, {0, 0, 0}, {}, 25, count);
   EXPECT_EQ(count, 1);
   const auto value = [&](Vec3 p) {
     const Vec3 q = d.to_index(p);
@@ -71,7 +71,7 @@ TEST(Horns, ThinTubeInNoiseIsFollowedToItsEnd) {
 TEST(Horns, NoneIsFoundInNoiseAlone) {
   const Scene s = scene(0);
   int count = -1;
-  const Grid<float> d = find_horns(s.hu, s.known, s.known, s.others, s.shape, {0, 0, 0}, 25, count);
+  const Grid<float> d = find_horns(s.hu, s.known, s.known, s.others, s.shape, {0, 0, 0}, {}, 25, count);
   EXPECT_EQ(count, 0);
   for (const float v : d.voxels) ASSERT_LT(v, 0);
 }

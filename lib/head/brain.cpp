@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "head/brain_pits.h"
 #include "head/cranium.h"
 #include "head/deep_csf.h"
 #include "head/soft_tissue.h"
@@ -43,9 +44,15 @@ constexpr double crumb_mm = 0.8;  ///< flaps thinner than twice this (dura, vess
 constexpr double cut_sigma_mm = 1.5;
 constexpr double cut_scale_hu = 10;
 
-/// The HU of the cells where brain or fluid is, far from bone, denoised and with tissue at 30.
-Grid<float> soft_of(const HuView& hu, const Box& box, const CoarseRaster& raster, BitMask known, const BrainParams& p,
-                    Report& report, const Progress& progress) {
+/// The HU of the cells where brain or fluid is, far from bone, with tissue at 30.
+struct Tissue {
+  Grid<float> level, soft;  ///< before denoising and after it
+  BitMask known;
+  double noise = 0;
+};
+
+Tissue tissue_of(const HuView& hu, const Box& box, const CoarseRaster& raster, BitMask known, const BrainParams& p,
+                 Report& report, const Progress& progress) {
   known &= make_mask(raster.fine, [&](int j, int k, std::uint8_t* row) {
     const std::size_t start = hu.lattice().index(box.begin[0], box.begin[1] + j, box.begin[2] + k);
     for (int i = 0; i < raster.fine.size[0]; ++i) row[i] = hu(start + i) > -100 && hu(start + i) < 160;
@@ -57,9 +64,11 @@ Grid<float> soft_of(const HuView& hu, const Box& box, const CoarseRaster& raster
   // More noise is averaged over wider planes.
   const double noise = tissue_noise(v, known, progress);
   check_noise(noise, v);
+  Tissue t{v, {}, known, noise};
   const double wide_mm = std::min(most_sheet_mm, sheet_mm_per_noise * noise);
   if (wide_mm >= least_sheet_mm) v = averaged_along_sheets(v, known, wide_mm, progress);
-  return soft_tissue(std::move(v), known, false, strength_ratio, -1000, report, progress);
+  t.soft = soft_tissue(std::move(v), known, false, strength_ratio, -1000, report, progress);
+  return t;
 }
 
 /// Undoes the blur of edges and clefts to first order: adds what a Gaussian mean takes away.
@@ -145,7 +154,8 @@ Field brain_in(const HuView& hu, const BrainMasks& masks, const BrainParams& p, 
   const CoarseRaster raster = coarse_raster(cavity.lattice(), cell_mm, true);
   BitMask known = cavity;
   known.remove(dilated(bone, bone_blur_mm, progress));
-  Field soft = soft_of(hu, box, raster, std::move(known), p, report, progress);
+  const Tissue scanned = tissue_of(hu, box, raster, std::move(known), p, report, progress);
+  Field soft = scanned.soft;
   progress.report(0.6);
   BitMask allowed = cavity;
   cavity.remove(dilated(bone, bone_margin_mm, progress));
@@ -178,6 +188,13 @@ Field brain_in(const HuView& hu, const BrainMasks& masks, const BrainParams& p, 
   const BitMask wide = wide_csf(soft, shape, csf_hu, ventricle_hu, progress);
   const HeadPlace place = place_head(shape, &wide, hu.lattice(), progress);
   report_place(place, report);
+  // The brain ends at the foramen magnum.
+  if (place.sure)
+    shape &= make_mask(shape.lattice(), [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < shape.lattice().size[0]; ++i)
+        row[i] =
+            place.to_template(shape.lattice().to_world_mm({double(i), double(j), double(k)})).z > template_foramen_z;
+    });
   BitMask closed_off =
       dilated(deep_csf(soft, shape, place, csf_hu, ventricle_hu, progress), ventricle_wall_mm, progress);
   closed_off &= shape;
@@ -196,7 +213,11 @@ Field brain_in(const HuView& hu, const BrainMasks& masks, const BrainParams& p, 
   // Sharpening deepens sulci that are reached without it. Alone it may reach nothing new, because it raises noise too.
   dark |= outside;
   dark &= deeper;
-  shape.remove(grown_within(reached(outside, dark), deeper, sharpened_mm, progress));
+  BitMask cut = grown_within(reached(outside, dark), deeper, sharpened_mm, progress);
+  cut &= shape;
+  const BitMask pits = noise_pits(cut, shape, scanned.level, scanned.known, scanned.noise, progress);
+  report.add("noise_pits_ml", double(pits.count()) * soft.voxel_volume_mm3() / 1000);
+  shape.remove(cut.remove(pits));
   BitMask solid = dilated(largest(components(eroded(shape, crumb_mm, progress))), crumb_mm + 0.5, progress);
   shape &= solid;
   shape = largest(components(shape));

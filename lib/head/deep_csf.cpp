@@ -117,9 +117,28 @@ BitMask in_place(const BitMask& mask, const HeadPlace& place) {
   return select(pieces, keep);
 }
 
+/// y of the calcified pineal gland in the template, which lies behind the third ventricle; 14 where there is none.
+double pineal_y(const Grid<float>& soft, const HeadPlace& place) {
+  constexpr float bone_hu = 55;
+  constexpr double usual_y = 14, least_mm3 = 30;
+  double sum = 0;
+  std::size_t count = 0;
+  for (int k = 0; k < soft.size[2]; ++k)
+    for (int j = 0; j < soft.size[1]; ++j)
+      for (int i = 0; i < soft.size[0]; ++i) {
+        const float v = soft.at(i, j, k);
+        if (!(v > bone_hu && v < 1000)) continue;
+        const Vec3 p = place.to_template(soft.to_world_mm({double(i), double(j), double(k)}));
+        if (std::abs(p.x) > 7 || p.y < 2 || p.y > 24 || p.z < 32 || p.z > 52) continue;
+        sum += p.y;
+        ++count;
+      }
+  return double(count) * soft.voxel_volume_mm3() < least_mm3 ? usual_y : std::min(usual_y, sum / double(count) + 1);
+}
+
 /// Seeds by place: 1 in the cores of the ventricles, 2 in cisterns, fissures and near the brain's surface.
-Mask seeds_by_place(const BitMask& csf, const BitMask& slit, const Grid<float>& depth, const HeadPlace& place,
-                    const Progress& progress) {
+Mask seeds_by_place(const Grid<float>& soft, const BitMask& csf, const BitMask& slit, const Grid<float>& depth,
+                    const HeadPlace& place, const Progress& progress) {
   const Lattice& l = csf.lattice();
   const auto at = [&](int i, int j, int k) {
     return place.to_template(l.to_world_mm({double(i), double(j), double(k)}));
@@ -145,6 +164,7 @@ Mask seeds_by_place(const BitMask& csf, const BitMask& slit, const Grid<float>& 
   // Narrow in every slice across the midline: the fissure, never a ventricle's body.
   BitMask sheet = csf;
   sheet.remove(dilated(eroded(csf, sheet_mm, progress), sheet_mm + 1, progress));
+  const double pineal = pineal_y(soft, place);
   Mask seeds(l);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
@@ -152,7 +172,7 @@ Mask seeds_by_place(const BitMask& csf, const BitMask& slit, const Grid<float>& 
         if (!csf.get(i, j, k)) continue;
         const Vec3 p = at(i, j, k);
         const double beside = std::abs(p.x), ventricle = std::min(lateral_mm(p), third_mm(p));
-        const bool behind = beside < 14 && p.y > 14 && p.z < 46 && lateral_mm(p) > 4;
+        const bool behind = beside < 14 && p.y > pineal && p.z < 46 && lateral_mm(p) > 4;
         const bool below = p.z < 17 && ventricle > 6;
         const bool basal = place_mm(Place::basal, p) < other_reach_mm && ventricle > 4;
         const bool before = beside < 4 && p.y < -30 && lateral_mm(p) > 8;
@@ -197,7 +217,7 @@ BitMask deep_csf(const Grid<float>& soft, const BitMask& envelope, const HeadPla
   if (place.sure) csf |= slit = third_slit(soft, envelope, place, lower_hu, upper_hu);
   BitMask other = csf;
   other.invert();
-  const Mask seeds = place.sure ? seeds_by_place(csf, slit, depth, place, progress)
+  const Mask seeds = place.sure ? seeds_by_place(soft, csf, slit, depth, place, progress)
                                 : seeds_by_boxes(csf, depth, envelope.centre_mm(), progress);
   const Mask labels = flood(distance_mm(other, progress), csf, seeds, progress);
   BitMask mine = make_mask(l, [&](int j, int k, std::uint8_t* row) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "head/place_prior.h"
 #include "mask/bits.h"
+#include "place/place_head.h"
 
 namespace trephine::segmentation {
 

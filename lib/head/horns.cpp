@@ -41,6 +41,8 @@ constexpr double share_along_mm = 3, place_along_mm = 2;  ///< sigma of the mean
 constexpr double least_radius_mm = 1, most_radius_mm = 4;
 constexpr double far_mm = 4;
 
+constexpr double horn_reach_mm = 9;  ///< a head's horns lie this near to the template's
+
 /// Where the horns of an adult lie relative to the brain's centre, LPS (x on either side); heads are tilted by at most
 /// about 15 degrees.
 struct Place {
@@ -274,7 +276,8 @@ void draw(const Path& tube, Grid<float>& out) {
 }  // namespace
 
 Grid<float> find_horns(const Grid<float>& hu, const BitMask& known, const BitMask& envelope, const BitMask& others,
-                       const BitMask& shape, Vec3 centre_mm, double noise, int& count, const Progress& progress) {
+                       const BitMask& shape, Vec3 centre_mm, const HeadPlace& place, double noise, int& count,
+                       const Progress& progress) {
   Grid<float> out(hu, float(-far_mm));
   count = 0;
   const Coarse coarse(hu);
@@ -297,8 +300,9 @@ Grid<float> find_horns(const Grid<float>& hu, const BitMask& known, const BitMas
   BitMask way = free;
   way &= make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) {
-      const Vec3 p = l.to_world_mm({double(i), double(j), double(k)}) - centre_mm;
-      row[i] = temporal.holds(p) || occipital.holds(p);
+      const Vec3 at = l.to_world_mm({double(i), double(j), double(k)}), p = at - centre_mm;
+      row[i] = free.get(i, j, k) && (place.sure ? horns_mm(place.to_template(at)) <= horn_reach_mm
+                                                : temporal.holds(p) || occipital.holds(p));
     }
   });
   const Grid<float> fine = masked_gaussian(values, sound, fine_sigma_mm, 1000, 0.02, progress),

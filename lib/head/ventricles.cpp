@@ -10,6 +10,7 @@
 #include "head/deep_csf.h"
 #include "head/horns.h"
 #include "head/soft_tissue.h"
+#include "head/ventricle_parts.h"
 #include "head/ventricles_fit.h"
 #include "mask/filters.h"
 #include "mask/surface_field.h"
@@ -209,7 +210,7 @@ Field ventricles_in(const HuView& hu, const VentriclesMasks& masks, const Ventri
   if (p.edge == SegmentEdge::half_maximum) {
     const Box around = grown(shape.bounds(), margin(horns_reach_mm), l);
     horns = find_horns(trephine::crop(raw, around), crop(known, around), crop(envelope, around), crop(others, around),
-                       crop(shape, around), centre, noise, horns_count, progress);
+                       crop(shape, around), centre, place, noise, horns_count, progress);
     report.add("horns_count", horns_count);
     course = positive(horns, l);
     course &= brain;
@@ -242,7 +243,7 @@ Field ventricles_in(const HuView& hu, const VentriclesMasks& masks, const Ventri
     field = resampled(start, cropped(whole, out), progress);
     found = positive(field, field);
     found &= crop(fine_brain, out);
-    found = at_least_ml(components(found), ventricle_speck_ml / 2);
+    found = believable_pieces(found, place);
     found |= holes(found, {p.fill_close_mm, 5, false}, progress);
     if (!found.any()) check_mask(found, hu.lattice().count(), report);
   } else {
@@ -253,6 +254,7 @@ Field ventricles_in(const HuView& hu, const VentriclesMasks& masks, const Ventri
   const std::size_t cut_count =
       place_surface(field, found, cut_sigma_mm, fitted ? cut_scale_mm : cut_scale_hu, progress);
   report.add("cut_voxels_count", cut_count);
+  report_parts(found, place, report);
   const double ml = double(found.count()) * whole.voxel_volume_mm3() / 1000;
   if (ml < 3 || ml > 200) report.warn("the ventricles found are not of the size of an adult's");
   return field;

@@ -1,34 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-// Where things lie in a head: a template of our own, and where it lies in a scan.
+// Where the template of a head lies in a scan.
 #include "base/progress.h"
 #include "base/report.h"
 #include "mask/bits.h"
+#include "place/head_template.h"
 
 namespace trephine::segmentation {
-
-/// The template is an analytic head in mm: origin in the middle between the ear canals, x to the patient's left, y to
-/// the back, z up, Frankfurt plane level. Its numbers are those of the synthetic head (lib/phantom), the mean of its
-/// normal shapes; a test holds them against all variants and seeds.
-enum class Place {
-  lateral_left,
-  lateral_right,
-  third,
-  fourth,
-  fissure,        ///< between the hemispheres, above and before the corpus callosum
-  quadrigeminal,  ///< and what lies behind it: the cisterns above the cerebellum
-  basal,          ///< suprasellar, interpeduncular, prepontine
-  sylvian,
-};
-
-/// Signed distance to the structure's mean shape in the template, mm, negative inside, to about 1 mm.
-double place_mm(Place place, Vec3 template_mm);
-
-/// Signed distance to the template's cranial cavity without the spinal canal, mm, negative inside; an estimate.
-double template_cavity_mm(Vec3 template_mm);
-
-/// The foramen magnum: the cord passes its plane at this point, upwards is z.
-constexpr Vec3 template_foramen_mm{0, 26, -24};
 
 /// Where the template lies in a scan: rotated and stretched along its axes.
 struct HeadPlace {

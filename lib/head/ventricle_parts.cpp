@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "head/ventricle_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace trephine::segmentation {
+namespace {
+
+constexpr double sure_ml = 0.3, least_ml = 0.1, near_mm = 3, near_share = 0.6;
+constexpr double there_ml = 0.08;  ///< a part that holds less is missing
+constexpr double compressed_ratio = 0.25, compressed_ml = 0.6;
+
+/// Calls with the template's coordinates of each voxel and its component.
+template <class F>
+void each(const Components& pieces, const HeadPlace& place, F&& f) {
+  for (int k = 0; k < pieces.lattice.size[2]; ++k)
+    for (int j = 0; j < pieces.lattice.size[1]; ++j) {
+      const std::size_t row = std::size_t(k) * pieces.lattice.size[1] + j;
+      for (std::size_t r = pieces.row_start[row]; r < pieces.row_start[row + 1]; ++r)
+        for (int i = pieces.runs[r].begin; i < pieces.runs[r].end; ++i)
+          f(place.to_template(pieces.lattice.to_world_mm({double(i), double(j), double(k)})),
+            std::size_t(pieces.runs[r].component));
+    }
+}
+
+double nearest_mm(Vec3 p) {
+  return std::min({place_mm(Place::lateral_left, p), place_mm(Place::lateral_right, p), place_mm(Place::third, p)});
+}
+
+}  // namespace
+
+BitMask believable_pieces(const BitMask& found, const HeadPlace& place) {
+  const Components pieces = components(found);
+  std::vector<double> near(pieces.list.size(), 0);
+  if (place.sure) each(pieces, place, [&](Vec3 p, std::size_t c) { near[c] += nearest_mm(p) <= near_mm; });
+  std::vector<char> keep;
+  for (std::size_t c = 0; c < near.size(); ++c) {
+    const double voxels = double(pieces.list[c].voxels), ml = voxels * found.lattice().voxel_volume_mm3() / 1000;
+    keep.push_back(ml >= sure_ml || (ml >= least_ml && (!place.sure || near[c] >= near_share * voxels)));
+  }
+  return select(pieces, keep);
+}
+
+void report_parts(const BitMask& found, const HeadPlace& place, Report& report) {
+  const Components pieces = components(found);
+  report.add("pieces_count", pieces.list.size());
+  if (!place.sure) return;
+  enum Part { frontal, body, trigone, horns, parts };
+  std::array<std::array<double, parts>, 2> ml{};
+  double third = 0, third_x = 0;
+  const double voxel_ml = found.lattice().voxel_volume_mm3() / 1000;
+  each(pieces, place, [&](Vec3 p, std::size_t) {
+    const double left = place_mm(Place::lateral_left, p), right = place_mm(Place::lateral_right, p);
+    if (place_mm(Place::third, p) < std::min(left, right)) {
+      third += voxel_ml;
+      third_x += voxel_ml * p.x;
+      return;
+    }
+    const Part part = horns_mm(p) < 0 || p.z < 42 ? horns : p.y < -22 ? frontal : p.y < 14 ? body : trigone;
+    ml[left < right ? 0 : 1][part] += voxel_ml;
+  });
+  std::array<double, 2> sum{};
+  for (int side = 0; side < 2; ++side)
+    for (const double v : ml[side]) sum[side] += v;
+  report.add("ventricle_left_ml", sum[0]);
+  report.add("ventricle_right_ml", sum[1]);
+  report.add("third_ml", third);
+  report.add("asymmetry_ml", sum[0] - sum[1]);
+  if (third > 0) report.add("third_shift_mm", third_x / third * place.scale.x);
+  constexpr const char* sides[2] = {"left", "right"};
+  constexpr const char* names[3] = {"frontal horn", "body", "trigone"};
+  for (int side = 0; side < 2; ++side)
+    for (const Part part : {frontal, body, trigone}) {
+      const double mine = ml[side][part], other = ml[1 - side][part];
+      if (mine < there_ml)
+        report.warn(
+            fmt::format("no {} of the {} lateral ventricle found where it should be", names[part], sides[side]));
+      else if (mine < compressed_ratio * other && other > compressed_ml)
+        report.warn(fmt::format("the {} of the {} lateral ventricle holds {:.1f} ml, the other side's {:.1f}",
+                                names[part], sides[side], mine, other));
+    }
+  if (third < there_ml) report.warn("no third ventricle found where it should be");
+}
+
+}  // namespace trephine::segmentation

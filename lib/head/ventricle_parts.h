@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/report.h"
+#include "mask/bits.h"
+#include "place/place_head.h"
+
+namespace trephine::segmentation {
+
+/// The pieces of `found` (the ventricles) that may be ventricle: those of at least 0.3 ml, and smaller ones from 0.1 ml
+/// on most of which lies within 3 mm of the template's ventricles. Where `place` is not sure, all from 0.1 ml on.
+BitMask believable_pieces(const BitMask& found, const HeadPlace& place);
+
+/// Measures the ventricles by their parts, each voxel belonging to the part of the template that is nearest. Adds
+/// "pieces_count" and, where `place` is sure, "ventricle_left_ml" and "ventricle_right_ml" (the lateral ones),
+/// "third_ml", "asymmetry_ml" (left less right) and "third_shift_mm" (how far the third's middle lies to the patient's
+/// left of the head's, in mm). Warns of each frontal horn, body or trigone and of the third ventricle where it is
+/// missing, and of one that holds less than a quarter of its other side's.
+void report_parts(const BitMask& found, const HeadPlace& place, Report& report);
+
+}  // namespace trephine::segmentation

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// Where things lie in a head: a template of our own.
+#include "base/vec3.h"
+
+namespace trephine::segmentation {
+
+/// The template is an analytic head in mm: origin in the middle between the ear canals, x to the patient's left, y to
+/// the back, z up, Frankfurt plane level. Its numbers are those of the synthetic head (lib/phantom), the mean of its
+/// normal shapes; a test holds them against all variants and seeds.
+enum class Place {
+  lateral_left,
+  lateral_right,
+  third,
+  fourth,
+  fissure,        ///< between the hemispheres, above and before the corpus callosum
+  quadrigeminal,  ///< and what lies behind it: the cisterns above the cerebellum
+  basal,          ///< suprasellar, interpeduncular, prepontine
+  sylvian,
+};
+
+/// Signed distance to the structure's mean shape in the template, mm, negative inside, to about 1 mm.
+double place_mm(Place place, Vec3 template_mm);
+
+/// The same of the temporal and occipital horns of both sides alone.
+double horns_mm(Vec3 template_mm);
+
+/// Signed distance to the template's cranial cavity without the spinal canal, mm, negative inside; an estimate.
+double template_cavity_mm(Vec3 template_mm);
+
+/// The plane of the foramen magnum. Measured in four real heads, medullae reach down to -30 and cords begin at -34; the
+/// synthetic head's brain ends at -27.
+constexpr double template_foramen_z = -31.5;
+constexpr Vec3 template_foramen_mm{0, 26, -24};
+
+}  // namespace trephine::segmentation

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The template of a head: that it is where synthetic heads have their parts, that it finds a tilted cavity, and what is
+// decided by it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "head/brain_pits.h"
+#include "head/deep_csf.h"
+#include "head/ventricle_parts.h"
+#include "mask/filters.h"
+#include "phantom/head.h"
+
+namespace trephine::segmentation {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+Lattice lattice_about(Vec3 centre, Vec3 half_mm, double spacing_mm) {
+  Lattice l;
+  for (int a = 0; a < 3; ++a) {
+    l.size[a] = 2 * int(half_mm[a] / spacing_mm) + 1;
+    l.spacing_mm[a] = spacing_mm;
+    l.origin_mm[a] = centre[a] - spacing_mm * int(half_mm[a] / spacing_mm);
+  }
+  return l;
+}
+
+template <class F>
+BitMask mask_of(const Lattice& l, F&& holds) {
+  return make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i) row[i] = holds(l.to_world_mm({double(i), double(j), double(k)}));
+  });
+}
+
+double ventricle_mm(Vec3 p) {
+  return std::min({place_mm(Place::lateral_left, p), place_mm(Place::lateral_right, p), place_mm(Place::third, p)});
+}
+
+/// A head that lies as the template does.
+HeadPlace straight() {
+  HeadPlace place;
+  place.centre_mm = place.to_template({0, 0, 0});
+  place.sure = true;
+  return place;
+}
+
+TEST(SegmentPlace, TheTemplatesVentriclesAreThoseOfTheSyntheticHead) {
+  for (const phantom::Variant variant :
+       {phantom::Variant::normal, phantom::Variant::hydrocephalic, phantom::Variant::shifted, phantom::Variant::small})
+    for (const int seed : {1, 2, 3}) {
+      phantom::HeadParams params;
+      params.variant = variant;
+      params.seed = seed;
+      const phantom::Head head(params);
+      std::size_t inside = 0, near = 0;
+      for (double z = 15; z < 80; z += 2.5)
+        for (double y = -65; y < 75; y += 2.5)
+          for (double x = -55; x < 55; x += 2.5) {
+            if (head.implicit_mm(phantom::Anatomy::ventricles, {x, y, z}) > 0) continue;
+            ++inside;
+            near += ventricle_mm({x, y, z}) < 8;
+          }
+      EXPECT_GT(inside, 200u);
+      EXPECT_GT(double(near), 0.97 * double(inside)) << seed;
+    }
+}
+
+TEST(SegmentPlace, ATiltedStretchedAndCutHeadIsFound) {
+  const Vec3 centre{30, -120, 900}, scale{1.04, 0.95, 0.92};
+  for (const double pitch_deg : {-28.0, 12.0})
+    for (const double top_mm : {1e3, 40.0}) {
+      const double c = std::cos(pitch_deg * pi / 180), s = std::sin(pitch_deg * pi / 180);
+      HeadPlace truth;
+      truth.centre_mm = centre;
+      truth.axes.column = {Vec3{1, 0, 0}, Vec3{0, c, s}, Vec3{0, -s, c}};
+      truth.scale = scale;
+      Lattice l = lattice_about(centre, {90, 110, 100}, 2.5);
+      if (top_mm < 100) l.size[2] = int((centre.z + top_mm - l.origin_mm.z) / 2.5);
+      const BitMask cavity = mask_of(l, [&](Vec3 p) { return template_cavity_mm(truth.to_template(p)) < 0; });
+      const HeadPlace found = place_head(cavity, nullptr, l);
+      EXPECT_TRUE(found.sure);
+      EXPECT_LT(found.residual_mm, 1.5);
+      for (const Vec3 p : {Vec3{0, -6, 43}, Vec3{22, -44, 56}, Vec3{-24, 40, 50}, Vec3{0, 26, -24}})
+        EXPECT_LT(norm(found.to_template(truth.to_lps(p)) - p), top_mm < 100 ? 5 : 2) << pitch_deg << " " << top_mm;
+    }
+}
+
+TEST(SegmentPlace, WhatIsNoHeadIsNotSure) {
+  const Lattice l = lattice_about({0, 0, 0}, {60, 60, 160}, 3);
+  EXPECT_FALSE(place_head(BitMask(l), nullptr, l).sure);
+  Report report;
+  const BitMask pipe = mask_of(l, [](Vec3 p) { return std::hypot(p.x, p.y) < 25; });
+  const HeadPlace place = place_head(pipe, nullptr, l);
+  EXPECT_FALSE(place.sure);
+  report_place(place, report);
+  ASSERT_EQ(report.warnings.size(), 1u);
+}
+
+/// Soft tissue with the template's fluid, a slit of a third ventricle, and what is not ventricle.
+struct Scene {
+  Lattice lattice = lattice_about({0, 5, 45}, {66, 85, 62}, 1);
+  BitMask envelope = mask_of(lattice, [](Vec3 p) { return template_cavity_mm(p) < -3; });
+  Grid<float> soft{lattice, 30.f};
+  static constexpr Vec3 cyst{24, -52, 78};
+  Scene() {
+    for (int k = 0; k < lattice.size[2]; ++k)
+      for (int j = 0; j < lattice.size[1]; ++j)
+        for (int i = 0; i < lattice.size[0]; ++i) {
+          const Vec3 p = lattice.to_world_mm({double(i), double(j), double(k)});
+          float& v = soft.at(i, j, k);
+          if (std::min(place_mm(Place::lateral_left, p), place_mm(Place::lateral_right, p)) < 0) v = 6;
+          if (std::abs(p.x) < 1.2 && p.y > -20 && p.y < 6 && p.z > 36 && p.z < 50) v = 21;
+          if (std::abs(p.x) < 1.6 && p.z > 69 && p.z < 100 && std::abs(p.y) < 50) v = 6;
+          if (place_mm(Place::quadrigeminal, p) < 0) v = 6;
+          if (norm(p - cyst) < 14) v = 6;
+        }
+  }
+};
+
+bool holds(const BitMask& m, Vec3 p) {
+  const Vec3 q = m.lattice().to_index(p);
+  return m.at(int(std::lround(q.x)), int(std::lround(q.y)), int(std::lround(q.z)));
+}
+
+TEST(SegmentPlace, SlitsAreFoundFissuresCisternsAndCystsAreNot) {
+  const Scene s;
+  BitMask others;
+  const BitMask found = deep_csf(s.soft, s.envelope, straight(), -15, 18.5, {}, &others);
+  for (const double side : {-1.0, 1.0})
+    for (const Vec3 p : {Vec3{10, -38, 58}, Vec3{7, -13, 61}, Vec3{24, 34, 55}, Vec3{23, 50, 49}})
+      EXPECT_TRUE(holds(found, {side * p.x, p.y, p.z})) << side * p.x << " " << p.y;
+  EXPECT_TRUE(holds(found, {0, -8, 43}));
+  for (const Vec3 p : {Vec3{0, -30, 90}, Vec3{0, 10, 75}, Vec3{0, 33, 33}, Scene::cyst})
+    EXPECT_FALSE(holds(found, p)) << p.y;
+}
+
+TEST(SegmentPlace, MissingAndCompressedPartsAreSaid) {
+  const Scene s;
+  const BitMask whole = mask_of(s.lattice, [](Vec3 p) { return ventricle_mm(p) < 0; });
+  Report sound;
+  report_parts(whole, straight(), sound);
+  EXPECT_TRUE(sound.warnings.empty()) << sound.warnings.front();
+  EXPECT_NEAR(std::get<double>(*sound.find("asymmetry_ml")), 0, 0.2);
+  const BitMask hurt = mask_of(s.lattice, [](Vec3 p) {
+    return ventricle_mm(p) < 0 && !(p.x > 0 && p.y < -21) && place_mm(Place::third, p) > 0;
+  });
+  Report report;
+  report_parts(hurt, straight(), report);
+  ASSERT_EQ(report.warnings.size(), 2u);
+  EXPECT_EQ(report.warnings[0], "no frontal horn of the left lateral ventricle found where it should be");
+  EXPECT_EQ(report.warnings[1], "no third ventricle found where it should be");
+  EXPECT_LT(std::get<double>(*report.find("asymmetry_ml")), -0.5);
+}
+
+TEST(SegmentPlace, PitsThatNoiseExplainsAreNoSulci) {
+  const Lattice l = lattice_about({0, 0, 0}, {30, 30, 30}, 1);
+  const BitMask shape = mask_of(l, [](Vec3 p) { return norm(p) < 28; });
+  Grid<float> hu(l, 30.f);
+  std::uint32_t state = 1;
+  for (float& v : hu.voxels) {  // the sum of four uniform numbers, of a standard deviation of 12
+    float sum = 0;
+    for (int n = 0; n < 4; ++n) sum += float((state = state * 1664525u + 1013904223u) >> 8) / 16777216.f - 0.5f;
+    v += 12 * sum / std::sqrt(4.f / 12);
+  }
+  const auto sulcus = [](Vec3 p) { return std::abs(p.x) < 1.6 && p.z > 17; };
+  const auto pit = [](Vec3 p) { return std::hypot(p.y - 12, p.z) < 2.2 && p.x > 20; };
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
+        if (sulcus(p)) hu.at(i, j, k) -= 20;
+        if (pit(p)) hu.at(i, j, k) -= 5;  // what a search for dark places in noise comes upon
+      }
+  const BitMask cut = mask_of(l, [&](Vec3 p) { return norm(p) < 28 && (sulcus(p) || pit(p)); });
+  const BitMask pits = noise_pits(cut, shape, hu, shape, 12);
+  EXPECT_TRUE(holds(pits, {22, 12, 0}));
+  EXPECT_FALSE(holds(pits, {0, 0, 20}));
+}
+
+}  // namespace
+}  // namespace trephine::segmentation
