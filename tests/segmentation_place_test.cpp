@@ -63,7 +63,7 @@ TEST(SegmentPlace, TheTemplatesVentriclesAreThoseOfTheSyntheticHead) {
             near += ventricle_mm({x, y, z}) < 8;
           }
       EXPECT_GT(inside, 200u);
-      EXPECT_GT(double(near), 0.97 * double(inside)) << seed;
+      EXPECT_GT(double(near), 0.94 * double(inside)) << seed;
     }
 }
 
@@ -137,15 +137,14 @@ TEST(SegmentPlace, SlitsAreFoundFissuresCisternsAndCystsAreNot) {
 }
 
 TEST(SegmentPlace, MissingAndCompressedPartsAreSaid) {
-  const Scene s;
-  const BitMask whole = mask_of(s.lattice, [](Vec3 p) { return ventricle_mm(p) < 0; });
+  const Lattice l = lattice_about({0, 5, 45}, {45, 75, 45}, 1.5);
+  const BitMask whole = mask_of(l, [](Vec3 p) { return ventricle_mm(p) < 0; });
   Report sound;
   report_parts(whole, straight(), sound);
   EXPECT_TRUE(sound.warnings.empty()) << sound.warnings.front();
   EXPECT_NEAR(std::get<double>(*sound.find("asymmetry_ml")), 0, 0.2);
-  const BitMask hurt = mask_of(s.lattice, [](Vec3 p) {
-    return ventricle_mm(p) < 0 && !(p.x > 0 && p.y < -21) && place_mm(Place::third, p) > 0;
-  });
+  const BitMask hurt = mask_of(
+      l, [](Vec3 p) { return ventricle_mm(p) < 0 && !(p.x > 0 && p.y < -21) && place_mm(Place::third, p) > 0; });
   Report report;
   report_parts(hurt, straight(), report);
   ASSERT_EQ(report.warnings.size(), 2u);

@@ -56,9 +56,14 @@ struct BrainMasks {
 /// as far as CSF reaches in from outside. The ventricles belong to the brain, also the fourth where its outlets are
 /// narrower than 4 mm, and so do wide dark places that are not as dark as CSF (oedema, old infarcts).
 ///
-/// This is a first automatic estimate for a head that is tilted by at most about 15 degrees; strong cupping and a skull
-/// with a large defect mislead it. The report says what was found ("volume_ml", ...) and warns where that is
-/// implausible.
+/// A sulcus is cut only where the scan shows one beyond its noise, locally where streaks make that stronger
+/// (brain_pits.h; "noise_pits_ml" is what was left in place). The ventricles are told from cisterns and fissures by
+/// their place in a template that is registered to the envelope (place/place_head.h), and the brain ends at that
+/// template's foramen magnum. Where the template is not sure to fit, the report warns, the head must not be tilted by
+/// more than about 15 degrees, and the brain ends where the spinal canal begins to be narrow.
+///
+/// This is a first automatic estimate; strong cupping misleads it, and brain that bulges out of a skull with a large
+/// defect is cut off. The report says what was found ("volume_ml", ...) and warns where that is implausible.
 ///
 /// The result has the same bits whatever the thread count. Throws as segment() does; 80 also where all voxels have one
 /// value, or no space enclosed by bone is found.

@@ -34,7 +34,7 @@ Grid<float> local_noise(const Grid<float>& hu, const BitMask& known, const BitMa
         f = std::abs(f - wide.at(i, j, k));
         if (tissue.get(i, j, k) && (i + j + k) % 3 == 0) all.push_back(f);
       }
-  // Sulci spread values too, but only upwards of the usual: half of the brain has none within reach.
+  // Sulci spread values too; more than half of the brain has none within reach.
   const float usual = std::max(0.2f, median(all, 1.f));
   Grid<float> local = masked_gaussian(std::move(fine), tissue, local_mm, usual, 0.02, progress);
   for (float& f : local.voxels) f = std::clamp(f / usual, 1.f, float(most_local));
@@ -68,8 +68,8 @@ BitMask noise_pits(const BitMask& cut, const BitMask& shape, const Grid<float>& 
     }
   std::vector<char> pit;
   for (const Sum& s : sums) {
-    if (!(s.voxels > 0)) {
-      pit.push_back(1);
+    if (!(s.voxels > 0)) {  // beside bone, where HU are not reliable
+      pit.push_back(0);
       continue;
     }
     const double mm3 = s.voxels * l.voxel_volume_mm3(), spread = noise * (s.noise / s.voxels) / std::sqrt(mm3);

@@ -47,8 +47,13 @@ struct VentriclesMasks {
 /// then fitted between the voxels: a model of what the scanner would show of it (CSF and the tissue beside it, blurred,
 /// averaged over the slice) is fitted to the scan (voxels finer than a millimetre are merged before).
 ///
-/// This is a first automatic estimate for a head that is tilted by at most about 15 degrees; blood or a tumour in the
-/// ventricles and wide outlets mislead it. The report says what was found, and warns where that is implausible.
+/// Which CSF is ventricle follows from its place in a template that is registered to the brain (place/place_head.h);
+/// the third ventricle is also sought as a slit that no voxel lies in wholly. The report says how well the template
+/// fits, measures the two sides, the third and the pieces, and warns of parts that are missing or compressed
+/// (ventricle_parts.h). Where the template is not sure to fit, it warns, and the head must not be tilted by more than
+/// about 15 degrees.
+///
+/// This is a first automatic estimate; blood or a tumour in the ventricles and wide outlets mislead it.
 ///
 /// The result has the same bits whatever the thread count. Throws as segment() does; 64 where no brain is given; 80
 /// also where all voxels have one value or the brain is empty.
