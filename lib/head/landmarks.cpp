@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "base/error.h"
+#include "craniometry/coronal_suture.h"
+#include "craniometry/plausible.h"
 #include "head/landmarks_parts.h"
 #include "head/symmetry.h"
 #include "mask/hu_view.h"
@@ -18,9 +22,10 @@ using namespace segmentation;
 
 constexpr double tangent_mm = 5, middle_depth_mm = 70, tragi_to_nasion_deg = 20;
 constexpr double least_lopsided_mm = 3.5,
-                 most_lopsided_mm = 10;    ///< distance of one tragus from the other's mirror image
-constexpr double least_confidence = 0.05;  ///< a landmark below this is left out
-constexpr double least_symmetry = 0.15;    ///< below this the plane is not that of a head
+                 most_lopsided_mm = 10;                ///< distance of one tragus from the other's mirror image
+constexpr double least_symmetry = 0.15;                ///< below this the plane is not that of a head
+constexpr double least_leap_mm = 2, most_leap_mm = 5;  ///< of the midline's skin between neighbouring points
+constexpr double most_estimates_apart_mm = 10, of_an_estimate = 0.45;
 const char* const how_to_give =
     "give nasion, inion, tragus_left and tragus_right (landmarks: {nasion: [x, y, z], ...}, mm, LPS; or a .mrk.json "
     "or .fcsv of 3D Slicer)";
@@ -28,7 +33,7 @@ const char* const how_to_give =
 class Finder {
  public:
   Finder(const HuVolume& volume, const LandmarkInputs& in, const LandmarkParams& params, Report& report)
-      : lattice_(lattice_of(volume)), in_(in), params_(params), report_(report) {
+      : volume_(volume), lattice_(lattice_of(volume)), in_(in), params_(params), report_(report) {
     const auto check = [&](const Field* f, const char* name) {
       if (f) with_field(name, [&] { place_in(*f, lattice_); });
     };
@@ -64,18 +69,19 @@ class Finder {
     doubt_lopsided_tragi();
     progress.report(0.8);
     level_frame();
-    if (!out_.find("vertex")) {
-      auto vertex = find_vertex(skin, head_);
-      if (vertex && !levelled_) vertex->confidence *= 0.5;
-      add("vertex", vertex, "found", "the scan ends below it");
-    }
     if (!out_.find("inion")) {
       auto inion = find_inion(skin, skull, head_, inion_levels());
       if (inion && !levelled_) inion->confidence *= 0.5;
       add("inion", inion, "found", "no protuberance of the bone there");
     }
+    auto vertex = out_.find("vertex") ? std::nullopt : find_vertex(skin, head_);
+    if (vertex && !levelled_) lower(*vertex, "vertex", 0.5, "the head could not be levelled");
     progress.report(0.85);
-    measure_arcs(skin);
+    set_arcs(skin);
+    doubt_leaps(skin, skull, vertex);
+    if (!out_.find("vertex")) add("vertex", vertex, "found", "the scan ends below it");
+    find_bregma(skin, skull);
+    find_kocher(skin, skull);
     if (in_.ventricles) {
       const auto monro = find_monro(FieldView(*in_.ventricles, lattice_), head_);
       for (int s = 0; s < 2; ++s) {
@@ -84,6 +90,8 @@ class Finder {
           add(name, monro[s], "found", "no third ventricle below the lateral ones, or no way between them");
       }
     }
+    judge_together(out_, given_names(), why_);
+    leave_out_what_is_none(out_, given_names(), why_, report_);
     tell();
     return std::move(out_);
   }
@@ -93,6 +101,11 @@ class Finder {
     for (const CaseLandmark& l : in_.given)
       if (l.name == name) return &l.position_mm;
     return nullptr;
+  }
+  std::set<std::string> given_names() const {
+    std::set<std::string> names;
+    for (const CaseLandmark& l : in_.given) names.insert(l.name);
+    return names;
   }
   const Vec3* known(const char* name, double least = 0.3) const {
     const CaseLandmark* l = out_.find(name);
@@ -108,38 +121,18 @@ class Finder {
     if (found && found->confidence >= least_confidence && lies_in_scan(found->position_mm))
       out_.landmarks.push_back({name, found->position_mm, found->confidence, source});
     else
-      report_.warn(fmt::format("{} not found: {}", name, found ? "too near the scan's edge, or doubtful" : otherwise));
+      report_.warn(fmt::format("{} not found: {}", name,
+                               !found             ? otherwise
+                               : why_.count(name) ? why_[name].c_str()
+                                                  : "too near the scan's edge, or doubtful"));
   }
   bool lies_in_scan(Vec3 p) const { return FieldView(*in_.skin, lattice_).depth_in_scan_mm(p) >= 0; }
 
-  /// As place_burr_hole defines it: through nasion and inion (or vertex), perpendicular to the line between the tragi.
   bool plane_from_given() {
-    const Vec3 *nasion = given("nasion"), *inion = given("inion"), *vertex = given("vertex");
-    const Vec3 *left = given("tragus_left"), *right = given("tragus_right");
-    const Vec3* other = inion ? inion : vertex;
-    if (!nasion || !other) return false;
-    const Vec3 along = normalized(*other - *nasion);
-    Vec3 across;
-    if (left && right)
-      across = *left - *right;
-    else if (inion && vertex)
-      across = cross(along, *vertex - *nasion);
-    else
-      return false;
-    const double before = norm(across);
-    if (left && right && before < 60)
-      throw Error(ExitCode::bad_input, "", "tragus_left, tragus_right",
-                  fmt::format("are {:.0f} mm apart, of a head at least 60", before));
-    across = across - along * dot(across, along);
-    if (!(norm(*other - *nasion) > 50) || !(norm(across) > 0.1 * before) || !(before > 0.02))
-      throw Error(ExitCode::bad_input, "", "landmarks", "nasion, inion and tragi as given span no head");
-    across = normalized(across);
-    if (across.x < 0)
-      throw Error(ExitCode::bad_input, "", "tragus_left",
-                  "lies to the right of tragus_right (x runs to the patient's left): are they exchanged?");
-    out_.midsagittal = {(*nasion + *other) * 0.5, across, 1};
-    report_.add("midsagittal_from", "given landmarks");
-    return true;
+    const auto plane = plane_of_given(in_.given);
+    if (plane) out_.midsagittal = *plane;
+    if (plane) report_.add("midsagittal_from", "given landmarks");
+    return plane.has_value();
   }
 
   void plane_by_symmetry(const FieldView& skin, const FieldView& skull, const Progress& progress) {
@@ -201,7 +194,8 @@ class Finder {
     const double apart_mm = norm(left - p.normal * (2 * dot(left - p.point_mm, p.normal)) - tragi[1]->position_mm);
     report_.add("tragi_asymmetry_mm", apart_mm);
     for (CaseLandmark* l : tragi)
-      if (!given(l->name.c_str())) l->confidence *= ramp(apart_mm, most_lopsided_mm, least_lopsided_mm);
+      lower(*l, ramp(apart_mm, most_lopsided_mm, least_lopsided_mm),
+            fmt::format("{:.0f} mm from the mirror image of the other tragus", apart_mm));
   }
 
   /// Turns the axes so that the line from the tragi to the nasion rises by 20 degrees towards the front, as it does
@@ -228,61 +222,132 @@ class Finder {
     return {-75, 5};
   }
 
-  void measure_arcs(const FieldView& skin) {
-    const Vec3* nasion = known("nasion", least_confidence);
-    if (!nasion) {
-      report_.warn("bregma and Kocher's points not measured: the nasion is not known");
-      return;
+  void set_arcs(const FieldView& skin) {
+    if (const Vec3* nasion = known("nasion", least_confidence))
+      arc_ = midline_arc(skin, head_, *nasion, known("inion", least_confidence));
+  }
+
+  /// A sheet that lies on the skin (a radiotherapy mask, a dressing) ends or is perforated somewhere: what is measured
+  /// over it is not measured over skin. Nor is what lies far from any bone.
+  void doubt_leaps(const FieldView& skin, const FieldView& skull, std::optional<FoundPoint>& vertex) {
+    if (vertex) {
+      const double soft_mm =
+          soft_tissue_mm(skull, vertex->position_mm, normalized(head_.origin_mm - vertex->position_mm));
+      lower(*vertex, "vertex", std::max(0.3, scalp_ratio(soft_mm)), fmt::format("bone lies {:.0f} mm below", soft_mm));
     }
-    // The sweep's centre lies between nasion and inion, as in place_burr_hole; without an inion it lies in the bones.
+    if (!arc_) return;
+    if (vertex) doubt_vertex(skin, *vertex);
+    leap_mm_ = widest_leap_mm(arc_->skin, params_.along_mm + tangent_mm);
+    report_.add("midline_leap_mm", leap_mm_);
+    const double factor = std::max(0.3, ramp(leap_mm_, most_leap_mm, least_leap_mm));
+    const std::string why = fmt::format("the midline's skin leaps by {:.1f} mm", leap_mm_);
+    if (vertex) lower(*vertex, "vertex", factor, why);
+    for (CaseLandmark& l : out_.landmarks)
+      if (l.name == "nasion") lower(l, factor, why);
+  }
+
+  /// The highest point moves by 2 mm with each degree by which the head is levelled otherwise. The highest point as the
+  /// patient lay, and half of the way from nasion to inion over the skin, are other estimates.
+  void doubt_vertex(const FieldView& skin, FoundPoint& vertex) {
+    HeadFrame lying = head_;
+    lying.back = normalized(Vec3{0, 1, 0} - head_.left * head_.left.y);
+    lying.up = cross(lying.left, lying.back);
+    const auto highest = find_vertex(skin, lying);
+    const double lying_mm = highest ? norm(highest->position_mm - vertex.position_mm) : 0;
+    report_.add("vertex_to_highest_mm", lying_mm);
+    lower(vertex, "vertex", lying_mm > most_estimates_apart_mm ? 0.45 : 1,
+          fmt::format("the highest point, as the patient lay, is {:.0f} mm off", lying_mm));
     const Vec3* inion = known("inion", least_confidence);
-    Vec3 centre = inion ? (*nasion + *inion) * 0.5 : head_.origin_mm;
-    centre = centre - head_.left * dot(centre - out_.midsagittal.point_mm, head_.left);
-    Vec3 front = *nasion - centre;
-    front = normalized(front - head_.left * dot(front, head_.left));
-    const Vec3 onwards = cross(front, head_.left);
-    const Outline midline = outline(skin, {centre, front, onwards});
-    const double base = confidence_of("nasion") * ramp(start_gap(midline, *nasion), 10, 4);
-    if (!out_.find("bregma")) arc_point("bregma", skin, midline, params_.bregma_mm, 0.6 * base, "estimated");
-    const auto top = point_along(midline, params_.along_mm);
-    const auto behind = point_along(midline, params_.along_mm + tangent_mm);
-    const auto ahead = point_along(midline, std::max(0.0, params_.along_mm - tangent_mm));
-    if (!top || !behind || !ahead || runs_over_edge(skin, midline, *top)) {
+    if (!inion) return;
+    const double all = arc_length_to_mm(arc_->skin, *inion);
+    const auto half = point_along(arc_->skin, 0.5 * all);
+    if (!half || skin.depth_in_scan_mm(*half) < 0.5) return;
+    const double apart_mm = norm(*half - vertex.position_mm);
+    report_.add("vertex_to_half_way_mm", apart_mm);
+    lower(vertex, "vertex", apart_mm > most_estimates_apart_mm ? 0.45 : 1,
+          fmt::format("half of the way from nasion to inion lies {:.0f} mm off", apart_mm));
+  }
+
+  /// The suture is looked for in the bone. Where it is not clear, it has to agree with the usual distance; where it
+  /// does not, that distance is all that is left, and no reason to trust it.
+  void find_bregma(const FieldView& skin, const FieldView& skull) {
+    if (out_.find("bregma")) return;
+    if (!arc_) return report_.warn("bregma and Kocher's points not measured: the nasion is not known");
+    const Vec3* nasion = known("nasion", least_confidence);
+    const auto suture = find_coronal_suture(
+        volume_, {arc_->centre_mm, arc_->front, arc_->onwards, head_.left, *nasion},
+        [&](Vec3 from, Vec3 direction, double length_mm) { return skull.enter(from, direction, length_mm, 1.2); });
+    std::optional<Vec3> usual = point_along(arc_->skin, params_.bregma_mm);
+    if (usual && runs_over_edge(skin, arc_->skin, *usual)) usual.reset();
+    if (usual) {
+      const Vec3 inwards = normalized(arc_->centre_mm - *usual);
+      usual = skull.enter(*usual - inwards, inwards, 40, 0.4);
+    }
+    std::optional<FoundPoint> seen, estimated;
+    if (suture) {
+      report_.add("suture_visible_ratio", suture->visible_ratio);
+      report_.add("suture_distinct_ratio", suture->distinct_ratio);
+      report_.add("suture_halves_apart_mm", suture->halves_apart_mm);
+      report_.add("suture_from_nasion_mm", suture->arc_mm);
+      seen = FoundPoint{suture->bregma_mm, suture->confidence};
+      const bool agree = usual && norm(*usual - suture->bregma_mm) <= most_estimates_apart_mm;
+      if (seen->confidence < 0.5 && agree && seen->confidence > 0.2) seen->confidence = 0.5;
+    }
+    if (usual) estimated = FoundPoint{*usual, of_an_estimate * ramp(arc_->nasion_gap_mm, 10, 4)};
+    if (seen && seen->confidence >= 0.5) return add("bregma", seen, "found", "");
+    why_["bregma"] = "the coronal suture is not seen; the usual distance from the nasion is an estimate";
+    if (estimated) estimated->confidence *= confidence_of("nasion");
+    add("bregma", estimated, "estimated", "the skin ends before, at the scan's edge");
+  }
+
+  void find_kocher(const FieldView& skin, const FieldView& skull) {
+    if (!arc_) return;
+    const double base = confidence_of("nasion") * ramp(arc_->nasion_gap_mm, 10, 4);
+    const auto top = point_along(arc_->skin, params_.along_mm);
+    const auto behind = point_along(arc_->skin, params_.along_mm + tangent_mm);
+    const auto ahead = point_along(arc_->skin, std::max(0.0, params_.along_mm - tangent_mm));
+    if (!top || !behind || !ahead || runs_over_edge(skin, arc_->skin, *top)) {
       report_.warn("kocher_left and kocher_right not found: the midline's skin ends before, at the scan's edge");
       return;
     }
     const Vec3 outwards = cross(head_.left, normalized(*behind - *ahead));
+    const CaseLandmark* bregma = out_.find("bregma");
     for (const int side : {1, -1}) {
-      const Vec3 sideways = head_.left * side;
-      const Outline lateral = outline(skin, {*top - outwards * middle_depth_mm, outwards, sideways, 5, 120});
-      const char* name = side > 0 ? "kocher_left" : "kocher_right";
-      if (!out_.find(name)) arc_point(name, skin, lateral, params_.lateral_mm, 0.95 * base, "found");
+      const Vec3 sideways = head_.left * side, middle = *top - outwards * middle_depth_mm;
+      const Outline lateral = outline(skin, {middle, outwards, sideways, 5, 120});
+      const std::string name = side > 0 ? "kocher_left" : "kocher_right";
+      if (out_.find(name)) continue;
+      const auto p = point_along(lateral, params_.lateral_mm);
+      if (!p || runs_over_edge(skin, lateral, *p) || base < least_confidence) {
+        report_.warn(
+            fmt::format("{} not found: the skin ends before, at the scan's edge, or the nasion is doubtful", name));
+        continue;
+      }
+      // The confidence includes the plane's already, through the nasion's.
+      FoundPoint found{*p, 0.95 * base};
+      if (base < doubtful_confidence) why_.emplace(name, "it is measured from the nasion, which is doubtful");
+      const double soft_mm = soft_tissue_mm(skull, *p, normalized(middle - *p));
+      lower(found, name, std::max(0.3, scalp_ratio(soft_mm)), fmt::format("bone lies {:.0f} mm below", soft_mm));
+      if (bregma && bregma->confidence >= 0.5) {
+        const double before_mm = before_suture_mm(*p, bregma->position_mm, arc_->centre_mm, known_nasion());
+        report_.add(name + "_before_suture_mm", before_mm);
+        if (before_mm < least_before_suture_mm || before_mm > most_before_suture_mm)
+          lower(found, name, 0.45,
+                fmt::format("{:.0f} mm before the coronal suture, {:.0f} to {:.0f} are right", before_mm,
+                            least_before_suture_mm, most_before_suture_mm));
+      }
+      out_.landmarks.push_back({name, found.position_mm, found.confidence, "found"});
     }
   }
+  Vec3 known_nasion() const { return *known("nasion", least_confidence); }
 
-  static double start_gap(const Outline& curve, Vec3 nasion) {
-    return curve.start < curve.points_mm.size() ? norm(curve.points_mm[curve.start] - nasion) : 1e9;
+  /// Multiplies the confidence, and remembers why where that is what makes it doubtful.
+  void lower(FoundPoint& p, const std::string& name, double factor, const std::string& why) {
+    if (factor < 1 && !why_.count(name)) why_[name] = why;
+    p.confidence *= factor;
   }
-  /// Whether a point between the curve's start and `end` lies where the scan cut the head.
-  static bool runs_over_edge(const FieldView& skin, const Outline& curve, Vec3 end) {
-    const Vec3 start = curve.points_mm[curve.start];
-    const double reach = norm(end - start);
-    for (std::size_t i = curve.start; i < curve.points_mm.size(); ++i) {
-      if (norm(curve.points_mm[i] - start) > reach + 0.5) break;
-      if (skin.depth_in_scan_mm(curve.points_mm[i]) < 0.3) return true;
-    }
-    return false;
-  }
-  void arc_point(const char* name, const FieldView& skin, const Outline& curve, double length, double confidence,
-                 const char* source) {
-    const auto p = point_along(curve, length);
-    if (!p || runs_over_edge(skin, curve, *p) || confidence < least_confidence) {
-      report_.warn(
-          fmt::format("{} not found: the skin ends before, at the scan's edge, or the nasion is doubtful", name));
-      return;
-    }
-    // The confidence includes the plane's already, through the nasion's.
-    out_.landmarks.push_back({name, *p, confidence, source});
+  void lower(CaseLandmark& l, double factor, const std::string& why) {
+    if (!given(l.name.c_str())) lower_confidence(l, factor, why, why_);
   }
 
   void tell() {
@@ -294,13 +359,16 @@ class Finder {
     }
   }
 
+  const HuVolume& volume_;
   const Lattice& lattice_;
   const LandmarkInputs& in_;
   const LandmarkParams& params_;
   Report& report_;
   HeadLandmarks out_;
   HeadFrame head_;
-  double ears_level_mm_ = 0;
+  std::optional<MidlineArc> arc_;           ///< none without a nasion
+  std::map<std::string, std::string> why_;  ///< a landmark is doubtful
+  double ears_level_mm_ = 0, leap_mm_ = 0;
   bool levelled_ = false;
 };
 

@@ -121,4 +121,36 @@ void doubt_given(const CaseLandmark& given, const std::optional<FoundPoint>& fou
                             given.name, off_mm, found->position_mm.x, found->position_mm.y, found->position_mm.z));
 }
 
+std::optional<MidsagittalPlane> plane_of_given(const std::vector<CaseLandmark>& all) {
+  const auto given = [&](const char* name) -> const Vec3* {
+    for (const CaseLandmark& l : all)
+      if (l.name == name) return &l.position_mm;
+    return nullptr;
+  };
+  const Vec3 *nasion = given("nasion"), *inion = given("inion"), *vertex = given("vertex");
+  const Vec3 *left = given("tragus_left"), *right = given("tragus_right");
+  const Vec3* other = inion ? inion : vertex;
+  if (!nasion || !other) return {};
+  const Vec3 along = normalized(*other - *nasion);
+  Vec3 across;
+  if (left && right)
+    across = *left - *right;
+  else if (inion && vertex)
+    across = cross(along, *vertex - *nasion);
+  else
+    return {};
+  const double before = norm(across);
+  if (left && right && before < 60)
+    throw Error(ExitCode::bad_input, "", "tragus_left, tragus_right",
+                fmt::format("are {:.0f} mm apart, of a head at least 60", before));
+  across = across - along * dot(across, along);
+  if (!(norm(*other - *nasion) > 50) || !(norm(across) > 0.1 * before) || !(before > 0.02))
+    throw Error(ExitCode::bad_input, "", "landmarks", "nasion, inion and tragi as given span no head");
+  across = normalized(across);
+  if (across.x < 0)
+    throw Error(ExitCode::bad_input, "", "tragus_left",
+                "lies to the right of tragus_right (x runs to the patient's left): are they exchanged?");
+  return MidsagittalPlane{(*nasion + *other) * 0.5, across, 1};
+}
+
 }  // namespace trephine::segmentation

@@ -107,7 +107,9 @@ std::optional<FoundPoint> find_inion(const FieldView& skin, const FieldView& sku
   if (best < 0) return {};
   mean /= double(count);
   const Vec3 bone = at_step(curve, best, peak_offset(stands, best));
-  const Vec3 outwards = normalized(bone - head.origin_mm);
+  // The skin straight behind it, where a finger finds it: a ray from the head's centre runs down along the nape, and
+  // leaves the skin 8 to 10 mm lower (seen on four real heads).
+  const Vec3 outwards = head.back;
   const auto on_skin = skin.enter(bone + outwards * 50, -outwards, 55, 0.4);
   if (!on_skin) return {};
   FoundPoint found;

@@ -2,7 +2,10 @@
 #pragma once
 // How find_landmarks finds each kind of landmark; for the sources of this room only.
 #include <array>
+#include <map>
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "base/report.h"
@@ -27,10 +30,28 @@ struct FoundPoint {
 /// one that is), where a landmark of the skin lies deep below it, and where a foramen is far from the ventricles (null:
 /// not known).
 void check_given(const std::vector<CaseLandmark>& given, const Field& skin, const Field* ventricles, Report& report);
+/// As place_burr_hole defines it: through nasion and inion (or vertex), perpendicular to the line between the tragi;
+/// none where too few are given. Throws Error 65 where they span no head.
+std::optional<MidsagittalPlane> plane_of_given(const std::vector<CaseLandmark>& given);
 /// Throws Error 65 where a left landmark lies to the right of the plane, or the reverse.
 void check_sides(const std::vector<CaseLandmark>& given, const MidsagittalPlane& plane);
 /// Warns where the given landmark is far from where it would be found.
 void doubt_given(const CaseLandmark& given, const std::optional<FoundPoint>& found, Report& report);
+
+constexpr double least_confidence = 0.05;    ///< a landmark below this is left out
+constexpr double doubtful_confidence = 0.5;  ///< each landmark below this is told of
+
+/// Why landmarks are doubtful, by name.
+using Reasons = std::map<std::string, std::string>;
+/// Multiplies the confidence, and keeps the reason where it is the first one.
+void lower_confidence(CaseLandmark& landmark, double factor, const std::string& reason, Reasons& reasons);
+/// What cannot belong to one head together becomes doubtful (craniometry/plausible.h), and with the nasion all that is
+/// measured from it. What was given stays.
+void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons);
+/// Nothing of which nothing speaks is a landmark: what is below least_confidence is left out. Warns of that and of each
+/// doubtful one, with the reason and how to give it.
+void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& given, const Reasons& reasons,
+                            Report& report);
 
 /// 0 at `zero`, 1 at `one`, linear between them; `one` may be the smaller.
 double ramp(double value, double zero, double one);
@@ -51,6 +72,26 @@ std::optional<FoundPoint> find_inion(const FieldView& skin, const FieldView& sku
 /// side: 1 left, -1 right.
 std::optional<FoundPoint> find_tragus(const FieldView& skin, const HeadFrame& head, int side);
 std::optional<FoundPoint> find_vertex(const FieldView& skin, const HeadFrame& head);
+
+/// The skin of the midline from the nasion backwards, swept about a centre between nasion and inion, as in
+/// place_burr_hole; without an inion it lies in the bones.
+struct MidlineArc {
+  Outline skin;
+  Vec3 centre_mm, front, onwards;
+  double nasion_gap_mm = 0;  ///< from the arc's start to the nasion
+};
+MidlineArc midline_arc(const FieldView& skin, const HeadFrame& head, Vec3 nasion_mm, const Vec3* inion_mm);
+/// The widest step between neighbouring points of the arc, within that length from its start.
+double widest_leap_mm(const Outline& arc, double length_mm);
+/// Whether a point between the curve's start and `end_mm` lies where the scan cut the head.
+bool runs_over_edge(const FieldView& skin, const Outline& curve, Vec3 end_mm);
+/// From the arc's start to the place nearest to the point, measured as point_along does.
+double arc_length_to_mm(const Outline& arc, Vec3 point_mm);
+/// From a point of the skin inwards (unit) to the bone; 40 where there is none.
+double soft_tissue_mm(const FieldView& skull, Vec3 on_skin_mm, Vec3 inwards);
+/// How plausible that is of a scalp: 1 from 1.5 to 13 mm, 0 below 0.3 and from 22 on. Means are 3 to 7 mm
+/// [Stephan2008].
+double scalp_ratio(double soft_mm);
 
 /// The foramina of Monro, left and right.
 std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles, const HeadFrame& head);

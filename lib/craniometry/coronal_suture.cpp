@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "craniometry/coronal_suture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <vector>
+
+#include "base/parallel.h"
+#include "mask/filters.h"
+#include "mask/hu_view.h"
+
+namespace trephine {
+namespace {
+
+using segmentation::HuView;
+
+constexpr int half_planes = 40, planes = 2 * half_planes + 1;  ///< 1 mm apart
+constexpr double first_deg = 40, last_deg = 150, turn_deg = 0.25;
+constexpr int columns = int((last_deg - first_deg) / turn_deg) + 1;
+constexpr double reach_mm = 160;                            ///< bone farther from the centre is not seen
+constexpr double table_from_mm = 1, table_to_mm = 3;        ///< the depth at which the bone is looked at
+constexpr double least_arc_mm = 85, most_arc_mm = 175;      ///< over the bone, from the nasion's level
+constexpr double cleft_beside_mm = 3, ridge_beside_mm = 8;  ///< where the bone is that a line is compared with
+constexpr double most_cleft = 0.3, most_ridge = 0.25;       ///< a burr hole is not worth more than a suture
+constexpr double full_contrast = 0.1, seen_strength = 0.8;  ///< in units of full_contrast
+constexpr double other_line_mm = 8, most_halves_apart_mm = 10, beside_midline_mm = 8;
+constexpr double ring_step = 0.1;  ///< of a slice
+constexpr int most_step = 2;       ///< columns from plane to plane
+constexpr double step_cost = 0.05;
+
+double share(double value, double zero, double one) { return std::clamp((value - zero) / (one - zero), 0.0, 1.0); }
+
+/// Trilinear; air outside.
+double hu_at(const HuView& hu, Vec3 world) {
+  const Lattice& l = hu.lattice();
+  const Vec3 p = l.to_index(world);
+  int low[3];
+  double t[3];
+  for (int a = 0; a < 3; ++a) {
+    if (!(p[a] >= 0 && p[a] <= l.size[a] - 1)) return -1024;
+    low[a] = std::min(int(p[a]), std::max(0, l.size[a] - 2));
+    t[a] = p[a] - low[a];
+  }
+  double sum = 0;
+  for (int c = 0; c < 8; ++c) {
+    int at[3];
+    double w = 1;
+    for (int a = 0; a < 3; ++a) {
+      const int s = c >> a & 1;
+      at[a] = std::min(low[a] + s, l.size[a] - 1);
+      w *= s ? t[a] : 1 - t[a];
+    }
+    if (w > 0) sum += w * hu(at[0], at[1], at[2]);
+  }
+  return sum;
+}
+
+/// The outer table unrolled: x along a plane from front to back, y from plane to plane, to the left.
+struct Unrolled {
+  std::vector<Vec3> table_mm;
+  std::vector<char> known;
+  Grid<float> density;  ///< HU of the table
+  double column_mm = 0;
+
+  std::size_t at(int row, int column) const { return std::size_t(row) * columns + column; }
+};
+
+Unrolled unroll(const HuView& hu, const CalvariaFrame& f, const BoneRay& bone) {
+  Unrolled u;
+  u.table_mm.resize(std::size_t(planes) * columns);
+  u.known.assign(u.table_mm.size(), 0);
+  Lattice l;
+  l.size = {columns, planes, 1};
+  u.density = Grid<float>(l, 0.f);
+  parallel_for(0, planes, 1, [&](std::int64_t from, std::int64_t to) {
+    for (int row = int(from); row < to; ++row)
+      for (int c = 0; c < columns; ++c) {
+        const double angle = (first_deg + c * turn_deg) * std::acos(-1.0) / 180;
+        const Vec3 out = f.front * std::cos(angle) + f.up * std::sin(angle);
+        const auto met = bone(f.centre_mm + f.left * double(row - half_planes) + out * reach_mm, -out, reach_mm - 40);
+        if (!met) continue;
+        double sum = 0;
+        int n = 0;
+        for (double depth = table_from_mm; depth <= table_to_mm + 0.01; depth += 0.5, ++n)
+          sum += hu_at(hu, *met - out * depth);
+        u.table_mm[u.at(row, c)] = *met;
+        u.known[u.at(row, c)] = 1;
+        u.density.voxels[u.at(row, c)] = float(std::clamp(sum / n, 0.0, 3000.0));
+      }
+  });
+  std::vector<float> radii;
+  for (int c = 0; c < columns; ++c)
+    if (u.known[u.at(half_planes, c)]) radii.push_back(float(norm(u.table_mm[u.at(half_planes, c)] - f.centre_mm)));
+  u.column_mm = turn_deg * std::acos(-1.0) / 180 * segmentation::median(radii, 100);
+  u.density.spacing_mm = {u.column_mm, 1, 1};
+  return u;
+}
+
+/// How much denser the table is than the bone around, as a share of that.
+Grid<float> contrast_of(const Unrolled& u) {
+  Grid<float> around = u.density, out = u.density;
+  segmentation::gaussian(around, 10);
+  for (std::size_t v = 0; v < out.voxels.size(); ++v)
+    out.voxels[v] = std::clamp(out.voxels[v] / std::max(around.voxels[v], 300.f) - 1, -0.6f, 0.6f);
+  return out;
+}
+
+/// Thick slices leave rings of alternating density where a vault crosses them: the median of all that lies at the same
+/// place between two slices is taken off, before the highest slice and behind it.
+void take_rings_off(Grid<float>& contrast, const Unrolled& u, const Lattice& scan) {
+  std::vector<double> slice(u.table_mm.size(), 0);
+  int top = 0;
+  double highest = -1e9;
+  for (int c = 0; c < columns; ++c) {
+    double sum = 0;
+    int n = 0;
+    for (int row = 0; row < planes; ++row)
+      if (u.known[u.at(row, c)]) sum += slice[u.at(row, c)] = scan.to_index(u.table_mm[u.at(row, c)]).z, ++n;
+    if (n && sum / n > highest) highest = sum / n, top = c;
+  }
+  for (const bool front : {true, false}) {
+    std::map<long, std::vector<std::size_t>> rings;
+    for (int row = 0; row < planes; ++row)
+      for (int c = front ? 0 : top; c < (front ? top : columns); ++c)
+        if (u.known[u.at(row, c)]) rings[std::lround(slice[u.at(row, c)] / ring_step)].push_back(u.at(row, c));
+    for (const auto& [number, members] : rings) {
+      if (members.size() < 20) continue;
+      std::vector<float> values;
+      for (const std::size_t m : members) values.push_back(contrast.voxels[m]);
+      const float middle = segmentation::median(values, 0);
+      for (const std::size_t m : members) contrast.voxels[m] -= middle;
+    }
+  }
+}
+
+/// Smoothed along the planes by `along_mm` and across them by `across_mm`.
+Grid<float> smooth(Grid<float> g, double across_mm, double along_mm) {
+  const double column_mm = g.spacing_mm.x;
+  g.spacing_mm = {column_mm / along_mm, 1 / across_mm, 1};
+  segmentation::gaussian(g, 1);
+  g.spacing_mm = {column_mm, 1, 1};
+  return g;
+}
+
+/// How much each place looks like one of a suture that runs from side to side, in units of full_contrast.
+Grid<float> strength_of(const Grid<float>& contrast) {
+  const Grid<float> fine = smooth(contrast, 1, 0.5), coarse = smooth(contrast, 2, 2);
+  Grid<float> out(contrast, 0.f);
+  const int near = int(std::lround(cleft_beside_mm / contrast.spacing_mm.x)),
+            far = int(std::lround(ridge_beside_mm / contrast.spacing_mm.x));
+  for (int row = 0; row < planes; ++row)
+    for (int c = far; c + far < columns; ++c) {
+      const double cleft = double(std::min(fine.at(c - near, row, 0), fine.at(c + near, row, 0))) - fine.at(c, row, 0);
+      const double ridge =
+          double(coarse.at(c, row, 0)) - std::max(coarse.at(c - far, row, 0), coarse.at(c + far, row, 0));
+      out.at(c, row, 0) =
+          float((std::clamp(cleft, 0.0, most_cleft) + std::clamp(ridge, 0.0, most_ridge)) / full_contrast);
+    }
+  return out;
+}
+
+/// The line from side to side along which the strength is greatest: a column for each plane, and the mean strength.
+struct Line {
+  std::vector<int> column;
+  double strength = 0;
+};
+Line best_line(const Grid<float>& strength) {
+  std::vector<float> sum(strength.voxels.begin(), strength.voxels.begin() + columns);
+  std::vector<signed char> from(std::size_t(planes) * columns, 0);
+  for (int row = 1; row < planes; ++row) {
+    std::vector<float> next(columns, -std::numeric_limits<float>::infinity());
+    for (int c = 0; c < columns; ++c) {
+      // Straight on first, so that of equal ways the straight one is taken.
+      for (const int d : {0, 1, -1, 2, -2}) {
+        if (std::abs(d) > most_step || c - d < 0 || c - d >= columns) continue;
+        const float value = sum[std::size_t(c - d)] - float(step_cost * std::abs(d));
+        if (value > next[c]) next[c] = value, from[std::size_t(row) * columns + c] = static_cast<signed char>(d);
+      }
+      next[c] += strength.at(c, row, 0);
+    }
+    sum = std::move(next);
+  }
+  Line line;
+  line.column.resize(planes);
+  const auto best = std::max_element(sum.begin(), sum.end());
+  line.strength = *best / planes;
+  int c = int(best - sum.begin());
+  for (int row = planes - 1; row >= 0; --row) {
+    line.column[std::size_t(row)] = c;
+    c -= from[std::size_t(row) * columns + c];
+  }
+  return line;
+}
+
+/// Where a straight line through one half of the suture crosses the midline, in mm along it; what is seen clearly
+/// counts most.
+double crossing_mm(const Line& line, const Grid<float>& strength, bool left) {
+  double w = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (int row = 0; row < planes; ++row) {
+    const double to_left = row - half_planes;
+    if ((left ? to_left : -to_left) < beside_midline_mm) continue;
+    const int c = line.column[std::size_t(row)];
+    const double weight = std::clamp(double(strength.at(c, row, 0)), 0.01, 3.0), mm = c * strength.spacing_mm.x;
+    w += weight, x += weight * to_left, y += weight * mm;
+    xx += weight * to_left * to_left, xy += weight * to_left * mm;
+  }
+  const double slope = (w * xy - x * y) / (w * xx - x * x);
+  return (y - slope * x) / w;
+}
+
+/// Lengths over the bone of the midline from the nasion's level; -1 where there is no bone.
+std::vector<double> arcs_of(const Unrolled& u, Vec3 nasion) {
+  std::vector<double> arc(columns, -1);
+  double length = 0;
+  const Vec3* before = nullptr;
+  for (int c = 0; c < columns; ++c) {
+    if (!u.known[u.at(half_planes, c)]) continue;
+    const Vec3& p = u.table_mm[u.at(half_planes, c)];
+    length += before ? norm(p - *before) : 1.03 * norm(p - nasion);  // the arc is a little longer than its chord
+    arc[c] = length;
+    before = &p;
+  }
+  return arc;
+}
+
+}  // namespace
+
+std::optional<CoronalSuture> find_coronal_suture(const HuVolume& volume, const CalvariaFrame& frame,
+                                                 const BoneRay& bone) {
+  const Unrolled u = unroll(HuView(volume), frame, bone);
+  const std::vector<double> arc = arcs_of(u, frame.nasion_mm);
+  Grid<float> contrast = contrast_of(u);
+  take_rings_off(contrast, u, lattice_of(volume));
+  Grid<float> strength = strength_of(contrast);
+  int searched = 0;
+  for (int c = 0; c < columns; ++c) {
+    const bool wanted = arc[c] >= least_arc_mm && arc[c] <= most_arc_mm;
+    searched += wanted;
+    for (int row = 0; row < planes; ++row)
+      if (!wanted || !u.known[u.at(row, c)]) strength.at(c, row, 0) = 0;
+  }
+  if (searched * u.column_mm < 30) return {};
+  const Line line = best_line(strength);
+  Grid<float> rest = strength;
+  const int near = int(other_line_mm / u.column_mm);
+  int seen = 0;
+  for (int row = 0; row < planes; ++row) {
+    const int c = line.column[std::size_t(row)];
+    seen += strength.at(c, row, 0) > seen_strength;
+    for (int k = std::max(0, c - near); k <= std::min(columns - 1, c + near); ++k) rest.at(k, row, 0) = 0;
+  }
+  // Where it crosses the midline: the middle of 9 planes, for sutures are serrated.
+  std::vector<int> middle(line.column.begin() + half_planes - 4, line.column.begin() + half_planes + 5);
+  std::nth_element(middle.begin(), middle.begin() + 4, middle.end());
+  const int crossing = middle[4];
+  if (arc[crossing] < 0) return {};
+  CoronalSuture out;
+  out.bregma_mm = u.table_mm[u.at(half_planes, crossing)];
+  out.arc_mm = arc[crossing];
+  out.visible_ratio = double(seen) / planes;
+  out.distinct_ratio = line.strength / std::max(best_line(rest).strength, 0.05);
+  out.halves_apart_mm = std::abs(crossing_mm(line, strength, true) - crossing_mm(line, strength, false));
+  out.confidence = std::min(share(out.visible_ratio, 0.4, 0.7), share(out.distinct_ratio, 1.2, 2));
+  if (out.halves_apart_mm > most_halves_apart_mm) out.confidence *= 0.4;
+  return out;
+}
+
+}  // namespace trephine

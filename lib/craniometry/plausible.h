@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// Whether landmarks can be those of one adult's head.
+#include <string>
+#include <vector>
+
+#include "cases/case.h"
+
+namespace trephine {
+
+/// How much a landmark's confidence has to be lowered, and why.
+struct LandmarkDoubt {
+  std::string name;
+  double factor = 1;   ///< 0 to 1
+  std::string reason;  ///< "183 mm from the tragi, 78 to 125 are plausible"
+};
+
+/// A pair of landmarks and the distance that they may have in an adult; with an `at`, the angle there, in degrees.
+/// "tragi" and "foramina" stand for the middle between left and right, in the midsagittal plane.
+struct LandmarkRange {
+  const char *from, *to, *at;
+  double least, most;
+};
+
+/// The ranges that are checked. They are wide, and find what is grossly wrong and nothing else: they begin below the
+/// small women and end above the large men of the surveys, where those measured the same thing (head length, bitragion
+/// breadth and tragion to top of head [Gordon2014], tragion to nasion [Young1993], nasion to bregma [Howells1973], the
+/// last with 20 mm more for the soft tissue over both ends); the others are those between the same points of the real
+/// heads in docs/accuracy.md, widened by a fifth.
+const std::vector<LandmarkRange>& landmark_ranges();
+
+/// Judges them together: which pairs and angles are out of range, and which landmark is to blame. That is the one which
+/// is out of range most often, where several are equal the one with the least confidence, and all of them where those
+/// are equal too; it is taken out and the rest is judged again. What a person gave (source "given") is never to blame.
+/// A landmark to blame gets the factor 0.4, so that it is doubtful whatever it was before. Landmarks that no range
+/// names are not judged. In the order of `landmarks`; only those with a doubt.
+std::vector<LandmarkDoubt> implausible(const std::vector<CaseLandmark>& landmarks);
+
+/// How far a point lies before the coronal suture, along the midline (below 0: behind it). `centre_mm` lies inside the
+/// skull between nasion and inion.
+double before_suture_mm(Vec3 point_mm, Vec3 bregma_mm, Vec3 centre_mm, Vec3 nasion_mm);
+/// Kocher's point lies 1 to 2 cm before the suture; 5 mm on either side are left to the arcs.
+constexpr double least_before_suture_mm = 5, most_before_suture_mm = 25;
+
+}  // namespace trephine
