@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-trephine_test(landmarks head phantom cases meshing boolean)
+trephine_test(landmarks head phantom cases dicom meshing boolean)

@@ -18,6 +18,8 @@ void check_request(const BurrHoleParams& params, ExitCode code) {
     throw Error(code, "", "position_mm", "is not looked at where `at` is kocher");
   if (norm(vector_of(params.direction)) > 0 && !params.toward.empty())
     throw Error(code, "", "direction", "and toward contradict each other, give one of them");
+  if (params.min_before_suture_mm > params.max_before_suture_mm)
+    throw Error(code, "", "min_before_suture_mm", "is above max_before_suture_mm");
 }
 
 std::string missing_landmark(const BurrHoleParams& params, const std::map<std::string, Vec3>& landmarks_mm) {

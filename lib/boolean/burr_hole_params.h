@@ -21,6 +21,8 @@ struct BurrHoleParams {
   std::array<double, 3> direction{0, 0, 0};
   std::string toward;
   double min_confidence = 0.5;
+  double min_before_suture_mm = 5;
+  double max_before_suture_mm = 25;
 
   template <class V>
   static void describe(V& v) {
@@ -41,6 +43,10 @@ struct BurrHoleParams {
     v.text(&P::toward, "toward", "Landmark at which the axis points.").names("landmark");
     v.number(&P::min_confidence, "min_confidence", Range{0, 1},
              "Landmarks that were found with less confidence than this are not used.");
+    v.number(&P::min_before_suture_mm, "min_before_suture_mm", Range{-200, 200},
+             "Kocher's point: least distance before the coronal suture, where that is seen or its bregma is given.");
+    v.number(&P::max_before_suture_mm, "max_before_suture_mm", Range{-200, 200},
+             "Kocher's point: largest distance before the coronal suture, where that is seen or its bregma is given.");
   }
 };
 
@@ -56,6 +62,6 @@ BurrHoleRequest request_of(const BurrHoleParams& params, const std::map<std::str
 
 /// The end of a message: what to do about a landmark that is missing or has too little confidence.
 constexpr const char* how_to_give_a_landmark =
-    "; give it in mm, LPS: landmarks: {NAME: [x, y, z]}, or a landmarks_file";
+    "; give it in mm, LPS: landmarks: {NAME: [x, y, z]}, or a landmarks_file (.mrk.json or .fcsv of 3D Slicer)";
 
 }  // namespace trephine

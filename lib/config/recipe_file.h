@@ -74,7 +74,7 @@ struct RecipeRoles {
           "anatomy is computed where one of them is wanted, and they are targets where it is shown.")
         .names("target");
     v.text(&P::class_of, "class_of",
-           "The anatomy by which a case is classed as normal, hydrocephalic, shifted or small.")
+           "The anatomy by which a case is classed as normal, hydrocephalic, shifted, small or uncertain.")
         .names("anatomy");
   }
 };

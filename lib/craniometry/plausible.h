@@ -22,11 +22,10 @@ struct LandmarkRange {
   double least, most;
 };
 
-/// The ranges that are checked. They are wide, and find what is grossly wrong and nothing else: they begin below the
-/// small women and end above the large men of the surveys, where those measured the same thing (head length, bitragion
-/// breadth and tragion to top of head [Gordon2014], tragion to nasion [Young1993], nasion to bregma [Howells1973], the
-/// last with 20 mm more for the soft tissue over both ends); the others are those between the same points of the real
-/// heads in docs/accuracy.md, widened by a fifth.
+/// The ranges that are checked: our own choice, wide on purpose, for they are to find what is grossly wrong and nothing
+/// else. They lie a fifth or more to either side of the same lengths of the real heads in docs/accuracy.md, and of
+/// adult means where a survey has them (bitragion breadth and tragion to top of head [Gordon2014], tragion to nasion
+/// [Young1993], nasion to bregma on bone [Howells1973]).
 const std::vector<LandmarkRange>& landmark_ranges();
 
 /// Judges them together: which pairs and angles are out of range, and which landmark is to blame. That is the one which

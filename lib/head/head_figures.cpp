@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/text.h"
+#include "head/head_doubts.h"
 #include "mask/filters.h"
 
 namespace trephine {
@@ -320,12 +321,26 @@ std::optional<double> ml_of(const Field* f) {
   return double(n) * f->voxel_volume_mm3() / 1000;
 }
 
-HeadClass class_of(const HeadFigures& f, const HeadClassParams& p) {
+HeadClass class_of(const HeadFigures& f, const HeadClassParams& p, bool doubted) {
+  if (doubted) return HeadClass::uncertain;
   if (!f.evans_index_ratio || !f.midline_shift_mm) return HeadClass::unknown;
   if (std::abs(*f.midline_shift_mm) > p.shifted_mm) return HeadClass::shifted;
   if (*f.evans_index_ratio > p.hydrocephalic_evans_ratio) return HeadClass::hydrocephalic;
   const bool little = f.brain_ml && *f.ventricles_ml < p.small_ventricles_ratio * *f.brain_ml;
   return little && *f.evans_index_ratio <= p.small_evans_ratio ? HeadClass::small : HeadClass::normal;
+}
+
+/// Tells what speaks against the ventricles being whole; takes the widths away that were measured across a gap.
+bool doubt(const HeadFields& fields, const HeadAxes& axes, const Horns& horns, const HeadLandmarks* landmarks,
+           const HeadClassParams& params, HeadFigures& f, Report& report) {
+  const double middle = f.midline_shift_mm ? dot(f.midline_place_mm - axes.origin, axes.left) : 0;
+  bool horns_whole = true;
+  const auto doubts =
+      segmentation::ventricle_doubts(*fields.ventricles, {axes.origin, axes.left, axes.back, middle, horns.monro_back},
+                                     landmarks, f, params, report, horns_whole);
+  for (const std::string& d : doubts) report.warn("the class is uncertain: " + d);
+  if (!horns_whole) f.frontal_horns_mm = f.evans_index_ratio = std::nullopt;
+  return !doubts.empty();
 }
 
 void add(Report& report, const char* name, const std::optional<double>& value) {
@@ -334,22 +349,6 @@ void add(Report& report, const char* name, const std::optional<double>& value) {
 
 }  // namespace
 
-const char* to_text(HeadClass c) {
-  switch (c) {
-    case HeadClass::normal:
-      return "normal";
-    case HeadClass::hydrocephalic:
-      return "hydrocephalic";
-    case HeadClass::shifted:
-      return "shifted";
-    case HeadClass::small:
-      return "small";
-    case HeadClass::unknown:
-      break;
-  }
-  return "unknown";
-}
-
 HeadFigures measure_head(const HeadFields& fields, const HeadLandmarks* landmarks, const HeadClassParams& params,
                          Report& report, const Progress& progress) {
   HeadFigures f;
@@ -357,6 +356,7 @@ HeadFigures measure_head(const HeadFields& fields, const HeadLandmarks* landmark
   f.skull_ml = ml_of(fields.skull);
   f.brain_ml = ml_of(fields.brain);
   f.ventricles_ml = ml_of(fields.ventricles);
+  bool doubted = false;
   if (fields.ventricles && *f.ventricles_ml > 0) {
     const bool has_plane = landmarks && landmarks->midsagittal.confidence > 0;
     HeadAxes axes = axes_of({0, 0, 0}, {1, 0, 0});
@@ -376,8 +376,9 @@ HeadFigures measure_head(const HeadFields& fields, const HeadLandmarks* landmark
     measure_shift(fields, lines, horns, has_plane, f);
     if (!f.evans_index_ratio && fields.skull)
       report.warn("Evans' index could not be measured: no plane of the frontal horns has inner skull on both sides");
+    doubted = doubt(fields, axes, horns, landmarks, params, f, report);
   }
-  f.head_class = class_of(f, params);
+  f.head_class = class_of(f, params, doubted);
   add(report, "skin_ml", f.skin_ml);
   add(report, "skull_ml", f.skull_ml);
   add(report, "brain_ml", f.brain_ml);

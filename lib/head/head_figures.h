@@ -19,8 +19,8 @@ struct HeadFields {
   const Field* ventricles = nullptr;
 };
 
-/// The class of a case, which follows from its ventricles.
-enum class HeadClass { unknown, normal, hydrocephalic, shifted, small };
+/// The class of a case, which follows from its ventricles; uncertain where they cannot be whole.
+enum class HeadClass { unknown, normal, hydrocephalic, shifted, small, uncertain };
 const char* to_text(HeadClass head_class);
 
 struct HeadClassParams {
@@ -28,6 +28,12 @@ struct HeadClassParams {
   double shifted_mm = 5;
   double small_evans_ratio = 0.25;
   double small_ventricles_ratio = 0.012;
+  double most_pieces_count = 4;
+  double least_sides_ratio = 0.25;
+  double least_horn_mm2 = 15;
+  double least_ventricles_ml = 3, most_ventricles_ml = 400;
+  double least_evans_ratio = 0.12, most_evans_ratio = 0.75;
+  double most_shift_mm = 25;
 
   template <class V>
   static void describe(V& v) {
@@ -40,6 +46,21 @@ struct HeadClassParams {
              "A case is small only where Evans' index is not above this.");
     v.number(&P::small_ventricles_ratio, "small_ventricles_ratio", Range{0, 1},
              "A case is small only where the ventricles are below this share of the brain's volume.");
+    v.number(&P::most_pieces_count, "most_pieces_count", Range{1, 1000},
+             "The class is uncertain where the ventricles are in more pieces of 0.1 ml or more.");
+    v.number(&P::least_sides_ratio, "least_sides_ratio", Range{0, 1},
+             "The class is uncertain where one half of the ventricles has less than this share of the other's volume.");
+    v.number(&P::least_horn_mm2, "least_horn_mm2", Range{0, 1000},
+             "A frontal horn is a thread below this cross-section (median): the class is uncertain, Evans' index not "
+             "given.");
+    v.number(&P::least_ventricles_ml, "least_ventricles_ml", Range{0, 1000},
+             "The class is uncertain below this volume of the ventricles.");
+    v.number(&P::most_ventricles_ml, "most_ventricles_ml", Range{0, 2000},
+             "The class is uncertain above this volume of the ventricles.");
+    v.number(&P::least_evans_ratio, "least_evans_ratio", Range{0, 1},
+             "The class is uncertain below this Evans' index.");
+    v.number(&P::most_evans_ratio, "most_evans_ratio", Range{0, 1}, "The class is uncertain above this Evans' index.");
+    v.number(&P::most_shift_mm, "most_shift_mm", Range{0, 100}, "The class is uncertain above this midline shift.");
   }
 };
 
@@ -72,8 +93,12 @@ struct HeadFigures {
 ///   healthy people (0.20 to 0.25). 38 people without pathology had 17.4 ml on average in all four ventricles
 ///   [VentricularVolume], about 1.4 % of a brain of 1,250 ml, so the smaller ventricles of healthy people are small
 ///   here. The synthetic head's small ventricles hold 5 to 11 ml, its normal ones about 21. Where several classes
-///   apply, the first of this list is given: shifted, hydrocephalic, small, normal. The class is unknown where the
-///   ventricles or what bounds them are missing.
+///   apply, the first of this list is given: uncertain, shifted, hydrocephalic, small, normal. The class is unknown
+///   where the ventricles or what bounds them are missing.
+///
+/// - Uncertain: the ventricles cannot be whole (head_doubts.h); each reason is a warning. Where a frontal horn is
+/// missing
+///   or a thread, frontal_horns_mm and evans_index_ratio are empty: the width would be measured across the gap.
 ///
 /// A landmark monro_left or monro_right that has a confidence is used. Without it the foramina are taken to lie behind
 /// the foremost point of the ventricles by 0.31 of the lateral ventricles' length, at most 32 mm.

@@ -18,7 +18,7 @@ struct MidsagittalPlane {
 };
 
 /// The known landmarks of a head, found or given. Names: nasion, inion, vertex, tragus_left, tragus_right, bregma
-/// (estimated by its usual distance from the nasion), monro_left, monro_right, kocher_left, kocher_right, and others
+/// (of the bone; the others are of the skin or inside), monro_left, monro_right, kocher_left, kocher_right, and others
 /// that the user chooses. No name occurs twice. Sources: "found", "estimated", "given", "truth".
 struct HeadLandmarks {
   MidsagittalPlane midsagittal;

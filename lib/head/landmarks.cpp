@@ -25,6 +25,7 @@ constexpr double least_lopsided_mm = 3.5,
                  most_lopsided_mm = 10;                ///< distance of one tragus from the other's mirror image
 constexpr double least_symmetry = 0.15;                ///< below this the plane is not that of a head
 constexpr double least_leap_mm = 2, most_leap_mm = 5;  ///< of the midline's skin between neighbouring points
+constexpr double most_vertices_apart_mm = 15;          ///< 6 degrees of another level
 constexpr double most_estimates_apart_mm = 10, of_an_estimate = 0.45;
 const char* const how_to_give =
     "give nasion, inion, tragus_left and tragus_right (landmarks: {nasion: [x, y, z], ...}, mm, LPS; or a .mrk.json "
@@ -255,7 +256,7 @@ class Finder {
     const auto highest = find_vertex(skin, lying);
     const double lying_mm = highest ? norm(highest->position_mm - vertex.position_mm) : 0;
     report_.add("vertex_to_highest_mm", lying_mm);
-    lower(vertex, "vertex", lying_mm > most_estimates_apart_mm ? 0.45 : 1,
+    lower(vertex, "vertex", lying_mm > most_vertices_apart_mm ? 0.45 : 1,
           fmt::format("the highest point, as the patient lay, is {:.0f} mm off", lying_mm));
     const Vec3* inion = known("inion", least_confidence);
     if (!inion) return;
@@ -264,7 +265,7 @@ class Finder {
     if (!half || skin.depth_in_scan_mm(*half) < 0.5) return;
     const double apart_mm = norm(*half - vertex.position_mm);
     report_.add("vertex_to_half_way_mm", apart_mm);
-    lower(vertex, "vertex", apart_mm > most_estimates_apart_mm ? 0.45 : 1,
+    lower(vertex, "vertex", apart_mm > most_vertices_apart_mm ? 0.45 : 1,
           fmt::format("half of the way from nasion to inion lies {:.0f} mm off", apart_mm));
   }
 

@@ -22,7 +22,7 @@ struct LandmarkParams {
              "Kocher's points: distance from the nasion, along the midline over the skin.");
     v.number(&P::lateral_mm, "lateral_mm", Range{0, 100}, "Kocher's points: distance to the side, over the skin.");
     v.number(&P::bregma_mm, "bregma_mm", Range{80, 180},
-             "Distance from the nasion, over the skin, at which the coronal suture is taken to cross the midline.");
+             "Where the coronal suture is not clear: its usual distance from the nasion, over the midline's skin.");
   }
 };
 
@@ -41,19 +41,25 @@ struct LandmarkInputs {
 /// - midsagittal plane: mirror symmetry of skull and skin, then of the structures on the midline; from nasion, inion
 ///   (or vertex) and tragi where those are given
 /// - nasion: the point of greatest concavity of the midline skin between brow and nose
-/// - inion: over the point of the occiput that stands out most in the midline
+/// - inion: the skin straight behind the point of the occiput that stands out most in the midline
 /// - tragus_left, tragus_right: the rim in front of the concha
 /// - vertex: the highest midline skin, with the line from the tragi to the nasion rising by 20 degrees
-/// - bregma: `bregma_mm` from the nasion over the skin; source "estimated"
+/// - bregma: where the coronal suture crosses the midline of the outer table (craniometry/coronal_suture.h), source
+///   "found"; where it is not clear, only if it lies within 10 mm of the usual place; else that place, `bregma_mm` from
+///   the nasion over the skin, source "estimated", with less than 0.5
 /// - kocher_left, kocher_right: `along_mm` from the nasion over the midline of the skin, `lateral_mm` to the side, as
 ///   place_burr_hole measures them, to about 0.3 mm
 /// - monro_left, monro_right: the narrowest place between the lateral ventricle and the third
 ///
-/// A landmark that lies outside the scan or cannot be seen (no face) is left out, and the report's warnings say so;
-/// nothing is invented. Given landmarks are in the result unchanged, with a warning for a name that is not searched for
-/// (and the nearest name that is). The report: symmetry_residual_mm and, for each landmark, its position and
-/// confidence. The result has the same bits whatever the thread count, and the function is safe to call from several
-/// threads.
+/// They are then judged together: one that lies at an impossible distance from the others (craniometry/plausible.h),
+/// far from bone, or beyond a leap of the midline's skin gets a confidence below 0.5, and a Kocher's point so does that
+/// does not lie 5 to 25 mm before a suture that is seen. Of each one below 0.5 a warning tells why.
+///
+/// A landmark that lies outside the scan or cannot be seen (no face), or has a confidence below 0.05, is left out, and
+/// the report's warnings say so; nothing is invented. Given landmarks are in the result unchanged, with a warning for a
+/// name that is not searched for (and the nearest name that is). The report: symmetry_residual_mm and, for each
+/// landmark, its position and confidence. The result has the same bits whatever the thread count, and the function is
+/// safe to call from several threads.
 ///
 /// Throws Error 64 without skin or skull; 65 where a field is on another raster, or where a given landmark is not
 /// finite, occurs twice, or lies more than 30 mm outside of the skin; 80 where the volume has only one value, or there

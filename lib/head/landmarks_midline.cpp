@@ -116,7 +116,7 @@ std::optional<FoundPoint> find_inion(const FieldView& skin, const FieldView& sku
   found.position_mm = *on_skin;
   found.confidence =
       std::min({ramp(stands[best] - mean, 0, 1), ramp(stands[best], 0.5, 2), ramp(norm(*on_skin - bone), 40, 20),
-                in_scan(skin, *on_skin), ramp(skull.depth_in_scan_mm(bone), 1, 10)});
+                in_scan(skin, *on_skin), ramp(skull.depth_in_scan_mm(bone), 2, 13)});
   return found;
 }
 

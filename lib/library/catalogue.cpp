@@ -86,8 +86,9 @@ CaseRow read_row(const LibraryState& state, const std::string& token) {
 bool fits(const CaseRow& row, const LibraryFilter& filter) {
   if (filter.failed && row.fault.empty() && row.last.code == 0) return false;
   if (filter.patient_class != CaseClass::any) {
-    static const char* names[] = {"any", "normal", "hydrocephalic", "shifted", "small", ""};
-    if (row.patient_class != names[static_cast<int>(filter.patient_class)] || !row.fault.empty()) return false;
+    static const char* names[] = {"any", "normal", "hydrocephalic", "shifted", "small", "uncertain", ""};
+    const std::string is = row.patient_class == "unknown" ? "" : row.patient_class;
+    if (is != names[static_cast<int>(filter.patient_class)] || !row.fault.empty()) return false;
   }
   if (filter.max_deviation_mm > 0 && (!row.fault.empty() || row.deviation_max_mm > filter.max_deviation_mm))
     return false;

@@ -12,7 +12,7 @@
 namespace trephine {
 
 /// Which cases of a library are shown.
-enum class CaseClass { any, normal, hydrocephalic, shifted, small, unknown };
+enum class CaseClass { any, normal, hydrocephalic, shifted, small, uncertain, unknown };
 struct LibraryFilter {
   CaseClass patient_class = CaseClass::any;
   double max_deviation_mm = 0;
@@ -28,6 +28,7 @@ struct LibraryFilter {
               {"hydrocephalic", CaseClass::hydrocephalic},
               {"shifted", CaseClass::shifted},
               {"small", CaseClass::small},
+              {"uncertain", CaseClass::uncertain},
               {"unknown", CaseClass::unknown}},
              "Only cases of that class; unknown: cases without a class.");
     v.number(&P::max_deviation_mm, "max_deviation_mm", Range{0, 1000},

@@ -154,7 +154,7 @@ Sheet landmarks_sheet(Sheets& sheets, const HuVolume& volume, const std::vector<
     sheet.cells.push_back(sheets.image([scene, i, params, &l, &volume, &progress] {
       progress.check();
       std::vector<OverlayShape> shapes = scene->outlines;
-      shapes.push_back({&scene->balls[i], colour_of(l), l.name});
+      shapes.push_back({&scene->balls[i], colour_of(l), l.name + (l.confidence < 0.5 ? " (doubtful)" : "")});
       return slice_overlay(volume, params, shapes);
     }));
   }

@@ -7,7 +7,7 @@ namespace trephine {
 StageType anatomy_stage() {
   StageType s;
   s.name = "anatomy";
-  s.version = 1;
+  s.version = 2;
   s.place = StagePlace::scan;
   s.summary = "checks a head's anatomies against each other and measures them";
   s.description =
@@ -15,7 +15,8 @@ StageType anatomy_stage() {
       "ventricles lie inside the brain, the brain lies inside the cranial cavity and apart from the bone, the skull "
       "lies inside the skin, their surfaces keep apart, and the brain is one connected piece. Exit code 80 says what "
       "is wrong, by how much and where. It also measures volumes, Evans' index and midline shift, and classes the case "
-      "as normal, hydrocephalic, shifted or small.";
+      "as normal, hydrocephalic, shifted or small, or as uncertain, with the reasons, where the ventricles cannot be "
+      "whole.";
   s.examples = {
       "trephine anatomy --skin skin.nrrd --skull skull.nrrd --brain brain.nrrd --ventricles ventricles.nrrd "
       "--landmarks landmarks.json",

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
 #include "boolean/burr_hole_params.h"
+#include "craniometry/plausible.h"
 #include "stages/stage.h"
 
 namespace trephine {
@@ -34,16 +38,50 @@ bool were_looked_for(const HeadLandmarks* known) {
                   std::string(how_to_give_a_landmark));
 }
 
+/// Kocher's point has its place before the coronal suture, whatever the arcs say. A bregma that is not sure is no
+/// suture.
+void check_suture(const BurrHoleParams& params, const BurrHole& hole, const std::map<std::string, Vec3>& landmarks,
+                  const HeadLandmarks* known, Report& report) {
+  const auto bregma = landmarks.find("bregma");
+  if (bregma == landmarks.end()) {
+    if (were_looked_for(known))
+      report.warn(
+          "the coronal suture was not seen: how far before it Kocher's point lies was not checked; give its "
+          "bregma, or look at the pictures");
+    return;
+  }
+  const Vec3 nasion = landmarks.at("nasion");
+  const auto inion = landmarks.find("inion");
+  const Vec3 back = inion != landmarks.end() ? inion->second : landmarks.at("vertex");
+  // The middle between nasion and inion; under the vertex it lies as far below the bregma.
+  const Vec3 middle = (nasion + back) * 0.5;
+  const Vec3 centre = inion != landmarks.end() ? middle : middle + normalized(middle - bregma->second) * 60;
+  const double before_mm = before_suture_mm(hole.position_mm, bregma->second, centre, nasion);
+  report.add("before_suture_mm", before_mm);
+  if (before_mm >= params.min_before_suture_mm && before_mm <= params.max_before_suture_mm) return;
+  const double right_mm = 0.5 * (params.min_before_suture_mm + params.max_before_suture_mm);
+  throw Error(
+      ExitCode::quality, "", "burr_holes." + hole.cutter.name + ".along_mm",
+      fmt::format("Kocher's point lies {:.0f} mm {} the coronal suture, {:.0f} to {:.0f} mm before it are allowed: say "
+                  "along_mm: {:.0f}; or, where nasion or bregma are wrong in the pictures, give them in mm, LPS: "
+                  "landmarks: {{nasion: [x, y, z], bregma: [x, y, z]}}, or a landmarks_file (.mrk.json or .fcsv of 3D "
+                  "Slicer)",
+                  std::abs(before_mm), before_mm < 0 ? "behind" : "before", params.min_before_suture_mm,
+                  params.max_before_suture_mm, std::clamp(params.along_mm + before_mm - right_mm, 10.0, 250.0)));
+}
+
 }  // namespace
 
 StageType burrhole_stage() {
   StageType s;
   s.name = "burrhole";
-  s.version = 4;
+  s.version = 5;
   s.place = StagePlace::scene;
   s.summary = "places a burr hole on a head";
   s.description =
-      "The hole is placed at Kocher's point, measured over the skin from landmarks, or at a position. Its axis is "
+      "The hole is placed at Kocher's point, measured over the skin from landmarks, or at a position. Kocher's point "
+      "is refused where it does not lie 5 to 25 mm before the coronal suture, as far as that is seen; a position is "
+      "checked for bone and direction alone. The hole's axis is "
       "given, points at a landmark, or is perpendicular to the skull. The result is the cutter that `boolean` takes, "
       "for surfaces and for haptic volumes.";
   s.examples = {
@@ -64,6 +102,7 @@ StageType burrhole_stage() {
     const BurrHoleRequest request = request_of(params, landmarks, ExitCode::bad_config);
     const BurrHole hole =
         place_burr_hole(request, landmarks, in.get<TriMesh>("over"), *in.get<TriMesh>("bone"), report);
+    if (request.at == BurrHoleRequest::At::kocher) check_suture(params, hole, landmarks, known, report);
     if (request.at == BurrHoleRequest::At::position) {
       const double moved_mm = norm(hole.position_mm - request.position_mm);
       report.add("entry_from_position_mm", moved_mm);

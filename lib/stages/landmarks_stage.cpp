@@ -8,14 +8,16 @@ namespace trephine {
 StageType landmarks_stage() {
   StageType s;
   s.name = "landmarks";
-  s.version = 4;
+  s.version = 5;
   s.place = StagePlace::scan;
   s.summary = "finds the landmarks of a head";
   s.description =
       "Finds the midsagittal plane by symmetry; nasion, inion, tragi and vertex from the skin and the bone below it; "
-      "Kocher's points and an estimate of bregma by arcs over the skin; and the foramina of Monro where the ventricles "
-      "are known. Each landmark has a confidence from 0 to 1: look at those below 0.5. A landmark that the scan does "
-      "not show is left out, with the reason. A given landmark replaces the found one, and everything measured from it "
+      "Kocher's points by arcs over the skin; bregma from the coronal suture in the bone, or where that is not seen as "
+      "an "
+      "estimate; and the foramina of Monro where the ventricles are known. Landmarks are judged together. Each has a "
+      "confidence from 0 to 1, and one below 0.5 is warned of, with the reason. A landmark that the scan does not show "
+      "is left out, with the reason. A given landmark replaces the found one, and everything measured from it "
       "follows.";
   s.examples = {
       "trephine landmarks volume.nrrd --skin skin.nrrd --skull skull.nrrd --ventricles ventricles.nrrd --output "

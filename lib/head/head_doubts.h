@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "head/head_figures.h"
+
+namespace trephine::segmentation {
+
+/// The ventricles' own axes (unit vectors at right angles, the origin in the midsagittal plane), the middle between
+/// their sides, and the level of the foramina of Monro along `back`.
+struct VentricleAxes {
+  Vec3 origin_mm, left, back;
+  double middle_mm = 0;  ///< along `left`
+  double monro_mm = 0;   ///< along `back`
+};
+
+/// What speaks against the ventricles being whole, one sentence each, in the order of the limits in HeadClassParams.
+/// - Pieces of at least 0.1 ml are counted.
+/// - A frontal horn is what lies more than 4 mm in front of the foramina on its side. It is missing where it is shorter
+///   than 6 mm, and a thread where the median of its cross-sections in coronal slabs of 2 mm is below
+///   least_horn_mm2; `horns_whole` is then false, and no width across both means anything.
+/// - The foramina are judged where other landmarks were looked for: there is no way from a third ventricle into the
+///   lateral ones where both are missing or doubtful.
+/// - Volume, index and shift have to be those of a living person.
+/// Adds to the report ventricle_pieces_count, ventricle_sides_ratio, horn_left_mm2 and horn_right_mm2.
+std::vector<std::string> ventricle_doubts(const Field& ventricles, const VentricleAxes& axes,
+                                          const HeadLandmarks* landmarks, const HeadFigures& figures,
+                                          const HeadClassParams& params, Report& report, bool& horns_whole);
+
+}  // namespace trephine::segmentation
