@@ -33,8 +33,9 @@ TEST(Plausible, ThoseOfOneHeadAreAndAWrongOneIsBlamed) {
     for (CaseLandmark& l : all)
       if (l.name == name) l.position_mm += Vec3{0, 70, -40};
     const auto doubts = implausible(all);
-    ASSERT_EQ(doubts.size(), 1u) << name;
-    EXPECT_EQ(doubts[0].name, name);
+    const bool of_a_pair = std::string(name).find('_') != std::string::npos;  // which of the two is not known
+    ASSERT_EQ(doubts.size(), of_a_pair ? 2u : 1u) << name;
+    EXPECT_TRUE(std::any_of(doubts.begin(), doubts.end(), [&](const LandmarkDoubt& d) { return d.name == name; }));
     EXPECT_LT(doubts[0].factor, 0.5);
     EXPECT_NE(doubts[0].reason.find("are plausible"), std::string::npos) << doubts[0].reason;
   }

@@ -83,7 +83,7 @@ const std::vector<LandmarkRange>& landmark_ranges() {
   static const std::vector<LandmarkRange> ranges{
       {"tragus_left", "tragus_right", nullptr, 110, 180},
       {"nasion", "tragi", nullptr, 78, 125},
-      {"inion", "tragi", nullptr, 65, 125},
+      {"inion", "tragi", nullptr, 70, 120},
       {"vertex", "tragi", nullptr, 105, 165},
       {"bregma", "tragi", nullptr, 100, 155},
       {"foramina", "tragi", nullptr, 35, 80},
@@ -93,7 +93,8 @@ const std::vector<LandmarkRange>& landmark_ranges() {
       {"monro_left", "monro_right", nullptr, 1, 25},
       {"nasion", "inion", "tragi", 138, 180},
       {"nasion", "vertex", "tragi", 45, 115},
-      {"nasion", "bregma", "tragi", 40, 90},
+      {"nasion", "bregma", "tragi", 45, 85},
+      {"bregma", "inion", "tragi", 80, 120},
       {"nasion", "foramina", "tragi", 25, 95},
   };
   return ranges;
@@ -101,7 +102,8 @@ const std::vector<LandmarkRange>& landmark_ranges() {
 
 std::vector<LandmarkDoubt> implausible(const std::vector<CaseLandmark>& landmarks) {
   Known known;
-  for (const CaseLandmark& l : landmarks) known[l.name] = l;
+  for (const CaseLandmark& l : landmarks)
+    if (l.source != "estimated") known[l.name] = l;
   std::map<std::string, std::string> blamed;
   for (;;) {
     std::map<std::string, int> count;
@@ -112,11 +114,8 @@ std::vector<LandmarkDoubt> implausible(const std::vector<CaseLandmark>& landmark
     int most = 0;
     for (const auto& c : count) most = std::max(most, c.second);
     if (most == 0) break;
-    double least = 2;
-    for (const auto& c : count)
-      if (c.second == most) least = std::min(least, known.at(c.first).confidence);
     for (const auto& c : count) {
-      if (c.second != most || known.at(c.first).confidence > least) continue;
+      if (c.second != most) continue;
       for (const Fault& f : faults)
         if (std::find(f.names.begin(), f.names.end(), c.first) != f.names.end()) {
           blamed[c.first] = reason_of(f, c.first);

@@ -100,11 +100,12 @@ std::vector<std::string> ventricle_doubts(const Field& ventricles, const Ventric
     const double area = sides.horn_mm2(side), length = sides.horn_length_mm(side);
     report.add(side == 0 ? "horn_left_mm2" : "horn_right_mm2", area);
     const bool missing = length < least_horn_length_mm;
-    if (!missing && area >= params.least_horn_mm2) continue;
+    const double least_mm2 = std::max(params.least_horn_mm2, params.least_horns_ratio * sides.horn_mm2(1 - side));
+    if (!missing && area >= least_mm2) continue;
     horns_whole = false;
     out.push_back(missing ? fmt::format("the {} frontal horn is missing", name)
                           : fmt::format("the {} frontal horn is a thread of {:.0f} mm2, at least {:.0f} are plausible",
-                                        name, area, params.least_horn_mm2));
+                                        name, area, least_mm2));
   }
   bool looked_for = false, seen = false;
   if (landmarks)

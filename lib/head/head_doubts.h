@@ -19,7 +19,8 @@ struct VentricleAxes {
 /// - Pieces of at least 0.1 ml are counted.
 /// - A frontal horn is what lies more than 4 mm in front of the foramina on its side. It is missing where it is shorter
 ///   than 6 mm, and a thread where the median of its cross-sections in coronal slabs of 2 mm is below
-///   least_horn_mm2; `horns_whole` is then false, and no width across both means anything.
+///   least_horn_mm2 or below least_horns_ratio of the other one's; `horns_whole` is then false, and no width across
+///   both means anything.
 /// - The foramina are judged where other landmarks were looked for: there is no way from a third ventricle into the
 ///   lateral ones where both are missing or doubtful.
 /// - Volume, index and shift have to be those of a living person.

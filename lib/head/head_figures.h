@@ -31,6 +31,7 @@ struct HeadClassParams {
   double most_pieces_count = 4;
   double least_sides_ratio = 0.25;
   double least_horn_mm2 = 15;
+  double least_horns_ratio = 0.3;
   double least_ventricles_ml = 3, most_ventricles_ml = 400;
   double least_evans_ratio = 0.12, most_evans_ratio = 0.75;
   double most_shift_mm = 25;
@@ -53,6 +54,8 @@ struct HeadClassParams {
     v.number(&P::least_horn_mm2, "least_horn_mm2", Range{0, 1000},
              "A frontal horn is a thread below this cross-section (median): the class is uncertain, Evans' index not "
              "given.");
+    v.number(&P::least_horns_ratio, "least_horns_ratio", Range{0, 1},
+             "A frontal horn is a thread below this share of the other one's cross-section, too.");
     v.number(&P::least_ventricles_ml, "least_ventricles_ml", Range{0, 1000},
              "The class is uncertain below this volume of the ventricles.");
     v.number(&P::most_ventricles_ml, "most_ventricles_ml", Range{0, 2000},
