@@ -2,9 +2,13 @@
 // Stage data as files.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
+
 #include "grid/nrrd.h"
 #include "scratch_folder.h"
 #include "stages/data_files.h"
+#include "stages/stage.h"
 
 namespace trephine {
 namespace {
@@ -22,6 +26,28 @@ TEST(StageData, AVolumeIsNoFieldForContour) {
   for (const char* name : {"hu.nrrd", "foreign.nrrd", "resampled.nrrd"})
     EXPECT_EQ(kind(name), DataKind::volume) << name;
   for (const char* name : {"field.nrrd", "mask.nrrd"}) EXPECT_EQ(kind(name), DataKind::field) << name;
+}
+
+TEST(Stages, EachRoleOfTheGraphIsPlayedByOneStage) {
+  std::map<StageRole, int> players;
+  for (const StageType& stage : stage_types()) ++players[stage.role];
+  for (int role = static_cast<int>(StageRole::step) + 1; role <= static_cast<int>(StageRole::measure); ++role)
+    if (static_cast<StageRole>(role) == StageRole::prepare)
+      EXPECT_GE(players[StageRole::prepare], 1);  // a recipe may name several
+    else
+      EXPECT_EQ(players[static_cast<StageRole>(role)], 1) << role;
+  for (const StageType* stage : stages_of(StagePlace::anatomy)) EXPECT_EQ(stage->role, StageRole::step) << stage->name;
+}
+
+TEST(Stages, EveryLandmarkThatIsLookedForHasASlice) {
+  std::vector<std::string> declared, known = findable_landmarks();
+  for (const StagePoint& point : stage_of(StageRole::landmarks).points) declared.push_back(point.name);
+  std::sort(declared.begin(), declared.end());
+  std::sort(known.begin(), known.end());
+  EXPECT_EQ(declared, known);
+  EXPECT_EQ(plane_of_landmark("bregma"), SlicePlane::sagittal);
+  EXPECT_EQ(plane_of_landmark("monro_right"), SlicePlane::axial);
+  EXPECT_EQ(plane_of_landmark("a_point_of_the_user"), SlicePlane::coronal);
 }
 
 }  // namespace

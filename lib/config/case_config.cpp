@@ -34,7 +34,7 @@ std::string ConfigReading::fault_of_anatomy(const std::string& name) const {
 }
 
 std::string ConfigReading::fault_of_landmark(const std::string& name) const {
-  const bool looked_for = out.find_scan_step(landmarks_step) != nullptr;
+  const bool looked_for = out.find_scan_step(StageRole::landmarks) != nullptr;
   std::vector<std::string> known;
   if (looked_for) known = findable_landmarks();
   for (const CaseLandmark& l : out.landmarks) known.push_back(l.name);
@@ -60,9 +60,9 @@ const RecipeAnatomy* CaseConfig::find_anatomy(const std::string& name) const {
   return nullptr;
 }
 
-const RecipeStep* CaseConfig::find_scan_step(const std::string& stage) const {
+const RecipeStep* CaseConfig::find_scan_step(StageRole role) const {
   for (const RecipeStep& s : scan_steps)
-    if (s.type->name == stage) return &s;
+    if (s.type->role == role) return &s;
   return nullptr;
 }
 

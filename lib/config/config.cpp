@@ -286,7 +286,7 @@ class Reader {
         const auto& params = hole.params.as<BurrHoleParams>();
         if (const std::string what = params.toward.empty() ? "" : r_.fault_of_landmark(params.toward); !what.empty())
           throw Error(ExitCode::bad_config, "", "toward", what);
-        if (out.find_scan_step(landmarks_step))
+        if (out.find_scan_step(StageRole::landmarks))
           check_request(params, ExitCode::bad_config);  // a landmark that is not given is searched for
         else
           request_of(params, out.landmark_positions_mm(), ExitCode::bad_config);

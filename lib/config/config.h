@@ -23,13 +23,6 @@ struct RecipeStep {
   std::map<std::string, std::string> ports;  ///< port name -> "anatomy.stage"
 };
 
-/// Stages of the whole scan (StagePlace::scan) that the program's own code refers to.
-constexpr const char* resample_step = "resample";    ///< in every recipe; used where a spacing is set
-constexpr const char* landmarks_step = "landmarks";  ///< used where the scene or a burr hole needs a landmark
-constexpr const char* deface_step = "deface";        ///< used where the scene's face policy is crop or deface
-constexpr const char* anatomy_step =
-    "anatomy";  ///< the consistency check of those of its anatomies that the scene computes
-
 struct RecipeAnatomy : RecipeAnatomyParams {
   std::string name;
   std::vector<RecipeStep> steps;
@@ -102,7 +95,10 @@ struct CaseConfig {
 
   std::map<std::string, Vec3> landmark_positions_mm() const;
   const RecipeAnatomy* find_anatomy(const std::string& name) const;
-  const RecipeStep* find_scan_step(const std::string& stage) const;
+  /// The recipe's step with that role: resample is in every recipe and used where a spacing is set, landmarks where the
+  /// scene or a burr hole needs one, deface where the scene's face policy is crop or deface, check for those of its
+  /// anatomies that the scene computes.
+  const RecipeStep* find_scan_step(StageRole role) const;
   /// Whether the scene shows the anatomy by its surface or by the haptic volume.
   bool is_shown(const std::string& anatomy) const;
   /// The anatomy in which the landmark lies as a target of the recipe; empty where it is no target.

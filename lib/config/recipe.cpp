@@ -36,7 +36,7 @@ class RecipeReader {
     for (const StepChoice& choice : recipe_steps(StagePlace::scan))
       if (const AnyParams* said = find_item(said_.scan_steps, choice.name))
         add_scan_step(step_of(choice.name, *said));
-      else if (choice.name == resample_step)  // any scan can be resampled
+      else if (choice.name == stage_of(StageRole::resample).name)  // any scan can be resampled
         add_scan_step(step_of(choice.name, {choice.set, choice.set->make()}));
   }
 

@@ -80,7 +80,7 @@ class SceneReader {
       fault("burr_holes", "burr_holes",
             "the pipeline does not say which bone they are placed on: burr_holes: {bone: ANATOMY, over: ANATOMY}");
     if (said.face && said.face->policy != FacePolicy::keep &&
-        !(r_.out.find_scan_step(deface_step) && r_.out.find_scan_step(landmarks_step)))
+        !(r_.out.find_scan_step(StageRole::deface) && r_.out.find_scan_step(StageRole::landmarks)))
       fault("face", "face.policy", "crop and deface need `landmarks` and `deface` in the pipeline");
     if (!said.haptic) return;
     for (const auto& [name, shape] : said.haptic->shapes)

@@ -26,7 +26,7 @@ class Builder {
     ImportStageParams params;
     static_cast<ImportParams&>(params) = config.import;
     params.input = config.series.string();
-    Node import = node_of_stage("import", "import", AnyParams::make(params));
+    Node import = node_of_role(StageRole::import, "import", AnyParams::make(params));
     import.file_sha256["input"] = input_hash;
     add(std::move(import));
   }
@@ -45,7 +45,7 @@ class Builder {
     }
     for (const SceneShape& shape : config_.haptic.shapes)
       if (config_.haptic.encoding() == HapticEncoding::occupancy) first_surface_of(shape.name);
-    if (config_.find_scan_step(anatomy_step)) graph_.anatomy_gate = anatomy_gate();
+    if (config_.find_scan_step(StageRole::check)) graph_.anatomy_gate = anatomy_gate();
     if (needs_landmarks()) landmarks();
     for (const CaseDrill& hole : config_.burr_holes) graph_.burr_holes.push_back(burr_hole(hole));
     for (const SceneDrill& drilled : config_.drilled)
@@ -55,25 +55,29 @@ class Builder {
       graph_.haptic = haptic();
       graph_.mismatch = mismatch();
     }
-    if (config_.find_scan_step(deface_step) && config_.face != "keep") graph_.face_gate = face_gate();
+    if (config_.find_scan_step(StageRole::deface) && config_.face != "keep") graph_.face_gate = face_gate();
     return std::move(graph_);
   }
 
  private:
-  static Node node_of_stage(const std::string& stage, const std::string& name, AnyParams params) {
+  static Node node_of_role(StageRole role, const std::string& name, AnyParams params) {
     Node node;
     node.name = name;
-    node.type = &stage_named(stage);
+    node.type = &stage_of(role);
     node.params = std::move(params);
     node.output = node.type->output;
     return node;
   }
-  static Node node_of_stage(const std::string& stage, const std::string& name) {
-    return node_of_stage(stage, name, stage_named(stage).make_params());
+  static Node node_of_role(StageRole role, const std::string& name) {
+    return node_of_role(role, name, stage_of(role).make_params());
   }
 
   static Node node_of_step(const RecipeStep& step, const std::string& name) {
-    Node node = node_of_stage(step.type->name, name, step.params);
+    Node node;
+    node.name = name;
+    node.type = step.type;
+    node.params = step.params;
+    node.output = step.type->output;
     for (const std::string& p : step.type->file_params())
       if (const auto file = std::get<std::string>(step.params.get(*step.params.set->find(p))); !file.empty())
         node.file_sha256[p] = sha256_of_file(file);
@@ -138,25 +142,27 @@ class Builder {
     for (const CaseLandmark& l : config_.landmarks)
       points.landmarks.emplace_back(
           l.name, PointParams{{l.position_mm.x, l.position_mm.y, l.position_mm.z}, l.confidence, l.source});
-    return graph_.given_landmarks = add(node_of_stage("points", "given_landmarks", AnyParams::make(points)));
+    return graph_.given_landmarks =
+               add(node_of_role(StageRole::given_landmarks, "given_landmarks", AnyParams::make(points)));
   }
 
-  int landmarks_node(const std::string& name, bool required_only) {
+  int landmarks_node(const std::string& before, bool required_only) {
     const int given = given_landmarks();
-    Node node = whole_head(*config_.find_scan_step(landmarks_step), name, required_only);
+    const RecipeStep& step = *config_.find_scan_step(StageRole::landmarks);
+    Node node = whole_head(step, before + step.type->name, required_only);
     if (given >= 0) node.sources["given"] = given;
     return add(std::move(node));
   }
 
   int landmarks() {
-    if (graph_.landmarks < 0) graph_.landmarks = landmarks_node("landmarks", false);
+    if (graph_.landmarks < 0) graph_.landmarks = landmarks_node("", false);
     return graph_.landmarks;
   }
 
   int original_landmarks() {
     if (graph_.scan == original_ && !defacing_) return landmarks();
-    const int known = graph_.find("original.landmarks");
-    return known >= 0 ? known : landmarks_node("original.landmarks", true);
+    if (original_landmarks_ < 0) original_landmarks_ = landmarks_node("original.", true);
+    return original_landmarks_;
   }
 
   // What is removed and what is checked must not rest on given landmarks alone.
@@ -164,11 +170,11 @@ class Builder {
     if (config_.landmarks.empty()) return;
     const std::string name = "original.found_landmarks";
     const int known = graph_.find(name);
-    node.sources["found"] = known >= 0 ? known : add(whole_head(*config_.find_scan_step(landmarks_step), name, true));
+    node.sources["found"] = known >= 0 ? known : add(whole_head(*config_.find_scan_step(StageRole::landmarks), name, true));
   }
 
   bool needs_landmarks() const {
-    if (!config_.find_scan_step(landmarks_step)) return false;
+    if (!config_.find_scan_step(StageRole::landmarks)) return false;
     if (!config_.scene_landmarks.empty()) return true;
     const auto given = config_.landmark_positions_mm();
     for (const CaseDrill& hole : config_.burr_holes)
@@ -178,22 +184,19 @@ class Builder {
 
   // The scan on the voxels that the case asks for; the original scan where it asks for none.
   int resampled() {
-    const RecipeStep* step = config_.find_scan_step(resample_step);
+    const RecipeStep* step = config_.find_scan_step(StageRole::resample);
     if (!step) return 0;
     const auto& spacing_mm = step->params.as<ResampleParams>().spacing_mm;
     if (std::all_of(spacing_mm.begin(), spacing_mm.end(), [](double s) { return s == 0; })) return 0;
-    Node node = node_of_step(*step, resample_step);
+    Node node = node_of_step(*step, step->type->name);
     give_scan(node, 0);
     return add(std::move(node));
   }
 
-  // The scan after the recipe's stages that make a volume from a volume alone (body, head_region), in its order.
+  // The scan after the recipe's stages that prepare it, in the recipe's order.
   int prepared(int scan) {
     for (const RecipeStep& step : config_.scan_steps) {
-      const std::vector<Port>& ports = step.type->ports;
-      const bool from_volume = std::all_of(ports.begin(), ports.end(),
-                                           [](const Port& p) { return p.kind == DataKind::volume || !p.required; });
-      if (step.type->name == resample_step || step.type->output != DataKind::volume || !from_volume) continue;
+      if (step.type->role != StageRole::prepare) continue;
       Node node = node_of_step(step, step.type->name);
       give_scan(node, scan);
       scan = add(std::move(node));
@@ -203,16 +206,16 @@ class Builder {
 
   int deface() {
     defacing_ = true;
-    const RecipeStep& step = *config_.find_scan_step(deface_step);
-    Node node = whole_head(step, deface_step, true);
+    const RecipeStep& step = *config_.find_scan_step(StageRole::deface);
+    Node node = whole_head(step, step.type->name, true);
     node.sources["landmarks"] = original_landmarks();
     add_found_landmarks(node);
-    return add(std::move(node));
+    return graph_.deface = add(std::move(node));
   }
 
   int anatomy_gate() {
-    const RecipeStep& step = *config_.find_scan_step(anatomy_step);
-    Node node = node_of_step(step, anatomy_step);
+    const RecipeStep& step = *config_.find_scan_step(StageRole::check);
+    Node node = node_of_step(step, step.type->name);
     // Only anatomies that the scene shows are checked, not those that merely help to find them.
     for (const auto& [port, source] : step.ports)
       if (config_.is_shown(source.substr(0, source.find('.')))) node.sources[port] = node_named(source);
@@ -220,13 +223,13 @@ class Builder {
     give_scan(node, graph_.scan);
     // The figure by which the case is classed is measured against the midline.
     const bool classed = !config_.roles.class_of.empty() && config_.is_shown(config_.roles.class_of);
-    if (classed && config_.find_scan_step(landmarks_step)) node.sources["landmarks"] = landmarks();
+    if (classed && config_.find_scan_step(StageRole::landmarks)) node.sources["landmarks"] = landmarks();
     return add(std::move(node));
   }
 
   int face_gate() {
-    const RecipeStep& step = *config_.find_scan_step(deface_step);
-    Node node = node_of_stage("face_gate", "face", AnyParams::make<FaceBeliefParams>(config_.face_belief));
+    const RecipeStep& step = *config_.find_scan_step(StageRole::deface);
+    Node node = node_of_role(StageRole::face_check, "face", AnyParams::make<FaceBeliefParams>(config_.face_belief));
     for (const auto& [port, source] : step.ports)
       if (node.type->find_port(port)) node.sources[port] = node_named(source, true);
     node.sources["landmarks"] = original_landmarks();
@@ -237,7 +240,7 @@ class Builder {
   }
 
   int measure_of(const std::string& name, const Graph::Anatomy& anatomy) {
-    Node node = node_of_stage("measure", name + ".measure");
+    Node node = node_of_role(StageRole::measure, name + ".measure");
     node.sources = {{"surface", anatomy.finished}, {"reference", anatomy.first_surface}};
     return add(std::move(node));
   }
@@ -254,7 +257,7 @@ class Builder {
   }
 
   int burr_hole(const CaseDrill& hole) {
-    Node node = node_of_stage("burrhole", hole.name, hole.params);
+    Node node = node_of_role(StageRole::burr_hole, hole.name, hole.params);
     const int known = graph_.landmarks >= 0 ? graph_.landmarks : given_landmarks();
     if (known >= 0) node.sources["landmarks"] = known;
     node.sources[node.type->ports[0].name] = first_surface_of(config_.roles.burr_holes.bone);
@@ -265,7 +268,7 @@ class Builder {
   int cut(const Graph::Anatomy& anatomy, const SceneDrill& drilled) {
     CutSurfaceParams params;
     params.widen_mm = drilled.widen_mm;
-    Node node = node_of_stage("boolean", anatomy.name + ".boolean", AnyParams::make(params));
+    Node node = node_of_role(StageRole::cut, anatomy.name + ".boolean", AnyParams::make(params));
     node.sources["surface"] = anatomy.finished;
     add_cutters(node);
     return add(std::move(node));
@@ -273,7 +276,7 @@ class Builder {
 
   int haptic() {
     const auto& params = config_.haptic.params.as<VoxelizeStageParams>();
-    Node node = node_of_stage("voxelize", "haptic.voxelize", config_.haptic.params);
+    Node node = node_of_role(StageRole::haptic, "haptic.voxelize", config_.haptic.params);
     node.sources["volume"] = graph_.scan;
     const bool of_surfaces = params.encoding == HapticEncoding::occupancy;
     for (const auto& [name, shape] : params.shapes) {
@@ -286,7 +289,7 @@ class Builder {
   }
 
   int mismatch() {
-    Node node = node_of_stage("mismatch", "haptic.mismatch");
+    Node node = node_of_role(StageRole::mismatch, "haptic.mismatch");
     node.sources["haptic"] = graph_.haptic;
     for (const Graph::Anatomy& anatomy : graph_.anatomies)
       for (const SceneShape& shape : config_.haptic.shapes)
@@ -307,6 +310,7 @@ class Builder {
   const CaseConfig& config_;
   Graph graph_;
   bool defacing_ = false;
+  int original_landmarks_ = -1;
   int original_ = 0;  // the scan before a face is taken away
 };
 

@@ -39,6 +39,7 @@ struct Graph {
   int scan = 0;                    ///< the volume that anatomies, pictures and haptic volume are made of
   int landmarks = -1;              ///< -1: none need be found
   int given_landmarks = -1;        ///< -1: none are given or none are needed
+  int deface = -1;                 ///< -1: the face is not taken away
   int anatomy_gate = -1, face_gate = -1;
   std::vector<int> burr_holes;     ///< the nodes of their cutters, in the configuration's order
   int haptic = -1, mismatch = -1;  ///< -1: not wanted

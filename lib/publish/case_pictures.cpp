@@ -12,12 +12,16 @@
 #include "picture/image.h"
 #include "picture/render.h"
 #include "picture/slice.h"
+#include "stages/stage.h"
 #include "surface/bounds.h"
 
 namespace trephine {
 namespace {
 
 constexpr int cell_px = 640;
+
+// The axis along the plane's normal.
+int axis_of(SlicePlane plane) { return plane == SlicePlane::axial ? 2 : plane == SlicePlane::coronal ? 1 : 0; }
 
 Bounds bounds_of_all(const std::vector<PictureAnatomy>& anatomies) {
   Bounds all;
@@ -138,14 +142,9 @@ Sheet landmarks_sheet(Sheets& sheets, const HuVolume& volume, const std::vector<
         sheets.image([scene, v, &frame, &progress] { return shaded(scene->views, v, "landmarks", frame, progress); }));
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const CaseLandmark& l = landmarks[i];
-    // A landmark on the midline is best seen in a sagittal slice; elsewhere a coronal slice or one through the
-    // ventricles is better.
-    const bool midline = l.name == "nasion" || l.name == "inion" || l.name == "vertex" || l.name == "bregma";
     SliceParams params;
-    params.plane = midline                         ? SlicePlane::sagittal
-                   : l.name.rfind("monro", 0) == 0 ? SlicePlane::axial
-                                                   : SlicePlane::coronal;
-    const int axis = midline ? 0 : params.plane == SlicePlane::axial ? 2 : 1;
+    params.plane = plane_of_landmark(l.name);
+    const int axis = axis_of(params.plane);
     const auto range = slice_range_mm(lattice_of(volume), params.plane);
     if (l.position_mm[axis] < range[0] || l.position_mm[axis] > range[1]) continue;
     params.longer_side_px = cell_px;
@@ -199,11 +198,10 @@ std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::v
   for (const PictureAnatomy& a : anatomies) shapes.push_back({a.surface, vivid(a.colour_rgb), a.name});
   constexpr SlicePlane planes[] = {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal};
   constexpr const char* names[] = {"axial", "coronal", "sagittal"};
-  constexpr int axis_of_plane[] = {2, 1, 0};
   constexpr int slices = 6;
   for (int p = 0; p < 3; ++p) {
     const auto range = slice_range_mm(lattice_of(volume), planes[p]);
-    const int axis = axis_of_plane[p];
+    const int axis = axis_of(planes[p]);
     const double from = std::max(range[0], frame.min_mm[axis]), to = std::min(range[1], frame.max_mm[axis]);
     SliceParams params;
     params.plane = planes[p];

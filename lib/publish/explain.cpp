@@ -86,10 +86,10 @@ std::string why_pruned(const CaseConfig& config, const RecipeAnatomy& anatomy) {
   return "the scene neither shows nor feels " + anatomy.name;
 }
 
-std::string why_scan_step_pruned(const CaseConfig& config, const std::string& step) {
-  if (step == resample_step) return "no spacing is set, the scan stays as it is";
-  if (step == landmarks_step) return "nothing in the scene needs a landmark";
-  if (step == deface_step)
+std::string why_scan_step_pruned(const CaseConfig& config, StageRole role) {
+  if (role == StageRole::resample) return "no spacing is set, the scan stays as it is";
+  if (role == StageRole::landmarks) return "nothing in the scene needs a landmark";
+  if (role == StageRole::deface)
     return config.face.empty() ? "the scene has no face policy" : "the scene's face policy is " + config.face;
   return "the scene shows too few of its anatomies";
 }
@@ -101,7 +101,7 @@ bool begins_with(const std::string& text, const std::string& start) { return tex
 bool is_shown(const ValueRow& row, const CaseConfig& config, const Graph& graph) {
   if (begins_with(row.path, "scene.")) return true;
   for (const Node& node : graph.nodes)
-    if (begins_with(row.path, node.name == "haptic.voxelize" ? "haptic." : node.name + ".")) return true;
+    if (begins_with(row.path, node.type->role == StageRole::haptic ? "haptic." : node.name + ".")) return true;
   for (const SceneShape& shape : config.haptic.shapes)
     if (begins_with(row.path, "materials." + shape.material.name + ".")) return true;
   const AnyParams roles = AnyParams::make(config.roles);
@@ -139,7 +139,7 @@ Explanation explain(const CaseConfig& config, const Graph& graph, const std::vec
                           why_needed(graph, static_cast<int>(i), pictured)});
   for (const RecipeStep& step : config.scan_steps)
     if (graph.find(step.type->name) < 0)
-      out.pruned.push_back({step.type->name, why_scan_step_pruned(config, step.type->name)});
+      out.pruned.push_back({step.type->name, why_scan_step_pruned(config, step.type->role)});
   for (const RecipeAnatomy& anatomy : config.anatomies)
     for (const RecipeStep& step : anatomy.steps)
       if (const std::string name = anatomy.name + "." + step.type->name; graph.find(name) < 0)

@@ -50,8 +50,8 @@ void add_head_content(const CaseConfig& config, const Graph& graph, const std::v
   if (graph.face_gate >= 0)
     for (const auto& figure : results[static_cast<std::size_t>(graph.face_gate)].report.figures)
       manifest.figures.emplace_back("face." + figure.first, figure.second);
-  if (const int deface = graph.find(deface_step); deface >= 0)
-    for (const auto& figure : results[static_cast<std::size_t>(deface)].report.figures)
+  if (graph.deface >= 0)
+    for (const auto& figure : results[static_cast<std::size_t>(graph.deface)].report.figures)
       manifest.figures.emplace_back("face." + figure.first, figure.second);
   manifest.face_policy = config.face.empty() ? "none" : config.face;
   manifest.face_reason = config.face_reason;

@@ -9,6 +9,7 @@ StageType anatomy_stage() {
   s.name = "anatomy";
   s.version = 2;
   s.place = StagePlace::scan;
+  s.role = StageRole::check;
   s.summary = "checks a head's anatomies against each other and measures them";
   s.description =
       "Checks the given ones of skin, skull, brain and ventricles against each other (consistency check): the "

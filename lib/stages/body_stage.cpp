@@ -10,6 +10,7 @@ StageType body_stage() {
   s.name = "body";
   s.version = 1;
   s.place = StagePlace::scan;
+  s.role = StageRole::prepare;
   s.summary = "takes mask, couch and other apparatus off a scan";
   s.description =
       "Finds the body from inside out and makes air of everything else: radiotherapy mask, couch, head holder, clamps, "

@@ -10,6 +10,7 @@ StageType boolean_stage() {
   s.name = "boolean";
   s.version = 2;
   s.place = StagePlace::scene;
+  s.role = StageRole::cut;
   s.summary = "cuts burr holes and other solids out of a surface";
   s.description =
       "The cut is an exact corefinement in a bounded child process. Operands and result are checked: they must be "

@@ -77,6 +77,7 @@ StageType burrhole_stage() {
   s.name = "burrhole";
   s.version = 5;
   s.place = StagePlace::scene;
+  s.role = StageRole::burr_hole;
   s.summary = "places a burr hole on a head";
   s.description =
       "The hole is placed at Kocher's point, measured over the skin from landmarks, or at a position. Kocher's point "

@@ -10,6 +10,7 @@ StageType deface_stage() {
   s.name = "deface";
   s.version = 2;
   s.place = StagePlace::scan;
+  s.role = StageRole::deface;
   s.summary = "takes the face off a CT volume";
   s.description =
       "In front of the plane through the tragi and below the nasion, everything near the skin of the original scan "

@@ -31,6 +31,7 @@ StageType face_gate_stage() {
   s.name = "face_gate";
   s.version = 2;
   s.place = StagePlace::scene;
+  s.role = StageRole::face_check;
   s.summary = "refuses what still shows the face";
   s.description = "Compares every surface and volume that is about to be published with the original skin.";
   s.examples = {"trephine face-gate skin.nrrd --landmarks landmarks.json --surface skin=skin.vtp"};

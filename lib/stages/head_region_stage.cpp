@@ -10,6 +10,7 @@ StageType head_region_stage() {
   s.name = "head_region";
   s.version = 1;
   s.place = StagePlace::scan;
+  s.role = StageRole::prepare;
   s.summary = "cuts a scan to the region of the head";
   s.description =
       "Finds the cranial cavity and the foramen magnum, and keeps the head with a part of the neck, on the same "

@@ -10,6 +10,7 @@ StageType landmarks_stage() {
   s.name = "landmarks";
   s.version = 5;
   s.place = StagePlace::scan;
+  s.role = StageRole::landmarks;
   s.summary = "finds the landmarks of a head";
   s.description =
       "Finds the midsagittal plane by symmetry; nasion, inion, tragi and vertex from the skin and the bone below it; "
@@ -30,6 +31,12 @@ StageType landmarks_stage() {
              {"brain", DataKind::field, false, "the head's brain"},
              {"ventricles", DataKind::field, false, "the head's ventricles, for the foramina of Monro"},
              {"given", DataKind::landmarks, false, "landmarks that a person placed; they replace found ones"}};
+  // A landmark on the midline is best seen in a sagittal slice, the foramina of Monro in an axial one.
+  s.points = {{"nasion", SlicePlane::sagittal},     {"inion", SlicePlane::sagittal},
+              {"vertex", SlicePlane::sagittal},     {"bregma", SlicePlane::sagittal},
+              {"tragus_left", SlicePlane::coronal}, {"tragus_right", SlicePlane::coronal},
+              {"monro_left", SlicePlane::axial},    {"monro_right", SlicePlane::axial},
+              {"kocher_left", SlicePlane::coronal}, {"kocher_right", SlicePlane::coronal}};
   s.output = DataKind::landmarks;
   s.make_params = [] { return AnyParams::make<LandmarkParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

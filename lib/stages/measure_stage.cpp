@@ -10,6 +10,7 @@ StageType measure_stage() {
   s.name = "measure";
   s.version = 3;
   s.place = StagePlace::scene;
+  s.role = StageRole::measure;
   s.summary = "measures a surface, also against a reference";
   s.description =
       "Measures validity (closed, 2-manifold, oriented, free of self-intersections; of each kind of fault how many "

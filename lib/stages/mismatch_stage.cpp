@@ -12,6 +12,7 @@ StageType mismatch_stage() {
   s.name = "mismatch";
   s.version = 2;
   s.place = StagePlace::scene;
+  s.role = StageRole::mismatch;
   s.summary = "measures how far the felt surfaces lie from the displayed ones";
   s.description = "Looks along the normals of the displayed surfaces for the surface of the haptic volume.";
   s.examples = {"trephine mismatch haptic.nrrd --surface skull=skull.vtp"};

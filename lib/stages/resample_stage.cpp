@@ -10,6 +10,7 @@ StageType resample_stage() {
   s.name = "resample";
   s.version = 1;
   s.place = StagePlace::scan;
+  s.role = StageRole::resample;
   s.summary = "puts a CT volume on voxels of another size";
   s.description =
       "Each value is the mean over the new voxel, as a scanner with such voxels would measure it. Voxels smaller than "

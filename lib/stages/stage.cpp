@@ -50,6 +50,19 @@ const StageType& stage_named(const std::string& name) {
   throw Error(ExitCode::internal, "", name, "no such stage is declared");
 }
 
+const StageType& stage_of(StageRole role) {
+  for (const StageType& t : stage_types())
+    if (t.role == role) return t;
+  throw Error(ExitCode::internal, "", "role " + std::to_string(static_cast<int>(role)), "no stage has it");
+}
+
+SlicePlane plane_of_landmark(const std::string& name) {
+  for (const StageType& t : stage_types())
+    for (const StagePoint& point : t.points)
+      if (point.name == name) return point.plane;
+  return SlicePlane::coronal;
+}
+
 std::vector<const StageType*> stages_of(StagePlace place) {
   std::vector<const StageType*> all;
   for (const StageType& t : stage_types())

@@ -13,6 +13,7 @@
 #include "boolean/cutter.h"
 #include "grid/grid.h"
 #include "head/head_landmarks.h"
+#include "picture/slice.h"
 #include "surface/trimesh.h"
 #include "voxel/haptic_volume.h"
 
@@ -36,6 +37,31 @@ enum class StagePlace {
   anatomy,  ///< a step of an anatomy in a recipe
   scan,     ///< once for the whole scan, where a recipe has its name as a key and the scene needs it
   scene,    ///< what a scene or a case asks for: burr holes, the haptic volume, gates; no recipe names it
+};
+
+/// What the graph of a case uses a stage for where it is no step that a recipe puts in order. At most one stage has
+/// each role, so the graph need not know names.
+enum class StageRole {
+  step,             ///< a step of an anatomy, or a tool that no case uses
+  import,           ///< reads the series
+  resample,         ///< puts the scan on other voxels
+  prepare,          ///< makes the scan ready before anything is found on it; there may be several
+  given_landmarks,  ///< holds the landmarks that a person placed
+  landmarks,        ///< finds landmarks
+  deface,           ///< takes the face off the scan
+  face_check,       ///< checks that nothing to be published shows the face
+  check,            ///< checks anatomies against each other
+  burr_hole,        ///< places a burr hole
+  cut,              ///< cuts burr holes from a surface
+  haptic,           ///< makes the haptic volume
+  mismatch,         ///< compares what is felt with what is seen
+  measure,          ///< measures what decimation and smoothing did
+};
+
+/// A landmark that a stage finds, and the slice in which it is best seen.
+struct StagePoint {
+  std::string name;
+  SlicePlane plane = SlicePlane::coronal;
 };
 
 /// An input of a stage. A name that ends in ".*" stands for any number of them ("cutters.*": cutters.1, ...). The first
@@ -77,9 +103,11 @@ struct StageType {
   std::string name;
   int version = 1;  ///< raised whenever the same inputs and parameters give other bytes; part of the cache's key
   StagePlace place = StagePlace::anatomy;
+  StageRole role = StageRole::step;
   std::string summary, description;
   std::vector<std::string> examples;  ///< whole command lines
   std::vector<Port> ports;
+  std::vector<StagePoint> points;  ///< the landmarks that it finds
   DataKind output = DataKind::mesh;
   std::function<AnyParams()> make_params;
   /// Runs the stage and fills the report, also with what it could not do. Throws Error (the field says what went wrong
@@ -98,6 +126,10 @@ const std::vector<StageType>& stage_types();
 const StageType* find_stage(const std::string& name);
 /// The stage with a name that the program's own code uses. Throws Error 70 where there is none.
 const StageType& stage_named(const std::string& name);
+/// The stage with that role. Throws Error 70 where there is none.
+const StageType& stage_of(StageRole role);
+/// The slice in which a landmark is best seen; coronal where no stage finds it.
+SlicePlane plane_of_landmark(const std::string& name);
 /// The stages of a place, by name.
 std::vector<const StageType*> stages_of(StagePlace place);
 

@@ -122,6 +122,7 @@ StageType voxelize_stage() {
   s.name = "voxelize";
   s.version = 3;
   s.place = StagePlace::scene;
+  s.role = StageRole::haptic;
   s.summary = "makes the haptic volume, which is what the hand feels";
   s.description =
       "Each voxel says which shape fills it and how much of it, so that one lookup serves any number of shapes and the "
