@@ -5,6 +5,11 @@ set -euo pipefail
 work=$(mktemp -d)
 trap 'chmod -R u+w "$work" 2>/dev/null; rm -rf "$work"' EXIT
 
+# The default suites work on coarse voxels, the long ones (LONG=1) on the scan's own.
+: "${LONG:=0}"
+coarse=(--set "resample.spacing_mm=[2.5,2.5,2.5]")
+((LONG == 0)) || coarse=()
+
 fail() { echo "FAILED: $*" >&2; exit 1; }
 # skip WHY: what the test needs is missing. In ./check, which installs it, that is a failure.
 skip() { [[ ${TREPHINE_CHECK:-} != 1 ]] || fail "$*"; echo "skipped: $*"; exit 77; }

@@ -9,7 +9,7 @@ cp "$SOURCE"/sample_dicom/* "$work/series"
 cp "$SOURCE/pipelines/ventriculostomy.yaml" "$work/p.yaml"
 printf 'trephine: 1\ncase: small\nseries: series\npipeline: p.yaml\nscene: s.yaml\n' >"$work/c.yaml"
 scene() { printf 'trephine: 1\nanatomies: {%s}\nface: {policy: keep, reason: synthetic}\n' "$1" >"$work/s.yaml"; }
-run=("$TREPHINE" run "$work/c.yaml" --out "$out" --quiet)
+run=("$TREPHINE" run "$work/c.yaml" --out "$out" --quiet "${coarse[@]}")
 pictures() { (cd "$case" && echo report/*.png); }
 # The files under meshes/ are those that case.json names.
 expect_no_old_files() {
