@@ -16,7 +16,7 @@ namespace {
 
 using cases_test::sample_manifest;
 
-// With everything that a case of 1.2 can hold.
+// With everything that a case of 1.3 can hold.
 CaseManifest full_manifest() {
   CaseManifest m = sample_manifest();
   CaseShape skin, skull;
@@ -129,8 +129,8 @@ TEST(CaseJson, Versions) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
-    EXPECT_NE(std::string(e.what()).find("version 2.3"), std::string::npos);
-    EXPECT_NE(std::string(e.what()).find("version 1.2"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("version 2.4"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("version 1.3"), std::string::npos);
   }
 }
 

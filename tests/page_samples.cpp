@@ -7,6 +7,7 @@
 
 #include "base/write_file.h"
 #include "case_samples.h"
+#include "grid/nrrd.h"
 #include "page/page_notes.h"
 
 namespace {
@@ -33,6 +34,26 @@ void add_marker(case_samples::MemoryCase& c, double towards_left_mm) {
   c.manifest.files.push_back(describe_case_file("meshes/marker", ".glb", bytes));
   c.files[a.file] = bytes;
   c.manifest.anatomies.push_back(a);
+}
+
+// 100 HU less for each 10 mm towards the left, bone within the middle, and something dense on the left.
+void add_ct(case_samples::MemoryCase& c) {
+  Lattice lattice;
+  lattice.size = {100, 110, 90};
+  lattice.spacing_mm = {2, 1.8, 2.2};
+  lattice.origin_mm = c.manifest.center_mm - Vec3{99, 98.1, 97.9};
+  Grid<std::int16_t> grid(lattice, -1000);
+  for (int k = 0; k < lattice.size[2]; ++k)
+    for (int j = 0; j < lattice.size[1]; ++j)
+      for (int i = 0; i < lattice.size[0]; ++i) {
+        const Vec3 p = lattice.to_world_mm({double(i), double(j), double(k)}) - c.manifest.center_mm;
+        if (norm(p) < 80) grid.at(i, j, k) = std::int16_t(norm(p) < 40 ? 1200 : 60 - p.x / 2);
+        if (norm(p - Vec3{58, 0, 0}) < 9) grid.at(i, j, k) = 2500;
+      }
+  const std::string bytes = encode_nrrd(HuVolume(grid), {}, NrrdEncoding::gzip);
+  c.manifest.files.push_back(describe_case_file("ct", ".nrrd", bytes));
+  c.manifest.ct = {c.manifest.files.back().name, grid.size, grid.spacing_mm};
+  c.files[c.manifest.ct.file] = bytes;
 }
 
 // Deviations that a test can work out from a point's position, about the case's centre; none in a patch.
@@ -71,6 +92,8 @@ void write_cases(const fs::path& out) {
   c.manifest.landmarks.push_back({"kocher_right", {-24.25, -50.5, 371.125}, 0.6, "estimated"});
   c.manifest.landmarks.push_back({"<img src=x onerror=\"document.title='taken'\">", {20, -20, 330}, 1, "given"});
   add_marker(c, 58);
+  write_case(out / "felt", c);
+  add_ct(c);
   write_case(out / "marked", c);
 }
 

@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "base/write_file.h"
 #include "case_samples.h"
+#include "grid/nrrd.h"
 #include "page/case_page.h"
 #include "page/html.h"
 #include "page/pack.h"
@@ -192,6 +193,43 @@ TEST(Page, ObliqueCtIsResampled) {
         inside += in;
       }
   EXPECT_GT(inside, 1000);
+}
+
+std::vector<std::int16_t> gradient(const Lattice& lattice) {
+  std::vector<std::int16_t> out(lattice.count());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = std::int16_t(i % 2000);
+  return out;
+}
+
+// The case's CT is in the page, and only loaded where it is asked for.
+TEST(Page, ShowsTheCaseOwnCt) {
+  auto c = case_samples::minimal_case();
+  Lattice lattice;
+  lattice.size = {7, 6, 5};
+  lattice.spacing_mm = {2, 3, 4};
+  Grid<std::int16_t> grid(lattice);
+  grid.voxels = gradient(lattice);
+  const std::string bytes = encode_nrrd(HuVolume(grid), {}, NrrdEncoding::gzip);
+  c.manifest.files.push_back(describe_case_file("ct", ".nrrd", bytes));
+  c.manifest.ct = {c.manifest.files.back().name, grid.size, grid.spacing_mm};
+  c.files[c.manifest.ct.file] = bytes;
+  c.seal();
+  EXPECT_FALSE(loaded(c).has_ct()) << "not asked for";
+  const LoadedCase whole = load_case_through(c.reader(), LoadParts{true});
+  EXPECT_TRUE(whole.ct == grid);
+  const Page page = read_page(make_case_page(whole, {}));
+  EXPECT_EQ(page.data["ct"]["from"], "ct");
+  const auto shown = page.ct();
+  for (std::size_t i = 0; i < grid.voxels.size(); ++i)
+    ASSERT_NEAR(shown.voxels[i], grid.voxels[i], i < 160 ? 1 : 21) << i;
+
+  c.manifest.ct.size[0] = 8;
+  c.seal();
+  EXPECT_THROW(load_case_through(c.reader(), LoadParts{true}), Error) << "the file contradicts case.json";
+  c.manifest.ct.size[0] = 7;
+  c.seal();
+  c.files[c.manifest.ct.file].back() ^= 1;
+  EXPECT_THROW(loaded(c), Error) << "also where it is only hashed";
 }
 
 TEST(Page, NotesAreReadBack) {

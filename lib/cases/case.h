@@ -17,7 +17,7 @@ namespace trephine {
 /// The case package: a folder with case.json and what it names; docs/case-package.md specifies it for other programs.
 /// Positions are DICOM patient LPS, mm.
 
-constexpr int case_version_major = 1, case_version_minor = 2;
+constexpr int case_version_major = 1, case_version_minor = 3;
 
 /// Figures by name, in the order of insertion; numbers are finite.
 using CaseValues = std::vector<std::pair<std::string, ParameterValue>>;
@@ -107,6 +107,13 @@ struct CaseHaptic {
   std::vector<CaseShape> shapes;  ///< by ascending number
 };
 
+/// The CT that a scene asked for: int16 HU, gzip, cropped to what is shown and felt, after the face policy; since 1.3.
+struct CaseCt {
+  std::string file;  ///< one of the manifest's files; empty: the case has none
+  std::array<int, 3> size{0, 0, 0};
+  Vec3 spacing_mm{1, 1, 1};
+};
+
 struct CaseFile {
   std::string name;    ///< relative, "meshes/skull-0123456789abcdef.glb"
   std::string sha256;  ///< 64 lower-case digits
@@ -122,6 +129,7 @@ struct CaseManifest {
   std::vector<CaseTarget> targets;
   std::vector<CaseBurrHole> burr_holes;
   CaseHaptic haptic;
+  CaseCt ct;
   CaseValues figures;  ///< of the patient: class, evans_index_ratio, midline_shift_mm, ...; since 1.2
   std::string face_policy = "keep", face_reason;
   std::string program_version;  ///< "trephine 0.1.0"

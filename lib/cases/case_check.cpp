@@ -81,6 +81,7 @@ std::set<std::string> check_files(const CaseManifest& m) {
     if (!a.file.empty()) check_unique(used, a.file, "anatomies." + a.name + ".file");
   for (const std::string& f : {m.haptic.file, m.haptic.hardness_file})
     if (!f.empty()) check_unique(used, f, "haptic.file");
+  if (!m.ct.file.empty()) check_unique(used, m.ct.file, "ct.file");
   return names;
 }
 
@@ -146,6 +147,19 @@ void check_windows(const std::vector<CaseShape>& shapes) {
                     "overlaps that of '" + by_window[i - 1].name + "'");
 }
 
+void check_voxels(const std::array<int, 3>& size, Vec3 spacing_mm, const std::string& at) {
+  for (int i = 0; i < 3; ++i) {
+    check_range(size[i], 1, 65535, at + ".size", "lies between 1 and 65535");
+    check_range(spacing_mm[i], 1e-6, 1e6, at + ".spacing_mm", "must be above 0 and finite");
+  }
+}
+
+void check_ct(const CaseManifest& m, const std::set<std::string>& files) {
+  if (m.ct.file.empty()) return;
+  if (!files.count(m.ct.file)) contradiction("ct", "'" + m.ct.file + "' is not in files");
+  check_voxels(m.ct.size, m.ct.spacing_mm, "ct");
+}
+
 void check_haptic(const CaseManifest& m, const std::set<std::string>& files) {
   const CaseHaptic& h = m.haptic;
   if (h.file.empty()) {
@@ -155,10 +169,7 @@ void check_haptic(const CaseManifest& m, const std::set<std::string>& files) {
   for (const std::string& f : {h.file, h.hardness_file})
     if (!f.empty() && !files.count(f)) contradiction("haptic", "'" + f + "' is not in files");
   check_choice(h.encoding, {"occupancy", "hu"}, "haptic.encoding");
-  for (int i = 0; i < 3; ++i) {
-    check_range(h.size[i], 1, 65535, "haptic.size", "lies between 1 and 65535");
-    check_range(h.spacing_mm[i], 1e-6, 1e6, "haptic.spacing_mm", "must be above 0 and finite");
-  }
+  check_voxels(h.size, h.spacing_mm, "haptic");
   std::set<std::string> names;
   for (std::size_t i = 0; i < h.shapes.size(); ++i) {
     check_unique(names, h.shapes[i].name, "haptic.shapes");
@@ -203,6 +214,7 @@ void check_manifest(const CaseManifest& m) {
   check_point(m.center_mm, "center_mm");
   check_anatomies(m, files);
   check_haptic(m, files);
+  check_ct(m, files);
   check_places(m);
   check_values(m.figures, "figures");
   for (const auto& [name, value] : m.figures)

@@ -106,6 +106,18 @@ CaseShape to_shape(const JsonAt& v) {
   return s;
 }
 
+std::array<int, 3> to_size(const JsonAt& v) {
+  std::array<int, 3> size{};
+  if (v.items().size() != 3) v.refuse("must be three whole numbers");
+  for (std::size_t i = 0; i < 3; ++i) size[i] = static_cast<int>(v.item(i).integer(1, INT32_MAX));
+  return size;
+}
+
+CaseCt to_ct(const JsonAt& v) {
+  if (v["file"].text().empty()) v["file"].refuse("is empty");
+  return {v["file"].text(), to_size(v["size"]), to_vec3(v["spacing_mm"])};
+}
+
 CaseHaptic to_haptic(const JsonAt& v) {
   CaseHaptic h;
   h.file = v["file"].text();
@@ -115,9 +127,7 @@ CaseHaptic to_haptic(const JsonAt& v) {
     if (h.hardness_file.empty()) hardness->refuse("is empty, must be left out");
   }
   h.encoding = v["encoding"].text();
-  const JsonAt size = v["size"];
-  if (size.items().size() != 3) size.refuse("must be three whole numbers");
-  for (std::size_t i = 0; i < 3; ++i) h.size[i] = static_cast<int>(size.item(i).integer(1, INT32_MAX));
+  h.size = to_size(v["size"]);
   h.spacing_mm = to_vec3(v["spacing_mm"]);
   for (const JsonAt& s : v["shapes"].items()) h.shapes.push_back(to_shape(s));
   return h;
@@ -147,6 +157,7 @@ CaseManifest read_manifest(std::string_view json) {
   m.center_mm = to_vec3(v["center_mm"]);
   for (const JsonAt& a : v["anatomies"].items()) m.anatomies.push_back(to_anatomy(a));
   if (const auto haptic = v.optional("haptic")) m.haptic = to_haptic(*haptic);
+  if (const auto ct = v.optional("ct")) m.ct = to_ct(*ct);
   for (const JsonAt& l : v["landmarks"].items())
     m.landmarks.push_back({l["name"].text(), to_vec3(l["position_mm"]), l["confidence"].number(), l["source"].text()});
   for (const JsonAt& t : v["targets"].items())

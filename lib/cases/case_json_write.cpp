@@ -115,6 +115,12 @@ Json to_haptic(const CaseHaptic& h) {
   return out;
 }
 
+Json to_ct(const CaseCt& c) {
+  return {{"file", c.file},
+          {"size", Json::array({c.size[0], c.size[1], c.size[2]})},
+          {"spacing_mm", to_list(c.spacing_mm, "ct.spacing_mm")}};
+}
+
 Json to_burr_hole(const CaseBurrHole& b) {
   const std::string at = "burr_holes." + b.name;
   Json out = {{"name", b.name},
@@ -135,6 +141,7 @@ Json to_document(const CaseManifest& m) {
   out["anatomies"] = Json::array();
   for (const auto& a : m.anatomies) out["anatomies"].push_back(to_anatomy(a));
   if (!m.haptic.file.empty()) out["haptic"] = to_haptic(m.haptic);
+  if (!m.ct.file.empty()) out["ct"] = to_ct(m.ct);
   out["landmarks"] = Json::array();
   for (const auto& l : m.landmarks)
     out["landmarks"].push_back({{"name", l.name},

@@ -12,6 +12,7 @@
 #include "base/write_file.h"
 #include "cases/case_names.h"
 #include "cases/glb.h"
+#include "grid/nrrd.h"
 #include "voxel/haptic_file.h"
 
 namespace trephine {
@@ -65,10 +66,23 @@ void compare_haptic(const HapticVolume& volume, const CaseHaptic& manifest) {
   for (std::size_t i = 0; i < manifest.shapes.size(); ++i) compare_shape(volume.shapes[i], manifest.shapes[i]);
 }
 
+Grid<std::int16_t> read_ct(const std::vector<char>& bytes, const CaseCt& manifest) {
+  Nrrd nrrd = decode_nrrd({bytes.data(), bytes.size()});
+  auto* grid = std::get_if<Grid<std::int16_t>>(&nrrd.grid);
+  if (!grid) refuse("type", "is not int16");
+  for (int i = 0; i < 3; ++i) {
+    require_same(grid->size[i], manifest.size[i], "size");
+    if (!(std::abs(grid->spacing_mm[i] / manifest.spacing_mm[i] - 1) <= 1e-9))
+      refuse("spacing_mm", to_text(grid->spacing_mm[i]) + ", case.json says " + to_text(manifest.spacing_mm[i]));
+  }
+  return std::move(*grid);
+}
+
 class Loader {
  public:
   /// `prefix` stands before a file's name in errors.
-  Loader(const CaseFileReader& read, std::string prefix) : read_(read), prefix_(std::move(prefix)) {}
+  Loader(const CaseFileReader& read, std::string prefix, LoadParts parts)
+      : read_(read), prefix_(std::move(prefix)), parts_(parts) {}
 
   LoadedCase load() {
     read_manifest();
@@ -127,11 +141,21 @@ class Loader {
     within(a.file, [&] { out_.surfaces[anatomy] = read_surface(bytes, a, out_.manifest.center_mm); });
   }
 
+  void load_ct() {
+    const CaseCt& ct = out_.manifest.ct;
+    const std::vector<char> bytes = bytes_of(ct.file);
+    within(ct.file, [&] { out_.ct = read_ct(bytes, ct); });
+  }
+
   // A task a file, the largest first.
   void plan() {
     const CaseManifest& m = out_.manifest;
     std::set<std::string> planned{m.haptic.file, m.haptic.hardness_file};
     if (!m.haptic.file.empty()) tasks_.push_back([this] { load_haptic(); });
+    if (parts_.ct && !m.ct.file.empty()) {
+      tasks_.push_back([this] { load_ct(); });
+      planned.insert(m.ct.file);
+    }
     out_.surfaces.resize(m.anatomies.size());
     for (std::size_t i = 0; i < m.anatomies.size(); ++i) {
       if (m.anatomies[i].file.empty()) continue;
@@ -158,6 +182,7 @@ class Loader {
 
   const CaseFileReader& read_;
   const std::string prefix_;
+  const LoadParts parts_;
   LoadedCase out_;
   std::vector<std::function<void()>> tasks_;
 };
@@ -170,13 +195,13 @@ const TriMesh* LoadedCase::find_surface(const std::string& anatomy) const {
   return nullptr;
 }
 
-LoadedCase load_case(const std::filesystem::path& case_folder) {
+LoadedCase load_case(const std::filesystem::path& case_folder, LoadParts parts) {
   const CaseFileReader read = [&](const std::string& name, std::uint64_t most_bytes) {
     return read_file(case_folder / name, most_bytes);
   };
-  return Loader(read, (case_folder / "").string()).load();
+  return Loader(read, (case_folder / "").string(), parts).load();
 }
 
-LoadedCase load_case_through(const CaseFileReader& read) { return Loader(read, "").load(); }
+LoadedCase load_case_through(const CaseFileReader& read, LoadParts parts) { return Loader(read, "", parts).load(); }
 
 }  // namespace trephine

@@ -19,11 +19,18 @@ struct LoadedCase {
   /// length; empty where nothing is displayed.
   std::vector<TriMesh> surfaces;
   HapticVolume haptic;      ///< without voxels where the case has none
+  Grid<std::int16_t> ct;    ///< HU; without voxels where the case has none or it was not asked for
   std::uint64_t bytes = 0;  ///< of all files and case.json
 
   bool has_haptic() const { return !haptic.voxels.voxels.empty(); }
+  bool has_ct() const { return !ct.voxels.empty(); }
   /// The surface of that anatomy; null where there is none.
   const TriMesh* find_surface(const std::string& anatomy) const;
+};
+
+/// What of a case is loaded beside surfaces and haptic volume; what is not asked for is only hashed.
+struct LoadParts {
+  bool ct = false;
 };
 
 /// Loads a case and verifies all of it, on up to thread_count() threads. Each file is read once, and the bytes that
@@ -36,12 +43,12 @@ struct LoadedCase {
 ///
 /// Throws Error naming the file and the field: 66 where one is missing, 65 where one is damaged, contradicts case.json,
 /// or the major version is another (both are named). Of several faults it is always the same one.
-LoadedCase load_case(const std::filesystem::path& case_folder);
+LoadedCase load_case(const std::filesystem::path& case_folder, LoadParts parts = {});
 
 /// The same from another source (an archive, a network, a test). `read` returns the whole file of that name, relative
 /// to the case ("case.json", "meshes/skull-0123456789abcdef.glb"), or throws Error; it should refuse a file longer than
 /// `most_bytes`. It is called from several threads.
 using CaseFileReader = std::function<std::vector<char>(const std::string& name, std::uint64_t most_bytes)>;
-LoadedCase load_case_through(const CaseFileReader& read);
+LoadedCase load_case_through(const CaseFileReader& read, LoadParts parts = {});
 
 }  // namespace trephine

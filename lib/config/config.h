@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -89,6 +90,7 @@ struct CaseConfig {
   std::vector<CaseDrill> burr_holes;  ///< empty where the scene cuts none
   std::vector<SceneDrill> drilled;    ///< in the scene's order
   SceneHaptic haptic;
+  std::optional<SceneCtParams> ct;  ///< nothing: the case holds no CT
   CaseTrade trade;
   AnyParams scene_file = AnyParams::make<SceneFileParams>();  ///< the whole scene file
   std::vector<ValueRow> values;  ///< every parameter that a stage of the case may have, and the source of its value

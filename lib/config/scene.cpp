@@ -148,6 +148,7 @@ void derive_scene(ConfigReading& r) {
         r.values.set_value(std::string("deface.") + name, belief.get(*belief.set->find(name)), from);
     }
   }
+  out.ct = said.ct;
   if (!said.haptic) return;
   out.haptic.wanted = true;
   auto& stage = out.haptic.params.as<VoxelizeStageParams>();

@@ -76,6 +76,16 @@ struct SceneHapticParams : HapticVolumeParams {
   std::string fault() const;
 };
 
+/// The CT of a case, for its page and for fluoroscopy.
+struct SceneCtParams {
+  double margin_mm = 5;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&SceneCtParams::margin_mm, "margin_mm", Range{0, 1000},
+             "How far the CT reaches beyond the surfaces and the haptic volume; it ends where the scan ends.");
+  }
+};
+
 struct SceneFileParams : VersionParams {
   Named<SceneAnatomyParams> anatomies;
   double triangles_ratio = 1;
@@ -83,6 +93,7 @@ struct SceneFileParams : VersionParams {
   Named<DrillParams> burr_holes;
   std::string materials;
   std::optional<SceneHapticParams> haptic;
+  std::optional<SceneCtParams> ct;
   std::optional<FacePolicyParams> face;
 
   template <class V>
@@ -102,6 +113,9 @@ struct SceneFileParams : VersionParams {
     // Before haptic, whose shapes name materials.
     v.text(&P::materials, "materials", "The file of materials that the haptic shapes name.").names("materials");
     v.group(&P::haptic, "haptic", "The haptic volume, which is what the hand feels.");
+    v.group(&P::ct, "ct",
+            "The CT itself, which the case then holds: cropped to what is shown and felt, after the face policy. "
+            "Without it the case's page shows slices of the haptic volume.");
     v.group(&P::face, "face", "What is done about the patient's face.");
   }
 };

@@ -107,7 +107,10 @@ class PageMaker {
   void add_volumes() {
     progress_.check();
     const bool felt_hu = case_.has_haptic() && case_.haptic.encoding == HapticEncoding::hu;
-    if (felt_hu) {
+    if (case_.has_ct()) {
+      add_volume("ct", pack_ct(HuVolume(case_.ct), progress_));
+      json_["ct"]["from"] = "ct";
+    } else if (felt_hu) {
       add_volume("ct", pack_ct(HuVolume(case_.haptic.voxels), progress_));
       json_["ct"]["from"] = "haptic";
     }
@@ -169,7 +172,7 @@ std::string make_case_page(const LoadedCase& loaded, const PageNotes& notes, con
 }
 
 std::string make_case_page(const std::filesystem::path& case_folder, const Progress& progress) {
-  const LoadedCase loaded = load_case(case_folder);
+  const LoadedCase loaded = load_case(case_folder, LoadParts{true});
   return make_case_page(loaded, read_page_notes(case_folder, loaded.manifest), progress);
 }
 

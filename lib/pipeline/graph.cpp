@@ -34,6 +34,7 @@ class Builder {
   Graph build() {
     original_ = graph_.scan = prepared(resampled());
     if (config_.face == "crop" || config_.face == "deface") graph_.scan = deface();
+    if (config_.ct) graph_.ct = graph_.scan;
     for (const SceneAnatomy& wanted : config_.scene) {
       const RecipeAnatomy& recipe = *config_.find_anatomy(wanted.name);
       Graph::Anatomy anatomy;
@@ -236,6 +237,7 @@ class Builder {
     add_found_landmarks(node);
     for (const Graph::Anatomy& a : graph_.anatomies) node.sources["surface." + a.name] = a.surface;
     if (graph_.haptic >= 0) node.sources["haptic"] = graph_.haptic;
+    if (graph_.ct >= 0) node.sources["ct"] = graph_.ct;
     return add(std::move(node));
   }
 

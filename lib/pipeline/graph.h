@@ -37,6 +37,7 @@ struct Graph {
   };
   std::vector<Anatomy> anatomies;  ///< as in the scene
   int scan = 0;                    ///< the volume that anatomies, pictures and haptic volume are made of
+  int ct = -1;                     ///< the scan where the case publishes it; -1: it does not
   int landmarks = -1;              ///< -1: none need be found
   int given_landmarks = -1;        ///< -1: none are given or none are needed
   int deface = -1;                 ///< -1: the face is not taken away

@@ -9,9 +9,11 @@
 #include "boolean/cut_surface.h"
 #include "boolean/cutter_use.h"
 #include "cases/glb.h"
+#include "grid/nrrd.h"
 #include "meshing/contour.h"
 #include "meshing/validity.h"
 #include "metrics/deviation.h"
+#include "publish/ct_content.h"
 #include "publish/haptic_content.h"
 #include "publish/head_content.h"
 #include "surface/bounds.h"
@@ -52,6 +54,7 @@ class Builder {
     use_published_volumes();
     hold_against_budget();
     if (graph_.haptic >= 0) add_haptic();
+    if (config_.ct) add_ct();
     for (const int hole : graph_.burr_holes) add_burr_hole(hole);
     if (pictures) add_pictures(cancelled);
     return std::move(out_);
@@ -193,6 +196,19 @@ class Builder {
     manifest().haptic = std::move(made.manifest);
   }
 
+  // The scan as the anatomies are made of it, so after the face policy.
+  void add_ct() {
+    Bounds shown;
+    for (const Graph::Anatomy& a : graph_.anatomies) include(shown, bounds_of(mesh(a.surface)));
+    if (graph_.haptic >= 0) include(shown, bounds_of_lattice(haptic().voxels));
+    const Grid<std::int16_t> ct =
+        published_ct(*std::get<std::shared_ptr<const HuVolume>>(at(graph_.ct).data), shown, config_.ct->margin_mm);
+    CaseCt& out = manifest().ct;
+    out.size = ct.size;
+    out.spacing_mm = ct.spacing_mm;
+    add_file("ct", ".nrrd", encode_nrrd(HuVolume(ct), {}, NrrdEncoding::gzip), out.file);
+  }
+
   void add_burr_hole(int node) {
     const std::string& name = graph_.nodes[static_cast<std::size_t>(node)].name;
     const auto& cutters = *std::get<std::shared_ptr<const std::vector<Cutter>>>(at(node).data);
@@ -295,6 +311,7 @@ class Builder {
 std::vector<int> wanted_nodes(const Graph& graph, bool pictures, bool page) {
   std::vector<int> wanted = graph.burr_holes;
   if (pictures) wanted.push_back(graph.scan);
+  if (graph.ct >= 0) wanted.push_back(graph.ct);
   for (const Graph::Anatomy& a : graph.anatomies) {
     wanted.push_back(a.surface);
     wanted.push_back(a.measure);

@@ -64,6 +64,7 @@ std::string why_needed(const Graph& graph, int node, bool pictured) {
   if (graph.anatomy_gate == node) why.emplace_back("the consistency check of the anatomies that the scene shows");
   if (graph.face_gate == node) why.emplace_back("the check that no face is published");
   if (pictured && graph.scan == node) why.emplace_back("the pictures");
+  if (graph.ct == node) why.emplace_back("CT that is published");
   for (const Node& reader : graph.nodes)
     for (const auto& [port, source] : reader.sources)
       if (source == node && std::find(readers.begin(), readers.end(), reader.name) == readers.end())
@@ -133,7 +134,7 @@ Explanation explain(const CaseConfig& config, const Graph& graph, const std::vec
   for (const ValueRow& row : config.values)
     if (is_shown(row, config, graph)) out.values.push_back(row);
   const Forecast forecast(graph, wanted, cache);
-  const bool pictured = std::count(wanted.begin(), wanted.end(), graph.scan) > 0;
+  const bool pictured = std::count(wanted.begin(), wanted.end(), graph.scan) > (graph.ct >= 0);
   for (std::size_t i = 0; i < graph.nodes.size(); ++i)
     out.stages.push_back({graph.nodes[i].name, forecast.state(i), forecast.seconds(i),
                           why_needed(graph, static_cast<int>(i), pictured)});

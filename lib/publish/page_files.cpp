@@ -54,10 +54,12 @@ LoadedCase loaded(const CaseContent& content) {
   const std::string json = to_json(content.manifest);
   files["case.json"] = json;
   for (std::size_t i = 0; i < content.files.size(); ++i) files[content.manifest.files[i].name] = content.files[i].bytes;
-  return load_case_through([&](const std::string& name, std::uint64_t) {
-    const std::string_view bytes = files.at(name);
-    return std::vector<char>(bytes.begin(), bytes.end());
-  });
+  return load_case_through(
+      [&](const std::string& name, std::uint64_t) {
+        const std::string_view bytes = files.at(name);
+        return std::vector<char>(bytes.begin(), bytes.end());
+      },
+      LoadParts{true});
 }
 
 }  // namespace

@@ -50,6 +50,9 @@ void require_face_policy(const CaseConfig& config) {
     for (const SceneShape& shape : config.haptic.shapes)
       if (config.find_anatomy(shape.name)->shows_face) shown = shape.name + " in the haptic volume";
   }
+  if (config.ct)
+    for (const RecipeAnatomy& a : config.anatomies)
+      if (a.shows_face) shown = "the CT";
   if (!shown.empty())
     throw Error(ExitCode::privacy, "", "scene.face",
                 shown +

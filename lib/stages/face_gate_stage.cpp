@@ -15,6 +15,7 @@ StageData run_gate(const AnyParams& params, const StageInputs& in, Report& repor
     volumes.push_back(face_volume("the haptic volume", *haptic));
     if (haptic->hardness.count() > 0) volumes.push_back(face_volume("the haptic volume's hardness", haptic->hardness));
   }
+  if (const auto* ct = in.get<HuVolume>("ct")) volumes.push_back(face_volume("the CT", *ct));
   const Field& skin = *in.get<Field>("skin");
   const auto regions = face_regions(*in.get<HeadLandmarks>("landmarks"), in.get<HeadLandmarks>("found"), skin,
                                     params.as<FaceBeliefParams>());
@@ -39,7 +40,8 @@ StageType face_gate_stage() {
              {"landmarks", DataKind::landmarks, true, "nasion, tragus_left and tragus_right"},
              {"found", DataKind::landmarks, false, "the same, found without any that a person gave"},
              {"surface.*", DataKind::mesh, false, "what is published"},
-             {"haptic", DataKind::haptic, false, "the haptic volume that is published"}};
+             {"haptic", DataKind::haptic, false, "the haptic volume that is published"},
+             {"ct", DataKind::volume, false, "the CT that is published"}};
   s.output = DataKind::nothing;
   s.make_params = [] { return AnyParams::make<FaceBeliefParams>(); };
   s.run = run_gate;

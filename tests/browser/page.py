@@ -289,6 +289,32 @@ class Page:
         self.check(self.manifest["provenance"]["input_sha256"] in provenance and "outer.decimate.max deviation mm" in provenance, "provenance is told")
         self.check(self.b.js("return document.querySelectorAll('#trade circle.chosen').length") == 1, "the chosen point of the trade is marked")
 
+    def slices(self):
+        """The CT's values where they lie, in the window that was chosen."""
+        self.set("show-cuts", None), self.set("show-marks", None)
+        center = self.manifest["center_mm"]
+        self.b.js("trephine.go(arguments[0])", center)
+        for level, width in ((40, 400), (500, 2000)):
+            self.set("level", str(level)), self.set("width", str(width))
+            for plane, (u, v) in {"axial": (0, 1), "coronal": (0, 2)}.items():
+                for x in (-60.2, 20.3, 59.1):
+                    want = 2500 if 50 < x < 66 else 1200 if abs(x) < 38 else 60 - x / 2
+                    grey = self.b.js("""trephine.slices(); const p = trephine.planes.find(p => p.id === arguments[0]), c = document.getElementById(p.id)
+                        const [x, y] = p.place(arguments[1], arguments[2]), r = c.width / c.clientWidth
+                        return [...c.getContext('2d').getImageData(Math.round(x * r), Math.round(y * r), 1, 1).data]""", plane, center[u] + x, center[v] + 5)
+                    shown = max(0, min(255, 255 * ((want - level) / width + 0.5)))
+                    self.check(abs(grey[0] - shown) < 6 and grey[0] == grey[1] == grey[2], f"{plane} at {x} mm: {want} HU is {shown}, not {grey}")
+        self.check("the CT of the case" in self.b.js("return document.getElementById('source').textContent"), "it says where the slices come from")
+        self.set("show-cuts", None), self.set("show-marks", None)
+
+    def without_ct(self):
+        self.b.open((self.case.parent / "felt/report/view.html").as_uri())
+        wait(self.b)
+        self.check("holds no CT" in self.b.js("return document.getElementById('source').textContent"), "a case without CT says so")
+        self.b.js("trephine.go(trephine.data.targets[0].position_mm)")
+        p = self.pixels("coronal")
+        self.check(len({tuple(p[i:i + 3]) for i in range(0, len(p), 4)}) > 3, "and shows the shapes of the haptic volume")
+
     def hostile(self):
         warnings = json.loads((self.case / "report/view.json").read_text())["warnings"]
         self.check(self.b.js("return [...document.querySelectorAll('#warnings p')].map(p => p.textContent)") == warnings, "warnings verbatim")
@@ -299,7 +325,8 @@ class Page:
 def make_pages(folder):
     subprocess.run([os.environ["PAGE_SAMPLES"], folder], check=True)
     case = pathlib.Path(folder) / "marked"
-    subprocess.run([os.environ["TREPHINE"], "page", case, "--quiet"], check=True)
+    for one in (case, case.parent / "felt"):
+        subprocess.run([os.environ["TREPHINE"], "page", one, "--quiet"], check=True)
     return case
 
 
@@ -319,6 +346,8 @@ def main():
             page.left_is_left()
             page.cuts()
             page.deviation()
+            page.slices()
+            page.without_ct()
     check.end()
 
 

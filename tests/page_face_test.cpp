@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// P4 on what a page holds: CT and surfaces are read back from the HTML and held against the original skin.
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "case_samples.h"
+#include "face/face_gate.h"
+#include "grid/nrrd.h"
+#include "head_recipe.h"
+#include "meshing/contour.h"
+#include "page/case_page.h"
+#include "page_reading.h"
+#include "phantom/head.h"
+#include "phantom/phantom.h"
+#include "segmentation/segment.h"
+
+namespace trephine {
+namespace {
+
+struct Patient {
+  HuVolume volume;
+  Field skin;
+  FaceRegion region;
+};
+
+Patient patient() {
+  phantom::HeadParams who;
+  who.level = phantom::Level::simple;
+  who.seed = 7;
+  phantom::ScanParams how;
+  how.columns_count = how.rows_count = 150;
+  how.field_of_view_mm = 240;
+  how.slices_count = 80;
+  how.slice_step_mm = how.slice_thickness_mm = 192.0 / 80;
+  how.noise_hu = 12;
+  const phantom::Head head(who);
+  Patient p;
+  p.volume = phantom::volume_of(phantom::scan(head, how));
+  Report report;
+  p.skin = segment(p.volume, {}, head_recipe::skin(), report);
+  HeadLandmarks landmarks;
+  for (const char* name : {"nasion", "tragus_left", "tragus_right"})
+    landmarks.landmarks.push_back({name, head.landmark(name), 1, "truth"});
+  p.region = face_region(landmarks);
+  return p;
+}
+
+// The page of a case of skin and CT.
+std::string page_of(const HuVolume& volume) {
+  Report report;
+  TriMesh skin = contour(segment(volume, {}, head_recipe::skin(), report), {}, report);
+  case_samples::MemoryCase c;
+  CaseManifest& m = c.manifest;
+  m.case_token = "head";
+  m.center_mm = {0, 0, 50};
+  m.input_sha256 = sha256_of_bytes("input");
+  const auto add = [&](const std::string& stem, const std::string& extension, const std::string& bytes) {
+    m.files.push_back(describe_case_file(stem, extension, bytes));
+    c.files[m.files.back().name] = bytes;
+    return m.files.back().name;
+  };
+  GlbParams glb;
+  glb.center_mm = m.center_mm;
+  glb.name = "skin";
+  CaseAnatomy a;
+  a.name = "skin";
+  a.file = add("meshes/skin", ".glb", make_glb(skin, glb));
+  a.triangles = skin.triangles.size();
+  a.points = skin.points_mm.size();
+  a.volume_ml = volume_mm3(skin) / 1000;
+  a.area_cm2 = area_mm2(skin) / 100;
+  m.anatomies.push_back(a);
+  const auto& grid = std::get<Grid<std::int16_t>>(volume);
+  m.ct = {add("ct", ".nrrd", encode_nrrd(volume, {}, NrrdEncoding::gzip)), grid.size, grid.spacing_mm};
+  c.seal();
+  return make_case_page(load_case_through(c.reader(), LoadParts{true}), {});
+}
+
+// The gate on what is read back.
+double distance_mm(const Patient& p, const std::string& html) {
+  const page_reading::Page page = page_reading::read_page(html);
+  const HuVolume ct(page.ct());
+  const auto all = face_distances(p.skin, p.region, {{"skin", &page.surfaces.at(0).mesh}}, {face_volume("CT", ct)});
+  EXPECT_EQ(all.size(), 2u);
+  return std::min(all.at(0).distance_mm, all.at(1).distance_mm);
+}
+
+TEST(PageFace, NoPageShowsAFaceThatWasTakenAway) {
+  const Patient p = patient();
+  EXPECT_LT(distance_mm(p, page_of(p.volume)), 1) << "the control: a face is there";
+  for (const FaceRemoval policy : {FaceRemoval::deface, FaceRemoval::crop}) {
+    DefaceParams params;
+    params.policy = policy;
+    Report report;
+    EXPECT_GE(distance_mm(p, page_of(deface(p.volume, p.skin, p.region, params, report))), face_clearance_mm);
+  }
+}
+
+}  // namespace
+}  // namespace trephine
