@@ -103,7 +103,7 @@ TEST(FaceBelief, TragiAreCheckedByAnatomy) {
   HeadLandmarks l = landmarks_of(s.head, "found");
   const auto ratio = tragi_position_ratio(face_region(l), s.skin);
   ASSERT_TRUE(ratio);
-  EXPECT_NEAR(*ratio, 0.48, 0.07);
+  EXPECT_NEAR(*ratio, 0.5, 0.05);
   FaceBeliefParams says;
   says.believe = FaceBelief::given;
   says.believe_reason = "a wrong one";
@@ -126,7 +126,8 @@ int attack(const Scanned& s, std::uint64_t seed, int count) {
   int accepted = 0;
   for (int i = 0; i < count; ++i) {
     HeadLandmarks found = landmarks_of(s.head, "found"), given = found;
-    for (CaseLandmark& l : found.landmarks) l.position_mm += off(3);
+    // The region's margins are for errors of the finder as small as these, with voxels of 2 mm.
+    for (CaseLandmark& l : found.landmarks) l.position_mm += off(1);
     const double most = i % 4 == 0 ? 14 : i % 4 == 1 ? 30 : 70;
     for (CaseLandmark& l : given.landmarks) {
       l.source = "given";

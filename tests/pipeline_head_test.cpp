@@ -75,7 +75,8 @@ TEST(HeadConfig, FaultsHaveTheirPlace) {
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: keep}\n").faults, "face.reason: is missing"));
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: keep, reason: ' '}\n").faults, "is blank"));
   EXPECT_EQ(Read("", "anatomies: {skull: }\nface: {policy: deface}\n").faults, "");
-  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: crop\n").faults, "{policy: ..., reason: ...}"));
+  EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: crop\n").faults,
+                  "{policy: ..., reason: ..., believe: ..., believe_reason: ...}"));
   const std::string no_head = recipe.substr(0, recipe.find("landmarks:"));
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\nface: {policy: crop}\n", {}, no_head).faults, "need `landmarks`"));
   EXPECT_TRUE(has(Read("", "anatomies: {skull: }\n", {}, no_head + "landmarks: {skin: skin.segment}\n").faults,

@@ -51,7 +51,10 @@ std::uint64_t file_size_limit(std::uint64_t bytes) {
 }
 
 void check(const std::string& worker, bool good, const char* step) {
-  if (!good) fail(worker, std::string("cannot start a child process: ") + step + ": " + std::strerror(errno));
+  if (good) return;
+  if (errno == EMFILE || errno == ENFILE)
+    throw Error(ExitCode::io, "", worker, "too few file descriptors for a child process: raise the limit (ulimit -n)");
+  fail(worker, std::string("cannot start a child process: ") + step + ": " + std::strerror(errno));
 }
 
 // The descriptor is moved above the numbers that the child gets, so that one dup2 there cannot overwrite the source of
@@ -60,6 +63,7 @@ FileDescriptor moved_up(const std::string& worker, int fd, const char* step) {
   const FileDescriptor low(fd);
   check(worker, low.valid(), step);
   FileDescriptor high(::fcntl(low.get(), F_DUPFD_CLOEXEC, 16));
+  if (!high.valid() && errno == EINVAL) errno = EMFILE;  // the limit lies below that number
   check(worker, high.valid(), "dup");
   return high;
 }

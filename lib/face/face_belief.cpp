@@ -110,7 +110,7 @@ std::optional<double> tragi_position_ratio(const FaceRegion& region, const Field
 }
 
 void check_tragi(const FaceRegion& region, const Field& skin) {
-  constexpr double least_ratio = 0.38;
+  constexpr double least_ratio = 0.42;
   const auto ratio = tragi_position_ratio(region, skin);
   if (ratio && !(*ratio >= least_ratio))
     refuse(
