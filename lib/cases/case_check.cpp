@@ -220,8 +220,8 @@ void check_manifest(const CaseManifest& m) {
   for (const auto& [name, value] : m.figures)
     if (name == "class") {
       if (!std::holds_alternative<std::string>(value)) contradiction("figures.class", "must be a text");
-      check_choice(std::get<std::string>(value), {"normal", "hydrocephalic", "shifted", "small", "unknown"},
-                   "figures.class");
+      check_choice(std::get<std::string>(value),
+                   {"normal", "hydrocephalic", "shifted", "small", "uncertain", "unknown"}, "figures.class");
     }
   check_choice(m.face_policy, {"none", "keep", "crop", "deface"}, "face.policy");
   if (m.program_version.empty()) contradiction("provenance.program", "is empty");
