@@ -136,7 +136,7 @@ TEST(OnlyWhatTheSceneRequires, ASkullAloneNeedsNoBrain) {
   const CaseConfig config = read_case_config(configs / "ct_skull.yaml");
   std::set<std::string> names;
   for (const Node& n : make_graph(config, "input").nodes) names.insert(n.name);
-  EXPECT_EQ(names, (std::set<std::string>{"import", "body", "head_region", "skin.segment", "skull.segment",
+  EXPECT_EQ(names, (std::set<std::string>{"import", "scan", "body", "head_region", "skin.segment", "skull.segment",
                                           "skull.simplify", "skull.contour", "skull.decimate", "skull.smooth",
                                           "skull.normals", "skull.measure"}));
 }
@@ -170,7 +170,7 @@ TEST(OnlyWhatTheSceneRequires, ARunDoesWhatTheExplanationSays) {
   };
   using State = Explanation::Stage::State;
   const std::set<std::string> all = foretold(State::compute);
-  EXPECT_EQ(all.size(), 12u);
+  EXPECT_EQ(all.size(), 13u);
   Recorder first;
   run_case(request, first);
   EXPECT_EQ(first.computed, all);

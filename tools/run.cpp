@@ -16,8 +16,11 @@ class DisplayObserver : public RunObserver {
   explicit DisplayObserver(bool quiet) : display_(quiet) {}
   void started(const std::string& node) override { display_.start(node); }
   void progressed(const std::string& node, double fraction) override { display_.report(node, fraction); }
-  void finished(const std::string& node, const std::string& how, double, const Report&) override {
-    display_.finish(node, how == "cached" ? "from the cache" : "");
+  void finished(const std::string& node, const std::string& how, double, const Report& report) override {
+    std::string note = how == "cached" ? "from the cache" : "";
+    if (const ParameterValue* verdict = report.find("verdict"))
+      note = std::get<std::string>(*verdict) + (note.empty() ? "" : ", " + note);
+    display_.finish(node, note);
   }
 
  private:

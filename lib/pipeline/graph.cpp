@@ -32,6 +32,11 @@ class Builder {
   }
 
   Graph build() {
+    if (const RecipeStep* step = config_.find_scan_step(StageRole::suitability)) {
+      Node node = node_of_step(*step, step->type->name);
+      give_scan(node, 0);
+      graph_.quality = add(std::move(node));
+    }
     original_ = graph_.scan = prepared(resampled());
     if (config_.face == "crop" || config_.face == "deface") graph_.scan = deface();
     if (config_.ct) graph_.ct = graph_.scan;

@@ -36,6 +36,7 @@ struct Graph {
     int measure = -1;        ///< measures `finished`, because a burr hole is no deviation
   };
   std::vector<Anatomy> anatomies;  ///< as in the scene
+  int quality = -1;                ///< what the scan is suited for; -1: the recipe does not ask
   int scan = 0;                    ///< the volume that anatomies, pictures and haptic volume are made of
   int ct = -1;                     ///< the scan where the case publishes it; -1: it does not
   int landmarks = -1;              ///< -1: none need be found

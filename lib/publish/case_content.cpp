@@ -317,7 +317,8 @@ std::vector<int> wanted_nodes(const Graph& graph, bool pictures, bool page) {
     wanted.push_back(a.measure);
     if (page) wanted.insert(wanted.end(), {a.first_surface, a.finished});
   }
-  for (const int node : {graph.landmarks, graph.anatomy_gate, graph.face_gate, graph.haptic, graph.mismatch})
+  for (const int node :
+       {graph.quality, graph.landmarks, graph.anatomy_gate, graph.face_gate, graph.haptic, graph.mismatch})
     if (node >= 0) wanted.push_back(node);
   return wanted;
 }

@@ -61,6 +61,7 @@ std::string why_needed(const Graph& graph, int node, bool pictured) {
   if (graph.haptic == node) why.emplace_back("the scene's haptic volume");
   if (graph.mismatch == node) why.emplace_back("how far what is felt lies from what is seen");
   if (graph.landmarks == node) why.emplace_back("landmarks that the scene, a burr hole or a check needs");
+  if (graph.quality == node) why.emplace_back("what the scan is suited for");
   if (graph.anatomy_gate == node) why.emplace_back("the consistency check of the anatomies that the scene shows");
   if (graph.face_gate == node) why.emplace_back("the check that no face is published");
   if (pictured && graph.scan == node) why.emplace_back("the pictures");

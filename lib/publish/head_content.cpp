@@ -47,6 +47,9 @@ void add_head_content(const CaseConfig& config, const Graph& graph, const std::v
                                        [](const auto& f) { return f.first == "class"; });
       classed && !config.roles.class_of.empty())
     manifest.figures.emplace_back("class_of", config.roles.class_of);
+  if (graph.quality >= 0)
+    for (const auto& figure : results[static_cast<std::size_t>(graph.quality)].report.figures)
+      manifest.figures.emplace_back("scan." + figure.first, figure.second);
   if (graph.face_gate >= 0)
     for (const auto& figure : results[static_cast<std::size_t>(graph.face_gate)].report.figures)
       manifest.figures.emplace_back("face." + figure.first, figure.second);

@@ -139,8 +139,27 @@ void tell_warnings(Run& run) {
   for (std::size_t i = 0; i < run.graph.nodes.size(); ++i)
     for (const std::string& w : run.results[i].report.warnings)
       run.warnings.push_back(run.graph.nodes[i].name + ": " + w);
-  for (const std::string& w : run.warnings) log_warning(run.config.case_token + ": " + w);
+  const std::string early = std::string(scan_step) + ": ";  // EarlyWarnings has told these
+  for (const std::string& w : run.warnings)
+    if (w.rfind(early, 0) != 0) log_warning(run.config.case_token + ": " + w);
 }
+
+// Tells at once what the scan is not suited for: a run that is refused later may be refused because of it.
+class EarlyWarnings : public RunObserver {
+ public:
+  EarlyWarnings(RunObserver& observer, std::string token) : observer_(observer), token_(std::move(token)) {}
+  void started(const std::string& node) override { observer_.started(node); }
+  void progressed(const std::string& node, double fraction) override { observer_.progressed(node, fraction); }
+  void finished(const std::string& node, const std::string& how, double seconds, const Report& report) override {
+    if (node == scan_step)
+      for (const std::string& w : report.warnings) log_warning(token_ + ": " + node + ": " + w);
+    observer_.finished(node, how, seconds, report);
+  }
+
+ private:
+  RunObserver& observer_;
+  std::string token_;
+};
 
 // A budget of time cannot be enforced: the case is complete and valid, only later than wanted.
 void tell_overrun(Run& run, double seconds) {
@@ -270,8 +289,9 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     execution.cache = &cache;
     execution.cancel = &cancel_requested();
     run.graph = make_graph(run.config, input_sha256);
+    EarlyWarnings early(observer, token);
     run.results =
-        execute(run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page), execution, observer);
+        execute(run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page), execution, early);
     tell_warnings(run);
 
     CaseContent content = make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version,

@@ -44,6 +44,7 @@ enum class StagePlace {
 enum class StageRole {
   step,             ///< a step of an anatomy, or a tool that no case uses
   import,           ///< reads the series
+  suitability,      ///< says what the scan is suited for, right after the import
   resample,         ///< puts the scan on other voxels
   prepare,          ///< makes the scan ready before anything is found on it; there may be several
   given_landmarks,  ///< holds the landmarks that a person placed

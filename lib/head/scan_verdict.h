@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+#include "base/params.h"
+#include "base/report.h"
+#include "mask/scan_figures.h"
+
+namespace trephine {
+
+/// From which measure on a scan is doubtful or unsuited. docs/accuracy.md says on which phantoms they were chosen.
+struct ScanLimits {
+  double doubtful_cube_noise_hu = 13, unsuited_cube_noise_hu = 23;
+  double doubtful_noise_hu = 40, unsuited_noise_hu = 80;
+  double doubtful_bone_noise_hu = 75, unsuited_bone_noise_hu = 150;
+  double doubtful_slice_mm = 3.5, unsuited_slice_mm = 7;
+  double waxy_noise_hu = 2.5, waxy_kernel_mm = 2.2, doubtful_edge_mm = 3;
+  double doubtful_artefact_ratio = 0.04;
+  bool refuse = false;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = ScanLimits;
+    v.number(&P::doubtful_cube_noise_hu, "doubtful_cube_noise_hu", Range{0, 1000},
+             "Noise in a cube of 2 mm above which brain and ventricles are doubtful.");
+    v.number(&P::unsuited_cube_noise_hu, "unsuited_cube_noise_hu", Range{0, 1000},
+             "Noise in a cube of 2 mm above which a scan is unsuited for brain and ventricles.");
+    v.number(&P::doubtful_noise_hu, "doubtful_noise_hu", Range{0, 1000},
+             "Noise of a voxel above which brain and ventricles are doubtful.");
+    v.number(&P::unsuited_noise_hu, "unsuited_noise_hu", Range{0, 1000},
+             "Noise of a voxel above which a scan is unsuited for brain and ventricles.");
+    v.number(&P::doubtful_bone_noise_hu, "doubtful_bone_noise_hu", Range{0, 2000},
+             "Noise of a voxel above which the skull is doubtful.");
+    v.number(&P::unsuited_bone_noise_hu, "unsuited_bone_noise_hu", Range{0, 2000},
+             "Noise of a voxel above which a scan is unsuited for the skull.");
+    v.number(&P::doubtful_slice_mm, "doubtful_slice_mm", Range{0, 50},
+             "Distance of slices above which everything is doubtful.");
+    v.number(&P::unsuited_slice_mm, "unsuited_slice_mm", Range{0, 50},
+             "Distance of slices above which a scan is unsuited for everything.");
+    v.number(
+        &P::waxy_noise_hu, "waxy_noise_hu", Range{0, 100},
+        "Noise of a voxel below which a scan that is correlated over waxy_kernel_mm is taken for strongly denoised: "
+        "doubtful for ventricles.");
+    v.number(&P::waxy_kernel_mm, "waxy_kernel_mm", Range{0, 20}, "See waxy_noise_hu.");
+    v.number(&P::doubtful_edge_mm, "doubtful_edge_mm", Range{0, 20},
+             "Width of the kernel at edges above which the skull is doubtful.");
+    v.number(&P::doubtful_artefact_ratio, "doubtful_artefact_ratio", Range{0, 1},
+             "Share of tiles with streaks or the like above which brain and ventricles are doubtful.");
+    v.flag(&P::refuse, "refuse", "Refuse a scan that is unsuited, with 80, instead of warning of it.");
+  }
+  std::string fault() const;
+};
+
+enum class Suitability { suited, doubtful, unsuited, unknown };
+const char* to_text(Suitability s);
+
+struct ScanVerdict {
+  Suitability brain = Suitability::suited, ventricles = Suitability::suited, skull = Suitability::suited;
+  std::string kernel;                ///< soft, sharp, denoised, or unknown
+  std::vector<std::string> reasons;  ///< whole sentences: what was measured, and what a person can do
+  std::string text() const;          ///< "doubtful for brain and ventricles, suited for skull"
+};
+
+ScanVerdict judge_scan(const segmentation::ScanFigures& figures, const ScanLimits& limits);
+
+/// Measures and judges the scan of a head. Adds the figures, `kernel`, `brain`, `ventricles` and `skull` (suited,
+/// doubtful, unsuited or unknown), `verdict` and `remedy` to the report, and a warning for every reason. Throws Error
+/// 80 with the remedy where the scan is unsuited and limits.refuse is set, 65 for values that are not finite.
+void judge_scan(const HuVolume& volume, const ScanLimits& limits, Report& report, const Progress& progress = {});
+
+}  // namespace trephine

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "head/scan_verdict.h"
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType scan_stage() {
+  StageType s;
+  s.name = "scan";
+  s.version = 1;
+  s.place = StagePlace::scan;
+  s.role = StageRole::suitability;
+  s.summary = "measures noise, kernel and artefacts of a head's scan and says what it is suited for";
+  s.description =
+      "Noise is the standard deviation of a voxel and of the mean over a cube of 2 mm, in tiles of even soft tissue "
+      "within the skull; the kernel shows in how neighbours go together and in the skin's edge. The verdict on brain, "
+      "ventricles and skull is suited, doubtful or unsuited, each with what to do.";
+  s.examples = {"trephine scan head.nrrd --report scan.json"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};
+  s.output = DataKind::nothing;
+  s.make_params = [] { return AnyParams::make<ScanLimits>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    judge_scan(*in.get<HuVolume>("volume"), params.as<ScanLimits>(), report, progress);
+    return {};
+  };
+  return s;
+}
+
+}  // namespace trephine
