@@ -79,7 +79,7 @@ Report describe_rest(const Catalogue& c, const Series* chosen) {
   warn_of_broken(c, r);
   if (chosen) warn_of_odd(c, *chosen, r);
   for (const Series& s : c.series)
-    if (chosen && &s != chosen && s.is_ct && !s.refusal.empty())
+    if (chosen && &s != chosen && (s.is_ct || s.sort_uid.empty()) && !s.refusal.empty())
       r.warn("not used: " + s.summary.line() + ": " + s.summary.verdict);
   return r;
 }

@@ -199,10 +199,11 @@ std::vector<std::array<std::uint32_t, 2>> find_pairs(const TriMesh& mesh, const 
     boxes.clear();
     tree.for_each_leaf(box, first, [&](std::size_t leaf) {
       for (std::size_t n = TriangleTree::width * leaf; n < end_of(leaf); ++n)
-        if (box.meets(tree.box(n))) boxes.add(tree.box(n), static_cast<std::uint32_t>(n));
+        if (kind[order[n]] != 2 && box.meets(tree.box(n))) boxes.add(tree.box(n), static_cast<std::uint32_t>(n));
     });
     std::size_t after = 0;  // their numbers ascend
     for (std::size_t m = begin; m < end && out.size() < most_pairs; ++m) {
+      if (kind[order[m]] == 2) continue;
       progress.check();
       while (after < boxes.number.size() && boxes.number[after] <= m) ++after;
       boxes.meet(tree.box(m), after);
