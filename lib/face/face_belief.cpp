@@ -54,14 +54,11 @@ bool is_same(const FaceRegion& a, const FaceRegion& b) {
   return a.nasion_mm == b.nasion_mm && a.tragi_mm == b.tragi_mm && a.left == b.left;
 }
 
-/// What either of two cuts of the same volume changed; where both did, what is nearer to air.
+/// What either of two cuts took away is gone: of two values the one that is nearer to air. (Soft tissue with which only
+/// one of them covered air is lost; a cut may cover what the other one removed.)
 template <class T>
-void unite(Grid<T>& a, const Grid<T>& b, const Grid<T>& before) {
-  for (std::size_t v = 0; v < a.voxels.size(); ++v)
-    if (a.voxels[v] == before.voxels[v])
-      a.voxels[v] = b.voxels[v];
-    else if (b.voxels[v] != before.voxels[v])
-      a.voxels[v] = std::min(a.voxels[v], b.voxels[v]);
+void unite(Grid<T>& a, const Grid<T>& b) {
+  for (std::size_t v = 0; v < a.voxels.size(); ++v) a.voxels[v] = std::min(a.voxels[v], b.voxels[v]);
 }
 
 template <class T>
@@ -131,7 +128,7 @@ HuVolume deface(const HuVolume& volume, const Field& skin, const std::vector<Fac
     std::visit(
         [&](auto& g) {
           using G = std::decay_t<decltype(g)>;
-          unite(g, std::get<G>(other), std::get<G>(volume));
+          unite(g, std::get<G>(other));
         },
         out);
     for (auto& [name, value] : report.figures) {
