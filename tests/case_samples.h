@@ -189,6 +189,18 @@ inline MemoryCase make_case(const std::vector<Ball>& balls, int voxels) {
 /// A case of every part, as small as it can be: about 16 KiB.
 inline MemoryCase minimal_case() { return make_case({{"outer", 80, 7}, {"inner", 40, 4}}, 10); }
 
+/// A ball of bone around one of brain, in voxels of 0.64 mm, with a place to drill on top.
+inline MemoryCase drill_case() {
+  MemoryCase c = make_case({{"skull", 14, 12}, {"brain", 8, 8}}, 48);
+  CaseShape& skull = c.manifest.haptic.shapes[0];
+  skull.cuttable = true;
+  skull.material.removal_energy_j_per_mm3 = 0.1;
+  skull.material.front.pop_through_n = 0;
+  c.manifest.landmarks.push_back({"kocher_right", {1, -20, 314}, 1, "given"});
+  c.seal();
+  return c;
+}
+
 /// Four anatomies, 210,000 triangles, 256^3 voxels.
 inline MemoryCase full_size_case() {
   return make_case({{"skin", 100, 142}, {"skull", 92, 136}, {"brain", 80, 98}, {"ventricles", 30, 72}}, 256);

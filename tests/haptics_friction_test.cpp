@@ -47,8 +47,10 @@ double friction_felt(const ContactVolume& contact, Vec3 normal, Vec3 along, cons
 // F1: 24 planes; mean within 2 %, none off by more than 5 %. (Before: up to 46 %, for one tick with a short way brought
 // the static limit back, and normals leant towards the axes.)
 TEST(HapticsFriction, IsTheDynamicRatioOnPlanesOfAnyDirection) {
-  const std::pair<const char*, ToolParams> held[] = {
-      {"point", {}}, {"burr", params_of("burr", 3, 6)}, {"catheter", params_of("catheter", 2.5, 8, 1)}};
+  const std::pair<const char*, ToolParams> held[] = {{"point", {}},
+                                                     {"burr", params_of("burr", 3, 6)},
+                                                     {"ball", params_of("ball", 3)},
+                                                     {"catheter", params_of("catheter", 2.5, 8, 1)}};
   std::mt19937_64 rng(5);
   std::vector<std::pair<Vec3, HapticVolume>> planes;
   for (int n = 0; n < 24; ++n) {

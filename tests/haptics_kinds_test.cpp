@@ -59,7 +59,7 @@ TEST(HapticsKinds, DevicesThatCannotBeAreRefused) {
   HapticVolume v = empty(8, {1, 1, 1});
   fill(v, 1, [](Vec3 p) { return -p.z; });
   const ContactVolume contact(v);
-  const DeviceScene unpaced{contact, {}, false, false, silent, {}};
+  const DeviceScene unpaced{contact, {}, false, false, silent, {}, 0, 0, {}};
   const auto refused = [&](const DeviceChoice& choice) { return error_of([&] { make_device(choice, unpaced); }); };
   DeviceChoice choice;
   choice.name = "mouse";
@@ -82,7 +82,8 @@ TEST(HapticsKinds, ToolsHaveAShape) {
     EXPECT_NE(std::string(tool_help()).find(std::string(kind.name) + " (" + kind.help + ")"), std::string::npos);
     ToolParams params;
     params.tool = kind.name;
-    EXPECT_EQ(make_tool(params).points_mm.empty(), !(kind.length_mm > 0));
+    EXPECT_EQ(make_tool(params).points_mm.empty(), !(kind.length_mm > 0) || kind.exact_ball);
+    EXPECT_EQ(make_tool(params).ball_radius_mm > 0, kind.exact_ball);
   }
   EXPECT_EQ(names.count(ToolParams().tool), 1u) << "the default is one";
   ToolParams params;

@@ -222,3 +222,42 @@ TEST(LiveSurface, TimesOfAStroke) {
     EXPECT_LT(p(frames, 0.5), radius > 3.5 ? 2500 : 1000);
   }
 }
+
+// A mastoid's worth of drilling: 60 s of winding strokes with a burr of 2 mm. No open edge at any second, no voxel that
+// rises, and at the end the surface is as one made anew.
+TEST(LongLiveSurface, AMinuteAlongATemporalBonePath) {
+  HapticVolume v = layers(100, 0.4);
+  DirtyBricks marks(v.voxels);
+  Drill drill(v, of_layers(), ball(1), {}, &marks);
+  LiveSurface bone(v, 2);
+  Grid<std::int16_t> before = v.voxels;
+  std::vector<std::size_t> marked;
+  std::size_t open = 0, risen = 0;
+  double units = 0;
+  for (int tick = 0; tick < 60000; ++tick) {
+    const double t = 0.001 * tick;
+    const Vec3 at = v.voxels.to_world_mm({50 + (10 + 0.4 * t) * std::cos(2.3 * t),
+                                          50 + (10 + 0.4 * t) * std::sin(2.1 * t), 66 - 0.5 * t + 2 * std::sin(5 * t)});
+    units += double(drill.cut(centred(at, 1), 0.001).units[2]);
+    if (tick % 17 == 0) {
+      marked.clear();
+      marks.take(marked);
+      bone.update(marked);
+    }
+    if (tick % 3000 != 0) continue;
+    open += look_at(bone).open;
+    for (std::size_t n = 0; n < before.voxels.size(); ++n) {
+      const detail::RawVoxel was = detail::split(before.voxels[n]), is = detail::split(v.voxels.voxels[n]);
+      risen += is.number == was.number && is.share > was.share;
+    }
+    before = v.voxels;
+  }
+  marked.clear();
+  marks.take(marked);
+  bone.update(marked);
+  std::printf("  %.0f mm3 of bone\n", mm3(v, std::int64_t(units)));
+  EXPECT_EQ(open, 0u);
+  EXPECT_EQ(risen, 0u);
+  EXPECT_EQ(differing(bone, LiveSurface(v, 2)), 0);
+  EXPECT_GT(units, 1e5);
+}

@@ -67,6 +67,12 @@ struct ContactBox {
   }
 };
 
+/// A place where the surface between two shapes (0: none) crosses the way between two neighbouring voxel centres.
+struct SurfaceSample {
+  Vec3 point_mm, normal;  ///< normal: unit, towards the side of `low`; zero until somebody asks for it
+  std::uint8_t low = 0, high = 0;
+};
+
 /// The haptic volume as the hand meets it [Rizzi, chapter 3], with the interface of OpenHaptics' intersectSurface: one
 /// walk serves any number of shapes. Each point of space belongs to one shape or to none, and a contact is a crossing
 /// from one to another. It is the front of the shape that is entered, if that is touchable, else the back of the shape
@@ -118,6 +124,10 @@ class ContactVolume {
   /// changes more from cell to cell than normal_at, but a step perpendicular to it leaves the surface only in second
   /// order. Zero where boxes are felt.
   Vec3 exact_normal(const Contact& contact, Vec3 way) const;
+
+  /// Writes the samples within reach of the centre to `out`, at most `most`, without normals; returns how many. There
+  /// is one on each edge between voxel centres whose ends are in different shapes, so they lie about a voxel apart.
+  int samples_near(Vec3 centre_mm, double reach_mm, SurfaceSample* out, int most) const;
 
   const HapticVolume& volume() const { return volume_; }
   const ContactParams& params() const { return params_; }

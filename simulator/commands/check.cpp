@@ -5,9 +5,12 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
 #include "base/text.h"
 #include "cases/load_case.h"
+#include "cli/argument.h"
 #include "commands/commands.h"
+#include "commands/drilled_case.h"
 #include "surface/bounds.h"
 
 namespace trephine {
@@ -189,18 +192,29 @@ Command check_command() {
   c.description =
       "Every size, checksum and value is checked before use (docs/case-package.md says which). Exit code 66 says that "
       "a file is missing. Exit code 65, with one line that names the file, says that one is damaged or contradicts "
-      "case.json, or that the case has another major version.";
+      "case.json, or that the case has another major version.\n\n"
+      "With --after the recording of a session in which the tool cut is run again, and the case as it was at its end "
+      "is "
+      "written to --out, with the drilled haptic volume; then that case is checked and printed.";
   Argument folder;
   folder.name = "case";
   folder.kind = Argument::Kind::in_folder;
   folder.help = "Folder of the case.";
   folder.positional = folder.required = true;
-  c.arguments = {folder};
+  Argument after = argument("after", Argument::Kind::in_file,
+                            "A recording in which the tool cut: write the case as it was at its end to --out.");
+  Argument out = argument("out", Argument::Kind::out_folder, "Folder of the case that --after writes.");
+  c.arguments = {folder, after, out};
   c.groups = {ParameterGroup::of<CheckParams>("Parameters")};
-  c.examples = {"trephine-sim check library/sample", "trephine-sim check library/sample --json"};
+  c.examples = {"trephine-sim check library/sample", "trephine-sim check library/sample --json",
+                "trephine-sim check library/sample --after hole.servo --out library/sample-drilled"};
   c.run = [](const ParsedCommand& parsed) {
     const auto begin = std::chrono::steady_clock::now();
-    const LoadedCase loaded = load_case(parsed.path("case"));
+    if (parsed.has("after") != parsed.has("out"))
+      throw Error(ExitCode::usage, "", "--after, --out", "are given together or not at all");
+    const bool drilled = parsed.has("after");
+    if (drilled) write_drilled_case(parsed.path("case"), parsed.path("after"), parsed.path("out"));
+    const LoadedCase loaded = load_case(parsed.path(drilled ? "out" : "case"));
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (parsed.params<CheckParams>().json)
       print_json(loaded, seconds);

@@ -41,33 +41,6 @@ void print(const char* what, const ForceFigures& f) {
       f.sigma_n_per_s, f.mean_force_n, f.most_force_n, f.mean_lag_mm, f.most_lag_mm);
 }
 
-/// The case as it was felt. Throws 65 where it is another.
-FeltCase felt_again(const std::filesystem::path& folder, const std::string& file, const RecordingHeader& h) {
-  const auto refuse = [&](const char* field, const std::string& what) {
-    throw Error(ExitCode::bad_input, file, field, what);
-  };
-  try {
-    FeltCase felt(folder, h.felt_shape);
-    const RecordingHeader now = felt.header();
-    if (now.haptic_sha256 != h.haptic_sha256)
-      refuse("haptic_sha256", "the recording is of another haptic volume (case " + h.case_token + ")");
-    if (!h.feel_sha256.empty() && now.feel_sha256 != h.feel_sha256)
-      refuse("feel_sha256", "the case's materials are not those of the recording");
-    return felt;
-  } catch (const Error& e) {
-    if (e.code() == ExitCode::usage) refuse("felt_shape", h.felt_shape + ", which the case does not have");
-    throw;
-  }
-}
-
-Tool tool_again(const std::string& file, const ToolParams& params) {
-  try {
-    return make_tool(params);
-  } catch (const Error& e) {
-    throw Error(ExitCode::bad_input, file, e.field(), e.what());
-  }
-}
-
 ExitCode run_replay(const ParsedCommand& parsed) {
   const Recording recording = read_recording(parsed.path("recording"));
   const RecordingHeader& h = recording.header;
@@ -80,9 +53,10 @@ ExitCode run_replay(const ParsedCommand& parsed) {
   const bool other = contact_params.walk != h.contact.walk || contact_params.surface != h.contact.surface ||
                      contact_params.step_ratio != h.contact.step_ratio;
 
-  const ContactVolume contact(felt.loaded.haptic, contact_params);
+  ContactVolume contact(felt.loaded.haptic, contact_params);
   Proxy proxy(contact, felt.feels, h.force, h.shaft, tool_again(parsed.text("recording"), h.tool));
-  const std::vector<ServoFrame> replayed = replay_frames(recording.frames, h.rate_hz, proxy);
+  const std::unique_ptr<Drilling> drilling = felt.drilling_of(h, contact);
+  const std::vector<ServoFrame> replayed = replay_frames(recording.frames, h.rate_hz, proxy, drilling.get());
   std::size_t different = 0, first = 0;
   for (std::size_t n = 0; n < replayed.size(); ++n)
     if (!same_frame(replayed[n], recording.frames[n]) && different++ == 0) first = n;
@@ -104,6 +78,12 @@ ExitCode run_replay(const ParsedCommand& parsed) {
   if (different > 0)
     throw Error(ExitCode::quality, parsed.text("recording"), "frames",
                 fmt::format("{} of {} differ when replayed, the first is {}", different, replayed.size(), first));
+  if (h.outcome && drilling) {
+    const RecordingHeader::Outcome again = outcome_of(felt.loaded.haptic, drilling->outcome());
+    if (again.volume_sha256 != h.outcome->volume_sha256)
+      throw Error(ExitCode::quality, parsed.text("recording"), "volume_sha256", "the volume differs when replayed");
+    std::cout << "the drilled volume is the same\n";
+  }
   std::cout << "replayed bit for bit\n";
   return ExitCode::ok;
 }

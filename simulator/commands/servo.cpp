@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -36,34 +37,61 @@ Json times_of(const Histogram& h) {
           {"max_us", us(h.max_ns())}};
 }
 
+// By the shapes of the case that were touched.
+std::map<std::string, double> most_forces(const SessionResult& r) {
+  std::map<std::string, double> out;
+  for (const auto& [number, name] : r.shapes)
+    if (const double force = r.drilled->most_force_n[std::size_t(number)]; force > 0) out[name] = force;
+  return out;
+}
+
+Json drilled_json(const SessionResult& r) {
+  const DrillingOutcome& d = *r.drilled;
+  Json j = {{"seconds", d.drilled_s},
+            {"stalled_s", d.stalled_s},
+            {"energy_j", d.energy_j},
+            {"incisions", d.incisions},
+            {"removed_mm3", r.outcome->removed_mm3},
+            {"most_force_n", most_forces(r)},
+            {"breached", d.breached},
+            {"volume_sha256", r.outcome->volume_sha256}};
+  if (d.breached) {
+    j["breach_time_s"] = d.breach_time_s;
+    j["breach_mm"] = {d.breach_mm.x, d.breach_mm.y, d.breach_mm.z};
+  }
+  return j;
+}
+
 Json json_of(const SessionResult& r) {
   const ServoStatistics& s = r.statistics;
   Json counts = Json::object();
   for (const auto& [name, count] : r.device_counts) counts[name] = count;
   Json events = Json::object();
   for (int n = 0; n < haptic_event::count; ++n) events[haptic_event::names[n]] = s.events[n];
-  return {{"case", r.header.case_token},
-          {"shape", r.header.felt_shape},
-          {"tool", r.header.tool.tool},
-          {"walk", choice_name(r.header.contact, "walk")},
-          {"surface", choice_name(r.header.contact, "surface")},
-          {"rate_hz", r.header.rate_hz},
-          {"device", r.header.device},
-          {"device_counts", counts},
-          {"fifo", r.grant.fifo},
-          {"memory_locked", r.grant.locked},
-          {"ticks", s.ticks},
-          {"overruns", s.overruns},
-          {"frames_lost", r.frames_lost},
-          {"faults", s.faults},
-          {"fault_names", fault_names(s.faults)},
-          {"touching_ratio", s.ticks > 0 ? double(s.touching) / double(s.ticks) : 0},
-          {"events", events},
-          {"most_force_n", s.most_force_n},
-          {"most_force_step_n", s.most_force_step_n},
-          {"cpu_mean_us", std::round(1000 * r.cpu_us_a_tick()) / 1000},
-          {"tick", times_of(s.busy)},
-          {"late", times_of(s.late)}};
+  Json out = {{"case", r.header.case_token},
+              {"shape", r.header.felt_shape},
+              {"tool", r.header.tool.tool},
+              {"walk", choice_name(r.header.contact, "walk")},
+              {"surface", choice_name(r.header.contact, "surface")},
+              {"rate_hz", r.header.rate_hz},
+              {"device", r.header.device},
+              {"device_counts", counts},
+              {"fifo", r.grant.fifo},
+              {"memory_locked", r.grant.locked},
+              {"ticks", s.ticks},
+              {"overruns", s.overruns},
+              {"frames_lost", r.frames_lost},
+              {"faults", s.faults},
+              {"fault_names", fault_names(s.faults)},
+              {"touching_ratio", s.ticks > 0 ? double(s.touching) / double(s.ticks) : 0},
+              {"events", events},
+              {"most_force_n", s.most_force_n},
+              {"most_force_step_n", s.most_force_step_n},
+              {"cpu_mean_us", std::round(1000 * r.cpu_us_a_tick()) / 1000},
+              {"tick", times_of(s.busy)},
+              {"late", times_of(s.late)}};
+  if (r.drilled) out["drilled"] = drilled_json(r);
+  return out;
 }
 
 std::string grant_text(const ServoParams& params, const RealtimeGrant& g) {
@@ -103,6 +131,22 @@ void print_times(const char* what, const Histogram& h) {
                            h.quantile_ns(0.999) / 1e3, h.max_ns() / 1e3);
 }
 
+void print_drilled(const SessionResult& r) {
+  const DrillingOutcome& d = *r.drilled;
+  std::string removed;
+  for (const auto& [name, mm3] : r.outcome->removed_mm3)
+    removed += fmt::format("{}{} {:.1f} mm3", removed.empty() ? "" : ", ", name, mm3);
+  std::cout << fmt::format("drilled for {:.2f} s, {:.1f} J, stalled {:.2f} s, {} incisions; removed {}\n", d.drilled_s,
+                           d.energy_j, d.stalled_s, d.incisions, removed.empty() ? "nothing" : removed);
+  if (d.breached)
+    std::cout << fmt::format("through at {:.3f} s, at {:.2f}, {:.2f}, {:.2f} mm\n", d.breach_time_s, d.breach_mm.x,
+                             d.breach_mm.y, d.breach_mm.z);
+  std::string forces;
+  for (const auto& [name, force] : most_forces(r))
+    forces += fmt::format("{}{} {:.2f} N", forces.empty() ? "" : ", ", name, force);
+  std::cout << "largest force while touching: " << (forces.empty() ? "none" : forces) << "\n";
+}
+
 void print_result(const SessionResult& r, bool paced) {
   const ServoStatistics& s = r.statistics;
   const double touching = s.ticks > 0 ? 100.0 * double(s.touching) / double(s.ticks) : 0;
@@ -116,6 +160,7 @@ void print_result(const SessionResult& r, bool paced) {
   std::cout << fmt::format("CPU time   mean {:.2f} us a tick{}\n", r.cpu_us_a_tick(), paced ? ", with its sleep" : "");
   print_times("tick time", s.busy);
   if (paced) print_times("woken late", s.late);
+  if (r.drilled) print_drilled(r);
   if (r.frames_lost > 0) std::cout << fmt::format("{} frames were not recorded: the disk is too slow\n", r.frames_lost);
   for (const auto& [name, count] : r.device_counts)
     counts += fmt::format("{} {} {}", counts.empty() ? "" : ",", count, name);
@@ -138,12 +183,15 @@ SessionOptions options_of(const ParsedCommand& parsed) {
   for (const DeviceType& type : device_types())
     for (const Argument& file : type.files)
       if (parsed.has(file.name)) o.device.files[file.name] = parsed.path(file.name);
+  o.workspace = parsed.params<WorkspaceParams>();
   o.seconds = parsed.params<RunParams>().seconds;
   o.servo = parsed.params<ServoParams>();
   o.contact = parsed.params<ContactParams>();
   o.force = parsed.params<ForceParams>();
   o.tool = parsed.params<ToolParams>();
   o.shaft = parsed.params<ShaftParams>();
+  o.drilling = parsed.params<DrillingParams>();
+  o.law = parsed.params<DrillParams>();
   o.record = parsed.path("record");
   return o;
 }
@@ -198,10 +246,15 @@ std::vector<Argument> servo_arguments() {
 }
 
 std::vector<ParameterGroup> servo_groups() {
-  std::vector<ParameterGroup> all = {
-      ParameterGroup::of<RunParams>("Parameters"),  ParameterGroup::of<ServoParams>("Servo loop"),
-      ParameterGroup::of<ContactParams>("Contact"), ParameterGroup::of<ForceParams>("Force"),
-      ParameterGroup::of<ToolParams>("Tool"),       ParameterGroup::of<ShaftParams>("Its shaft")};
+  std::vector<ParameterGroup> all = {ParameterGroup::of<RunParams>("Parameters"),
+                                     ParameterGroup::of<ServoParams>("Servo loop"),
+                                     ParameterGroup::of<ContactParams>("Contact"),
+                                     ParameterGroup::of<ForceParams>("Force"),
+                                     ParameterGroup::of<ToolParams>("Tool"),
+                                     ParameterGroup::of<ShaftParams>("Its shaft"),
+                                     ParameterGroup::of<DrillingParams>("Drilling"),
+                                     ParameterGroup::of<DrillParams>("The law of removal"),
+                                     ParameterGroup::of<WorkspaceParams>("The device's workspace")};
   for (const DeviceType& type : device_types()) all.insert(all.end(), type.groups.begin(), type.groups.end());
   return all;
 }
@@ -210,7 +263,9 @@ std::vector<std::string> servo_examples() {
   std::vector<std::string> all = {
       "trephine-sim servo library/sample --seconds 5",
       "trephine-sim servo library/sample --shape skull --device hand --seconds 5 --record skull.servo",
-      "trephine-sim servo library/sample --tool burr --seconds 5"};
+      "trephine-sim servo library/sample --tool burr --seconds 5",
+      "trephine-sim servo library/sample --tool ball --tool-diameter-mm 7 --drill --no-paced --seconds 60 --record "
+      "hole.servo"};
   for (const DeviceType& type : device_types())
     if (!type.example.empty()) all.push_back("trephine-sim servo library/sample " + type.example);
   return all;

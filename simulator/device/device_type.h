@@ -35,7 +35,10 @@ struct DeviceScene {
   TouchableFaces faces;
   bool paced = true, realtime = false;  ///< as in ServoParams
   std::function<void(const std::string& line)> say;
-  Progress progress;  ///< ends a wait
+  Progress progress;          ///< ends a wait
+  std::uint64_t drilled = 0;  ///< the shapes that the tool drills, bit n for shape n; 0: it does not
+  double tool_radius_mm = 0;
+  std::vector<std::pair<std::string, Vec3>> sites;  ///< the case's landmarks and burr holes, mm
 };
 
 /// A kind of device, declared once. The values of --device, the help, the reference pages and the completion come from

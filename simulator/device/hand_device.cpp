@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/error.h"
 #include "device/device_type.h"
 #include "device/hand_path.h"
 #include "device/simulated_hand.h"
@@ -8,9 +9,16 @@ namespace {
 
 std::unique_ptr<Device> make_hand(const DeviceChoice& choice, const DeviceScene& scene) {
   const auto task = choice.of<HandPathParams>();
-  HandPath path = path_over(scene.contact, scene.faces, task);
+  const bool drills = task.hand_task == HandPathParams::Task::drill ||
+                      (task.hand_task == HandPathParams::Task::own && scene.drilled != 0);
+  if (drills && scene.drilled == 0)
+    throw Error(ExitCode::usage, "", "--hand-task", "drill needs --drill, and a shape that can be drilled");
+  HandPath path = drills ? drill_path(scene.contact, scene.drilled, scene.sites, scene.tool_radius_mm, task)
+                         : path_over(scene.contact, scene.faces, task);
   auto hand = std::make_unique<SimulatedHand>(choice.of<HandParams>(), std::move(path.points_mm), path.loop_from);
-  hand->axis = normalized(Vec3{task.from[0], task.from[1], task.from[2]});
+  hand->axis = path.axis;
+  hand->drills = drills;
+  if (drills) hand->feed_force_n = task.feed_force_n;
   return hand;
 }
 
@@ -19,7 +27,9 @@ std::unique_ptr<Device> make_hand(const DeviceChoice& choice, const DeviceScene&
 DeviceType hand_device() {
   DeviceType type;
   type.name = "hand";
-  type.help = "a simulated hand, which presses on the first surface that it meets and moves over it in a circle";
+  type.help =
+      "a simulated hand, which presses on the first surface that it meets and moves over it in a circle, or drills a "
+      "hole";
   type.groups = {ParameterGroup::of<HandParams>("Simulated hand"),
                  ParameterGroup::of<HandPathParams>("The hand's task")};
   type.make = make_hand;

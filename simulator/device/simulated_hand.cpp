@@ -21,9 +21,9 @@ SimulatedHand::SimulatedHand(const HandParams& params, std::vector<Vec3> path_mm
 }
 
 // The path at that time, and the tremor.
-Vec3 SimulatedHand::aim(double time_s) const {
+Vec3 SimulatedHand::aim(double path_s, double time_s) const {
   const double end = length_mm_.back(), loop = end - loop_begin_mm_;
-  double at = std::max(0.0, time_s) * params_.speed_mm_per_s;
+  double at = std::max(0.0, path_s) * params_.speed_mm_per_s;
   if (at > end) at = loop > 0 ? loop_begin_mm_ + std::fmod(at - loop_begin_mm_, loop) : end;
   const auto after = std::upper_bound(length_mm_.begin(), length_mm_.end(), at);
   Vec3 p = path_mm_.back();
@@ -50,7 +50,9 @@ bool SimulatedHand::read(double dt_s, DeviceReading& out) {
     const int steps = std::max(32, int(std::ceil(part / most_step_s)));
     const double h = part / steps;
     time_s_ += part;
-    const Vec3 to = aim(time_s_ - params_.delay_s);
+    const double pull = norm(aim(path_s_ - params_.delay_s, time_s_ - params_.delay_s) - position_mm_);
+    if (!(feed_force_n > 0) || pull * params_.arm_stiffness_n_per_mm <= feed_force_n) path_s_ += part;
+    const Vec3 to = aim(path_s_ - params_.delay_s, time_s_ - params_.delay_s);
     for (int n = 0; n < steps; ++n) {
       force_age_s_ += h;
       const double share = force_age_s_ <= hold.hold_s ? 1 : hold.share(force_age_s_);
@@ -63,6 +65,7 @@ bool SimulatedHand::read(double dt_s, DeviceReading& out) {
   out = {};
   out.tip_mm = position_mm_;
   out.axis = axis;
+  if (drills) out.buttons = time_s_ < 0.02 ? 2 : 1;
   return is_finite(position_mm_);
 }
 

@@ -37,17 +37,19 @@ class SimulatedHand : public Device {
   bool read(double dt_s, DeviceReading& out) override;
   void send(Vec3 force_n) override;
 
-  ForceHold hold;      ///< what it does while no force is sent
-  Vec3 axis{0, 0, 1};  ///< of the tool that it holds and does not turn
+  ForceHold hold;           ///< what it does while no force is sent
+  Vec3 axis{0, 0, 1};       ///< of the tool that it holds and does not turn
+  bool drills = false;      ///< it marks an incision at the start, then holds the pedal down
+  double feed_force_n = 0;  ///< while the arm pulls more than that it waits on its path; 0: never
 
  private:
-  Vec3 aim(double time_s) const;
+  Vec3 aim(double path_s, double time_s) const;
   HandParams params_;
   std::vector<Vec3> path_mm_;
   std::vector<double> length_mm_;  ///< from the path's begin to each point
   double loop_begin_mm_ = 0;
   Vec3 position_mm_, velocity_, force_n_;
-  double time_s_ = 0, force_age_s_ = 0;
+  double time_s_ = 0, path_s_ = 0, force_age_s_ = 0;
 };
 
 }  // namespace trephine

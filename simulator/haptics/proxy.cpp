@@ -30,6 +30,7 @@ Proxy::Proxy(const ContactVolume& contact, const Feels& feels, const ForceParams
              const Tool& tool)
     : contact_(contact), feels_(feels), force_(force), shaft_(shaft), faces_(touchable_of(feels)), tool_(tool) {
   if (!tool.points_mm.empty()) body_.emplace(contact, tool.points_mm);
+  if (tool.ball_radius_mm > 0) ball_.emplace(contact, tool.ball_radius_mm);
   if (!(shaft_.shaft_length_mm > 0)) shaft_.shaft_length_mm = tool.length_mm;
   const Vec3 s = contact.volume().voxels.spacing_mm;
   margin_mm_ = 1e-3 * contact.smallest_side_mm();
@@ -51,14 +52,16 @@ void Proxy::reset() {
   next_exit_ = -1;
 }
 
-const HapticState& Proxy::update(const HapticInput& in) {
+const HapticState& Proxy::update(const HapticInput& given) {
+  HapticInput in = given;
   state_.events = 0;
-  if (!usable(in.tip_mm) || !usable(in.axis)) latch(haptic_fault::pose);
+  if (!usable(in.tip_mm) || !usable(in.axis) || !usable(in.extra_n)) latch(haptic_fault::pose);
   if (!(in.dt_s > 0 && in.dt_s <= 1)) latch(haptic_fault::time_step);
   if (state_.faults != 0) {
     state_.force_n = {};
     return state_;
   }
+  if (ball_) in.axis = in.axis == Vec3{} ? state_.axis : normalized(in.axis);
   if (!begun_) begin(in);
   if (!begun_) return state_;  // a tool that is still looking for its way out
   const HapticState before = state_;
@@ -68,8 +71,13 @@ const HapticState& Proxy::update(const HapticInput& in) {
   device_mm_ = in.tip_mm;
   since_s_ += in.dt_s;
   since_slid_s_ += in.dt_s;
+  Vec3 pressed_mm = in.tip_mm;  // what the planes are for
   if (body_) {
     follow_tool(in);
+  } else if (ball_) {
+    follow_ball(in);
+    pressed_mm += in.axis * ball_->radius_mm();
+    state_.proxy_mm = ball_mm_;
   } else {
     state_.axis = in.axis;
     follow(in.tip_mm);
@@ -80,7 +88,9 @@ const HapticState& Proxy::update(const HapticInput& in) {
     }
   }
 
-  Vec3 force = surface_force(in.tip_mm) + inside_force(in);
+  Vec3 force = surface_force(pressed_mm);
+  if (ball_) state_.proxy_mm = ball_mm_ - in.axis * ball_->radius_mm();
+  force += inside_force(in) + in.extra_n;
   if (since_s_ < force_.ramp_s) force = force * (since_s_ / force_.ramp_s);
   const double size = norm(force);
   if (!(size <= force_.max_force_n)) {
@@ -115,6 +125,7 @@ void Proxy::begin(const HapticInput& in) {
   since_s_ = drawn_mm_ = 0;
   std::fill(sample_shape_, sample_shape_ + max_samples, std::uint8_t{0});
   if (body_) return begin_tool(in);
+  if (ball_) return begin_ball(in);
   const CaseFace& front = feels_[std::size_t(state_.inside)].front;
   if (state_.inside == 0 || !front.touchable || front.pop_through_n > 0) return;
   double nearest = farthest_exit_mm;

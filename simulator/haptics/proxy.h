@@ -6,6 +6,7 @@
 
 #include "base/vec3.h"
 #include "contact/contact.h"
+#include "haptics/ball_body.h"
 #include "haptics/constraints.h"
 #include "haptics/feel.h"
 #include "haptics/tool.h"
@@ -17,6 +18,7 @@ namespace trephine {
 struct HapticInput {
   Vec3 tip_mm;
   Vec3 axis{0, 0, 1};  ///< unit, from the tool's tip to its tail
+  Vec3 extra_n;        ///< force of what the tool does, such as drilling; limited with the others
   std::uint32_t buttons = 0;
   double dt_s = 0.001;  ///< since the previous frame
   double period_s = 0;  ///< the loop's own; 0: dt_s. A longer dt_s is a stall, in which the device let its force decay
@@ -67,6 +69,9 @@ struct HapticState {
 /// The force changes by at most max_force_rate_n_per_s times the loop's period a frame, however long the frame was.
 /// After a stall it starts from what the device still holds (ForceHold).
 ///
+/// A ball (Tool::ball_radius_mm) is exactly round: the proxy holds its centre off all surfaces by its radius
+/// (BallBody).
+///
 /// update() does not allocate, lock or throw and makes no system call; equal inputs give equal bits.
 class Proxy {
  public:
@@ -76,7 +81,7 @@ class Proxy {
 
   /// A pose, axis or time step that is not finite, or a step that is not in (0, 1] s, is a fault: the force is exactly
   /// 0 from then on, until reset().
-  const HapticState& update(const HapticInput& in);
+  const HapticState& update(const HapticInput& given);
   /// Latches a fault from outside, such as a lost device.
   void latch(std::uint32_t fault);
   /// Starts again: the next update places the proxy, and forces rise from 0.
@@ -121,6 +126,12 @@ class Proxy {
   void open_behind();
   TouchableFaces closed_faces() const;
 
+  // The functions of proxy_ball.cpp: the same for a ball.
+  void begin_ball(const HapticInput& in);
+  void follow_ball(const HapticInput& in);
+  BallBody::Touch move_ball(Vec3 goal_mm);
+  bool meet_ball(const BallBody::Touch& touch, Vec3 device_mm, Vec3& goal_mm);
+
   static constexpr double same_surface =
       0.8;  // cosine between normals of one curved surface, not of two that meet in an edge
   static constexpr double nearest_exit_mm = 0.1, farthest_exit_mm = 60;
@@ -154,6 +165,8 @@ class Proxy {
 
   Tool tool_;
   std::optional<ToolBody> body_;
+  std::optional<BallBody> ball_;
+  Vec3 ball_mm_;  // its centre
   TouchableFaces open_{0, 0},
       crossed_{0, 0};  // faces that were popped through, and those of them found along the axis in this round
   double exit_mm_ = nearest_exit_mm;  // the distance and direction to be examined next; -1: along the axis

@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 
 // 8 bytes, then the version and the header's length, 4 bytes each; the header's JSON, filled up with blanks.
 constexpr char magic[9] = "TREPHSRV";
-constexpr std::size_t fixed_bytes = 16, header_bytes = 4096;
+constexpr std::size_t fixed_bytes = 16, header_bytes = 8192;
 
 template <class P>
 Json to_json(const P& params) {
@@ -55,9 +55,21 @@ std::string header_text(const RecordingHeader& h, std::optional<std::uint64_t> f
             {"force", to_json(h.force)},
             {"shaft", to_json(h.shaft)},
             {"tool", to_json(h.tool)}};
+  if (h.drilling.drill) {
+    j["drilling"] = to_json(h.drilling);
+    j["law"] = to_json(h.law);
+  }
+  if (h.outcome) {
+    const RecordingHeader::Outcome& o = *h.outcome;
+    j["outcome"] = {{"volume_sha256", o.volume_sha256}, {"removed_mm3", o.removed_mm3}, {"breached", o.breached}};
+    if (o.breached) {
+      j["outcome"]["breach_time_s"] = o.breach_time_s;
+      j["outcome"]["breach_mm"] = {o.breach_mm.x, o.breach_mm.y, o.breach_mm.z};
+    }
+  }
   if (frames) j["frames"] = *frames;
   std::string text = j.dump(1);
-  const std::size_t left_for_frames = frames ? 0 : 40;  // which are known only when all is recorded
+  const std::size_t left_for_frames = frames ? 0 : 2400;  // with the outcome, known only when all is recorded
   if (text.size() + left_for_frames + 1 > header_bytes) throw Error(ExitCode::internal, "", "header", "is too long");
   text.resize(header_bytes - 1, ' ');
   return text + "\n";
@@ -73,6 +85,19 @@ std::uint32_t get_u32(const char* in) {
 }
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
+
+RecordingHeader::Outcome read_outcome(const Json& j) {
+  RecordingHeader::Outcome o;
+  o.volume_sha256 = j.at("volume_sha256").get<std::string>();
+  o.removed_mm3 = j.at("removed_mm3").get<std::map<std::string, double>>();
+  o.breached = j.at("breached").get<bool>();
+  if (o.breached) {
+    o.breach_time_s = j.at("breach_time_s").get<double>();
+    const auto at = j.at("breach_mm").get<std::array<double, 3>>();
+    o.breach_mm = {at[0], at[1], at[2]};
+  }
+  return o;
+}
 
 }  // namespace
 
@@ -97,7 +122,8 @@ void RecordingWriter::add(const std::vector<ServoFrame>& frames) {
   impl_->out.write(frames.data(), frames.size() * sizeof(ServoFrame));
   impl_->frames += frames.size();
 }
-void RecordingWriter::finish() {
+void RecordingWriter::finish(const std::optional<RecordingHeader::Outcome>& outcome) {
+  impl_->header.outcome = outcome;
   impl_->out.overwrite(fixed_bytes, header_text(impl_->header, impl_->frames));
   impl_->out.commit();
 }
@@ -110,8 +136,9 @@ Recording read_recording(const std::filesystem::path& file) {
     };
     if (bytes.size() < fixed_bytes || std::memcmp(bytes.data(), magic, 8) != 0) refuse("", "is no recording");
     const std::uint32_t version = get_u32(bytes.data() + 8), length = get_u32(bytes.data() + 12);
-    if (version != recording_version)
-      refuse("version", std::to_string(version) + ", this program reads " + std::to_string(recording_version));
+    if (version < oldest_recording_version || version > recording_version)
+      refuse("version", std::to_string(version) + ", this program reads " + std::to_string(oldest_recording_version) +
+                            " to " + std::to_string(recording_version));
     if (length > bytes.size() - fixed_bytes || length > (1u << 20)) refuse("header", "is cut short");
     Recording r;
     std::optional<std::uint64_t> frames;
@@ -130,6 +157,11 @@ Recording read_recording(const std::filesystem::path& file) {
       from_json(j.at("force"), h.force);
       from_json(j.at("shaft"), h.shaft);
       if (j.contains("tool")) from_json(j.at("tool"), h.tool);
+      if (j.contains("drilling")) {
+        from_json(j.at("drilling"), h.drilling);
+        from_json(j.at("law"), h.law);
+      }
+      if (j.contains("outcome")) h.outcome = read_outcome(j.at("outcome"));
       if (j.contains("frames")) frames = j.at("frames").get<std::uint64_t>();
     } catch (const Json::parse_error&) {
       refuse("header", "is no JSON");
@@ -171,6 +203,23 @@ std::string feel_digest(const Feels& feels) {
     add(f.shaft_friction_n_per_mm);
   }
   return sha256_of_bytes(text);
+}
+
+std::string volume_digest(const HapticVolume& volume) {
+  const std::vector<std::int16_t>& v = volume.voxels.voxels;
+  return sha256_of_bytes({reinterpret_cast<const char*>(v.data()), v.size() * sizeof v[0]});
+}
+
+RecordingHeader::Outcome outcome_of(const HapticVolume& volume, const DrillingOutcome& outcome) {
+  RecordingHeader::Outcome o;
+  o.volume_sha256 = volume_digest(volume);
+  for (const HapticShape& s : volume.shapes)
+    if (const std::int64_t units = outcome.units[std::size_t(s.number)]; units > 0)
+      o.removed_mm3[s.name] = double(units) / haptic_full * volume.voxels.voxel_volume_mm3();
+  o.breached = outcome.breached;
+  o.breach_time_s = outcome.breach_time_s;
+  o.breach_mm = outcome.breach_mm;
+  return o;
 }
 
 ForceWindow force_window(const std::vector<ServoFrame>& frames, double settle_s) {
@@ -218,7 +267,8 @@ ForceFigures force_figures(const std::vector<ServoFrame>& frames, const ForceWin
   return f;
 }
 
-std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, Proxy& proxy) {
+std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, Proxy& proxy,
+                                      Drilling* drilling) {
   std::vector<ServoFrame> out = recorded;
   for (ServoFrame& f : out) {
     HapticInput in;
@@ -227,8 +277,10 @@ std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, d
     in.buttons = f.buttons;
     in.dt_s = f.dt_s;
     in.period_s = 1 / rate_hz;
+    if (drilling) in.extra_n = drilling->force_n();
     if (f.faults & haptic_fault::device_lost) proxy.latch(haptic_fault::device_lost);
     const HapticState& s = proxy.update(in);
+    if (drilling) drilling->tick(in, s);
     for (int a = 0; a < 3; ++a) {
       f.proxy_mm[a] = s.proxy_mm[a];
       f.normal[a] = s.normal[a];

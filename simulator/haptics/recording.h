@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "haptics/drilling.h"
 #include "haptics/frame.h"
 #include "haptics/proxy.h"
 
 namespace trephine {
 
-constexpr int recording_version = 1;
+constexpr int recording_version = 2, oldest_recording_version = 1;
 
 /// The header of a recording: everything besides the case that its replay needs.
 struct RecordingHeader {
@@ -22,8 +25,23 @@ struct RecordingHeader {
   ContactParams contact;
   ForceParams force;
   ShaftParams shaft;
-  ToolParams tool;  ///< as own_tool() gives it; recordings made before tools existed are of a point
+  ToolParams tool;          ///< as own_tool() gives it; recordings made before tools existed are of a point
+  DrillingParams drilling;  ///< since version 2; before, no tool cut
+  DrillParams law;
+  /// What was cut, where the tool cut; not in a recording that was not finished.
+  struct Outcome {
+    std::string volume_sha256;  ///< of the voxels at the end
+    std::map<std::string, double> removed_mm3;
+    bool breached = false;
+    double breach_time_s = 0;
+    Vec3 breach_mm;
+  };
+  std::optional<Outcome> outcome;
 };
+
+/// SHA-256 of a volume's raw voxels, little endian.
+std::string volume_digest(const HapticVolume& volume);
+RecordingHeader::Outcome outcome_of(const HapticVolume& volume, const DrillingOutcome& outcome);
 
 /// Writes through FileWriter: the file exists after finish(), or not at all. Throws Error 73 and 74.
 class RecordingWriter {
@@ -31,7 +49,7 @@ class RecordingWriter {
   RecordingWriter(const std::filesystem::path& file, const RecordingHeader& header);
   ~RecordingWriter();
   void add(const std::vector<ServoFrame>& frames);
-  void finish();
+  void finish(const std::optional<RecordingHeader::Outcome>& outcome = {});
 
  private:
   struct Impl;
@@ -71,8 +89,10 @@ ForceWindow force_window(const std::vector<ServoFrame>& frames, double settle_s 
 /// The figures of the window; all are zero where it is empty.
 ForceFigures force_figures(const std::vector<ServoFrame>& frames, const ForceWindow& window);
 
-/// Runs the recording's poses, buttons, steps and lost device through the proxy. The returned frames hold its answers.
-std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, Proxy& proxy);
+/// Runs the recording's poses, buttons, steps and lost device through the proxy, and where it is given the drilling.
+/// The returned frames hold their answers.
+std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, Proxy& proxy,
+                                      Drilling* drilling = nullptr);
 
 /// Whether two frames are equal bit for bit, except for their lateness.
 bool same_frame(const ServoFrame& a, const ServoFrame& b);

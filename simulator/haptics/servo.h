@@ -7,6 +7,7 @@
 
 #include "base/params.h"
 #include "device/device.h"
+#include "haptics/drilling.h"
 #include "haptics/frame.h"
 #include "haptics/histogram.h"
 #include "haptics/proxy.h"
@@ -65,11 +66,12 @@ struct ServoStatistics {
 /// takes the elapsed time, in whole periods, as its step, and skips the ticks that it missed. A lost device latches a
 /// fault: from then on the force is zero.
 ///
-/// `queue` may be null. The statistics may be read after the loop has returned.
+/// Where `drilling` is given, the tool cuts after its force was sent. `queue` may be null. The statistics may be read
+/// after the loop has returned.
 class Servo {
  public:
-  Servo(Proxy& proxy, Device& device, const ServoParams& params, FrameQueue* queue)
-      : proxy_(proxy), device_(device), params_(params), queue_(queue) {}
+  Servo(Proxy& proxy, Device& device, const ServoParams& params, FrameQueue* queue, Drilling* drilling = nullptr)
+      : proxy_(proxy), device_(device), params_(params), queue_(queue), drilling_(drilling) {}
   void run(std::uint64_t ticks, const std::atomic<bool>& stop);
   const ServoStatistics& statistics() const { return statistics_; }
   /// Ticks done and faults latched so far, for another thread to show.
@@ -82,6 +84,7 @@ class Servo {
   Device& device_;
   ServoParams params_;
   FrameQueue* queue_;
+  Drilling* drilling_;
   ServoStatistics statistics_;
   ServoFrame frame_;
   Vec3 last_force_n_;

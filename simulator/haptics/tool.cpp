@@ -52,6 +52,11 @@ Tool make_tool(const ToolParams& params) {
   tool.search = p.tool_search;
   tool.lock_distance_mm = p.lock_distance_mm;
   if (!(tool_kind(p.tool).length_mm > 0)) return tool;
+  if (tool_kind(p.tool).exact_ball) {
+    tool.ball_radius_mm = 0.5 * p.tool_diameter_mm;
+    tool.length_mm = p.tool_diameter_mm;
+    return tool;
+  }
   tool.length_mm = p.tool_length_mm;
   const double radius = 0.5 * p.tool_diameter_mm, length = p.tool_length_mm;
   const double neck = p.tool_tip == Tip::ball ? neck_ratio * radius : radius;

@@ -60,6 +60,7 @@ struct ToolKind {
   const char* help;  ///< what it is, in a few words
   ToolParams::Tip tip = ToolParams::Tip::own;
   double diameter_mm = 0, length_mm = 0, spacing_mm = 0;  ///< length 0: a point at the tip alone
+  bool exact_ball = false;                                ///< a ball without points
 };
 const std::vector<ToolKind>& all_tool_kinds();
 /// Throws Error 78 where there is no kind of that name.
@@ -73,6 +74,7 @@ ToolParams own_tool(const ToolParams& params);
 struct Tool {
   std::vector<Vec3> points_mm;  ///< none: a point at the tip alone
   double length_mm = 0;
+  double ball_radius_mm = 0;  ///< above 0: an exact ball, without points, whose foremost point is the tip
   ToolParams::Search search = ToolParams::Search::both;
   double lock_distance_mm = 3;
 };

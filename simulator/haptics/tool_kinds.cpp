@@ -12,6 +12,7 @@ const std::vector<ToolKind>& all_tool_kinds() {
       {"needle", "of 18 gauge, for the spine", Tip::cone, 1.27, 90, 2},
       {"catheter", "for a ventricle", Tip::round, 2.5, 100, 2},
       {"burr", "a ball on a thinner neck", Tip::ball, 5, 30, 1.2},
+      {"ball", "a burr's ball alone, exactly round", Tip::ball, 5, 5, 1.2, true},
       {"craniotome", "a cylinder with a flat end", Tip::flat, 2.3, 20, 1.2},
       {"jamshidi", "a needle of 11 gauge, for bone", Tip::cone, 3.05, 100, 2},
   };

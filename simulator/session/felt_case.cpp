@@ -24,6 +24,12 @@ FeltCase::FeltCase(const std::filesystem::path& folder, const std::string& shape
     }
 }
 
+std::unique_ptr<Drilling> FeltCase::drilling_of(const RecordingHeader& header, ContactVolume& contact) {
+  if (!header.drilling.drill) return nullptr;
+  return std::make_unique<Drilling>(loaded.haptic, contact, drill_shapes_of(loaded.manifest.haptic), header.drilling,
+                                    header.law, cutter_of(header.drilling, header.tool));
+}
+
 RecordingHeader FeltCase::header() const {
   RecordingHeader h;
   h.case_token = loaded.manifest.case_token;
@@ -32,6 +38,32 @@ RecordingHeader FeltCase::header() const {
   h.feel_sha256 = feel_digest(feels);
   h.felt_shape = felt_shape;
   return h;
+}
+
+FeltCase felt_again(const std::filesystem::path& folder, const std::string& file, const RecordingHeader& h) {
+  const auto refuse = [&](const char* field, const std::string& what) {
+    throw Error(ExitCode::bad_input, file, field, what);
+  };
+  try {
+    FeltCase felt(folder, h.felt_shape);
+    const RecordingHeader now = felt.header();
+    if (now.haptic_sha256 != h.haptic_sha256)
+      refuse("haptic_sha256", "the recording is of another haptic volume (case " + h.case_token + ")");
+    if (!h.feel_sha256.empty() && now.feel_sha256 != h.feel_sha256)
+      refuse("feel_sha256", "the case's materials are not those of the recording");
+    return felt;
+  } catch (const Error& e) {
+    if (e.code() == ExitCode::usage) refuse("felt_shape", h.felt_shape + ", which the case does not have");
+    throw;
+  }
+}
+
+Tool tool_again(const std::string& file, const ToolParams& params) {
+  try {
+    return make_tool(params);
+  } catch (const Error& e) {
+    throw Error(ExitCode::bad_input, file, e.field(), e.what());
+  }
 }
 
 }  // namespace trephine

@@ -44,17 +44,32 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
       stop_(stop),
       felt_(options.case_folder, options.shape),
       contact_(felt_.loaded.haptic, options.contact),
-      device_(make_device(options.device, {contact_, touchable_of(felt_.feels), options.servo.paced,
-                                           options.servo.realtime, say, Progress({}, &stop)})),
+      device_(in_workspace(make_device(options.device, scene_of(options, say)), options.workspace)),
       header_(header_of(options)),
       proxy_(contact_, felt_.feels, options.force, options.shaft, make_tool(header_.tool)),
+      drilling_(felt_.drilling_of(header_, contact_)),
       recording_(recording_of(options, header_)),
       ticks_(ticks_of(options)),
       queue_(queue_size()),
-      servo_(proxy_, *device_, options.servo, recording_ ? &queue_ : nullptr) {}
+      servo_(proxy_, *device_, options.servo, recording_ ? &queue_ : nullptr, drilling_.get()) {}
 
 Session::~Session() {
   if (thread_.joinable()) thread_.join();
+}
+
+DeviceScene Session::scene_of(const SessionOptions& options, const std::function<void(const std::string&)>& say) {
+  DeviceScene scene{
+      contact_, touchable_of(felt_.feels), options.servo.paced, options.servo.realtime, say, Progress({}, &stop_), 0, 0,
+      {}};
+  const CaseManifest& m = felt_.loaded.manifest;
+  if (!options.drilling.drill) return scene;
+  const DrillShapes shapes = drill_shapes_of(m.haptic);
+  for (std::size_t n = 1; n < shapes.size(); ++n)
+    if (shapes[n].cuttable && shapes[n].energy_j_per_mm3 > 0) scene.drilled |= std::uint64_t{1} << n;
+  scene.tool_radius_mm = 0.5 * own_tool(options.tool).tool_diameter_mm;
+  for (const CaseLandmark& l : m.landmarks) scene.sites.emplace_back(l.name, l.position_mm);
+  for (const CaseBurrHole& b : m.burr_holes) scene.sites.emplace_back(b.name, b.position_mm);
+  return scene;
 }
 
 RecordingHeader Session::header_of(const SessionOptions& options) const {
@@ -65,6 +80,8 @@ RecordingHeader Session::header_of(const SessionOptions& options) const {
   header.force = options.force;
   header.shaft = options.shaft;
   header.tool = own_tool(options.tool);
+  header.drilling = options.drilling;
+  header.law = options.law;
   return header;
 }
 
@@ -106,11 +123,17 @@ void Session::write_frames() {
 
 SessionResult Session::finish() {
   if (thread_.joinable()) thread_.join();
+  SessionResult result{header_, {}, grant_, servo_.statistics(), device_->counts(), queue_.dropped(), {}, {}, cpu_s_};
+  for (const CaseShape& s : felt_.loaded.manifest.haptic.shapes) result.shapes[s.number] = s.name;
+  if (drilling_) {
+    result.drilled = drilling_->outcome();
+    result.outcome = outcome_of(felt_.loaded.haptic, drilling_->outcome());
+  }
   if (recording_) {
     drain();
-    recording_->finish();
+    recording_->finish(result.outcome);
   }
-  return {header_, grant_, servo_.statistics(), device_->counts(), queue_.dropped(), cpu_s_};
+  return result;
 }
 
 }  // namespace trephine

@@ -3,13 +3,16 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "device/device_type.h"
+#include "device/workspace.h"
 #include "haptics/recording.h"
 #include "haptics/servo.h"
 #include "session/felt_case.h"
@@ -21,23 +24,29 @@ struct SessionOptions {
   std::filesystem::path case_folder;
   std::string shape;  ///< the only shape that is felt; empty: all of the case
   DeviceChoice device;
+  WorkspaceParams workspace;
   double seconds = 10;
   ServoParams servo;
   ContactParams contact;
   ForceParams force;
   ToolParams tool;
+  DrillingParams drilling;
+  DrillParams law;
   ShaftParams shaft;
   std::filesystem::path record;  ///< every tick is written to this file; empty: no recording
 };
 
 /// The results of a session.
 struct SessionResult {
-  RecordingHeader header;  ///< case, shape, device, and the parameters
+  RecordingHeader header;             ///< case, shape, device, and the parameters
+  std::map<int, std::string> shapes;  ///< of the case, by number
   RealtimeGrant grant;
   ServoStatistics statistics;
   std::vector<std::pair<std::string, std::uint64_t>> device_counts;
-  std::uint64_t frames_lost = 0;  ///< frames that were not recorded, because the disk was too slow
-  double cpu_s = 0;               ///< of the servo thread, including the system calls of its sleeps
+  std::uint64_t frames_lost = 0;                    ///< frames that were not recorded, because the disk was too slow
+  std::optional<DrillingOutcome> drilled;           ///< where the tool cuts
+  std::optional<RecordingHeader::Outcome> outcome;  ///< the same in mm, with the volume's hash
+  double cpu_s = 0;                                 ///< of the servo thread, including the system calls of its sleeps
   double cpu_us_a_tick() const;
 };
 
@@ -76,6 +85,7 @@ class Session {
 
  private:
   RecordingHeader header_of(const SessionOptions& options) const;
+  DeviceScene scene_of(const SessionOptions& options, const std::function<void(const std::string&)>& say);
   std::size_t queue_size() const;
   void drain();
   void run();
@@ -87,6 +97,7 @@ class Session {
   std::unique_ptr<Device> device_;
   RecordingHeader header_;
   Proxy proxy_;
+  std::unique_ptr<Drilling> drilling_;
   std::unique_ptr<RecordingWriter> recording_;
   std::uint64_t ticks_;
   FrameQueue queue_;

@@ -12,7 +12,7 @@ grep -q '^woken late mean ' "$work/text" || fail "no lateness"
 
 "${servo[@]}" --seconds 6 --no-paced --approach-mm 1 --radius-mm 10 --record "$work/a.servo" --json "$work/a.json" \
   >"$work/text"
-[[ $(stat -c %s "$work/a.servo") == $((16 + 4096 + 6000 * 176)) ]] || fail "a recording of another size"
+[[ $(stat -c %s "$work/a.servo") == $((16 + 8192 + 6000 * 176)) ]] || fail "a recording of another size"
 python3 - "$work/a.json" "$work/a.servo" <<'PY'
 import json, math, struct, sys
 said = json.load(open(sys.argv[1]))
@@ -21,7 +21,7 @@ assert said["touching_ratio"] > 0.5 and said["events"]["touch"] >= 1 and said["m
 # The documented layout, read by somebody else.
 data = open(sys.argv[2], "rb").read()
 magic, version, length = struct.unpack_from("<8sII", data)
-assert (magic, version, length) == (b"TREPHSRV", 1, 4096)
+assert (magic, version, length) == (b"TREPHSRV", 2, 8192)
 header = json.loads(data[16:16 + length])
 assert header["case"] == "sample" and header["frame_bytes"] == 176 and header["rate_hz"] == 1000, header
 frames = list(struct.iter_unpack("<Q17dI4i3I", data[16 + length:]))
@@ -88,7 +88,7 @@ python3 - "$work/tool.json" "$work/tool.servo" <<'PY'
 import json, sys
 said = json.load(open(sys.argv[1]))
 assert said["touching_ratio"] > 0.5 and said["most_force_n"] > 0.01 and said["events"]["locked"] == 0, said
-tool = json.loads(open(sys.argv[2], "rb").read()[16:16 + 4096])["tool"]
+tool = json.loads(open(sys.argv[2], "rb").read()[16:16 + 8192])["tool"]
 assert tool["tool"] == "burr" and tool["tool_tip"] == "ball" and tool["tool_spacing_mm"] == 0.8, tool
 PY
 # Materials that changed, a shape that is not there, ticks that do not ascend.
@@ -96,20 +96,20 @@ python3 - "$work/a.servo" "$work" <<'PY'
 import json, sys
 data = open(sys.argv[1], "rb").read()
 def write(name, change):
-    header = json.loads(data[16:16 + 4096])
+    header = json.loads(data[16:16 + 8192])
     change(header)
-    open(f"{sys.argv[2]}/{name}", "wb").write(data[:16] + json.dumps(header).encode().ljust(4096) + data[16 + 4096:])
+    open(f"{sys.argv[2]}/{name}", "wb").write(data[:16] + json.dumps(header).encode().ljust(8192) + data[16 + 8192:])
 write("material.servo", lambda h: h.update(feel_sha256="0" * 64))
 write("shape.servo", lambda h: h.update(felt_shape="liver"))
 write("lacks.servo", lambda h: h.pop("haptic_sha256"))
-frame = 16 + 4096 + 100 * 176
+frame = 16 + 8192 + 100 * 176
 open(f"{sys.argv[2]}/ticks.servo", "wb").write(data[:frame] + bytes(8) + data[frame + 8:])
-cut = 16 + 4096 + 1000 * 176
+cut = 16 + 8192 + 1000 * 176
 open(f"{sys.argv[2]}/cut.servo", "wb").write(data[:-500 * 176])
-header = json.loads(data[16:16 + 4096])
+header = json.loads(data[16:16 + 8192])
 assert header["frames"] == 6000, header
 header["frames"] = 5500
-open(f"{sys.argv[2]}/gap.servo", "wb").write(data[:16] + json.dumps(header).encode().ljust(4096) + data[16 + 4096:cut] + data[cut + 500 * 176:])
+open(f"{sys.argv[2]}/gap.servo", "wb").write(data[:16] + json.dumps(header).encode().ljust(8192) + data[16 + 8192:cut] + data[cut + 500 * 176:])
 write("wide.servo", lambda h: h["tool"].update(tool="catheter", tool_length_mm=400, tool_spacing_mm=0.01))
 PY
 expect 65 'wide\.servo: tool_spacing_mm: gives more than' "$TREPHINE" replay "$work/sample" "$work/wide.servo"
@@ -120,13 +120,19 @@ expect 65 'header: lacks a field' "$TREPHINE" replay "$work/sample" "$work/lacks
 expect 65 'frames: tick and time_s of frame 100 must be above' "$TREPHINE" replay "$work/sample" "$work/ticks.servo"
 expect 80 'differ when replayed' "$TREPHINE" replay "$work/sample" "$work/gap.servo"
 grep -q '^500 frames are missing' "$work/stdout" || fail "does not say that frames are missing"
+# A recording of version 1, which knew no drilling, is read; one of a later version is not.
+cp "$work/a.servo" "$work/v1.servo"
+printf '\x01' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
+"$TREPHINE" replay "$work/sample" "$work/v1.servo" | grep -q '^replayed bit for bit$' || fail "version 1 is not read"
+printf '\x03' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
+expect 65 'version: 3, this program reads 1 to 2' "$TREPHINE" replay "$work/sample" "$work/v1.servo"
 # A recording of before there were tools is of a point.
 python3 - "$work/a.servo" "$work/old.servo" <<'PY'
 import json, sys
 data = open(sys.argv[1], "rb").read()
-header = json.loads(data[16:16 + 4096])
+header = json.loads(data[16:16 + 8192])
 assert header.pop("tool")["tool"] == "point" and len(header.pop("feel_sha256")) == 64 and header.pop("frames") == 6000
-open(sys.argv[2], "wb").write(data[:16] + json.dumps(header).encode().ljust(4096) + data[16 + 4096:])
+open(sys.argv[2], "wb").write(data[:16] + json.dumps(header).encode().ljust(8192) + data[16 + 8192:])
 PY
 "$TREPHINE" replay "$work/sample" "$work/old.servo" >"$work/text"
 grep -q '^replayed bit for bit$' "$work/text" || fail "an older recording is not the same"
@@ -134,7 +140,7 @@ expect 64 '[-]-tool-spacing-mm: gives more than 2048 points' "${servo[@]}" --too
 
 # One bit of one frame.
 cp "$work/a.servo" "$work/c.servo"
-printf '\x01' | dd of="$work/c.servo" bs=1 seek=$((16 + 4096 + 5000 * 176 + 130)) conv=notrunc status=none
+printf '\x01' | dd of="$work/c.servo" bs=1 seek=$((16 + 8192 + 5000 * 176 + 130)) conv=notrunc status=none
 expect 80 'c\.servo: frames: [0-9]+ of 6000 differ' "$TREPHINE" replay "$work/sample" "$work/c.servo"
 truncate -s -1 "$work/c.servo"
 expect 65 'c\.servo: frames: end within one' "$TREPHINE" replay "$work/sample" "$work/c.servo"

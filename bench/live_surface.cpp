@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// bench_live_surface [CASE]: times of the surface that follows a drill, of a case's drillable shapes or of a synthetic
+// head of 256^3 voxels of 0.8 mm: the whole surface once, and strokes of 2 s at 20 mm/s with balls of 3 to 14 mm. CPU
+// time of the thread, but for the whole surface, which is made on all threads.
+#include <time.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+
+#include "cases/load_case.h"
+#include "voxel/drill.h"
+#include "voxel/live_surface.h"
+
+using namespace trephine;
+
+namespace {
+
+double cpu_us() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return double(t.tv_sec) * 1e6 + double(t.tv_nsec) * 1e-3;
+}
+
+// A bumpy shell of bone, 8 mm thick.
+HapticVolume synthetic() {
+  HapticVolume v;
+  Lattice l;
+  l.size = {256, 256, 256};
+  l.spacing_mm = {0.8, 0.8, 0.8};
+  v.voxels = Grid<std::int16_t>(l, haptic_empty);
+  v.shapes = {occupancy_shape("bone", 1)};
+  for (int k = 0; k < 256; ++k)
+    for (int j = 0; j < 256; ++j)
+      for (int i = 0; i < 256; ++i) {
+        const Vec3 p = Vec3{i - 127.5, j - 127.5, k - 127.5} * 0.8;
+        const double r = norm(p) + 1.5 * std::sin(0.3 * p.x) + std::cos(0.5 * p.y + 0.2 * p.z);
+        const int share = int(std::lround(255 * std::clamp(0.5 + (4 - std::abs(r - 84)) / 1.6, 0.0, 1.0)));
+        if (share > 0) v.voxels.at(i, j, k) = std::int16_t(1300 + share);
+      }
+  return v;
+}
+
+double quantile(std::vector<double> t, double share) {
+  std::sort(t.begin(), t.end());
+  return t[std::size_t(share * double(t.size() - 1))];
+}
+
+const char* name_of(const HapticVolume& v, int number) {
+  for (const HapticShape& s : v.shapes)
+    if (s.number == number) return s.name.c_str();
+  return "";
+}
+
+void run(const HapticVolume& whole, int number, const DrillShapes& shapes) {
+  const auto begin = std::chrono::steady_clock::now();
+  const LiveSurface first(whole, number);
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
+  std::printf("%s: whole surface %.0f ms, %zu triangles\n", name_of(whole, number), took.count(), first.triangles());
+  // A place on the surface, and two ways along it.
+  const Lattice& l = whole.voxels;
+  std::size_t brick = first.layout().count() / 2;
+  while (brick + 1 < first.layout().count() && first.brick(brick).vertices.empty()) ++brick;
+  if (first.brick(brick).vertices.empty()) return;
+  const LiveVertex& at = first.brick(brick).vertices.front();
+  const Vec3 start = l.origin_mm + l.direction * Vec3{at.position_mm[0], at.position_mm[1], at.position_mm[2]};
+  const Vec3 out = normalized(l.direction * Vec3{at.normal[0], at.normal[1], at.normal[2]});
+  const Vec3 along = normalized(cross(out, std::abs(out.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+  for (const double diameter : {3.0, 5.0, 7.0, 14.0}) {
+    HapticVolume v = whole;
+    DirtyBricks marks(v.voxels);
+    LiveSurface live(v, number);
+    Cutter cutter;
+    cutter.radius_mm = 0.5 * diameter;
+    Drill drill(v, shapes, cutter, {}, &marks);
+    std::vector<double> ticks, frames;
+    std::vector<std::size_t> marked;
+    std::size_t made = 0;
+    ToolPose pose;
+    for (int n = 0; n < 2000; ++n) {
+      const double way = 0.02 * (n < 1000 ? n : 2000 - n);
+      pose.tip_mm = start + along * way - out * (0.001 * n) - pose.frame.column[2] * cutter.radius_mm;
+      const double before = cpu_us();
+      drill.cut(pose, 0.001);
+      ticks.push_back(cpu_us() - before);
+      if (n % 17 != 0) continue;
+      marked.clear();
+      const double frame = cpu_us();
+      marks.take(marked);
+      made += live.update(marked).size();
+      frames.push_back(cpu_us() - frame);
+    }
+    std::printf("  ball %4.1f mm: tick p50 %.1f, p99 %.1f us; frame p50 %.0f, p99 %.0f us, %.1f bricks\n", diameter,
+                quantile(ticks, 0.5), quantile(ticks, 0.99), quantile(frames, 0.5), quantile(frames, 0.99),
+                double(made) / double(frames.size()));
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    if (argc < 2) {
+      DrillShapes shapes;
+      shapes[1] = {true, 0.1};
+      run(synthetic(), 1, shapes);
+      return 0;
+    }
+    const LoadedCase c = load_case(argv[1]);
+    for (const CaseShape& s : c.manifest.haptic.shapes) {
+      if (!s.cuttable || !(s.material.removal_energy_j_per_mm3 > 0)) continue;
+      DrillShapes shapes;
+      shapes[std::size_t(s.number)] = {true, s.material.removal_energy_j_per_mm3};
+      run(c.haptic, s.number, shapes);
+    }
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return 70;
+  }
+}

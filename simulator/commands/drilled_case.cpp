@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "commands/drilled_case.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "haptics/recording.h"
+#include "session/felt_case.h"
+#include "voxel/cut.h"
+#include "voxel/haptic_file.h"
+
+namespace trephine {
+namespace {
+
+// "meshes/skull-0123456789abcdef.glb" is "meshes/skull" and ".glb".
+CaseFile copy_file(const std::filesystem::path& from, const CaseFile& file, const std::filesystem::path& out) {
+  const std::size_t dash = file.name.rfind('-'), dot = file.name.rfind('.');
+  if (dash == std::string::npos || dot == std::string::npos || dot < dash)
+    throw Error(ExitCode::bad_input, from.string(), file.name, "is no name of a case's file");
+  return write_case_file(out, file.name.substr(0, dash), file.name.substr(dot), read_case_file(from, file));
+}
+
+}  // namespace
+
+std::string write_drilled_case(const std::filesystem::path& case_folder, const std::filesystem::path& file,
+                               const std::filesystem::path& out) {
+  const Recording recording = read_recording(file);
+  const RecordingHeader& h = recording.header;
+  if (!h.drilling.drill) throw Error(ExitCode::bad_input, file.string(), "drilling", "nothing was cut in this session");
+  FeltCase felt = felt_again(case_folder, file.string(), h);
+  ContactVolume contact(felt.loaded.haptic, h.contact);
+  Proxy proxy(contact, felt.feels, h.force, h.shaft, tool_again(file.string(), h.tool));
+  const std::unique_ptr<Drilling> drilling = felt.drilling_of(h, contact);
+  replay_frames(recording.frames, h.rate_hz, proxy, drilling.get());
+  const HapticVolume& volume = felt.loaded.haptic;
+  if (h.outcome && volume_digest(volume) != h.outcome->volume_sha256)
+    throw Error(ExitCode::quality, file.string(), "volume_sha256", "the volume differs when replayed");
+
+  CaseManifest m = felt.loaded.manifest;
+  const std::string before = m.haptic.file;
+  m.case_token = m.case_token.substr(0, 56) + "-drilled";
+  for (CaseFile& f : m.files) {
+    if (f.name != before) {
+      f = copy_file(case_folder, f, out);
+      continue;
+    }
+    f = write_case_file(out, "haptic", ".nrrd", encode_haptic(volume));
+    m.haptic.file = f.name;
+  }
+  std::sort(m.files.begin(), m.files.end(), [](const CaseFile& a, const CaseFile& b) { return a.name < b.name; });
+  for (CaseShape& s : m.haptic.shapes) s.volume_ml = shape_volume_mm3(volume, s.number) / 1000;
+  m.parameters.emplace_back("drilled.recording_sha256", sha256_of_file(file));
+  publish_case(out, m);
+  return m.case_token;
+}
+
+}  // namespace trephine

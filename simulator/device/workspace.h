@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <atomic>
+#include <memory>
+
+#include "base/params.h"
+#include "device/device.h"
+
+namespace trephine {
+
+/// How a device's workspace lies in the case's space.
+struct WorkspaceParams {
+  double workspace_scale = 1;
+  std::array<double, 3> workspace_offset_mm{0, 0, 0};
+  int clutch_button = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = WorkspaceParams;
+    v.number(&P::workspace_scale, "workspace_scale", Range{0.01, 100},
+             "How far the tool moves for each mm of the device.");
+    v.numbers(&P::workspace_offset_mm, "workspace_offset_mm", Range{-1e5, 1e5},
+              "Where the device's origin lies in the case, LPS.");
+    v.integer(&P::clutch_button, "clutch_button", Range{0, 32},
+              "While this button of the device (from 1) is down the tool rests and the device moves freely; 0: none.");
+  }
+};
+
+/// A device of another workspace: positions are scaled and shifted, and while the clutch is down the tool rests where
+/// it is, without force on the hand, and takes the device's new place for its own. Forces are those at the tool; the
+/// damping that the tool sees is the device's by the square of the scale.
+class WorkspaceDevice : public Device {
+ public:
+  WorkspaceDevice(std::unique_ptr<Device> device, const WorkspaceParams& params);
+  double damping_n_s_per_mm() const override;
+  bool read(double dt_s, DeviceReading& out) override;
+  void send(Vec3 force_n) override;
+  void tell(const DeviceNews& news) override;
+  std::vector<std::pair<std::string, std::uint64_t>> counts() const override;
+
+ private:
+  std::unique_ptr<Device> device_;
+  WorkspaceParams params_;
+  Vec3 offset_mm_;
+  DeviceReading rests_;
+  bool clutched_ = false;
+  std::atomic<std::uint64_t> clutches_{0};
+};
+
+/// The device itself where the parameters change nothing.
+std::unique_ptr<Device> in_workspace(std::unique_ptr<Device> device, const WorkspaceParams& params);
+
+}  // namespace trephine

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "haptics/drilling.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace trephine {
+namespace {
+
+constexpr double slowness_s = 0.005;    // of the filters on velocity and power
+constexpr double half_speed_mm_s = 20;  // at which half of the reaction is felt
+constexpr double least_depth_mm = 1;    // of a way through bone that counts as a breach
+
+double smooth(double value, double to, double dt_s) { return value + (to - value) * dt_s / (dt_s + slowness_s); }
+
+// A volume of the same shapes, whose voxels are a copy.
+HapticVolume copy_of(const HapticVolume& v) {
+  HapticVolume out;
+  out.encoding = v.encoding;
+  out.voxels = v.voxels;
+  out.shapes = v.shapes;
+  return out;
+}
+
+}  // namespace
+
+DrillShapes drill_shapes_of(const CaseHaptic& haptic) {
+  DrillShapes out;
+  for (const CaseShape& s : haptic.shapes)
+    if (s.number >= 1 && s.number <= haptic_max_shapes)
+      out[std::size_t(s.number)] = {s.cuttable, s.material.removal_energy_j_per_mm3};
+  return out;
+}
+
+Cutter cutter_of(const DrillingParams& params, const ToolParams& tool) {
+  const bool round = tool.tool == "burr" || tool.tool == "ball", craniotome = tool.tool == "craniotome";
+  if (!round && !craniotome)
+    throw Error(ExitCode::usage, "", "--drill", "needs --tool burr, ball or craniotome, not " + tool.tool);
+  Cutter c;
+  const bool ball =
+      params.cutter == DrillingParams::Cutter::own ? round : params.cutter == DrillingParams::Cutter::ball;
+  c.kind = ball ? Cutter::Kind::ball : Cutter::Kind::cylinder;
+  c.radius_mm = c.semi_a_mm = 0.5 * tool.tool_diameter_mm;
+  c.semi_b_mm = c.semi_a_mm * params.cutter_width_ratio;
+  c.height_mm = params.cutter_height_mm;
+  return c;
+}
+
+Drilling::Drilling(HapticVolume& volume, ContactVolume& contact, const DrillShapes& shapes,
+                   const DrillingParams& params, const DrillParams& law, const Cutter& cutter, DirtyBricks* marks)
+    : contact_(contact),
+      params_(params),
+      power_w_(law.power_w),
+      shapes_(shapes),
+      before_(copy_of(volume)),
+      before_decoder_(before_),
+      drill_(volume, shapes, cutter, law, marks) {
+  const double radius_mm = cutter.kind == Cutter::Kind::ball ? cutter.radius_mm : cutter.semi_a_mm;
+  rim_m_per_s_ = params.spindle_rpm / 60 * 2 * M_PI * radius_mm / 1000;
+}
+
+void Drilling::count(const Removal& r) {
+  if (r.changed.empty()) return;
+  contact_.loosen(r.changed);
+  outcome_.energy_j += r.energy_j;
+  for (std::size_t n = 1; n < r.units.size(); ++n) outcome_.units[n] += r.units[n];
+}
+
+void Drilling::tick(const HapticInput& in, const HapticState& state) {
+  time_s_ += in.dt_s;
+  if (state.faults != 0) {
+    force_ = {};
+    drill_.rest();
+    return;
+  }
+  const double force = norm(state.force_n);
+  if (state.touched != 0) {
+    double& most = outcome_.most_force_n[std::size_t(state.touched)];
+    most = std::max(most, force);
+  }
+  if (!begun_) last_mm_ = in.tip_mm;
+  const Vec3 velocity = (in.tip_mm - last_mm_) / in.dt_s;
+  for (int a = 0; a < 3; ++a) velocity_[a] = smooth(velocity_[a], velocity[a], in.dt_s);
+  last_mm_ = in.tip_mm;
+
+  double used_w = 0;
+  if (in.buttons & pedal) {
+    ToolPose pose;
+    pose.tip_mm = in.tip_mm;
+    pose.frame = frame_along(in.axis);
+    if (params_.cutter_turn_deg != 0) {
+      const double a = params_.cutter_turn_deg * M_PI / 180;
+      const Vec3 u = pose.frame.column[0], v = pose.frame.column[1];
+      pose.frame.column[0] = u * std::cos(a) + v * std::sin(a);
+      pose.frame.column[1] = v * std::cos(a) - u * std::sin(a);
+    }
+    const double left = std::clamp(2 - 2 * force / params_.stall_force_n, 0.0, 1.0);
+    const Removal& r = drill_.cut(pose, in.dt_s, left);
+    used_w = r.power_w;
+    outcome_.drilled_s += in.dt_s;
+    if (left == 0) outcome_.stalled_s += in.dt_s;
+    count(r);
+  } else {
+    drill_.rest();
+  }
+  if ((in.buttons & mark) && !(buttons_ & mark)) {
+    drill_.incise(in.tip_mm, params_.incision_radius_mm);
+    ++outcome_.incisions;
+  }
+  buttons_ = in.buttons;
+  begun_ = true;
+  if (drill_.incising()) count(drill_.go_on());
+  watch_breach(in);
+
+  // The force at the rim is power by its speed.
+  power_ = smooth(power_, std::min(used_w, power_w_), in.dt_s);
+  const double reaction = params_.reaction_ratio * power_ / rim_m_per_s_, speed = norm(velocity_);
+  force_ = velocity_ * (-reaction / (speed + half_speed_mm_s));
+  const double swing = params_.vibration_n * power_ / power_w_ * std::sin(2 * M_PI * params_.vibration_hz * time_s_);
+  force_ += frame_along(in.axis).column[0] * swing;
+}
+
+bool Drilling::was_bone(Vec3 at) const {
+  for (const HapticShape& s : before_.shapes) {
+    const DrillShape& d = shapes_[std::size_t(s.number)];
+    if (d.cuttable && d.energy_j_per_mm3 > 0 && before_decoder_.trilinear(s.number, at) >= 0.5) return true;
+  }
+  return false;
+}
+
+void Drilling::watch_breach(const HapticInput& in) {
+  if (outcome_.breached || !(in.buttons & pedal)) return;
+  const bool is = was_bone(in.tip_mm);
+  if (is && !in_bone_) entry_mm_ = in.tip_mm;
+  if (!is && in_bone_ && dot(entry_mm_ - in.tip_mm, in.axis) > least_depth_mm) {
+    outcome_.breached = true;
+    outcome_.breach_time_s = time_s_;
+    outcome_.breach_mm = in.tip_mm;
+  }
+  in_bone_ = is;
+}
+
+}  // namespace trephine

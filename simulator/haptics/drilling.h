@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <string>
+
+#include "base/params.h"
+#include "cases/case.h"
+#include "haptics/proxy.h"
+#include "voxel/decode.h"
+#include "voxel/drill.h"
+
+namespace trephine {
+
+/// How a session cuts. Button 1 of the device is the drill's pedal; button 2, when it goes down, marks the tip as the
+/// middle of an incision.
+struct DrillingParams {
+  enum class Cutter { own, ball, cylinder };
+  bool drill = false;
+  Cutter cutter = Cutter::own;
+  double cutter_height_mm = 8, cutter_width_ratio = 1, cutter_turn_deg = 0;
+  double spindle_rpm = 60000, stall_force_n = 3, reaction_ratio = 0.5;
+  double vibration_n = 0.05, vibration_hz = 200;
+  double incision_radius_mm = 15;
+  template <class V>
+  static void describe(V& v) {
+    using P = DrillingParams;
+    v.flag(&P::drill, "drill", "The tool cuts: while button 1 is down it drills, and button 2 marks an incision.");
+    v.choice(&P::cutter, "cutter", {{"own", Cutter::own}, {"ball", Cutter::ball}, {"cylinder", Cutter::cylinder}},
+             "What cuts; own: a ball for burrs and the ball, a cylinder for the craniotome.");
+    v.number(&P::cutter_height_mm, "cutter_height_mm", Range{0.1, 40}, "Length of a cylinder, from the tip.");
+    v.number(&P::cutter_width_ratio, "cutter_width_ratio", Range{0.05, 1},
+             "Smaller semi-axis of a cylinder as a share of the larger, which is half of the tool's diameter.");
+    v.number(&P::cutter_turn_deg, "cutter_turn_deg", Range{-180, 180},
+             "Turn of a cylinder's larger axis about the tool's.");
+    v.number(&P::spindle_rpm, "spindle_rpm", Range{100, 500000}, "Speed of the spindle, for the force of cutting.");
+    v.number(&P::stall_force_n, "stall_force_n", Range{0.01, 100},
+             "Force of the feed at which the drill stalls; its power falls from half of that force on.");
+    v.number(&P::reaction_ratio, "reaction_ratio", Range{0, 10},
+             "Reaction along the feed, as a share of the force at the cutter's rim.");
+    v.number(&P::vibration_n, "vibration_n", Range{0, 5}, "Amplitude of the vibration at full power, across the tool.");
+    v.number(&P::vibration_hz, "vibration_hz", Range{1, 1000}, "Its frequency.");
+    v.number(&P::incision_radius_mm, "incision_radius_mm", Range{0.1, 30}, "Radius of an incision.");
+  }
+};
+
+/// What a session removed, and what happened on the way.
+struct DrillingOutcome {
+  std::array<std::int64_t, haptic_max_shapes + 1> units{};   ///< by shape, of 1/255 voxel
+  std::array<double, haptic_max_shapes + 1> most_force_n{};  ///< by the shape that was touched
+  double energy_j = 0, drilled_s = 0, stalled_s = 0;
+  int incisions = 0;
+  bool breached = false;  ///< the tip left drilled bone on the other side than it came in
+  double breach_time_s = 0;
+  Vec3 breach_mm;
+};
+
+/// How each shape of the case is removed.
+DrillShapes drill_shapes_of(const CaseHaptic& haptic);
+/// The tool's cutter. Throws Error 64 where the tool cuts nothing.
+Cutter cutter_of(const DrillingParams& params, const ToolParams& own_tool);
+
+/// Removal within the tick of the servo loop, after the proxy: the tool cuts at the device, and its force is felt in
+/// the next tick. Only the constructor allocates; nothing locks or makes a system call; equal ticks give equal bits.
+class Drilling {
+ public:
+  /// All must outlive it; `marks` may be null.
+  Drilling(HapticVolume& volume, ContactVolume& contact, const DrillShapes& shapes, const DrillingParams& params,
+           const DrillParams& law, const Cutter& cutter, DirtyBricks* marks = nullptr);
+
+  /// The force on the hand since the last tick: against the motion, and a vibration across the tool. With the device at
+  /// rest it takes energy from the hand or none, but for the vibration.
+  Vec3 force_n() const { return force_; }
+  void tick(const HapticInput& in, const HapticState& state);
+  const DrillingOutcome& outcome() const { return outcome_; }
+  int slices() const { return drill_.slices(); }
+
+  static constexpr std::uint32_t pedal = 1, mark = 2;
+
+ private:
+  void count(const Removal& removal);
+  void watch_breach(const HapticInput& in);
+  bool was_bone(Vec3 at_mm) const;
+
+  ContactVolume& contact_;
+  const DrillingParams params_;
+  const double power_w_;
+  DrillShapes shapes_;
+  HapticVolume before_;  ///< as it was at the start
+  HapticDecoder before_decoder_;
+  Drill drill_;
+  Vec3 force_, last_mm_, velocity_;
+  double power_ = 0, time_s_ = 0, rim_m_per_s_ = 1;
+  std::uint32_t buttons_ = 0;
+  bool begun_ = false, in_bone_ = false;
+  Vec3 entry_mm_;
+  DrillingOutcome outcome_;
+};
+
+}  // namespace trephine

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Drilling within the tick: forces, replay, breach, and what a tick may not do.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+
+#include "device/simulated_hand.h"
+#include "haptics/recording.h"
+#include "haptics/servo.h"
+#include "haptics_only_sleep.h"
+#include "haptics_tools.h"
+
+using namespace trephine;
+using namespace trephine::tools;
+using walls::uniform;
+
+namespace {
+
+const std::atomic<bool> no_stop{false};
+constexpr double inner_table = -4;  // of the bone, whose outer surface is at 0
+
+// Bone of 4 mm, a gap, and brain below; voxels of 0.5 mm, ramps as voxelize makes them.
+HapticVolume plate() {
+  HapticVolume v = empty(48, {0.5, 0.5, 0.5});
+  fill(v, 1, [](Vec3 p) { return 0.5 * std::min(-p.z, p.z - inner_table); });
+  fill(v, 2, [](Vec3 p) { return 0.5 * (-6 - p.z); });
+  return v;
+}
+
+struct DrillingScene {
+  HapticVolume volume = plate();
+  ContactVolume contact{volume};
+  Feels feels = untouchable();
+  DrillShapes shapes;
+  ForceParams force;
+  DrillingParams params;
+  DrillParams law;
+  ToolParams tool = params_of("ball", 3);
+  DirtyBricks marks{volume.voxels};
+  DrillingScene() {
+    feels[1].front = feels[1].back = face(1, 0.35, 0.3, 0, 0.0003);
+    feels[2].front = face(0.08, 0.3, 0.25, 0, 0.0002);
+    shapes[1] = {true, 0.1};
+    params.drill = true;
+    law.power_w = 3;
+  }
+  std::unique_ptr<Drilling> drilling() {
+    return std::make_unique<Drilling>(volume, contact, shapes, params, law, cutter_of(params, own_tool(tool)), &marks);
+  }
+};
+
+// A hand that feeds down to 7 mm, with a small circle.
+SimulatedHand feeding(double to_mm = -4.6) {
+  std::vector<Vec3> path{{0, 0, 2}};
+  for (int n = 0; n <= 60; ++n) path.push_back({std::cos(0.5 * n), std::sin(0.5 * n), 1 + (to_mm - 1) * n / 60.0});
+  HandParams p;
+  p.speed_mm_per_s = 8;
+  p.arm_stiffness_n_per_mm = 1;
+  SimulatedHand hand(p, path, path.size() - 1);
+  hand.drills = true;
+  hand.feed_force_n = 1;
+  return hand;
+}
+
+}  // namespace
+
+// The hand comes through; the breach is where the inner table is; forces keep to the device's limits; brain is not cut.
+TEST(HapticsDrilling, AHandDrillsThroughAPlate) {
+  DrillingScene s;
+  const Grid<std::int16_t> before = s.volume.voxels;
+  const auto drilling = s.drilling();
+  Proxy proxy(s.contact, s.feels, s.force, {}, make_tool(s.tool));
+  SimulatedHand hand = feeding();
+  FrameQueue queue(1 << 15);
+  ServoParams servo_params;
+  servo_params.paced = false;
+  Servo servo(proxy, hand, servo_params, &queue, drilling.get());
+  servo.run(9000, no_stop);
+  std::vector<ServoFrame> frames;
+  queue.drain(frames);
+  const DrillingOutcome& o = drilling->outcome();
+  const double removed = double(o.units[1]) / 255 * 0.125;
+  std::printf("  %.1f mm3 in %.1f s, through at %.2f s, z %.3f mm; most force %.2f N on bone, %.2f N on brain\n",
+              removed, o.drilled_s, o.breach_time_s, o.breach_mm.z, o.most_force_n[1], o.most_force_n[2]);
+  ASSERT_TRUE(o.breached);
+  EXPECT_NEAR(o.breach_mm.z, inner_table, 0.3);
+  EXPECT_GT(removed, 25);
+  EXPECT_EQ(o.units[2], 0);
+  EXPECT_GT(o.most_force_n[1], 0.2);
+  Vec3 last;
+  for (const ServoFrame& f : frames) {
+    const Vec3 is{f.force_n[0], f.force_n[1], f.force_n[2]};
+    EXPECT_LE(norm(is), s.force.max_force_n + 1e-12);
+    EXPECT_LE(norm(is - last), s.force.max_force_rate_n_per_s * 0.001 + 1e-9) << f.tick;
+    EXPECT_EQ(f.faults, 0u);
+    last = is;
+  }
+  int cut = 0;
+  for (std::size_t n = 0; n < before.voxels.size(); ++n)
+    cut += before.voxels[n] / 1000 == 2 && s.volume.voxels.voxels[n] != before.voxels[n];
+  EXPECT_EQ(cut, 0) << "brain was cut";
+
+  // 11: the replay, from a volume as it was.
+  DrillingScene again;
+  const auto drills_again = again.drilling();
+  Proxy proxy_again(again.contact, again.feels, again.force, {}, make_tool(again.tool));
+  const std::vector<ServoFrame> replayed = replay_frames(frames, 1000, proxy_again, drills_again.get());
+  std::size_t different = 0;
+  for (std::size_t n = 0; n < frames.size(); ++n) different += !same_frame(frames[n], replayed[n]);
+  EXPECT_EQ(different, 0u);
+  EXPECT_EQ(volume_digest(again.volume), volume_digest(s.volume));
+  EXPECT_NE(volume_digest(plate()), volume_digest(s.volume));
+}
+
+// "What must be shown", 12: bone that vanishes under the tip. The force falls within the rate limit, and the tool takes
+// no energy out of nothing: what the hand gets back is no more than it put in.
+TEST(HapticsDrilling, BoneThatVanishesUnderTheTip) {
+  DrillingScene s;
+  s.params.vibration_n = 0;
+  s.force.ramp_s = 0;
+  Proxy proxy(s.contact, s.feels, s.force, {}, make_tool(s.tool));
+  const auto drilling = s.drilling();
+  HapticInput in = pose({0, 0, 1}, {0, 0, 1});
+  double energy = 0, most = 0;
+  Vec3 last = in.tip_mm, force;
+  for (int n = 0; n < 3000; ++n) {
+    in.tip_mm.z = std::max(-1.5, 1 - 0.005 * n);
+    energy -= dot(force, in.tip_mm - last);
+    last = in.tip_mm;
+    if (n == 1500) {  // all at once
+      for (std::int16_t& v : s.volume.voxels.voxels)
+        if (v / 1000 == 1) v = haptic_empty;
+      s.contact.loosen(whole_box(s.volume.voxels));
+    }
+    in.extra_n = drilling->force_n();
+    in.buttons = n > 1000 && n < 1500 ? Drilling::pedal : 0;
+    const Vec3 before = force;
+    const HapticState& is = proxy.update(in);
+    drilling->tick(in, is);
+    force = is.force_n;
+    ASSERT_LE(norm(force - before), s.force.max_force_rate_n_per_s * 0.001 + 1e-9) << n;
+    most = std::max(most, norm(force));
+    ASSERT_GE(energy, -1e-6) << n;
+  }
+  EXPECT_GT(most, 0.5);
+  EXPECT_EQ(proxy.state().touched, 0);
+  EXPECT_LT(norm(force), 1e-6);
+}
+
+// Where the feed is too hard the drill stalls and removes nothing.
+TEST(HapticsDrilling, StallsWhereTheFeedIsTooHard) {
+  for (const double stall : {0.5, 50.0}) {
+    DrillingScene s;
+    s.params.stall_force_n = stall;
+    s.force.ramp_s = 0;
+    Proxy proxy(s.contact, s.feels, s.force, {}, make_tool(s.tool));
+    const auto drilling = s.drilling();
+    HapticInput in = pose({0, 0, 1}, {0, 0, 1});
+    for (int n = 0; n < 400; ++n) {
+      in.tip_mm.z = n < 50 ? 1 : -2;
+      in.buttons = n >= 100 && n < 110 ? Drilling::pedal : 0;
+      in.extra_n = drilling->force_n();
+      drilling->tick(in, proxy.update(in));
+    }
+    EXPECT_EQ(drilling->outcome().stalled_s > 0, stall < 1);
+    EXPECT_EQ(drilling->outcome().units[1] > 0, stall > 1);
+  }
+}
+
+// The pedal alone lets it cut; the second button cuts what is not drilled, once for each time that it goes down.
+TEST(HapticsDrilling, PedalAndIncision) {
+  DrillingScene s;
+  s.shapes[2] = {true, 0};  // brain stands for skin here
+  s.params.incision_radius_mm = 3;
+  Proxy proxy(s.contact, s.feels, s.force, {}, make_tool(s.tool));
+  const auto drilling = s.drilling();
+  HapticInput in = pose({0, 0, -2}, {0, 0, 1});
+  for (int n = 0; n < 100; ++n) drilling->tick(in, proxy.update(in));
+  EXPECT_EQ(drilling->outcome().units[1], 0) << "no pedal";
+  in.tip_mm = {0, 0, -6};
+  in.buttons = Drilling::mark;
+  for (int n = 0; n < 100; ++n) drilling->tick(in, proxy.update(in));
+  EXPECT_EQ(drilling->outcome().incisions, 1);
+  EXPECT_GT(drilling->outcome().units[2], 0);
+  EXPECT_EQ(drilling->outcome().units[1], 0);
+  in.buttons = Drilling::pedal;
+  for (int n = 0; n < 100; ++n) drilling->tick(in, proxy.update(in));
+  EXPECT_GT(drilling->outcome().units[1], 0) << "the burr reaches bone";
+}
+
+// H6 with a drill: no system call but the sleep, and no allocation.
+TEST(HapticsDrilling, ItsTicksSleepAndMakeNoOtherSystemCall) {
+  if (sanitized) GTEST_SKIP() << "sanitizers make calls of their own";
+  DrillingScene s;
+  const auto drilling = s.drilling();
+  Proxy proxy(s.contact, s.feels, s.force, {}, make_tool(s.tool));
+  SimulatedHand hand = feeding();
+  FrameQueue queue(4096);
+  ServoParams params;
+  params.realtime = false;
+  params.rate_hz = 4000;
+  Servo servo(proxy, hand, params, &queue, drilling.get());
+  const pid_t child = fork();
+  if (child == 0) {
+    allow_only_sleep();
+    counting_allocations = true;
+    servo.run(5000, no_stop);
+    counting_allocations = false;
+    syscall(SYS_exit_group, allocations != 0 ? 1 : drilling->outcome().units[1] == 0 ? 2 : 0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
+  EXPECT_EQ(WEXITSTATUS(status), 0) << "1: allocated; 2: nothing drilled; 3: no filter";
+}
+
+TEST(HapticsDrilling, OnlySomeToolsCut) {
+  for (const char* kind : {"point", "needle", "catheter", "jamshidi"})
+    EXPECT_ANY_THROW(cutter_of({}, own_tool(params_of(kind)))) << kind;
+  EXPECT_EQ(cutter_of({}, own_tool(params_of("burr", 7))).radius_mm, 3.5);
+  EXPECT_EQ(cutter_of({}, own_tool(params_of("craniotome"))).kind, Cutter::Kind::cylinder);
+}
