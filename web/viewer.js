@@ -244,6 +244,7 @@ async function start() {
         heat = heat === m ? null : m
         for (const x of meshes) if (x.heatButton) x.heatButton.classList.toggle('on', x === heat)
         $('bar').hidden = !heat
+        if (heat) m.opacity = opacity.value = 1
         if (heat) $('scale').max = Math.max(.05, 2 * m.p99), setScale(Math.max(.01, m.p99))
         redraw()
       })
@@ -254,7 +255,7 @@ async function start() {
   const setScale = mm => {
     scale = mm
     $('scale').value = mm
-    $('bar-name').textContent = heat ? label(heat.name) + ' against the surface before decimation' : ''
+    $('bar-name').textContent = heat ? 'deviation of ' + label(heat.name) : ''
     $('bar-low').textContent = '−' + mm.toFixed(2), $('bar-high').textContent = '+' + mm.toFixed(2) + ' mm'
   }
   listen('scale', 'input', e => { setScale(+e.target.value), redraw() })
