@@ -11,7 +11,7 @@
 namespace trephine {
 namespace {
 
-constexpr double of_an_implausible_one = 0.4;
+constexpr double of_an_implausible_one = 0.4, weak = 0.4;
 
 /// The landmarks that stand behind a name of the ranges: itself, or the pair.
 std::vector<std::string> members(const std::string& name) {
@@ -114,8 +114,10 @@ std::vector<LandmarkDoubt> implausible(const std::vector<CaseLandmark>& landmark
     int most = 0;
     for (const auto& c : count) most = std::max(most, c.second);
     if (most == 0) break;
+    bool any_weak = false;
+    for (const auto& c : count) any_weak = any_weak || (c.second == most && known.at(c.first).confidence < weak);
     for (const auto& c : count) {
-      if (c.second != most) continue;
+      if (c.second != most || (any_weak && known.at(c.first).confidence >= weak)) continue;
       for (const Fault& f : faults)
         if (std::find(f.names.begin(), f.names.end(), c.first) != f.names.end()) {
           blamed[c.first] = reason_of(f, c.first);

@@ -29,10 +29,11 @@ struct LandmarkRange {
 const std::vector<LandmarkRange>& landmark_ranges();
 
 /// Judges them together: which pairs and angles are out of range, and which landmark is to blame. That is the one which
-/// is out of range most often, and where nothing tells which of several it is, all of them; they are taken out and the
-/// rest is judged again. What a person gave (source "given") is never to blame, and an estimate judges nobody. A
-/// landmark to blame gets the factor 0.4, so that it is doubtful whatever it was before. Landmarks that no range names
-/// are not judged. In the order of `landmarks`; only those with a doubt.
+/// is out of range most often; of several the ones that had a confidence below 0.4 before, and where nothing tells
+/// which of them it is, all; they are taken out and the rest is judged again. What a person gave (source "given") is
+/// never to blame, and an estimate judges nobody. A landmark to blame gets the factor 0.4, so that it is doubtful
+/// whatever it was before. Landmarks that no range names are not judged. In the order of `landmarks`; only those with a
+/// doubt.
 std::vector<LandmarkDoubt> implausible(const std::vector<CaseLandmark>& landmarks);
 
 /// How far a point lies before the coronal suture, along the midline (below 0: behind it). `centre_mm` lies inside the
