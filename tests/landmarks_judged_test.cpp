@@ -136,8 +136,7 @@ TEST(Judged, ASheetOverTheForeheadDoubtsWhatIsMeasuredOverIt) {
     EXPECT_TRUE(warns(report, name, "doubtful") || !found.find(name)) << name;
   }
   EXPECT_TRUE(warns(report, "nasion", "the midline's skin leaps"));
-  EXPECT_GE(confidence(found, "inion"), 0.5);
-  EXPECT_GT(confidence(found, "tragus_left"), 0.5);
+  EXPECT_GE(confidence(found, "inion"), 0.5);  // the back of the head is not judged by its front
 }
 
 TEST(Judged, ALandmarkOfWhichNothingSpeaksIsNone) {
