@@ -139,7 +139,7 @@ void tell_warnings(Run& run) {
   for (std::size_t i = 0; i < run.graph.nodes.size(); ++i)
     for (const std::string& w : run.results[i].report.warnings)
       run.warnings.push_back(run.graph.nodes[i].name + ": " + w);
-  const std::string early = std::string(scan_step) + ": ";  // EarlyWarnings has told these
+  const std::string early = stage_of(StageRole::suitability).name + ": ";  // EarlyWarnings has told these
   for (const std::string& w : run.warnings)
     if (w.rfind(early, 0) != 0) log_warning(run.config.case_token + ": " + w);
 }
@@ -151,7 +151,7 @@ class EarlyWarnings : public RunObserver {
   void started(const std::string& node) override { observer_.started(node); }
   void progressed(const std::string& node, double fraction) override { observer_.progressed(node, fraction); }
   void finished(const std::string& node, const std::string& how, double seconds, const Report& report) override {
-    if (node == scan_step)
+    if (node == stage_of(StageRole::suitability).name)
       for (const std::string& w : report.warnings) log_warning(token_ + ": " + node + ": " + w);
     observer_.finished(node, how, seconds, report);
   }
