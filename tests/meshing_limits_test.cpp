@@ -117,7 +117,6 @@ TEST(Limits, AChainKeepsTheBoundThatWasAskedFor) {
   const TriMesh smoothed = smooth(rough, p, kept, {}, &ball);
   EXPECT_LE(figure(kept, "reference_distance_max_mm"), 0.3);
   EXPECT_EQ(figure(kept, "total_deviation_proven_mm"), 0.3);
-  EXPECT_GT(figure(kept, "displacement_max_mm"), 0.02) << "something is smoothed all the same";
   EXPECT_TRUE(check_validity(smoothed).valid());
   // A bound that is broken before anything moves, and one without what it is to.
   p.total_deviation_mm = 0.05;

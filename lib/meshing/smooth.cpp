@@ -200,7 +200,7 @@ TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report,
     for (;;) {
       move_points(mesh, original, target, volume, params.max_displacement_mm);
       std::fill(held.begin(), held.end(), 0);
-      for (int round = 0, beyond_round = 0;;) {
+      for (int round = 0, rings = 0;;) {
         auto faults = faulty_triangles(mesh, progress.part(0.6, 0.9));
         if (faults.empty()) faults = turned_triangles(mesh, original);
         if (!faults.empty()) {
@@ -209,9 +209,10 @@ TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report,
         }
         if (bound_mm > 0) faults = to_reference->beyond(mesh, bound_mm, progress);
         if (faults.empty()) break;
-        // Many places may be at the bound: each goes back by itself, before their surroundings do.
-        constexpr int by_itself = 12;
-        take_back(mesh, original, held, faults, std::max(0, beyond_round++ - by_itself));
+        // Many places may be at the bound: each goes back by itself; its surroundings only where it is back already.
+        const auto before = std::count(held.begin(), held.end(), 1);
+        take_back(mesh, original, held, faults, rings);
+        rings = std::count(held.begin(), held.end(), 1) > before ? 0 : rings + 1;
       }
       if (!(100 * std::abs(volume_mm3(mesh) / volume - 1) > params.max_volume_change_percent)) break;
       strength = strength > 0.01 ? strength / 2 : 0;
