@@ -152,7 +152,7 @@ int attack(const Scanned& s, std::uint64_t seed, int count) {
   return accepted;
 }
 
-TEST(FaceBelief, RandomWrongLandmarksPublishNoFace) { EXPECT_GE(attack(small_head(), 11, 10), 1); }
+TEST(LongFaceBelief, RandomWrongLandmarksPublishNoFace) { EXPECT_GE(attack(small_head(), 11, 10), 1); }
 
 TEST(LongFaceBelief, TwoHundredWrongSetsOnThreePhantomsPublishNoFace) {
   for (const auto variant : {phantom::Variant::normal, phantom::Variant::small, phantom::Variant::hydrocephalic}) {
