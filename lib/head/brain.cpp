@@ -36,6 +36,7 @@ constexpr double ventricle_wall_mm = 1.5;
 constexpr double wide_mm = 2.0;   ///< CSF wider than twice this is as dark as CSF,
 constexpr double lesion_hu = 15;  ///< and what is brighter is oedema or an old infarct: brain
 constexpr double lesion_ml = 0.3;
+constexpr double stem_darker_hu = 9;
 // The fourth ventricle's place from the brain's centre, LPS, in an adult. It is wider than twice neck_mm, and its
 // outlets are narrower.
 constexpr double neck_mm = 2.0, fourth_core_ml = 0.2;
@@ -198,8 +199,18 @@ Field brain_in(const HuView& hu, const BrainMasks& masks, const BrainParams& p, 
   BitMask closed_off =
       dilated(deep_csf(soft, shape, place, csf_hu, ventricle_hu, progress), ventricle_wall_mm, progress);
   closed_off &= shape;
+  // The brainstem has no sulci, and the petrous bones on both sides darken it: only what is as dark as CSF is cut
+  // there.
+  BitMask stem(shape.lattice());
+  if (place.sure)
+    stem = make_mask(shape.lattice(), [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < shape.lattice().size[0]; ++i)
+        row[i] = in_brainstem(place.to_template(shape.lattice().to_world_mm({double(i), double(j), double(k)})));
+    });
   const auto dark_in = [&](const Field& f) {
-    BitMask dark = within(f, lower);
+    BitMask dark = within(f, lower - float(stem_darker_hu));
+    dark &= stem;
+    dark |= within(f, lower);
     dark.invert();
     dark &= shape;
     return dark.remove(closed_off);

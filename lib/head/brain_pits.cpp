@@ -68,8 +68,8 @@ BitMask noise_pits(const BitMask& cut, const BitMask& shape, const Grid<float>& 
     }
   std::vector<char> pit;
   for (const Sum& s : sums) {
-    if (!(s.voxels > 0)) {  // beside bone, where HU are not reliable
-      pit.push_back(0);
+    if (!(s.voxels > 0)) {  // beside bone, where HU are not reliable: no evidence
+      pit.push_back(1);
       continue;
     }
     const double mm3 = s.voxels * l.voxel_volume_mm3(), spread = noise * (s.noise / s.voxels) / std::sqrt(mm3);

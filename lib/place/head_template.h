@@ -28,6 +28,9 @@ double horns_mm(Vec3 template_mm);
 /// Signed distance to the template's cranial cavity without the spinal canal, mm, negative inside; an estimate.
 double template_cavity_mm(Vec3 template_mm);
 
+/// Whether the point lies in a box about the brainstem, from the midbrain down, with 4 mm for the differences of heads.
+inline bool in_brainstem(Vec3 p) { return p.x > -15 && p.x < 15 && p.y > -9 && p.y < 34 && p.z > -32 && p.z < 26; }
+
 /// The plane of the foramen magnum. Measured in four real heads, medullae reach down to -30 and cords begin at -34; the
 /// synthetic head's brain ends at -27.
 constexpr double template_foramen_z = -31.5;
