@@ -6,8 +6,10 @@
 namespace trephine::segmentation {
 
 /// The template is an analytic head in mm: origin in the middle between the ear canals, x to the patient's left, y to
-/// the back, z up, Frankfurt plane level. Its numbers are those of the synthetic head (lib/phantom), the mean of its
-/// normal shapes; a test holds them against all variants and seeds.
+/// the back, z up, Frankfurt plane level. Cavity, lateral ventricles and cisterns have the numbers of the synthetic
+/// head (lib/phantom) without its individual variation. The third ventricle reaches farther forward and the fourth lies
+/// farther forward than there, as four real heads showed; the Sylvian fissure is a rough line. A test holds the
+/// ventricles against all variants of the synthetic head.
 enum class Place {
   lateral_left,
   lateral_right,
