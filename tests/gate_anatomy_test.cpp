@@ -5,9 +5,9 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/write_file.h"
+#include "consistency/anatomy_gate.h"
+#include "consistency/anatomy_gate_gap.h"
 #include "gate_samples.h"
-#include "head/anatomy_gate.h"
-#include "head/anatomy_gate_gap.h"
 #include "picture/image.h"
 
 namespace trephine {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "consistency/anatomy_gate.h"
 #include "gate_samples.h"
-#include "head/anatomy_gate.h"
 
 namespace trephine {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
-#include "head/anatomy_gate.h"
+#include "consistency/anatomy_gate.h"
 #include "head/brain.h"
 #include "head/landmarks.h"
 #include "head/ventricles.h"

@@ -6,8 +6,8 @@
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "commands.h"
+#include "consistency/anatomy_gate.h"
 #include "grid/nrrd.h"
-#include "head/anatomy_gate.h"
 #include "stage_command.h"
 #include "stages/data_files.h"
 

@@ -209,8 +209,15 @@ std::string how_it_died(int status, const ChildLimits& limits) {
 }
 
 ChildResult map_result(const std::string& worker, int fd) {
-  // From here on nobody can shrink the file under the mapping, whoever still holds it open.
-  check(worker, ::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE) == 0, "sealing the result");
+  // From here on nobody can shrink the file under the mapping, whoever still holds it open. The kernel says EBUSY while
+  // it moves the file's pages itself, as it does when memory is short.
+  const auto seal = [fd] { return ::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE) == 0; };
+  bool sealed = seal();
+  for (int tries = 0; !sealed && errno == EBUSY && tries < 50; ++tries) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    sealed = seal();
+  }
+  check(worker, sealed, "sealing the result");
   struct stat s {};
   check(worker, ::fstat(fd, &s) == 0, "the result's size");
   if (s.st_size == 0) return {};

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "head/anatomy_gate.h"
+#include "consistency/anatomy_gate.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/text.h"
-#include "head/anatomy_gate_gap.h"
+#include "consistency/anatomy_gate_gap.h"
 #include "head/cranium.h"
 #include "mask/coarse.h"
 

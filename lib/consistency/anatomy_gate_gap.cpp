@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "head/anatomy_gate_gap.h"
+#include "consistency/anatomy_gate_gap.h"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "head/anatomy_gate.h"
+#include "consistency/anatomy_gate.h"
 #include "picture/slice.h"
 
 namespace trephine {

@@ -176,7 +176,8 @@ class Builder {
     if (config_.landmarks.empty()) return;
     const std::string name = "original.found_landmarks";
     const int known = graph_.find(name);
-    node.sources["found"] = known >= 0 ? known : add(whole_head(*config_.find_scan_step(StageRole::landmarks), name, true));
+    node.sources["found"] =
+        known >= 0 ? known : add(whole_head(*config_.find_scan_step(StageRole::landmarks), name, true));
   }
 
   bool needs_landmarks() const {

@@ -15,7 +15,7 @@
 #include "base/progress.h"
 #include "base/write_file.h"
 #include "cases/case.h"
-#include "head/anatomy_gate.h"
+#include "consistency/anatomy_gate.h"
 #include "page/page_notes.h"
 #include "publish/case_content.h"
 #include "publish/case_lock.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "head/anatomy_gate.h"
+#include "consistency/anatomy_gate.h"
 #include "stages/stage.h"
 
 namespace trephine {

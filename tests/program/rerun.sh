@@ -45,7 +45,7 @@ for name in sys.argv[3:]:
     assert second[name]["state"] != "computed", name
     assert second[name]["report"] == first[name]["report"], name
 again = [n for n, s in second.items() if s["state"] == "computed"]
-assert all(n in ("import", "resample", "body", "head_region") or n.endswith(".normals") or n.endswith(".contour") for n in again), again
+assert all(n in ("import", "resample", "scan", "body", "head_region") or n.endswith((".normals", ".contour", ".simplify")) for n in again), again
 PY
 
 # A parameter of one anatomy.
@@ -57,7 +57,7 @@ changed = sys.argv[2]
 stages = json.load(open(sys.argv[1]))["stages"]
 computed = [n for n, s in stages.items() if s["state"] == "computed"]
 assert f"{changed}.smooth" in computed
-assert all(n in ("import", "resample", "body", "head_region", "haptic.mismatch") or n.startswith(changed + ".") or n.endswith(".normals") for n in computed), computed
+assert all(n in ("import", "resample", "scan", "body", "head_region", "haptic.mismatch") or n.startswith(changed + ".") or n.endswith(".normals") for n in computed), computed
 PY
 
 # Bytes of every cached file flipped.
