@@ -52,6 +52,7 @@ std::string page_of(const HuVolume& volume) {
   case_samples::MemoryCase c;
   CaseManifest& m = c.manifest;
   m.case_token = "head";
+  m.program_version = "trephine 0.1.0";
   m.center_mm = {0, 0, 50};
   m.input_sha256 = sha256_of_bytes("input");
   const auto add = [&](const std::string& stem, const std::string& extension, const std::string& bytes) {

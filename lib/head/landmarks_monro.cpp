@@ -270,7 +270,7 @@ std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles,
           const std::size_t v = d.index(i, j, k);
           const double off_mm = (i - *column) * step_mm * side, in_mm = d.voxels[v];
           // Not over the other side's foramen and through the septum.
-          if (!(in_mm > -most_outside_mm) || off_mm < (k > third.top ? 0 : -4)) continue;
+          if (!(in_mm > -most_outside_mm) || off_mm < (k > third.top ? 0 : -2)) continue;
           allowed[v] = 1;
           seeds[v] = in_mm > 0 && third.row[std::size_t(k) * d.size[1] + j] && k < third.top - int(2 / step_mm);
           ends[v] = in_mm > 1 && off_mm > 3 && k > third.top + int(1.5 / step_mm);
