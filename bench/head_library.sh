@@ -33,15 +33,17 @@ while read -r name variant seed noise slice slices tilt more; do
   segment() {
     output=$1
     shift
-    "$trephine" segment "$at/volume.nrrd" "$@" --output "$at/$output.nrrd" --quiet
+    "$trephine" segment "$at/head.nrrd" "$@" --output "$at/$output.nrrd" --quiet
   }
   make_anatomies() {
-    segment skin --lower-hu -475 --open-mm 3 --components largest --fill cavities_and_cut --fill-close-mm 6 \
+    "$trephine" body "$at/volume.nrrd" --output "$at/body.nrrd" --quiet &&
+      "$trephine" head-region "$at/body.nrrd" --output "$at/head.nrrd" --quiet &&
+      segment skin --lower-hu -475 --open-mm 3 --components largest --fill cavities_and_cut --fill-close-mm 6 \
       --fill-max-ml 1000 &&
       segment skull --lower-hu 226 --seed-lower-hu 400 --edge half_maximum --min-component-ml 1 --fill cavities \
         --fill-close-mm 2 --fill-max-ml 100 --within "$at/skin.nrrd" &&
-      "$trephine" brain "$at/volume.nrrd" --skull "$at/skull.nrrd" --output "$at/brain.nrrd" --quiet &&
-      "$trephine" ventricles "$at/volume.nrrd" --brain "$at/brain.nrrd" --output "$at/ventricles.nrrd" --quiet
+      "$trephine" brain "$at/head.nrrd" --skull "$at/skull.nrrd" --output "$at/brain.nrrd" --quiet &&
+      "$trephine" ventricles "$at/head.nrrd" --brain "$at/brain.nrrd" --output "$at/ventricles.nrrd" --quiet
   }
   made=yes
   make_anatomies 2>"$at/errors.txt" || made=no
@@ -62,7 +64,7 @@ while read -r name variant seed noise slice slices tilt more; do
     echo "$name refused after $seconds s: $(grep -v '^warning' "$at/errors.txt" | tail -n 1)$of_skin"
     continue
   fi
-  "$trephine" landmarks "$at/volume.nrrd" --skin "$at/skin.nrrd" --skull "$at/skull.nrrd" --brain "$at/brain.nrrd" \
+  "$trephine" landmarks "$at/head.nrrd" --skin "$at/skin.nrrd" --skull "$at/skull.nrrd" --brain "$at/brain.nrrd" \
     --ventricles "$at/ventricles.nrrd" --lateral-mm 30 --output "$at/landmarks.json" --quiet 2>/dev/null || {
     echo "$name no landmarks after $seconds s$of_skin"
     continue

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "head/scan_verdict.h"
+#include "head/soft_tissue.h"
 #include "phantom/phantom.h"
 #include "phantom/random.h"
 
@@ -69,6 +70,18 @@ TEST(ScanFigures, NoiseIsMeasuredWhateverItsColour) {
   }
   const ScanFigures white = measure_scan(scanned(slab(30), {0, 0}));
   EXPECT_NEAR(white.neighbour_correlation_ratio, 0, 0.08);
+}
+
+// A sharp kernel's noise once looked white to the brain's own guard, and the brain was found with a Dice of 0.
+TEST(ScanFigures, NoiseOfAnyColourThatHidesTheBrainIsRefused) {
+  EXPECT_NO_THROW(segmentation::check_scan_noise(scanned(slab(12), {0.6, 2})));
+  for (const Kernel& kernel : {Kernel{1.0, 0}, Kernel{0.6, 2}}) try {
+      segmentation::check_scan_noise(scanned(slab(60), kernel));
+      ADD_FAILURE() << "not refused";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::quality);
+      EXPECT_NE(std::string(e.what()).find("smoother kernel"), std::string::npos) << e.what();
+    }
 }
 
 TEST(ScanFigures, ThickOverlappingSlicesAndWideKernelsShow) {

@@ -252,6 +252,7 @@ Field find_brain(const HuVolume& volume, const BrainMasks& masks, const BrainPar
       volume, {params.grow_mm, 1},
       [&](const segmentation::HuView& hu) {
         segmentation::check_varies(volume);
+        if (params.smoothing_sigma_mm == 0) segmentation::check_scan_noise(volume, progress);
         return segmentation::brain_in(hu, masks, params, report, progress);
       },
       report, progress);

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "mask/filters.h"
+#include "mask/scan_figures.h"
 
 namespace trephine::segmentation {
 namespace {
@@ -123,15 +124,27 @@ void level_tissue(Grid<float>& hu, const BitMask& known, Report& report, const P
   });
 }
 
-void check_noise(double noise, const Lattice& lattice) {
-  constexpr double most_hu = 23;       // 20 HU in slices of 3 mm are 15
-  constexpr double structure_mm3 = 8;  // a cube of 2 mm
-  const double hu = noise / std::sqrt(std::max(structure_mm3, lattice.voxel_volume_mm3()));
+namespace {
+
+void check_cube_noise(double hu) {
+  constexpr double most_hu = 23;  // 20 HU in slices of 3 mm are 15
   if (hu > most_hu)
     throw Error(ExitCode::quality, "", "volume",
                 fmt::format("noise of {:.0f} HU in a cube of 2 mm, at most {:.0f}: CSF and tissue are not told apart; "
                             "take a series of a smoother kernel, or set smoothing_sigma_mm",
                             hu, most_hu));
+}
+
+}  // namespace
+
+void check_noise(double noise, const Lattice& lattice) {
+  constexpr double structure_mm3 = 8;  // a cube of 2 mm
+  check_cube_noise(noise / std::sqrt(std::max(structure_mm3, lattice.voxel_volume_mm3())));
+}
+
+void check_scan_noise(const HuVolume& volume, const Progress& progress) {
+  const ScanFigures scan = measure_scan(volume, progress);
+  if (scan.known()) check_cube_noise(scan.cube_noise_hu);
 }
 
 double tissue_noise(const Grid<float>& hu, const BitMask& known, const Progress& progress) {

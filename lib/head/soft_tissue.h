@@ -23,6 +23,9 @@ double tissue_noise(const Grid<float>& hu, const BitMask& known, const Progress&
 /// Throws Error 80 where this noise leaves so much in a cube of 2 mm (or a voxel, where that is larger) that CSF and
 /// tissue, some 20 HU apart, cannot be told apart.
 void check_noise(double noise, const Lattice& lattice);
+/// The same of a scan as measure_scan sees it, whatever the colour of its noise: so much that the skull itself is found
+/// wrong leaves tissue_noise() no tissue to measure. Nothing is checked where measure_scan does not know the noise.
+void check_scan_noise(const HuVolume& volume, const Progress& progress = {});
 
 /// Denoises within `domain`, in place: the result is argmin of 1/2 |u - hu|^2 + strength * (total variation of u),
 /// lengths in mm [Rudin1992], found by the accelerated primal-dual method of [Chambolle2011]. Each threshold of the

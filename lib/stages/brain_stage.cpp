@@ -8,7 +8,7 @@ namespace trephine {
 StageType brain_stage() {
   StageType s;
   s.name = "brain";
-  s.version = 2;
+  s.version = 3;
   s.summary = "finds the brain inside the skull";
   s.description =
       "Gives a field on the volume's voxels that is positive inside the brain and follows its sulci. A seeded "
