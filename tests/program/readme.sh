@@ -5,6 +5,8 @@
 . "$(dirname "$0")/common.sh"
 PATH=$(dirname "$TREPHINE"):$PATH
 cp -r "$SOURCE/configs" "$SOURCE/pipelines" "$SOURCE/sample_dicom" "$SOURCE/trephine.root" "$work"
+# LONG=1: on the scan's own voxels.
+((LONG)) || printf '\nset: {resample.spacing_mm: [2.5, 2.5, 2.5]}\n' >>"$work/configs/ct_head.yaml"
 mkdir -p "$work/build/release"
 ln -s "$(dirname "$TREPHINE")" "$work/build/release/bin"
 cd "$work"
