@@ -126,6 +126,8 @@ void level_tissue(Grid<float>& hu, const BitMask& known, Report& report, const P
 
 namespace {
 
+constexpr double structure_mm3 = 8;  // a cube of 2 mm
+
 void check_cube_noise(double hu) {
   constexpr double most_hu = 23;  // 20 HU in slices of 3 mm are 15
   if (hu > most_hu)
@@ -138,11 +140,12 @@ void check_cube_noise(double hu) {
 }  // namespace
 
 void check_noise(double noise, const Lattice& lattice) {
-  constexpr double structure_mm3 = 8;  // a cube of 2 mm
   check_cube_noise(noise / std::sqrt(std::max(structure_mm3, lattice.voxel_volume_mm3())));
 }
 
 void check_scan_noise(const HuVolume& volume, const Progress& progress) {
+  // In coarser voxels the tissue's own detail looks like noise.
+  if (lattice_of(volume).voxel_volume_mm3() > structure_mm3) return;
   const ScanFigures scan = measure_scan(volume, progress);
   if (scan.known()) check_cube_noise(scan.cube_noise_hu);
 }

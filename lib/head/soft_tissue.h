@@ -24,7 +24,8 @@ double tissue_noise(const Grid<float>& hu, const BitMask& known, const Progress&
 /// tissue, some 20 HU apart, cannot be told apart.
 void check_noise(double noise, const Lattice& lattice);
 /// The same of a scan as measure_scan sees it, whatever the colour of its noise: so much that the skull itself is found
-/// wrong leaves tissue_noise() no tissue to measure. Nothing is checked where measure_scan does not know the noise.
+/// wrong leaves tissue_noise() no tissue to measure. Nothing is checked where
+/// measure_scan does not know the noise, and in voxels of more than 8 mm^3.
 void check_scan_noise(const HuVolume& volume, const Progress& progress = {});
 
 /// Denoises within `domain`, in place: the result is argmin of 1/2 |u - hu|^2 + strength * (total variation of u),
