@@ -35,12 +35,6 @@ constexpr double most_cavity_ml = 1000;
 
 double ml_of(const BitMask& mask) { return mask.count() * mask.lattice().voxel_volume_mm3() / 1000; }
 
-BitMask above(const HuView& hu, double threshold) {
-  return make_mask(hu.lattice(), [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < hu.lattice().size[0]; ++i) row[i] = hu(i, j, k) > threshold;
-  });
-}
-
 /// The voxels of the cells that are set.
 BitMask fine_of(const BitMask& cells, const CoarseRaster& raster) {
   const auto& factor = raster.factor;
@@ -116,14 +110,7 @@ BitMask left_beside(const BitMask& piece, const BitMask& dense, const BitMask& b
 /// How much of each component lies outside of the mask.
 std::vector<double> ml_outside(const Components& parts, const BitMask& mask) {
   std::vector<double> ml(parts.list.size());
-  const int ny = parts.lattice.size[1];
-  for (std::size_t row = 0; row + 1 < parts.row_start.size(); ++row)
-    for (std::size_t r = parts.row_start[row]; r < parts.row_start[row + 1]; ++r) {
-      int outside = 0;
-      for (int i = parts.runs[r].begin; i < parts.runs[r].end; ++i)
-        outside += !mask.get(i, int(row % ny), int(row / ny));
-      ml[parts.runs[r].component] += outside;
-    }
+  for_each_voxel(parts, [&](int component, int i, int j, int k) { ml[component] += !mask.get(i, j, k); });
   for (double& v : ml) v *= parts.lattice.voxel_volume_mm3() / 1000;
   return ml;
 }

@@ -54,18 +54,13 @@ BitMask noise_pits(const BitMask& cut, const BitMask& shape, const Grid<float>& 
   };
   std::vector<Sum> sums(pieces.list.size());
   const Lattice& l = deep.lattice();
-  for (int k = 0; k < l.size[2]; ++k)
-    for (int j = 0; j < l.size[1]; ++j) {
-      const std::size_t row = std::size_t(k) * l.size[1] + j;
-      for (std::size_t r = pieces.row_start[row]; r < pieces.row_start[row + 1]; ++r)
-        for (int i = pieces.runs[r].begin; i < pieces.runs[r].end; ++i) {
-          if (!known.get(i, j, k)) continue;
-          Sum& s = sums[std::size_t(pieces.runs[r].component)];
-          s.dark += tissue_level_hu - hu.at(i, j, k);
-          s.noise += local.at(i, j, k);
-          s.voxels += 1;
-        }
-    }
+  for_each_voxel(pieces, [&](int component, int i, int j, int k) {
+    if (!known.get(i, j, k)) return;
+    Sum& s = sums[std::size_t(component)];
+    s.dark += tissue_level_hu - hu.at(i, j, k);
+    s.noise += local.at(i, j, k);
+    s.voxels += 1;
+  });
   std::vector<char> pit;
   for (const Sum& s : sums) {
     if (!(s.voxels > 0)) {  // beside bone, where HU are not reliable: no evidence

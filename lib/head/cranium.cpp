@@ -118,13 +118,8 @@ BitMask above_half(const Grid<float>& share, const CoarseRaster& c, const Lattic
 }  // namespace
 
 BitMask bone_of(const HuView& hu) {
-  const auto above = [&](float threshold) {
-    return make_mask(hu.lattice(), [&](int j, int k, std::uint8_t* row) {
-      for (int i = 0; i < hu.lattice().size[0]; ++i) row[i] = hu(i, j, k) > threshold;
-    });
-  };
-  const Components pieces = components(above(226), true);
-  std::vector<char> keep = touching(pieces, above(400));
+  const Components pieces = components(above(hu, 226), true);
+  std::vector<char> keep = touching(pieces, above(hu, 400));
   for (std::size_t c = 0; c < keep.size(); ++c)
     if (pieces.list[c].voxels * hu.lattice().voxel_volume_mm3() < 1000) keep[c] = 0;
   return select(pieces, keep);

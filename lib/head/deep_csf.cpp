@@ -102,15 +102,10 @@ BitMask third_slit(const Grid<float>& soft, const BitMask& envelope, const HeadP
 BitMask in_place(const BitMask& mask, const HeadPlace& place) {
   const Components pieces = components(mask);
   std::vector<double> near(pieces.list.size(), 0);
-  for (int k = 0; k < pieces.lattice.size[2]; ++k)
-    for (int j = 0; j < pieces.lattice.size[1]; ++j) {
-      const std::size_t row = std::size_t(k) * pieces.lattice.size[1] + j;
-      for (std::size_t r = pieces.row_start[row]; r < pieces.row_start[row + 1]; ++r)
-        for (int i = pieces.runs[r].begin; i < pieces.runs[r].end; ++i) {
-          const Vec3 p = place.to_template(pieces.lattice.to_world_mm({double(i), double(j), double(k)}));
-          near[std::size_t(pieces.runs[r].component)] += std::min(lateral_mm(p), third_mm(p)) <= strange_mm;
-        }
-    }
+  for_each_voxel(pieces, [&](int component, int i, int j, int k) {
+    const Vec3 p = place.to_template(pieces.lattice.to_world_mm({double(i), double(j), double(k)}));
+    near[std::size_t(component)] += std::min(lateral_mm(p), third_mm(p)) <= strange_mm;
+  });
   std::vector<char> keep;
   for (std::size_t c = 0; c < near.size(); ++c)
     keep.push_back(near[c] >= strange_share * double(pieces.list[c].voxels));

@@ -63,14 +63,9 @@ HuVolume head_region(const HuVolume& volume, const HeadRegionParams& p, Report& 
   check_finite(volume);
   const HuView hu(volume);
   const Lattice& l = hu.lattice();
-  const auto above = [&](double threshold) {
-    return make_mask(l, [&](int j, int k, std::uint8_t* row) {
-      for (int i = 0; i < l.size[0]; ++i) row[i] = hu(i, j, k) > threshold;
-    });
-  };
   const CoarseRaster raster = coarse_raster(l, coarse_mm);
-  const BitMask bone = coarse_mask(above(bone_hu), raster, 0.5);
-  const BitMask tissue = largest(components(coarse_mask(above(p.tissue_hu), raster, 0.5)));
+  const BitMask bone = coarse_mask(above(hu, bone_hu), raster, 0.5);
+  const BitMask tissue = largest(components(coarse_mask(above(hu, p.tissue_hu), raster, 0.5)));
   progress.report(0.4);
   BitMask cavity;
   try {

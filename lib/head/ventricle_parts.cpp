@@ -17,14 +17,9 @@ constexpr double compressed_ratio = 0.25, compressed_ml = 0.6;
 /// Calls with the template's coordinates of each voxel and its component.
 template <class F>
 void each(const Components& pieces, const HeadPlace& place, F&& f) {
-  for (int k = 0; k < pieces.lattice.size[2]; ++k)
-    for (int j = 0; j < pieces.lattice.size[1]; ++j) {
-      const std::size_t row = std::size_t(k) * pieces.lattice.size[1] + j;
-      for (std::size_t r = pieces.row_start[row]; r < pieces.row_start[row + 1]; ++r)
-        for (int i = pieces.runs[r].begin; i < pieces.runs[r].end; ++i)
-          f(place.to_template(pieces.lattice.to_world_mm({double(i), double(j), double(k)})),
-            std::size_t(pieces.runs[r].component));
-    }
+  for_each_voxel(pieces, [&](int component, int i, int j, int k) {
+    f(place.to_template(pieces.lattice.to_world_mm({double(i), double(j), double(k)})), std::size_t(component));
+  });
 }
 
 double nearest_mm(Vec3 p) {

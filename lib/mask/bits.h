@@ -85,6 +85,15 @@ struct Components {
   std::vector<Component> list;
 };
 Components components(const BitMask& mask, bool diagonal = false);
+/// Calls visit(component, i, j, k) for every voxel, in the order of memory.
+template <class Visit>
+void for_each_voxel(const Components& c, const Visit& visit) {
+  const int ny = c.lattice.size[1];
+  for (std::size_t row = 0; row + 1 < c.row_start.size(); ++row)
+    for (std::size_t r = c.row_start[row]; r < c.row_start[row + 1]; ++r)
+      for (int i = c.runs[r].begin; i < c.runs[r].end; ++i)
+        visit(int(c.runs[r].component), i, int(row % ny), int(row / ny));
+}
 /// The union of the components for which keep[component] is not 0.
 BitMask select(const Components& components, const std::vector<char>& keep);
 /// The union of the components of at least `ml`.

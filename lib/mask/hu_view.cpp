@@ -15,6 +15,12 @@
 
 namespace trephine::segmentation {
 
+BitMask above(const HuView& hu, double threshold) {
+  return make_mask(hu.lattice(), [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < hu.lattice().size[0]; ++i) row[i] = hu(i, j, k) > threshold;
+  });
+}
+
 Grid<float> crop(const HuView& hu, const Box& box) {
   Grid<float> out(cropped(hu.lattice(), box));
   parallel_for(0, out.size[2], 4, [&](std::int64_t from, std::int64_t to) {

@@ -23,6 +23,9 @@ class HuView {
   const Lattice& lattice_;
 };
 
+/// The voxels of more than `threshold`.
+BitMask above(const HuView& hu, double threshold);
+
 /// The box as float HU.
 Grid<float> crop(const HuView& hu, const Box& box);
 
