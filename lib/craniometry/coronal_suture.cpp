@@ -30,8 +30,6 @@ constexpr double ring_step = 0.1;  ///< of a slice
 constexpr int most_step = 2;       ///< columns from plane to plane
 constexpr double step_cost = 0.05;
 
-double share(double value, double zero, double one) { return std::clamp((value - zero) / (one - zero), 0.0, 1.0); }
-
 /// Trilinear; air outside.
 double hu_at(const HuView& hu, Vec3 world) {
   const Lattice& l = hu.lattice();
@@ -262,7 +260,8 @@ std::optional<CoronalSuture> find_coronal_suture(const HuVolume& volume, const C
   out.visible_ratio = double(seen) / planes;
   out.distinct_ratio = line.strength / std::max(best_line(rest).strength, 0.05);
   out.halves_apart_mm = std::abs(crossing_mm(line, strength, true) - crossing_mm(line, strength, false));
-  out.confidence = std::min(share(out.visible_ratio, 0.4, 0.7), share(out.distinct_ratio, 1.2, 2));
+  out.confidence =
+      std::min(segmentation::ramp(out.visible_ratio, 0.4, 0.7), segmentation::ramp(out.distinct_ratio, 1.2, 2));
   if (out.halves_apart_mm > most_halves_apart_mm) out.confidence *= 0.4;
   return out;
 }

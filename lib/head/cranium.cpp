@@ -65,9 +65,7 @@ Mask seeds_of(const BitMask& bone, const Grid<float>& to_bone) {
   Mask seeds(l);
   seeds.voxels[core_of(bone, to_bone)] = 1;
   // The outside is what touches the volume's sides; above and below, the scan may cut the head.
-  int vertical = 0;
-  for (int a = 1; a < 3; ++a)
-    if (std::abs(l.direction.column[a].z) > std::abs(l.direction.column[vertical].z)) vertical = a;
+  const int vertical = vertical_axis(l);
   for (int k = 0; k < l.size[2]; ++k)
     for (int j = 0; j < l.size[1]; ++j)
       for (int i = 0; i < l.size[0]; ++i) {
@@ -116,6 +114,13 @@ BitMask above_half(const Grid<float>& share, const CoarseRaster& c, const Lattic
 }
 
 }  // namespace
+
+int vertical_axis(const Lattice& l) {
+  int vertical = 0;
+  for (int a = 1; a < 3; ++a)
+    if (std::abs(l.direction.column[a].z) > std::abs(l.direction.column[vertical].z)) vertical = a;
+  return vertical;
+}
 
 BitMask bone_of(const HuView& hu) {
   const Components pieces = components(above(hu, 226), true);

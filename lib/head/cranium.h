@@ -4,6 +4,9 @@
 
 namespace trephine::segmentation {
 
+/// The lattice's axis that is nearest to the patient's superior direction (LPS z), up or down.
+int vertical_axis(const Lattice& lattice);
+
 /// The bone of the volume where no skull is given: hysteresis 226 / 400 HU, pieces of at least 1 ml.
 BitMask bone_of(const HuView& hu);
 

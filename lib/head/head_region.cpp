@@ -29,11 +29,8 @@ struct UpAxis {
   bool ascends = true;
 };
 UpAxis up_axis(const Lattice& l) {
-  UpAxis up{0, true};
-  for (int a = 1; a < 3; ++a)
-    if (std::abs(l.direction.column[a].z) > std::abs(l.direction.column[up.axis].z)) up.axis = a;
-  up.ascends = l.direction.column[up.axis].z > 0;
-  return up;
+  const int axis = vertical_axis(l);
+  return {axis, l.direction.column[axis].z > 0};
 }
 
 double cell_face_mm2(const Lattice& l, int axis) { return l.voxel_volume_mm3() / l.spacing_mm[axis]; }

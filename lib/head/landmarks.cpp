@@ -13,6 +13,7 @@
 #include "craniometry/plausible.h"
 #include "head/landmarks_parts.h"
 #include "head/symmetry.h"
+#include "mask/filters.h"
 #include "mask/hu_view.h"
 
 namespace trephine {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "head/landmarks_parts.h"
+#include "mask/filters.h"
 
 namespace trephine::segmentation {
 namespace {

@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "head/landmarks_parts.h"
+#include "mask/filters.h"
 
 namespace trephine::segmentation {
 namespace {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "head/landmarks_parts.h"
+#include "mask/filters.h"
 
 namespace trephine::segmentation {
 namespace {
@@ -40,8 +41,6 @@ Vec3 at_step(const std::vector<Vec3>& curve, int i, double offset) {
 double in_scan(const FieldView& view, Vec3 p) { return ramp(view.depth_in_scan_mm(p), 1, 10); }
 
 }  // namespace
-
-double ramp(double value, double zero, double one) { return std::clamp((value - zero) / (one - zero), 0.0, 1.0); }
 
 std::vector<Vec3> midline_profile(const FieldView& view, const HeadFrame& head, bool front, double sigma_mm) {
   const Outline curve = outline(view, {head.origin_mm, head.up, front ? -head.back : head.back, 10, 150});

@@ -53,9 +53,6 @@ void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reas
 void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& given, const Reasons& reasons,
                             Report& report);
 
-/// 0 at `zero`, 1 at `one`, linear between them; `one` may be the smaller.
-double ramp(double value, double zero, double one);
-
 /// Signed distance in mm to the field's zero crossing (positive inside): the distance to the nearest of its crossings
 /// between voxels, up to `reach` voxels, and that limit beyond. The spacing must be the same along all axes. Much
 /// faster than signed_distance_mm where only the surroundings of the surface matter.

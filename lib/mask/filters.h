@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "base/progress.h"
@@ -32,6 +33,11 @@ Mask flood(const Grid<float>& height, const BitMask& domain, const Mask& seeds, 
 /// off by a small share of a voxel). More than a voxel from the surface it is good to about 0.05 voxel; nearer, it is
 /// too large by up to a quarter of a voxel. 1e6 where there is no surface.
 Grid<float> signed_distance_mm(const Field& field, const Progress& progress = {});
+
+/// 0 at `zero`, 1 at `one`, linear between them; `one` may be the smaller.
+inline double ramp(double value, double zero, double one) {
+  return std::clamp((value - zero) / (one - zero), 0.0, 1.0);
+}
 
 /// The median of the values; `otherwise` where there are none. Reorders the values.
 float median(std::vector<float>& values, float otherwise);
