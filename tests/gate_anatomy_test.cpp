@@ -122,7 +122,7 @@ void expect_fault(const Head& head, std::vector<std::string> words, Vec3 place, 
     FAIL() << "no error";
   } catch (const AnatomyError& e) {
     EXPECT_EQ(e.code(), ExitCode::quality);
-    EXPECT_EQ(e.field(), "anatomy");
+    EXPECT_EQ(e.field(), "");
     EXPECT_EQ(e.faults().size(), found.faults.size());
   }
 }

@@ -81,7 +81,7 @@ TEST(StageBurrHole, KochersPointLies5To25MillimetresBeforeTheSuture) {
   EXPECT_NE(behind.find("behind the coronal suture"), std::string::npos) << behind;
   // What the message says to do works.
   BurrHoleParams followed;
-  const std::string key = "say along_mm: ";
+  const std::string key = "set `along_mm` to ";
   ASSERT_NE(far.find(key), std::string::npos) << far;
   followed.along_mm = std::stod(far.substr(far.find(key) + key.size()));
   EXPECT_EQ(said(marks(150), followed), "made");

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "surface/ray_column.h"
 
 namespace trephine::detail {
@@ -18,7 +19,7 @@ constexpr double above_point_mm = 10, search_mm = 40;  ///< where along the axis
 constexpr double deeper_mm = 9, clearance_mm = 1, skin_clearance_mm = 2, bare_clearance_mm = 20;
 constexpr double least_on_bone = 0.75, least_fit_mm = 3;
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ExitCode::quality, "", "", what); }
+[[noreturn]] void refuse(const std::string& what, const Remedy& remedy) { throw refusal("", what, remedy); }
 
 std::string text_of(Vec3 p) { return fmt::format("[{:.1f}, {:.1f}, {:.1f}]", p.x, p.y, p.z); }
 
@@ -32,8 +33,8 @@ std::optional<Span> first_bone(const RayColumn& skull, double u, double v, doubl
 Span bone_on_axis(const RayColumn& skull, Vec3 through_mm) {
   const auto bone = first_bone(skull, 0, 0, -above_point_mm, search_mm);
   if (!bone)
-    refuse(fmt::format("the axis meets no skull within {} mm of {}: choose another place or direction", search_mm,
-                       text_of(through_mm)));
+    refuse(fmt::format("the axis meets no skull within {} mm of {}", search_mm, text_of(through_mm)),
+           {"choose another `position_mm` or `direction`"});
   return *bone;
 }
 
@@ -101,7 +102,9 @@ Vec3 perpendicular_to_skull(const TriMesh& skull, Vec3 through_mm, Vec3 inwards,
       if (hit) heights.push_back({u, v, hit->enter});
     }
     const auto plane = fit_trimmed(heights);
-    if (!plane) refuse("too little of the skull's outer surface lies about " + text_of(through_mm + axis * bone.enter));
+    if (!plane)
+      refuse("too little of the skull's outer surface lies about " + text_of(through_mm + axis * bone.enter),
+             {"move the hole by `position_mm`, or give its `direction`"});
     const Vec3 next = normalized(axis - column.across() * plane->b - column.upwards() * plane->c);
     const double turned = norm(next - axis);
     // After that many rounds a rough surface makes it swing between two answers: their middle.
@@ -132,12 +135,12 @@ HoleSection hole_section(const TriMesh& skull, const TriMesh* skin, Vec3 through
   out.on_bone_ratio = met / static_cast<double>(samples.size());
   if (out.on_bone_ratio < least_on_bone)
     refuse(fmt::format("only {:.0f} % of the hole at {} lie on the skull, at least {:.0f} %", 100 * out.on_bone_ratio,
-                       text_of(through_mm + direction * axis.enter), 100 * least_on_bone));
+                       text_of(through_mm + direction * axis.enter), 100 * least_on_bone),
+           {"move it by `position_mm`, or make it smaller by `diameter_mm`"});
   if (deepest > axis.leave + deeper_mm)
-    refuse(
-        fmt::format("the bone within the hole ends {:.1f} mm deeper than on its axis, at most {} mm: make the hole "
-                    "smaller or its axis less oblique",
-                    deepest - axis.leave, deeper_mm));
+    refuse(fmt::format("the bone within the hole ends {:.1f} mm deeper than on its axis, at most {} mm",
+                       deepest - axis.leave, deeper_mm),
+           {"make the hole smaller by `diameter_mm`, or its axis less oblique by `direction` or `toward`"});
   out.end_mm = deepest + clearance_mm;
   out.begin_mm = out.bone_begin_mm - bare_clearance_mm;
   out.skin_enter_mm = axis.enter;
@@ -169,7 +172,8 @@ void check_within_scan(const Cutter& cutter, double from_mm, const std::vector<C
                         reach;
     if (left < 0)
       refuse(fmt::format("the hole would leave the scanned volume by {:.1f} mm: the scan ends beside {}", -left,
-                         text_of(cutter.position_mm)));
+                         text_of(cutter.position_mm)),
+             {"move it by `position_mm`, or take a series with a wider field of view"});
   }
 }
 

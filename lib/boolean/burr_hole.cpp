@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "boolean/burr_axis.h"
 #include "boolean/cut_faces.h"
 #include "boolean/outer_curve.h"
@@ -19,9 +20,9 @@ using Landmarks = std::map<std::string, Vec3>;
 
 constexpr double farthest_nasion_mm = 10, on_cut_face_mm = 0.05, tangent_mm = 5, skull_depth_mm = 70, widest_gap_mm = 3;
 
-[[noreturn]] void refuse(const std::string& what, ExitCode code = ExitCode::quality) {
-  throw Error(code, "", "", what);
-}
+[[noreturn]] void refuse(const std::string& what, const Remedy& remedy) { throw refusal("", what, remedy); }
+
+[[noreturn]] void refuse(const std::string& what, ExitCode code) { throw Error(code, "", "", what); }
 
 std::string text_of(Vec3 p) { return fmt::format("[{:.1f}, {:.1f}, {:.1f}]", p.x, p.y, p.z); }
 
@@ -57,10 +58,8 @@ void require_landmarks(const Landmarks& marks) {
     names += (names.empty() ? "" : " and ") + m + (m == "inion" ? " (or vertex)" : "");
     example += (example.empty() ? "" : ", ") + m + ": [x, y, z]";
   }
-  refuse(
-      fmt::format("Kocher's point needs {}, which {} not known: give in the case's configuration landmarks: {{{}}}, "
-                  "mm, LPS",
-                  names, missing.size() > 1 ? "are" : "is", example));
+  refuse(fmt::format("Kocher's point needs {}, which {} not known", names, missing.size() > 1 ? "are" : "is"),
+         {fmt::format("give in the case's configuration `landmarks: {{{}}}`, mm, LPS", example)});
 }
 
 Midline find_midline(const Landmarks& marks) {
@@ -130,7 +129,8 @@ void check_walk(const OuterCurve& curve, Vec3 end, const std::vector<CutFace>& f
     for (const CutFace& face : faces)
       if (face.inside_mm(p) < on_cut_face_mm)
         refuse(fmt::format("the {} runs over the scan's edge at {}: that part of the head was not scanned", which,
-                           text_of(p)));
+                           text_of(p)),
+               {"give the hole by `position_mm`, or take a series that holds the whole vault"});
   }
   if (widest > widest_gap_mm)
     report.warn(fmt::format("the {} leaps over a gap or step of {:.1f} mm in the surface", which, widest));
@@ -148,14 +148,17 @@ Entry kocher_point(const BurrHoleRequest& r, const Midline& m, const TriMesh& su
   const OuterCurve midline = outer_curve(surface, {m.centre_mm, front, onwards});
   const auto along = [&](const OuterCurve& curve, double length, const char* which) {
     const auto p = point_along(curve, length);
-    if (!p) refuse(fmt::format("the {} ends before {:.1f} mm along the {}", which, length, surface_name));
+    if (!p)
+      refuse(fmt::format("the {} ends before {:.1f} mm along the {}", which, length, surface_name),
+             {"lower `along_mm` or `lateral_mm`, or give the hole by `position_mm`"});
     return *p;
   };
   const Vec3 top = along(midline, r.along_mm, "midline");
   const double off = norm(midline.points_mm[midline.start] - m.nasion);
   if (off > farthest_nasion_mm)
     refuse(fmt::format("the nasion {} lies {:.1f} mm from the {}, at most {} mm", text_of(m.nasion), off, surface_name,
-                       farthest_nasion_mm));
+                       farthest_nasion_mm),
+           {"give the right one: `landmarks: {nasion: [x, y, z]}`, mm, LPS"});
   check_walk(midline, top, faces, "midline", report);
   const Vec3 behind = along(midline, r.along_mm + tangent_mm, "midline");
   const Vec3 ahead = along(midline, std::max(0.0, r.along_mm - tangent_mm), "midline");
@@ -177,13 +180,15 @@ Entry kocher_point(const BurrHoleRequest& r, const Midline& m, const TriMesh& su
 Vec3 direction_of(const BurrHoleRequest& r, const Entry& entry, const TriMesh& skull) {
   const auto into_the_head = [&](Vec3 direction) {
     if (!(dot(direction, entry.inwards) > 0))
-      refuse(fmt::format("the direction {} points out of the head", text_of(direction)));
+      refuse(fmt::format("the direction {} points out of the head", text_of(direction)),
+             {"turn `direction` round, or leave it out"});
     return direction;
   };
   if (r.direction) return into_the_head(normalized(*r.direction));
   if (!r.toward_mm) return perpendicular_to_skull(skull, entry.point_mm, entry.inwards, r.diameter_mm / 2);
   const Vec3 way = *r.toward_mm - entry.point_mm;
-  if (!(norm(way) > 1)) refuse("toward_mm " + text_of(*r.toward_mm) + " lies at the entry itself");
+  if (!(norm(way) > 1))
+    refuse("toward_mm " + text_of(*r.toward_mm) + " lies at the entry itself", {"choose another `toward`"});
   return into_the_head(normalized(way));
 }
 
@@ -191,7 +196,9 @@ BurrHole place(const BurrHoleRequest& request, const Landmarks& marks, const Tri
                Report& report) {
   check_request(request);
   check_mesh(skull);
-  if (skull.triangles.empty()) refuse("there is no skull: its surface is empty");
+  if (skull.triangles.empty())
+    refuse("there is no skull: its surface is empty",
+           {"lower `lower_hu` of its `segment`, or take a series with bone"});
   if (skin) check_mesh(*skin);
   if (skin && skin->triangles.empty()) skin = nullptr;
   std::vector<CutFace> faces = cut_faces(skull);

@@ -35,7 +35,7 @@ BurrHoleRequest request_of(const BurrHoleParams& params, const std::map<std::str
                            ExitCode code) {
   check_request(params, code);
   if (const std::string missing = missing_landmark(params, landmarks_mm); !missing.empty())
-    throw Error(code, "", "landmarks." + missing, std::string("is missing") + how_to_give_a_landmark);
+    throw Error(code, "", "landmarks." + missing, std::string("is missing; ") + how_to_give_a_landmark);
   BurrHoleRequest r;
   r.at = params.at;
   r.side = params.side;

@@ -62,6 +62,6 @@ BurrHoleRequest request_of(const BurrHoleParams& params, const std::map<std::str
 
 /// The end of a message: what to do about a landmark that is missing or has too little confidence.
 constexpr const char* how_to_give_a_landmark =
-    "; give it in mm, LPS: landmarks: {NAME: [x, y, z]}, or a landmarks_file (.mrk.json or .fcsv of 3D Slicer)";
+    "give it in mm, LPS: `landmarks: {NAME: [x, y, z]}`, or a `landmarks_file` (.mrk.json or .fcsv of 3D Slicer)";
 
 }  // namespace trephine

@@ -14,6 +14,7 @@
 #include "base/child.h"
 #include "base/child_message.h"
 #include "base/error.h"
+#include "base/refusal.h"
 
 namespace trephine {
 namespace {
@@ -32,7 +33,7 @@ Mesh to_cgal(const std::vector<Vec3>& points, const std::vector<Triangle>& trian
   for (const Vec3 p : points) m.add_vertex({p.x, p.y, p.z});
   for (const auto& t : triangles)
     if (m.add_face(Mesh::Vertex_index(t[0]), Mesh::Vertex_index(t[1]), Mesh::Vertex_index(t[2])) == Mesh::null_face())
-      throw Error(ExitCode::quality, "", "", "an operand is not 2-manifold");
+      throw refusal("", "an operand is not 2-manifold", {"mend it with `repair`"});
   return m;
 }
 
@@ -50,7 +51,7 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
   Mesh surface = to_cgal(points, triangles), solid = to_cgal(solid_points, solid_triangles);
   if (!Pmp::corefine_and_compute_difference(surface, solid, surface,
                                             CGAL::parameters::throw_on_self_intersection(true)))
-    throw Error(ExitCode::quality, "", "", "the difference is no 2-manifold");
+    throw refusal("", "the difference is no 2-manifold", {"move the cutter a little by `position_mm`"});
 
   std::vector<Vec3> out_points;
   std::vector<std::uint32_t> old_point, old_triangle,

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "base/text.h"
 #include "boolean/clean_cut.h"
 #include "boolean/corefine.h"
@@ -23,7 +24,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ExitCode::quality, "", "", what); }
+[[noreturn]] void refuse(const std::string& what) {
+  throw refusal("", what, {"move the cutter a little by `position_mm`, or take another `cutter_deviation_mm`"});
+}
 
 /// How the cutter is placed in one try.
 struct Placing {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "base/text.h"
 #include "boolean/cutter.h"
 #include "boolean/cutter_shape.h"
@@ -16,8 +17,8 @@ constexpr double pi = 3.14159265358979323846;
 constexpr int most_corners = 8192, most_splits = 128;
 
 [[noreturn]] void too_fine(double max_deviation_mm) {
-  throw Error(ExitCode::quality, "", "cutter",
-              "a deviation of " + to_text(max_deviation_mm) + " mm needs too many facets for its size");
+  throw refusal("cutter", "a deviation of " + to_text(max_deviation_mm) + " mm needs too many facets for its size",
+                {"raise `cutter_deviation_mm`"});
 }
 
 /// How much further out the corners lie than the circle whose area the polygon has.

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "base/text.h"
 #include "cases/glb.h"
 #include "cases/glb_layout.h"
@@ -65,8 +66,8 @@ void check_triangles(const TriMesh& mesh, const std::vector<Float3>& positions) 
     bad +=
         positions[t[0]] == positions[t[1]] || positions[t[1]] == positions[t[2]] || positions[t[2]] == positions[t[0]];
   if (bad > 0)
-    throw Error(ExitCode::quality, "", "glb",
-                std::to_string(bad) + " triangles lose a side when their points are rounded to float32");
+    throw refusal("glb", std::to_string(bad) + " triangles lose a side when their points are rounded to float32",
+                  {"allow larger triangles by `max_deviation_mm` of `decimate`, or mend the surface with `repair`"});
 }
 
 // Zeros up to a multiple of four, as glTF wants its views and chunks.
@@ -144,7 +145,8 @@ Json document_of(const TriMesh& mesh, const Arrays& arrays, const GlbParams& par
 
 void append_number(std::string& out, std::size_t value) {
   if (value > std::numeric_limits<std::uint32_t>::max())
-    throw Error(ExitCode::quality, "", "glb", "the surface is larger than a GLB can be, 4 GiB");
+    throw refusal("glb", "the surface is larger than a GLB can be, 4 GiB",
+                  {"allow fewer triangles by `target_triangles_count` of `decimate`"});
   const auto v = static_cast<std::uint32_t>(value);
   out.append(reinterpret_cast<const char*>(&v), sizeof v);
 }
@@ -177,7 +179,9 @@ void check_written(const std::string& bytes, const TriMesh& mesh, const Arrays& 
 std::string make_glb(const TriMesh& mesh, const GlbParams& params) {
   check_mesh(mesh);
   check_params(params);
-  if (mesh.triangles.empty()) throw Error(ExitCode::quality, "", "glb", "the surface is empty");
+  if (mesh.triangles.empty())
+    throw refusal("glb", "the surface is empty",
+                  {"leave it out of the scene, or look at what its stages made with `keep`"});
   const Arrays arrays = rounded(mesh, params.center_mm);
   check_triangles(mesh, arrays.positions);
   const bool narrow = mesh.points_mm.size() <= detail::largest_uint16_points;

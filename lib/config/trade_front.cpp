@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/params.h"
+#include "base/refusal.h"
 #include "base/text.h"
 #include "base/write_file.h"
 
@@ -89,7 +90,8 @@ TradeChoice choose_profile(const std::vector<TradePoint>& points, const std::str
   for (const TradePoint& p : points)
     if (p.deviation_rms_mm > 0 && (profile == "fine" || is_within_scene(p))) measured.push_back(p);
   const auto front = pareto_front(measured, TradeCost::seconds, TradeError::rms);
-  if (front.empty()) throw Error(ExitCode::quality, "", "profile", "the front has no point");
+  if (front.empty())
+    throw refusal("profile", "the front has no point", {"measure one with `trade`, or leave `profile` out"});
   const std::size_t knee = knee_of(measured, front);
   const std::string of = " of " + std::to_string(front.size()) + " on the front of seconds against RMS deviation: ";
   if (profile == "draft") return {measured[front.front()], "the fastest" + of + figures(measured[front.front()])};
@@ -204,9 +206,10 @@ TradeChoice choose(const std::vector<TradePoint>& points, const TradeRule& rule)
     if (!best || better(p, *best)) best = &p;
   }
   if (!best)
-    throw Error(ExitCode::quality, "", "trade",
-                "no point of the front keeps " + rule.text() +
-                    (nearest ? "; the nearest is " + nearest->name + ": " + figures(*nearest) : ""));
+    throw refusal("trade",
+                  "no point of the front keeps " + rule.text() +
+                      (nearest ? "; the nearest is " + nearest->name + ": " + figures(*nearest) : ""),
+                  {"relax `accuracy` or `budget` to that, or choose a `profile`"});
   return {*best, std::string(accuracy ? "the fastest" : "the most accurate") + " of " + std::to_string(keep) + " of " +
                      std::to_string(points.size()) + " points that keep " + rule.text() + ": " + figures(*best)};
 }

@@ -42,7 +42,8 @@ struct AnatomyGateParams : HeadClassParams {
 /// One thing that is wrong with a head's anatomies.
 struct AnatomyFault {
   std::string what;  ///< "3.2 ml of the ventricles lie outside of the brain, by up to 4.1 mm, farthest at (12, -3, 55)"
-  Vec3 place_mm;     ///< where it is worst
+  std::string remedy;         ///< what a person can do about it, with names of keys in backticks (base/refusal.h)
+  Vec3 place_mm;              ///< where it is worst
   std::string first, second;  ///< the anatomies it is about; second may be empty
 };
 
@@ -51,7 +52,8 @@ struct AnatomyFindings {
   std::vector<AnatomyFault> faults;  ///< the worst first
 };
 
-/// The error that require_anatomy throws: exit code 80, the field "anatomy", all faults in one line.
+/// The error that require_anatomy throws: exit code 80, all faults in one line, then each remedy
+/// once.
 class AnatomyError : public Error {
  public:
   explicit AnatomyError(std::vector<AnatomyFault> faults);

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 
 namespace trephine {
 namespace {
@@ -133,8 +134,7 @@ HuVolume resample(const HuVolume& volume, const ResampleParams& params, Report& 
       if (!std::isfinite(v)) throw Error(ExitCode::bad_input, "", "volume", "a voxel is NaN or infinite");
   constexpr double most_voxels = 4e9;
   if (voxels > most_voxels)
-    throw Error(ExitCode::quality, "", "spacing_mm",
-                "would make more than 4e9 voxels of this volume; choose a larger one");
+    throw refusal("spacing_mm", "would make more than 4e9 voxels of this volume", {"choose a larger `spacing_mm`"});
   HuVolume out = std::visit([&](const auto& g) { return HuVolume(resampled(g, step_mm, progress)); }, volume);
   const Lattice& made = lattice_of(out);
   report.figures.emplace_back("spacing_mm", std::vector<double>{step_mm[0], step_mm[1], step_mm[2]});

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "head/cranium.h"
 #include "mask/coarse.h"
 #include "mask/filters.h"
@@ -57,7 +58,10 @@ std::size_t core_of(const BitMask& bone, const Grid<float>& to_bone) {
     const int nx = bone.lattice().size[0], ny = bone.lattice().size[1];
     if (is_enclosed(bone, int(v % nx), int(v / nx % ny), int(v / nx / ny))) return v;
   }
-  throw Error(ExitCode::quality, "", "cranial cavity", "no space of 15 mm radius that bone encloses: 0 voxels");
+  throw refusal(
+      "cranial cavity", "no space of 15 mm radius that bone encloses: 0 voxels",
+      {"take a series that holds the whole head, lower `lower_hu` of the bone's `segment`, or paint the brain "
+       "and bring it back by the stage `labels`"});
 }
 
 Mask seeds_of(const BitMask& bone, const Grid<float>& to_bone) {

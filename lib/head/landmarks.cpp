@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "craniometry/coronal_suture.h"
 #include "craniometry/plausible.h"
 #include "head/landmarks_parts.h"
@@ -29,8 +30,8 @@ constexpr double least_leap_mm = 2, most_leap_mm = 5;  ///< of the midline's ski
 constexpr double most_vertices_apart_mm = 15;          ///< 6 degrees of another level
 constexpr double most_estimates_apart_mm = 10, of_an_estimate = 0.45;
 const char* const how_to_give =
-    "give nasion, inion, tragus_left and tragus_right (landmarks: {nasion: [x, y, z], ...}, mm, LPS; or a .mrk.json "
-    "or .fcsv of 3D Slicer)";
+    "give nasion, inion, tragus_left and tragus_right (`landmarks: {nasion: [x, y, z], ...}`, mm, LPS; or a "
+    "`landmarks_file`, .mrk.json or .fcsv of 3D Slicer)";
 
 class Finder {
  public:
@@ -145,11 +146,11 @@ class Finder {
     report_.add("symmetry_matched_ratio", plane.matched);
     report_.add("symmetry_sharpness_mm", plane.rise_mm);
     if (plane.confidence < least_symmetry)
-      throw Error(
-          ExitCode::quality, "", "midsagittal",
-          fmt::format("no symmetric skull was found (residual {:.1f} mm of at most 4, {:.0f} % match of at least "
-                      "50, sharpness {:.2f} mm of at least 0.1): {}",
-                      plane.residual_mm, 100 * plane.matched, plane.rise_mm, how_to_give));
+      throw refusal("midsagittal",
+                    fmt::format("no symmetric skull was found (residual {:.1f} mm of at most 4, {:.0f} % match of at "
+                                "least 50, sharpness {:.2f} mm of at least 0.1)",
+                                plane.residual_mm, 100 * plane.matched, plane.rise_mm),
+                    {how_to_give});
     out_.midsagittal = {plane.point_mm, plane.normal, plane.confidence};
   }
 
@@ -166,7 +167,7 @@ class Finder {
       for (int j = 0; j < f.size[1]; j += 4)
         for (int i = 0; i < f.size[0]; i += 4)
           if (f.at(i, j, k) > 0) sum += f.to_world_mm({double(i), double(j), double(k)}), ++count;
-    if (!count) throw Error(ExitCode::quality, "", "skull", std::string("is empty: ") + how_to_give);
+    if (!count) throw refusal("skull", "is empty", {how_to_give});
     const Vec3 middle = sum / double(count);
     head_.origin_mm = middle - head_.left * dot(middle - p.point_mm, head_.left);
   }

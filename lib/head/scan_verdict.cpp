@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "base/result.h"
 
 namespace trephine {
@@ -135,7 +136,8 @@ void judge_scan(const HuVolume& volume, const ScanLimits& limits, Report& report
     const auto rank = [](Suitability s) { return s == Suitability::unknown ? 0 : int(s) + 1; };
     return rank(a) < rank(b);
   });
-  if (limits.refuse && worst == Suitability::unsuited) throw Error(ExitCode::quality, "", "scan", remedy);
+  if (limits.refuse && worst == Suitability::unsuited)
+    throw refusal("scan", remedy, {"or let it pass with a warning: `refuse` of the stage `scan` to false"});
 }
 
 }  // namespace trephine

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "mask/filters.h"
 #include "mask/scan_figures.h"
 
@@ -131,10 +132,10 @@ constexpr double structure_mm3 = 8;  // a cube of 2 mm
 void check_cube_noise(double hu) {
   constexpr double most_hu = 23;  // 20 HU in slices of 3 mm are 15
   if (hu > most_hu)
-    throw Error(ExitCode::quality, "", "volume",
-                fmt::format("noise of {:.0f} HU in a cube of 2 mm, at most {:.0f}: CSF and tissue are not told apart; "
-                            "take a series of a smoother kernel, or set smoothing_sigma_mm",
-                            hu, most_hu));
+    throw refusal("volume",
+                  fmt::format("noise of {:.0f} HU in a cube of 2 mm, at most {:.0f}: CSF and tissue are not told apart",
+                              hu, most_hu),
+                  {"take a series of a smoother kernel (`import --list` shows all), or set `smoothing_sigma_mm`"});
 }
 
 }  // namespace

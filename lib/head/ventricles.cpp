@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "head/brain_box.h"
 #include "head/deep_csf.h"
 #include "head/horns.h"
@@ -146,7 +147,10 @@ Field resampled(Field from, const Lattice& to, const Progress& progress) {
 Field ventricles_in(const HuView& hu, const VentriclesMasks& masks, const VentriclesParams& p, Report& report,
                     const Progress& progress) {
   const Box brain_box = grown(positive(*masks.brain, *masks.brain).bounds(), 1, *masks.brain);
-  if (brain_box.empty()) throw Error(ExitCode::quality, "", "brain", "the mask is empty: 0 voxels");
+  if (brain_box.empty())
+    throw refusal("brain", "the mask is empty: 0 voxels",
+                  {"lower `lower_hu` or raise `upper_hu` of the stage `brain`, or paint it and bring it back by the "
+                   "stage `labels`"});
   const Lattice whole = cropped(*masks.brain, brain_box);
   const Box box = place_in(whole, hu.lattice());
   for (int a = 0; a < 3; ++a)

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "mask/filters.h"
 #include "surface/bounds.h"
 
@@ -51,7 +52,8 @@ Box region_of_interest(const Lattice& lattice, const std::array<double, 3>& roi_
     box.end[axis] = int(std::clamp(std::floor(most[axis] + 1e-6) + 1, 0.0, double(lattice.size[axis])));
   }
   if (box.empty())
-    throw Error(ExitCode::quality, "", "roi_min_mm, roi_max_mm", "0 voxels of the volume lie between them");
+    throw refusal("roi_min_mm, roi_max_mm", "0 voxels of the volume lie between them",
+                  {"move `roi_min_mm` and `roi_max_mm` into the volume"});
   return box;
 }
 
@@ -72,14 +74,18 @@ BitMask holes(const BitMask& shape, const FillRule& rule, const Progress& progre
   return free.remove(reached);
 }
 
+const Remedy other_thresholds{
+    "set `lower_hu` and `upper_hu` so that the tissue lies between them, or paint it and bring it back by the stage "
+    "`labels`"};
+
 void check_mask(const BitMask& mask, std::size_t volume_voxels, Report& report) {
   const std::size_t n = mask.count();
-  if (n == 0) throw Error(ExitCode::quality, "", "", fmt::format("the mask is empty: 0 of {} voxels", volume_voxels));
-  if (n == volume_voxels) throw Error(ExitCode::quality, "", "", fmt::format("the mask is full: all {} voxels", n));
+  if (n == 0) throw refusal("", fmt::format("the mask is empty: 0 of {} voxels", volume_voxels), other_thresholds);
+  if (n == volume_voxels) throw refusal("", fmt::format("the mask is full: all {} voxels", n), other_thresholds);
   const Box b = mask.bounds();
   for (int axis = 0; axis < 3; ++axis)
     if (b.end[axis] - b.begin[axis] < 2)
-      throw Error(ExitCode::quality, "", "", fmt::format("the mask lies in a single slice: {} voxels", n));
+      throw refusal("", fmt::format("the mask lies in a single slice: {} voxels", n), other_thresholds);
   report.add("voxels_count", n);
   report.add("volume_ml", double(n) * mask.lattice().voxel_volume_mm3() / 1000);
 }
@@ -89,8 +95,9 @@ void check_varies(const HuVolume& volume) {
       [](const auto& grid) {
         const auto& v = grid.voxels;
         if (std::adjacent_find(v.begin(), v.end(), std::not_equal_to<>()) == v.end())
-          throw Error(ExitCode::quality, "", "volume",
-                      fmt::format("every voxel is {} HU: there is nothing to be seen in it", v.empty() ? 0 : v[0]));
+          throw refusal("volume",
+                        fmt::format("every voxel is {} HU: there is nothing to be seen in it", v.empty() ? 0 : v[0]),
+                        {"take another series (`import --list` shows all)"});
       },
       volume);
 }

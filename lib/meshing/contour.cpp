@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "meshing/enclosed.h"
 #include "meshing/marching_cubes.h"
 #include "meshing/validity.h"
@@ -21,7 +22,9 @@ constexpr double first_margin = 0.002, last_margin = 0.05;
 
 void require_surface(const Lattice& lattice, const InsideVoxels& inside) {
   const std::string of = std::to_string(inside.count) + " of " + std::to_string(lattice.count()) + " voxels are inside";
-  const auto fail = [](const std::string& what) { throw Error(ExitCode::quality, "", "contour", what); };
+  const auto fail = [](const std::string& what) {
+    throw refusal("contour", what, {"set another `isovalue_hu`, or other thresholds in the stage that made the field"});
+  };
   if (inside.count == 0) fail(of + ", there is no surface");
   if (inside.count == lattice.count()) fail(of + ", there is no surface but the volume's border");
   for (int a = 0; a < 3; ++a)
@@ -95,7 +98,9 @@ Validity make_valid(TriMesh& mesh, const Lattice& lattice, std::size_t& moved, c
     margin = std::min(2.5 * margin, 1.0);
     std::vector<std::uint32_t> faults = degenerate_triangles(mesh);
     for (const auto& pair : self_intersections(mesh, progress)) faults.insert(faults.end(), pair.begin(), pair.end());
-    if (faults.empty() || margin > last_margin) throw Error(ExitCode::quality, "", "contour", v.text());
+    if (faults.empty() || margin > last_margin)
+      throw refusal("contour", v.text(),
+                    {"this is a fault of the program: an `isovalue_hu` a little higher or lower may go round it"});
     moved += draw_in(mesh, lattice, faults, margin);
   }
 }

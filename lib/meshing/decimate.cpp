@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "meshing/edge_collapse.h"
 #include "meshing/exact.h"
 #include "meshing/float32_raster.h"
@@ -141,7 +142,7 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double bound_mm, 
     if (faults.empty()) faults = sides.turned(o.mesh, triangle_of);
     if (!faults.empty()) {
       const std::size_t n = collapse.undo(faults);
-      if (n == 0) throw Error(ExitCode::quality, "", "decimate", "intersections that cannot be undone");
+      if (n == 0) throw refusal("decimate", "intersections that cannot be undone", remedies::other_triangles);
       o.undone += n;
       o.undone_for_validity += n;
       continue;
@@ -155,7 +156,7 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double bound_mm, 
       continue;
     }
     const std::size_t n = collapse.undo(faults);
-    if (n == 0) throw Error(ExitCode::quality, "", "decimate", "max_deviation_mm cannot be kept");
+    if (n == 0) throw refusal("decimate", "max_deviation_mm cannot be kept", {"raise `max_deviation_mm`"});
     o.undone += n;
     o.limited = true;
   }

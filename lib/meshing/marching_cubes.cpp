@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "meshing/cube_table.h"
 
 namespace trephine {
@@ -187,7 +188,8 @@ TriMesh marching_cubes(const Grid<T>& grid, double isovalue, const InsideVoxels&
   const Nodes<T> nodes(grid, isovalue, inside.box, margin);
   progress.report(0.2);
   const RowPoints rows = count_points(nodes);
-  if (rows.total >= 0xffffffffu) throw Error(ExitCode::quality, "", "contour", "more than 2^32 points");
+  if (rows.total >= 0xffffffffu)
+    throw refusal("contour", "more than 2^32 points", {"take larger voxels with `resample`"});
   progress.report(0.4);
   mesh.points_mm.resize(rows.total);
   parallel_for(0, nodes.size(2), 4, [&](std::int64_t from, std::int64_t to) {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "base/text.h"
 #include "meshing/remesh_child.h"
 #include "meshing/validity.h"
@@ -111,7 +112,8 @@ TriMesh remesh(const TriMesh& input, const RemeshParams& params, Report& report,
     progress.report(1);
     return mesh;
   }
-  throw Error(ExitCode::quality, "", "remesh", fault + " with edges down to " + to_text(edge / 0.7) + " mm");
+  throw refusal("remesh", fault + " with edges down to " + to_text(edge / 0.7) + " mm",
+                {"choose a smaller `edge_mm`, or raise `max_deviation_mm`"});
 }
 
 }  // namespace trephine

@@ -14,6 +14,7 @@
 #include "base/child.h"
 #include "base/child_message.h"
 #include "base/error.h"
+#include "base/refusal.h"
 
 namespace trephine {
 namespace {
@@ -36,7 +37,7 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
   for (const Vec3 p : points) m.add_vertex({p.x, p.y, p.z});
   for (const auto& t : triangles)
     if (m.add_face(Mesh::Vertex_index(t[0]), Mesh::Vertex_index(t[1]), Mesh::Vertex_index(t[2])) == Mesh::null_face())
-      throw Error(ExitCode::quality, "", "", "is not 2-manifold");
+      throw refusal("", "is not 2-manifold", {"mend it with `repair`"});
   auto sharp = m.add_property_map<Mesh::Edge_index, bool>("e:sharp", false).first;
   if (angle < 180) Pmp::detect_sharp_edges(m, angle, sharp);
   if (angle < 180) Pmp::split_long_edges(m.edges(), 4. / 3 * edge, m, CGAL::parameters::edge_is_constrained_map(sharp));

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "base/time_limit.h"
 #include "meshing/repair_child.h"
 #include "meshing/repair_soup.h"
@@ -126,8 +127,10 @@ TriMesh repair_now(const TriMesh& input, const RepairParams& params, Report& rep
     method = "mended";
     if (!mend_in_place(before, params, r, cleaned, progress.part(0.1, 0.5))) {
       if (params.recontour_voxels_count == 0 || cleaned.triangles.empty())
-        throw Error(r.mended.over_limit ? ExitCode::internal : ExitCode::quality, "", "repair",
-                    cleaned.triangles.empty() ? "the triangles enclose nothing" : r.mended.fault);
+        throw r.mended.over_limit
+            ? Error(ExitCode::internal, "", "repair", r.mended.fault)
+            : refusal("repair", cleaned.triangles.empty() ? "the triangles enclose nothing" : r.mended.fault,
+                      {"set `recontour_voxels_count` for a new surface through voxels, or lower `min_component_mm3`"});
       method = "recontoured";
       r.mesh = with_field("repair: last resort", [&] {
         return recontour(cleaned, static_cast<int>(params.recontour_voxels_count), r.voxel_mm, progress.part(0.5, 0.9));

@@ -23,6 +23,7 @@
 #include "base/child_message.h"
 #include "base/disjoint_sets.h"
 #include "base/error.h"
+#include "base/refusal.h"
 
 namespace trephine {
 namespace {
@@ -40,7 +41,7 @@ Mesh to_cgal(const std::vector<Vec3>& points, const std::vector<Triangle>& trian
   for (const Vec3 p : points) m.add_vertex({p.x, p.y, p.z});
   for (const auto& t : triangles)
     if (m.add_face(Mesh::Vertex_index(t[0]), Mesh::Vertex_index(t[1]), Mesh::Vertex_index(t[2])) == Mesh::null_face())
-      throw Error(ExitCode::quality, "", "", "is not 2-manifold");
+      throw refusal("", "is not 2-manifold", {"set `recontour_voxels_count` for a new surface through voxels"});
   return m;
 }
 
@@ -126,7 +127,8 @@ std::int64_t unite(Mesh& m) {
     for (std::size_t i = 1; i < all.size(); ++i) {
       if (!Pmp::corefine_and_compute_union(sum, pieces[all[i]], sum,
                                            CGAL::parameters::throw_on_self_intersection(true)))
-        throw Error(ExitCode::quality, "", "", "the union of its pieces is no 2-manifold");
+        throw refusal("", "the union of its pieces is no 2-manifold",
+                      {"set `recontour_voxels_count` for a new surface through voxels"});
       ++united;
     }
     whole += sum;
@@ -163,7 +165,8 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
     request.report(0.6);
     if (CGAL::is_closed(m)) united = unite(m);
   }
-  if (!CGAL::is_closed(m)) throw Error(ExitCode::quality, "", "", "a hole cannot be filled");
+  if (!CGAL::is_closed(m))
+    throw refusal("", "a hole cannot be filled", {"set `recontour_voxels_count` for a new surface through voxels"});
 
   std::vector<Vec3> out_points;
   std::vector<Triangle> out_triangles;

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "meshing/feature_smooth.h"
 #include "meshing/normals.h"
 #include "meshing/reference_distance.h"
@@ -187,10 +188,11 @@ TriMesh smooth(const TriMesh& input, const SmoothParams& params, Report& report,
   std::optional<DistanceToReference> to_reference;
   if (reference) to_reference.emplace(*reference, original.origin_mm);
   if (bound_mm > 0 && !to_reference->beyond(original, bound_mm, progress).empty())
-    throw Error(ExitCode::quality, "", "smooth: reference",
-                fmt::format("the surface lies further from it before it is smoothed than total_deviation_mm, {}: up to "
-                            "{:.3f} mm at its points",
-                            bound_mm, to_reference->largest_mm(original)));
+    throw refusal("smooth: reference",
+                  fmt::format("the surface lies further from it before it is smoothed than total_deviation_mm, {}: up "
+                              "to {:.3f} mm at its points",
+                              bound_mm, to_reference->largest_mm(original)),
+                  {"raise `total_deviation_mm`, or lower `max_deviation_mm` of `decimate`"});
   TriMesh mesh = original;
   const double volume = volume_mm3(original);
   double strength = 1;

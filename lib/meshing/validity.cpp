@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/params.h"
+#include "base/refusal.h"
 #include "meshing/exact.h"
 #include "meshing/float32_raster.h"
 #include "surface/bounds.h"
@@ -165,7 +166,7 @@ void snap_to_float32(TriMesh& mesh) {
 void require_valid(const TriMesh& mesh, const Progress& progress) {
   if (mesh.proven_valid()) return;
   const Validity v = check_validity(mesh, progress);
-  if (!v.valid()) throw Error(ExitCode::quality, "", "", v.text());
+  if (!v.valid()) throw refusal("", v.text(), remedies::other_triangles);
 }
 
 }  // namespace trephine

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "base/write_file.h"
 #include "meshing/normals.h"
 #include "meshing/validity.h"
@@ -51,20 +52,23 @@ void check_rounded(const PreparedSurface& s, const ExportFormat& format, const P
   written.points_mm = s.world_mm;
   written.triangles = s.mesh().triangles;
   for (const Vec3 p : written.points_mm)
-    if (!is_finite(p)) throw Error(ExitCode::quality, "", "", "a point is beyond what float32 can hold");
+    if (!is_finite(p))
+      throw refusal("", "a point is beyond what float32 can hold", {"choose a `format` of 64 bits, such as vtp"});
   const Validity v = check_validity(written, progress);
   if (v.valid()) return;
   const auto exact = [](const ExportFormat& f) { return f.precision == Precision::float64_world; };
-  throw Error(ExitCode::quality, "", "",
-              std::string("not a valid surface as written to ") + format.name + ": " + v.text() +
-                  (exact(format) ? "" : " (in float32; far from the origin choose " + format_names(exact, "or") + ")"));
+  throw refusal("", std::string("not a valid surface as written to ") + format.name + ": " + v.text(),
+                {exact(format) ? "mend it with `repair`"
+                               : "far from the origin float32 is too coarse: choose another `format`, " +
+                                     format_names(exact, "or")});
 }
 
 PreparedSurface prepare(const ExportFormat& format, const ExportSurface& source, const Progress& progress) {
   check_surface(source);
   return with_field(source.name, [&] {
     check_mesh(*source.mesh);
-    if (source.mesh->triangles.empty()) throw Error(ExitCode::quality, "", "", "the surface has no triangles");
+    if (source.mesh->triangles.empty())
+      throw refusal("", "the surface has no triangles", {"leave it out of `anatomy`, or make it anew with `contour`"});
     PreparedSurface s;
     s.source = &source;
     s.world_mm = rounded_world(*source.mesh, format.precision);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "base/text.h"
 
 namespace trephine {
@@ -94,7 +95,8 @@ LabelMap make_label_map(const std::vector<LabelledField>& fields, Report& report
   for (const std::uint8_t v : map.labels.voxels) ++voxels[v];
   for (std::size_t i = 0; i < fields.size(); ++i) {
     if (voxels[i + 1] == 0)
-      throw Error(ExitCode::quality, "", fields[i].name, "keeps no voxel: it is empty, or later shapes cover it");
+      throw refusal(fields[i].name, "keeps no voxel: it is empty, or later shapes cover it",
+                    {"put it later in `labels`"});
     report.add(fields[i].name + ".voxels_count", voxels[i + 1]);
     report.add(fields[i].name + ".volume_ml", double(voxels[i + 1]) * lattice.voxel_volume_mm3() / 1000);
   }

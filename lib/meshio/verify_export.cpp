@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "base/text.h"
 #include "meshio/export_encode.h"
 #include "meshio/foreign.h"
@@ -18,7 +19,7 @@ void turn_back(ForeignSurface& s, Vec3 origin_mm) {
 
 double linear_of_srgb(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
 
-[[noreturn]] void differs(const std::string& what) { throw Error(ExitCode::quality, "", "re-read", what); }
+[[noreturn]] void differs(const std::string& what) { throw refusal("re-read", what, {"choose another `format`"}); }
 
 void compare_colour(const ExportFormat& format, const ExportSurface& wanted, const ForeignSurface& got) {
   const ReadBack& check = format.read_back;

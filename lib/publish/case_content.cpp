@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/refusal.h"
 #include "boolean/cut_surface.h"
 #include "boolean/cutter_use.h"
 #include "cases/glb.h"
@@ -25,13 +26,16 @@ namespace {
 
 void hold_against_limits(const SceneAnatomy& limit, const AnatomyResult& result) {
   if (limit.max_triangles > 0 && result.triangles_after > limit.max_triangles)
-    throw Error(ExitCode::quality, "", limit.name,
-                std::to_string(result.triangles_after) + " triangles, the scene allows " +
-                    std::to_string(limit.max_triangles) + "; decimation stopped by " + result.stopped_by);
+    throw refusal(limit.name,
+                  std::to_string(result.triangles_after) + " triangles, the scene allows " +
+                      std::to_string(limit.max_triangles) + "; decimation stopped by " + result.stopped_by,
+                  {"raise `max_deviation_mm` of `decimate`, raise `max_triangles` in the scene, or take a series of a "
+                   "smoother kernel"});
   if (limit.max_deviation_mm > 0 && !(result.deviation_max_mm <= limit.max_deviation_mm))
-    throw Error(ExitCode::quality, "", limit.name,
-                "deviates by " + to_text(result.deviation_max_mm) +
-                    " mm from the unreduced surface, the scene allows " + to_text(limit.max_deviation_mm) + " mm");
+    throw refusal(limit.name,
+                  "deviates by " + to_text(result.deviation_max_mm) +
+                      " mm from the unreduced surface, the scene allows " + to_text(limit.max_deviation_mm) + " mm",
+                  {"lower `max_deviation_mm` of `decimate`, or raise `max_deviation_mm` in the scene"});
 }
 
 constexpr double removed_tolerance = 0.03;
@@ -179,10 +183,11 @@ class Builder {
     std::int64_t triangles = 0;
     for (const AnatomyResult& a : out_.anatomies) triangles += a.triangles_after;
     if (most > 0 && triangles > most)
-      throw Error(ExitCode::quality, "", "budget.triangles",
-                  std::to_string(triangles) + " triangles, the budget is " + std::to_string(most) + "; point " +
-                      config_.trade.choice.point.name + " of " + config_.trade.front_names() +
-                      " kept it on the case that it was measured on");
+      throw refusal("budget.triangles",
+                    std::to_string(triangles) + " triangles, the budget is " + std::to_string(most) + "; point " +
+                        config_.trade.choice.point.name + " of " + config_.trade.front_names() +
+                        " kept it on the case that it was measured on",
+                    {"raise `budget`, or measure a front on this series with `trade`"});
   }
 
   void add_haptic() {
@@ -250,7 +255,8 @@ class Builder {
     const auto seen_mm3 = removed_mm3("mesh." + bone + ".removed_mm3"),
                felt_mm3 = removed_mm3("haptic." + bone + ".removed_mm3");
     if (seen_mm3 == 0.0 || felt_mm3 == 0.0)
-      throw Error(ExitCode::quality, "", hole.name, "removes nothing from the " + bone);
+      throw refusal(hole.name, "removes nothing from the " + bone,
+                    {"move it by `position_mm`, or aim it by `direction` or `toward`"});
     if (!seen_mm3 || !felt_mm3) return;
     const double difference = std::abs(*felt_mm3 / *seen_mm3 - 1);
     hole.figures.emplace_back(bone + ".removed_difference_ratio", difference);
@@ -266,10 +272,12 @@ class Builder {
     const Cutter own = widened(cutter, drilled.widen_mm);
     for (const Graph::Anatomy& a : graph_.anatomies)
       if (a.name == drilled.anatomy && free_radius_mm(mesh(a.surface), own) < own.radius_mm - hole_play_mm)
-        throw Error(ExitCode::quality, "", name, "is not free in the surface of " + a.name);
+        throw refusal(name, "is not free in the surface of " + a.name,
+                      {"lower `max_deviation_mm` of `decimate`, or raise `widen_mm`"});
     const Bore bore{own.position_mm, own.direction, own.radius_mm, own.above_mm, own.depth_mm};
     if (graph_.haptic >= 0 && haptic().find_shape(drilled.anatomy) && !hole_is_free(haptic(), drilled.anatomy, bore))
-      throw Error(ExitCode::quality, "", name, "is not free in the haptic volume of " + drilled.anatomy);
+      throw refusal(name, "is not free in the haptic volume of " + drilled.anatomy,
+                    {"set a smaller `spacing_mm`, or raise `widen_mm`"});
   }
 
   // The surface as the simulator will show it, capped where the volume ends.
@@ -296,7 +304,7 @@ class Builder {
         felt.push_back(felt_surface(shape.number));
         shown.push_back({shape.name, &felt.back(), shape.material.colour_rgb, 1});
       }
-    out_.pictures = make_case_pictures(*std::get<std::shared_ptr<const HuVolume>>(at(graph_.scan).data), shown,
+    out_.pictures = make_case_pictures(std::get<std::shared_ptr<const HuVolume>>(at(graph_.scan).data).get(), shown,
                                        manifest().landmarks, cancelled);
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/refusal.h"
 
 namespace trephine {
 namespace {
@@ -20,11 +21,11 @@ std::string two_digits(double v) { return to_text(ParameterValue(std::round(100 
 void require(const SceneLandmark& wanted, const std::vector<CaseLandmark>& known) {
   const CaseLandmark* l = find(known, wanted.name);
   if (l && l->confidence >= wanted.min_confidence) return;
-  throw Error(ExitCode::quality, "", "landmarks." + wanted.name,
-              (l ? "was found with confidence " + two_digits(l->confidence) + ", the scene needs " +
-                       two_digits(wanted.min_confidence)
-                 : std::string("was not found and the scene needs it")) +
-                  "; give it in mm, LPS: landmarks: {" + wanted.name + ": [x, y, z]}, or a landmarks_file");
+  throw refusal("landmarks." + wanted.name,
+                l ? "was found with confidence " + two_digits(l->confidence) + ", the scene needs " +
+                        two_digits(wanted.min_confidence)
+                  : std::string("was not found and the scene needs it"),
+                {"give it in mm, LPS: `landmarks: {" + wanted.name + ": [x, y, z]}`, or a `landmarks_file`"});
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "base/text.h"
 #include "mask/box_about.h"
 #include "mask/filters.h"
@@ -130,10 +131,10 @@ std::vector<Bubble> place_bubbles(const Field& speed, int count, double min_radi
     if (apart) bubbles.push_back(b);
   }
   if (bubbles.empty())
-    throw Error(ExitCode::quality, "", "bubble_min_radius_mm",
-                fmt::format("no ball of {} mm fits where the speed is positive, the largest has {:.2g} mm: check the "
-                            "presegmentation, or ask for less",
-                            to_text(min_radius_mm), largest));
+    throw refusal("bubble_min_radius_mm",
+                  fmt::format("no ball of {} mm fits where the speed is positive, the largest has {:.2g} mm",
+                              to_text(min_radius_mm), largest),
+                  {"check what `presegment` made, or lower `bubble_min_radius_mm`"});
   return bubbles;
 }
 
@@ -156,11 +157,12 @@ Field bubble_field(const std::vector<Bubble>& bubbles, const Lattice& lattice) {
       field.voxels[v] = std::max(field.voxels[v], float(depth));
     });
     if (!any)
-      throw Error(
-          ExitCode::quality, "", "bubbles",
+      throw refusal(
+          "bubbles",
           fmt::format("ball {} ({}) holds 0 voxels of the speed image ({}), which presegment makes of its region "
                       "and `within` alone: it lies outside, or between voxels",
-                      n + 1, described(bubbles[n]), reach_of(lattice)));
+                      n + 1, described(bubbles[n]), reach_of(lattice)),
+          {"move or enlarge it in `bubbles`, or widen `roi_min_mm` and `roi_max_mm` of `presegment`"});
   }
   return field;
 }
@@ -172,9 +174,10 @@ void check_bubbles(const std::vector<Bubble>& bubbles, const Field& speed) {
       any = any || (distance < bubbles[n].radius_mm && speed.voxels[v] > 0);
     });
     if (!any)
-      throw Error(ExitCode::quality, "", "bubbles",
-                  fmt::format("ball {} ({}) lies wholly outside the structure: the speed is positive nowhere in it",
-                              n + 1, described(bubbles[n])));
+      throw refusal("bubbles",
+                    fmt::format("ball {} ({}) lies wholly outside the structure: the speed is positive nowhere in it",
+                                n + 1, described(bubbles[n])),
+                    {"move it in `bubbles`, or check what `presegment` made"});
   }
 }
 

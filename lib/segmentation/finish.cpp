@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "mask/filters.h"
 #include "mask/surface_field.h"
 #include "segmentation/scan_edge.h"
@@ -48,10 +49,11 @@ void check_scan_edge(const HuView& hu, const Field& field, const FinishParams& p
   const double ratio = scan_edge_ratio(hu, field);
   report.add("scan_edge_ratio", ratio);
   if (ratio > params.max_scan_edge_ratio)
-    throw Error(ExitCode::quality, "", "max_scan_edge_ratio",
-                fmt::format("{:.0f} % of its rim are the edge of the scanned field, at most {:.0f} %: leave it out of "
-                            "the scene, or take a scan with a wider field of view",
-                            100 * ratio, 100 * params.max_scan_edge_ratio));
+    throw refusal("max_scan_edge_ratio",
+                  fmt::format("{:.0f} % of its rim are the edge of the scanned field, at most {:.0f} %", 100 * ratio,
+                              100 * params.max_scan_edge_ratio),
+                  {"leave it out of the scene, take a scan with a wider field of view, or raise "
+                   "`max_scan_edge_ratio`"});
 }
 
 /// The field cropped to its positive part and two voxels more.

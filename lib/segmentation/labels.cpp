@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "base/text.h"
 #include "mask/filters.h"
 #include "mask/hu_view.h"
@@ -125,16 +126,19 @@ double check_fit(const HuView& hu, const PickedLabel& label, const LabelParams& 
     const Vec3 middle =
         label.mask.to_world_mm({(box.begin[0] + box.end[0] - 1) / 2.0, (box.begin[1] + box.end[1] - 1) / 2.0,
                                 (box.begin[2] + box.end[2] - 1) / 2.0});
-    throw Error(ExitCode::quality, "", "label",
-                percent(fit.outside) + " of it lie outside of the volume, its middle at " + at_text(middle) +
-                    ", the volume's at " +
-                    at_text(l.to_world_mm({(l.size[0] - 1) / 2.0, (l.size[1] - 1) / 2.0, (l.size[2] - 1) / 2.0})) +
-                    hint(hu, label.mask, label.voxels, fit));
+    throw refusal(
+        "label",
+        percent(fit.outside) + " of it lie outside of the volume, its middle at " + at_text(middle) +
+            ", the volume's at " +
+            at_text(l.to_world_mm({(l.size[0] - 1) / 2.0, (l.size[1] - 1) / 2.0, (l.size[2] - 1) / 2.0})) +
+            hint(hu, label.mask, label.voxels, fit),
+        {"paint it on this very series; where only a part of it was scanned, raise `max_outside_ratio` (to less than "
+         "1)"});
   }
   if (fit.air > params.max_air_ratio)
-    throw Error(ExitCode::quality, "", "label",
-                percent(fit.air) + " of it lie in air, outside of the body?" + hint(hu, label.mask, label.voxels, fit) +
-                    "; where that is right, raise max_air_ratio");
+    throw refusal(
+        "label", percent(fit.air) + " of it lie in air, outside of the body?" + hint(hu, label.mask, label.voxels, fit),
+        {"where that is right, raise `max_air_ratio`"});
   if (fit.outside > noted_ratio)
     report.warn(percent(fit.outside) + " of the label lie outside of the volume and are left out");
   if (fit.air > noted_air_ratio)
@@ -315,7 +319,8 @@ Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParam
   for (const LabelSegment& s : map.segments)
     if (s.cropped && (params.label.empty() || s.name == label.name))
       report.warn("the file says that segment " + s.name + " reaches beyond its voxels: it was cropped when written");
-  if (!label.voxels) throw Error(ExitCode::quality, "", "label", "'" + label.name + "' has not one voxel");
+  if (!label.voxels)
+    throw refusal("label", "'" + label.name + "' has not one voxel", {"paint it, or name another `label`"});
   const double inside_ml = label_ml * (1 - check_fit(hu, label, params, report));
   check_cut(label, l, report);
   progress.report(0.1);
@@ -327,7 +332,9 @@ Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParam
   if (aligned) {
     report.add("offset_max_ratio", aligned->off_voxels);
     const BitMask mask = onto_volume(label.mask, l, *aligned);
-    if (!mask.any()) throw Error(ExitCode::quality, "", "label", "none of its voxels lies in the volume");
+    if (!mask.any())
+      throw refusal("label", "none of its voxels lies in the volume",
+                    {"paint it on this very series, or name another `label`"});
     field = smooth_field(segmentation::crop(mask, grown(mask.bounds(), margin, l)), params.smooth_mm, progress);
   } else {
     field = resampled(label.mask, l, params.smooth_mm, progress);
@@ -335,8 +342,8 @@ Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParam
     const std::size_t count =
         std::size_t(std::count_if(field.voxels.begin(), field.voxels.end(), [](float v) { return v > 0; }));
     if (!count)
-      throw Error(ExitCode::quality, "", "label",
-                  "nothing of it is left on the volume's voxels: it is too thin for them");
+      throw refusal("label", "nothing of it is left on the volume's voxels: it is too thin for them",
+                    {"paint it thicker, or set `smooth_mm` to 0"});
   }
   if (aligned)
     ml = double(std::count_if(field.voxels.begin(), field.voxels.end(), [](float v) { return v > 0; })) *

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "segmentation/bubbles.h"
 #include "segmentation/snake_band.h"
 
@@ -203,17 +204,14 @@ BandParams band_params(const SnakeParams& p, int most_iterations, const Lattice&
 [[noreturn]] void refuse_end(const BandRun& run, const SnakeParams& p) {
   const std::string after = fmt::format("after {} iterations", run.iterations);
   if (run.end == BandEnd::vanished)
-    throw Error(ExitCode::quality, "", "start",
-                "the surface vanished " + after +
-                    ", must begin where the speed is positive and outlast the curvature: begin larger or elsewhere");
+    throw refusal(
+        "start", "the surface vanished " + after + ", must begin where the speed is positive and outlast the curvature",
+        {"begin larger or elsewhere with `start` or `bubbles`, or lower `curvature`"});
   if (run.end == BandEnd::filled)
-    throw Error(ExitCode::quality, "", "speed",
-                "the surface filled the whole speed image " + after +
-                    ", the speed holds it nowhere: narrow the presegmentation or give within");
-  throw Error(
-      ExitCode::quality, "", "max_volume_ml",
-      fmt::format("the surface leaked: more than {} ml {}, narrow the presegmentation, give within, or raise it",
-                  to_text(p.max_volume_ml), after));
+    throw refusal("speed", "the surface filled the whole speed image " + after + ", the speed holds it nowhere",
+                  {"narrow what `presegment` finds, or give `within`"});
+  throw refusal("max_volume_ml", fmt::format("the surface leaked: more than {} ml {}", to_text(p.max_volume_ml), after),
+                {"narrow what `presegment` finds, give `within`, or raise `max_volume_ml`"});
 }
 
 bool ended_well(BandEnd end) { return end == BandEnd::converged || end == BandEnd::iterations; }
@@ -266,7 +264,8 @@ Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& pa
   leave_walls(speed, phi, params);
   const Inside begun = inside_of(phi, nullptr);
   if (begun.voxels == 0)
-    throw Error(ExitCode::quality, "", "start", "0 voxels of the speed image lie inside, nothing to begin with");
+    throw refusal("start", "0 voxels of the speed image lie inside, nothing to begin with",
+                  {"begin elsewhere with `start` or `bubbles`"});
 
   // The surface does not leave the start but where the speed lets it.
   const Box box =
@@ -293,9 +292,11 @@ Field evolve_snake(const Field& speed, const Field& start, const SnakeParams& pa
   report.add("negative_speed_ratio", held_back);
   report.add("volume_ml", double(done.voxels) * speed.voxel_volume_mm3() / 1000);
   if (!(done.mean_speed >= params.min_mean_speed))
-    throw Error(ExitCode::quality, "", "min_mean_speed",
-                fmt::format("the mean speed inside is {:.3f}, must be at least {}: it lost its structure",
-                            done.mean_speed, to_text(params.min_mean_speed)));
+    throw refusal("min_mean_speed",
+                  fmt::format("the mean speed inside is {:.3f}, must be at least {}: it lost its structure",
+                              done.mean_speed, to_text(params.min_mean_speed)),
+                  {"begin inside the structure with `bubbles`, narrow what `presegment` finds, or lower "
+                   "`min_mean_speed`"});
   if (params.max_iterations_count == 0)
     report.warn("snake: max_iterations_count is 0: what comes out is what it begins with");
   else if (run.end == BandEnd::iterations && params.min_change_mm > 0)

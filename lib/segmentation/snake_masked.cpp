@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "mask/bits.h"
 #include "segmentation/bubbles.h"
 #include "segmentation/snake.h"
@@ -148,7 +149,8 @@ Field snake(const Field& speed, const SnakeMasks& masks, const SnakeParams& para
   }
   for (const std::string& w : evolved.warnings) report.warn(w);
   if (inside == 0)
-    throw Error(ExitCode::quality, "", "within, without", "nothing of the surface lies where they allow");
+    throw refusal("within, without", "nothing of the surface lies where they allow",
+                  {"give a larger `within` or a smaller `without`, or begin elsewhere with `start` or `bubbles`"});
   field = crop(field, grown(box, 2, field));
   tell_held(field, speed, masks, params.method, report);
   return field;

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "mask/filters.h"
 #include "mask/hu_view.h"
 #include "segmentation/tissue_mixture.h"
@@ -66,8 +67,10 @@ void regions(Grid<float>& g, const Mask& counts, const PresegmentParams& p, cons
     const Extent e = extent_of(g, counts, progress);
     range = (double(e.most) - e.least) / 3;
     if (!(range > 0))
-      throw Error(ExitCode::quality, "", "volume",
-                  fmt::format("every voxel of the region is {} HU, a threshold tells nothing: it is constant", e.most));
+      throw refusal(
+          "volume",
+          fmt::format("every voxel of the region is {} HU, a threshold tells nothing: it is constant", e.most),
+          {"move or widen `roi_min_mm` and `roi_max_mm`, or take another series"});
   }
   const double e = std::pow(10, -p.smoothness);
   const float k = float(std::log((2 - e) / e) / range), low = float(p.lower_hu), high = float(p.upper_hu);
@@ -103,7 +106,8 @@ void edges(Grid<float>& g, const Mask& counts, const PresegmentParams& p, Report
     const Extent e = extent_of(steepness, counts, progress);
     kappa = p.edge_kappa * e.most;
     if (!(kappa > 0))
-      throw Error(ExitCode::quality, "", "volume", "it has no edges: every voxel of the region is alike");
+      throw refusal("volume", "it has no edges: every voxel of the region is alike",
+                    {"move or widen `roi_min_mm` and `roi_max_mm`, or take another series"});
   }
   if (!std::isfinite(kappa))
     throw Error(ExitCode::bad_input, "", "volume", "its HU differ by more than float32 holds: they are no scan's");
@@ -164,7 +168,9 @@ Field presegment(const HuVolume& volume, const PresegmentMasks& masks, const Pre
   Box box = region_of_interest(hu.lattice(), p.roi_min_mm, p.roi_max_mm);
   if (masks.within) {
     const Box in = with_field("within", [&] { return positive(*masks.within, cropped(hu.lattice(), box)); }).bounds();
-    if (in.empty()) throw Error(ExitCode::quality, "", "within", "0 voxels of the region lie inside");
+    if (in.empty())
+      throw refusal("within", "0 voxels of the region lie inside",
+                    {"give a `within` that meets the region, or move `roi_min_mm` and `roi_max_mm`"});
     Box closer = box;
     for (int a = 0; a < 3; ++a) {
       closer.begin[a] = box.begin[a] + in.begin[a];
@@ -193,7 +199,8 @@ Field presegment(const HuVolume& volume, const PresegmentMasks& masks, const Pre
   mask_out(masks.within, "within", true);
   mask_out(masks.without, "without", false);
   if (extent_of(g, counts, progress).count == 0)
-    throw Error(ExitCode::quality, "", "within, without", "0 voxels of the region are left");
+    throw refusal("within, without", "0 voxels of the region are left",
+                  {"give a larger `within` or a smaller `without`"});
   progress.report(0.2);
 
   if (p.method != PresegmentMethod::edges) gaussian(g, p.smoothing_sigma_mm, progress);
@@ -213,13 +220,15 @@ Field presegment(const HuVolume& volume, const PresegmentMasks& masks, const Pre
   const Extent e = extent_of(g, counts, progress);
   report.add("speed_positive_ratio", double(e.positive) / double(e.count));
   if (e.positive == 0)
-    throw Error(ExitCode::quality, "", "speed",
-                fmt::format("nowhere above 0 (the largest is {:.3f}): the structure is not in the region, or the "
-                            "presegmentation misses it",
-                            e.most));
+    throw refusal("speed",
+                  fmt::format("nowhere above 0 (the largest is {:.3f}): the structure is not in the region, or the "
+                              "presegmentation misses it",
+                              e.most),
+                  {"move `lower_hu` and `upper_hu` (or `first_class` and `last_class`) to the structure, or widen "
+                   "`roi_min_mm` and `roi_max_mm`"});
   if (e.positive == e.count && e.count == g.count() && p.method != PresegmentMethod::edges)
-    throw Error(ExitCode::quality, "", "speed",
-                fmt::format("nowhere below 0 (the least is {:.3f}): nothing would hold a surface", e.least));
+    throw refusal("speed", fmt::format("nowhere below 0 (the least is {:.3f}): nothing would hold a surface", e.least),
+                  {"narrow `lower_hu` to `upper_hu` (or `first_class` to `last_class`), or give `within`"});
   for_slices(g, progress, [&](std::size_t from, std::size_t to, int) {
     for (std::size_t v = from; v < to; ++v) g.voxels[v] = counts.voxels[v] ? std::clamp(g.voxels[v], -1.f, 1.f) : -1.f;
   });

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/refusal.h"
 
 namespace trephine::segmentation {
 namespace {
@@ -74,10 +75,11 @@ double TissueMixture::share(double value, int first, int last) const {
 TissueMixture fit_mixture(const Histogram& h, int classes_count) {
   const auto filled = std::count_if(h.counts.begin(), h.counts.end(), [](std::uint64_t n) { return n > 0; });
   if (filled < 2 * classes_count)
-    throw Error(ExitCode::quality, "", "classes_count",
-                fmt::format("{} classes from {} different values, must be at least twice as many: the image is "
-                            "(nearly) constant there",
-                            classes_count, filled));
+    throw refusal("classes_count",
+                  fmt::format("{} classes from {} different values, must be at least twice as many: the image is "
+                              "(nearly) constant there",
+                              classes_count, filled),
+                  {"ask for fewer in `classes_count`, or widen `roi_min_mm` and `roi_max_mm`"});
   const double least_sigma = 0.5 * h.width;
   double total = 0;
   for (const auto n : h.counts) total += double(n);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "boolean/burr_hole_params.h"
 #include "craniometry/plausible.h"
 #include "stages/stage.h"
@@ -31,11 +32,11 @@ bool were_looked_for(const HeadLandmarks* known) {
 [[noreturn]] void refuse_missing(const std::string& name, const HeadLandmarks* known, double min_confidence) {
   const CaseLandmark* unsure = known ? known->find(name) : nullptr;
   const auto text = [](double v) { return to_text(ParameterValue(std::round(v * 100) / 100)); };
-  throw Error(ExitCode::quality, "", "landmarks." + name,
-              (unsure ? "has a confidence of " + text(unsure->confidence) + ", below " + text(min_confidence)
-               : were_looked_for(known) ? "was not found"
-                                        : "is missing") +
-                  std::string(how_to_give_a_landmark));
+  throw refusal("landmarks." + name,
+                unsure ? "has a confidence of " + text(unsure->confidence) + ", below " + text(min_confidence)
+                : were_looked_for(known) ? "was not found"
+                                         : "is missing",
+                {how_to_give_a_landmark});
 }
 
 /// Kocher's point has its place before the coronal suture, whatever the arcs say. A bregma that is not sure is no
@@ -60,14 +61,15 @@ void check_suture(const BurrHoleParams& params, const BurrHole& hole, const std:
   report.add("before_suture_mm", before_mm);
   if (before_mm >= params.min_before_suture_mm && before_mm <= params.max_before_suture_mm) return;
   const double right_mm = 0.5 * (params.min_before_suture_mm + params.max_before_suture_mm);
-  throw Error(
-      ExitCode::quality, "", "burr_holes." + hole.cutter.name + ".along_mm",
-      fmt::format("Kocher's point lies {:.0f} mm {} the coronal suture, {:.0f} to {:.0f} mm before it are allowed: say "
-                  "along_mm: {:.0f}; or, where nasion or bregma are wrong in the pictures, give them in mm, LPS: "
-                  "landmarks: {{nasion: [x, y, z], bregma: [x, y, z]}}, or a landmarks_file (.mrk.json or .fcsv of 3D "
-                  "Slicer)",
+  throw refusal(
+      "burr_holes." + hole.cutter.name + ".along_mm",
+      fmt::format("Kocher's point lies {:.0f} mm {} the coronal suture, {:.0f} to {:.0f} mm before it are allowed",
                   std::abs(before_mm), before_mm < 0 ? "behind" : "before", params.min_before_suture_mm,
-                  params.max_before_suture_mm, std::clamp(params.along_mm + before_mm - right_mm, 10.0, 250.0)));
+                  params.max_before_suture_mm),
+      {fmt::format("set `along_mm` to {:.0f}; or, where nasion or bregma are wrong in the pictures, give them in mm, "
+                   "LPS: `landmarks: {{nasion: [x, y, z], bregma: [x, y, z]}}`, or a `landmarks_file` (.mrk.json or "
+                   ".fcsv of 3D Slicer)",
+                   std::clamp(params.along_mm + before_mm - right_mm, 10.0, 250.0))});
 }
 
 }  // namespace

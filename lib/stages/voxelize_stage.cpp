@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "stages/cutters_of.h"
 #include "surface/bounds.h"
 #include "voxel/cut.h"
@@ -51,7 +52,8 @@ Lattice lattice_of_region(const VoxelizeStageParams& params, const StageInputs& 
   intersect(region, grown(all, rim_voxels * largest_mm));
   for (int i = 0; i < 3; ++i)
     if (!(region.min_mm[i] < region.max_mm[i]))
-      throw Error(ExitCode::quality, "", "region", "holds nothing of any shape");
+      throw refusal("region", "holds nothing of any shape",
+                    {"move `region_min_mm` and `region_max_mm`, or name another `region_of`"});
   return haptic_lattice(region, scan.direction, scan.origin_mm, params);
 }
 
@@ -152,7 +154,9 @@ StageType voxelize_stage() {
     // The reported volume is the volume after the cuts.
     for (const auto& [shape, drill] : params.drill) {
       const double left_ml = shape_volume_mm3(volume, volume.find_shape(shape)->number) / 1000;
-      if (!(left_ml > 0)) throw Error(ExitCode::quality, "", "drill." + shape, "the cutters leave nothing of it");
+      if (!(left_ml > 0))
+        throw refusal("drill." + shape, "the cutters leave nothing of it",
+                      {"leave it out of `drill`, or make the hole smaller (`diameter_mm`)"});
       for (auto& [name, value] : report.figures)
         if (name == shape + ".volume_ml") value = left_ml;
     }

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/log.h"
+#include "base/refusal.h"
 #include "base/result.h"
 #include "base/write_file.h"
 #include "cases/case.h"
@@ -69,9 +70,11 @@ class Sweep {
       cancel_check();
       result.points.push_back(measure(prepared_[at_]));
       if (at_ == 0 && !result.points[0].total.refused.empty())
-        throw Error(
-            ExitCode::quality, request_.config.string(), "finest",
-            "the finest result is refused, so nothing can be measured against it: " + result.points[0].total.refused);
+        throw refusal(
+            "finest",
+            "the finest result is refused, so nothing can be measured against it: " + result.points[0].total.refused,
+            {"then measure again with `trade`"})
+            .in_file(request_.config.string());
     }
     for (PointTrade& p : result.points) compare_volumes(result.points[0], p);
     result.measured_count = measured_;

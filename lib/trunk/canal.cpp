@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "mask/filters.h"
 #include "mask/hu_view.h"
 #include "trunk/canal_parts.h"
@@ -95,30 +96,34 @@ Field find_canal(const HuVolume& volume, const Field& bone, const CanalParams& p
   const HuView hu(volume);
   const Lattice& l = bone;
   if (std::abs(l.direction.column[2].z) < 0.7)
-    throw Error(ExitCode::quality, "", "canal", "the volume's slices are not axial");
+    throw refusal("canal", "the volume's slices are not axial", {"take the axial series (`import --list` shows all)"});
   const Box place = place_in(bone, hu.lattice());
   for (int a = 0; a < 3; ++a)
     if (place.begin[a] < 0 || place.end[a] > hu.lattice().size[a])
       throw Error(ExitCode::bad_input, "", "bone", "the field reaches beyond the volume");
   const BitMask mask = positive(bone, bone);
   if (!mask.any())
-    throw Error(ExitCode::quality, "", "bone", fmt::format("the mask is empty: 0 of {} voxels", l.count()));
+    throw refusal("bone", fmt::format("the mask is empty: 0 of {} voxels", l.count()),
+                  {"lower `lower_hu` of its `segment`"});
 
   CanalCourse course = canal_course(mask, params, progress.part(0, 0.5));
   const double length_mm = double(course.points.size()) * l.spacing_mm.z;
   if (length_mm < params.min_length_mm)
-    throw Error(ExitCode::quality, "", "min_length_mm",
-                fmt::format("the longest space that bone encloses slice by slice is {:.0f} mm long, at least {:.0f} mm "
-                            "make a canal: is this a spine, and its bone complete?",
-                            length_mm, params.min_length_mm));
+    throw refusal("min_length_mm",
+                  fmt::format("the longest space that bone encloses slice by slice is {:.0f} mm long, at least {:.0f} "
+                              "mm make a canal: is this a spine, and its bone complete?",
+                              length_mm, params.min_length_mm),
+                  {"lower `lower_hu` of the bone's `segment`, lower `min_length_mm`, or take the canal out of the "
+                   "scene (configs/ct_spine_bone.yaml)"});
   progress.report(0.5);
   const CanalWall wall = canal_wall(bone, course, params, progress);
   double walled = 0;
   for (std::size_t s = 0; s < course.points.size(); ++s) walled += wall.walled_ratio(s) / double(course.points.size());
   if (walled < params.min_walled_ratio)
-    throw Error(
-        ExitCode::quality, "", "min_walled_ratio",
-        fmt::format("{:.0f} % of its wall are bone, at least {:.0f} %", 100 * walled, 100 * params.min_walled_ratio));
+    throw refusal(
+        "min_walled_ratio",
+        fmt::format("{:.0f} % of its wall are bone, at least {:.0f} %", 100 * walled, 100 * params.min_walled_ratio),
+        {"lower `lower_hu` of the bone's `segment`, or lower `min_walled_ratio`"});
   progress.report(0.7);
 
   const Box box = box_of(course, wall, l);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "mask/filters.h"
 #include "mask/hu_view.h"
 #include "mask/surface_field.h"
@@ -22,10 +23,12 @@ constexpr double cut_scale_hu = 100;
 
 BitMask bone_mask(const Field& bone) {
   if (std::abs(bone.direction.column[0].x) < 0.7 || std::abs(bone.direction.column[2].z) < 0.7)
-    throw Error(ExitCode::quality, "", "clavicle", "the volume's slices are not axial");
+    throw refusal("clavicle", "the volume's slices are not axial",
+                  {"take the axial series (`import --list` shows all)"});
   BitMask mask = positive(bone, bone);
   if (!mask.any())
-    throw Error(ExitCode::quality, "", "bone", fmt::format("the mask is empty: 0 of {} voxels", bone.count()));
+    throw refusal("bone", fmt::format("the mask is empty: 0 of {} voxels", bone.count()),
+                  {"lower `lower_hu` of its `segment`"});
   return mask;
 }
 
@@ -203,11 +206,12 @@ Field find_clavicles(const Field& bone, const ClavicleParams& params, Report& re
       if (params.side == BodySide::both && all.any()) {
         report.warn(fmt::format("no {} clavicle is found", name_of(side)));
       } else if (params.side != BodySide::both || side == BodySide::left) {
-        throw Error(ExitCode::quality, "", "clavicle",
-                    fmt::format("nothing in front of the other bone is round and at least {:.0f} mm long from side to "
-                                "side: is this a chest with its shoulders? A scene without clavicles takes its bone "
-                                "whole",
-                                params.min_length_mm));
+        throw refusal(
+            "clavicle",
+            fmt::format("nothing in front of the other bone is round and at least {:.0f} mm long from side to "
+                        "side: is this a chest with its shoulders?",
+                        params.min_length_mm),
+            {"lower `min_length_mm`, or take the bone whole (configs/ct_chest_bone.yaml)"});
       }
     }
   progress.report(0.8);

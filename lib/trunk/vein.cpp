@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "mask/filters.h"
 #include "trunk/vein_parts.h"
 
@@ -54,7 +55,10 @@ Vein vein_of(const ClavicleCourse& clavicle, const HuView& hu, const Field& all_
     enhanced.length_mm = course.length_mm();
     enhanced.radius_mm = p.radius_mm;
     const Box box = box_around(course, hu.lattice(), p.radius_mm + 3);
-    if (box.empty()) throw Error(ExitCode::quality, "", "vein", "its course lies outside the volume: 0 voxels");
+    if (box.empty())
+      throw refusal("vein", "its course lies outside the volume: 0 voxels",
+                    {"choose the other `side`, or take the vein out of the scene (configs/ct_chest_bone.yaml shows "
+                     "`segment` of bone alone)"});
     vein.field = tube(course, hu, bone, box, p.radius_mm, progress);
   }
   vein.box = place_in(vein.field, hu.lattice());
@@ -92,7 +96,8 @@ Field find_vein(const HuVolume& volume, const Field& bone, const VeinParams& par
   which.side = params.side;
   const auto clavicles = clavicle_courses(bone, which, progress);
   if (clavicles.empty())
-    throw Error(ExitCode::quality, "", "vein", "no clavicle of that side is found that tells where it runs");
+    throw refusal("vein", "no clavicle of that side is found that tells where it runs",
+                  {"choose the other `side`, or take a series that holds the shoulders"});
   progress.report(0.3);
   std::vector<Vein> veins;
   for (const ClavicleCourse& c : clavicles) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "mask/filters.h"
 #include "surface/bounds.h"
 #include "trunk/vein_parts.h"
@@ -232,7 +233,10 @@ VeinCourse estimated_course(const ClavicleCourse& clavicle, const HuView& hu, co
   const std::vector<Vec3> first = first_guess(clavicle, p);
   course.points_mm = first;
   const Box box = box_around(course, hu.lattice(), room_mm + 2 * p.radius_mm);
-  if (box.empty()) throw Error(ExitCode::quality, "", "vein", "its course lies outside the volume: 0 voxels");
+  if (box.empty())
+    throw refusal("vein", "its course lies outside the volume: 0 voxels",
+                  {"choose the other `side`, or take the vein out of the scene (configs/ct_chest_bone.yaml shows "
+                   "`segment` of bone alone)"});
   const Grid<float> room = room_around(hu, bone, box, progress);
   progress.check();
   course.points_mm = resampled(smoothed(with_room(first, room, p.radius_mm + film_mm), 4));

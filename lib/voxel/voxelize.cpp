@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "surface/results.h"
 #include "voxel/cut.h"
 #include "voxel/raw_voxel.h"
@@ -185,7 +186,8 @@ bool is_half(int share) { return 2 * share >= haptic_full; }
                          : "shapes before it take all that it has of the region";
   else if (largest > 0)
     why = "fills no voxel of the region to one half: it is too thin for the voxels, or lies at the region's edge";
-  throw Error(ExitCode::quality, "", "haptic." + shape.name, why);
+  throw refusal("haptic." + shape.name, why,
+                {"leave it out of `shapes`, set a smaller `spacing_mm`, or change the order of the `shapes`"});
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/refusal.h"
 #include "haptics/recording.h"
 #include "session/felt_case.h"
 #include "voxel/cut.h"
@@ -35,7 +36,9 @@ std::string write_drilled_case(const std::filesystem::path& case_folder, const s
   replay_frames(recording.frames, h.rate_hz, proxy, drilling.get());
   const HapticVolume& volume = felt.loaded.haptic;
   if (h.outcome && volume_digest(volume) != h.outcome->volume_sha256)
-    throw Error(ExitCode::quality, file.string(), "volume_sha256", "the volume differs when replayed");
+    throw refusal("volume_sha256", "the volume differs when replayed",
+                  {"replay it with the version of the program that recorded it, or record it anew with `servo`"})
+        .in_file(file.string());
 
   CaseManifest m = felt.loaded.manifest;
   const std::string before = m.haptic.file;

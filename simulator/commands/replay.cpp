@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "commands/commands.h"
@@ -13,6 +14,10 @@
 
 namespace trephine {
 namespace {
+
+const Remedy not_this_program{
+    "replay it with the version of the program that recorded it (its header says which), or record it anew with "
+    "`servo`"};
 
 using Json = nlohmann::ordered_json;
 
@@ -76,12 +81,15 @@ ExitCode run_replay(const ParsedCommand& parsed) {
   }
   if (other) return ExitCode::ok;
   if (different > 0)
-    throw Error(ExitCode::quality, parsed.text("recording"), "frames",
-                fmt::format("{} of {} differ when replayed, the first is {}", different, replayed.size(), first));
+    throw refusal("frames",
+                  fmt::format("{} of {} differ when replayed, the first is {}", different, replayed.size(), first),
+                  not_this_program)
+        .in_file(parsed.text("recording"));
   if (h.outcome && drilling) {
     const RecordingHeader::Outcome again = outcome_of(felt.loaded.haptic, drilling->outcome());
     if (again.volume_sha256 != h.outcome->volume_sha256)
-      throw Error(ExitCode::quality, parsed.text("recording"), "volume_sha256", "the volume differs when replayed");
+      throw refusal("volume_sha256", "the volume differs when replayed", not_this_program)
+          .in_file(parsed.text("recording"));
     std::cout << "the drilled volume is the same\n";
   }
   std::cout << "replayed bit for bit\n";
