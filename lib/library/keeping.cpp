@@ -15,6 +15,7 @@
 #include "library/catalogue.h"
 #include "pipeline/stage_cache.h"
 #include "publish/case_lock.h"
+#include "publish/refused.h"
 
 namespace trephine {
 namespace fs = std::filesystem;
@@ -72,13 +73,17 @@ class Collector {
     std::vector<fs::path> folders;
     for (const auto& entry : fs::directory_iterator(state_.library())) {
       const std::string name = entry.path().filename().string();
-      if (entry.is_directory() && !entry.is_symlink() && name[0] != '.') folders.push_back(entry.path());
+      if (entry.is_directory() && !entry.is_symlink() && (name[0] != '.' || is_refused(name)))
+        folders.push_back(entry.path());
     }
     std::sort(folders.begin(), folders.end());
     temporaries(state_.library());
     for (std::size_t i = 0; i < folders.size(); ++i) {
       progress_.report(static_cast<double>(i) / static_cast<double>(folders.size()));
-      case_folder(folders[i]);
+      if (is_refused(folders[i].filename().string()))
+        whole_folder(folders[i]);
+      else
+        case_folder(folders[i]);
     }
     records();
     cache();
@@ -113,7 +118,7 @@ class Collector {
       if (published)
         unnamed_files(folder);
       else if (fs::symlink_status(folder / "case.json", error).type() == fs::file_type::not_found)
-        left_over(folder);
+        whole_folder(folder);
     } catch (const Error& e) {
       if (e.code() == ExitCode::busy) ++out_.busy;
       // A damaged case.json does not tell which files the case needs, so none of its files is removed; `verify` reports
@@ -156,7 +161,12 @@ class Collector {
     }
     return !error && any;
   }
-  void left_over(const fs::path& folder) {
+  // What a refused run left for looking, and what a killed one had written of it.
+  static bool is_refused(const std::string& name) {
+    const std::string ending = refused_folder("", "").string();
+    return name.size() > ending.size() && name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
+  }
+  void whole_folder(const fs::path& folder) {
     ++out_.folders;
     std::error_code error;
     for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end; it.increment(error))

@@ -47,10 +47,11 @@ struct GcResult {
   std::string table;
 };
 
-/// Removes what nothing refers to: files of a case that its case.json does not name, remains of killed runs (temporary
-/// files, and case folders in which nothing was published and that no run works on), stale and torn entries of the
-/// cache, and records of cases that are gone. A case whose case.json is damaged is left as it is. It is safe beside
-/// running builds, because a case's files are touched only under its lock. Throws Error 66; Cancelled.
+/// Removes what refused runs kept for looking, and what nothing refers to: files of a case that its case.json does not
+/// name, remains of killed runs (temporary files, and case folders in which nothing was published and that no run works
+/// on), stale and torn entries of the cache, and records of cases that are gone. A case whose case.json is damaged is
+/// left as it is. It is safe beside running builds, because a case's files are touched only under its lock. Throws
+/// Error 66; Cancelled.
 GcResult collect_garbage(const std::filesystem::path& library, const GcParams& params, const Progress& progress);
 
 }  // namespace trephine

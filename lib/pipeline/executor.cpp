@@ -53,6 +53,7 @@ class Executor {
         results_(graph.nodes.size()),
         tasks_(graph.nodes.size()) {
     // The report of every node is wanted, so a node whose report is not in the cache runs again.
+    throw_known_refusal();
     for (std::size_t i = 0; i < graph.nodes.size(); ++i)
       if (auto report = options_.cache ? options_.cache->load_report(graph.nodes[i].key) : std::nullopt)
         results_[i].report = std::move(*report);
@@ -89,7 +90,10 @@ class Executor {
       finished_ = true;
     }
     for (const Task& t : tasks_)
-      if (t.error) std::rethrow_exception(t.error);
+      if (t.error) {
+        if (options_.made) *options_.made = std::move(results_);
+        std::rethrow_exception(t.error);
+      }
     if (stop_) throw Cancelled{};
     return std::move(results_);
   }
@@ -116,6 +120,12 @@ class Executor {
     Executor& executor;
     std::vector<std::thread> threads;
   };
+
+  void throw_known_refusal() const {
+    if (!options_.cache) return;
+    for (const Node& node : graph_.nodes)
+      if (auto refusal = options_.cache->load_refusal(node.key)) throw refusal->in_field(node.name);
+  }
 
   void demand(int i) {
     Task& task = tasks_[i];
@@ -228,11 +238,19 @@ class Executor {
 
   // The cache only saves time: a case does not fail because the cache's disk is full.
   void store(const Node& node, const NodeResult& result) {
-    if (!options_.cache || cache_failed_) return;
-    try {
+    if (!options_.cache) return;
+    into_cache([&] {
       options_.cache->store(node.key, node.output,
                             worth_storing(result.data, result.seconds) ? result.data : StageData{}, result.report,
                             result.seconds);
+    });
+  }
+
+  template <class F>
+  void into_cache(F&& store) {
+    if (cache_failed_) return;
+    try {
+      store();
     } catch (const Error& e) {
       if (!cache_failed_.exchange(true))
         log_warning("the cache keeps nothing more of this run: " + e.file() + ": " + e.what());
@@ -251,7 +269,16 @@ class Executor {
     const Progress progress([this, &node](double f) { observer_.progressed(node.name, f); }, &stop_);
     StageInputs inputs;
     for (const auto& [port, source] : node.sources) inputs.by_port[port] = results_[source].data;
-    result.data = compute_node(node, std::move(inputs), result.report, progress);
+    try {
+      result.data = compute_node(node, std::move(inputs), result.report, progress);
+    } catch (const Error& e) {
+      if (e.code() == ExitCode::quality && e.file().empty()) store_refusal(node, e);
+      throw;
+    }
+  }
+
+  void store_refusal(const Node& node, const Error& refusal) {
+    if (options_.cache) into_cache([&] { options_.cache->store_refusal(node.key, refusal); });
   }
 
   const Graph& graph_;

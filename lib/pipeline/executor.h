@@ -32,6 +32,7 @@ struct ExecuteOptions {
   const StageCache* cache =
       nullptr;  ///< if storing fails (a full disk), one warning is logged and nothing more is stored
   const std::atomic<bool>* cancel = nullptr;
+  std::vector<NodeResult>* made = nullptr;  ///< where an error ends the run, what is in memory then comes here
 };
 
 /// Computes one node: runs its stage on these inputs. Throws what the stage throws, and Error 65 where a series is no
@@ -39,9 +40,10 @@ struct ExecuteOptions {
 StageData compute_node(const Node& node, StageInputs inputs, Report& report, const Progress& progress);
 
 /// Computes the wanted nodes and what they need that is not in the cache. Independent nodes run at the same time on up
-/// to thread_count() threads. The results, one for each node, are the same whatever the thread count. If nodes fail,
-/// the others are stopped and the error of the first one in the graph's order is thrown, with its field naming the
-/// node.
+/// to thread_count() threads. A stage whose refusal (80) is in the cache is not run again: before anything is computed
+/// the same error is thrown, and `options.made` is left empty. The results, one for each node, are the same whatever
+/// the thread count. If nodes fail, the others are stopped and the error of the first one in the graph's order is
+/// thrown, with its field naming the node.
 std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,
                                 RunObserver& observer);
 

@@ -80,9 +80,15 @@ std::optional<StageCache::Index> StageCache::load_index(const std::string& key) 
   try {
     if (!is_our_file(index)) throw Error(ExitCode::bad_input, index.string(), "", "is not ours");
     const auto json = parse_index(read_file(index, 1 << 20), key);
-    const std::string report = json.at("report").get<std::string>();
+    Index out;
+    if (const auto refused = json.find("refusal"); refused != json.end())
+      out.refusal =
+          Error(ExitCode::quality, "", refused->at("field").get<std::string>(), refused->at("what").get<std::string>());
+    else
+      out.report = parse_report_json(json.at("report").get<std::string>());
+    out.sha256 = json.value("sha256", std::string());
     fs::last_write_time(index, fs::file_time_type::clock::now(), ignored);
-    return Index{parse_report_json(report), json.value("sha256", std::string())};
+    return out;
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception&) {
@@ -97,9 +103,15 @@ std::optional<Report> StageCache::load_report(const std::string& key) const {
   return std::move(index->report);
 }
 
+std::optional<Error> StageCache::load_refusal(const std::string& key) const {
+  auto index = load_index(key);
+  if (!index) return {};
+  return std::move(index->refusal);
+}
+
 std::optional<StageData> StageCache::load_data(const std::string& key, DataKind kind) const {
   const auto index = load_index(key);
-  if (!index) return {};
+  if (!index || !index->report) return {};
   if (kind == DataKind::nothing) return StageData{};
   if (index->sha256.empty()) return {};
   const fs::path data = file(key, file_extension(kind));
@@ -128,9 +140,20 @@ void StageCache::store(const std::string& key, DataKind kind, const StageData& d
   }
   json["report"] = report_json(report);
   json["seconds"] = seconds;
-  const std::string text = json.dump();
+  write_index(key, json.dump());
+}
+
+void StageCache::store_refusal(const std::string& key, const Error& refusal) const {
+  if (folder_.empty()) return;
+  nlohmann::ordered_json json;
+  json["key"] = key;
+  json["refusal"] = {{"field", refusal.field()}, {"what", refusal.what()}};
+  write_index(key, json.dump());
+}
+
+void StageCache::write_index(const std::string& key, const std::string& entry) const {
   write_file(file(key, index_extension),
-             nlohmann::ordered_json{{"entry", text}, {"sha256", sha256_of_bytes(text)}}.dump());
+             nlohmann::ordered_json{{"entry", entry}, {"sha256", sha256_of_bytes(entry)}}.dump());
 }
 
 StageCache::Entry StageCache::look_up(const std::string& key) const {

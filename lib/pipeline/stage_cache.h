@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "base/error.h"
 #include "stages/stage.h"
 
 namespace trephine {
@@ -27,6 +28,11 @@ class StageCache {
   /// estimates.
   void store(const std::string& key, DataKind kind, const StageData& data, const Report& report, double seconds) const;
 
+  /// A refusal (Error 80 without a file) is an outcome too: the same inputs and parameters are refused again.
+  void store_refusal(const std::string& key, const Error& refusal) const;
+  /// The refusal that was stored, with its field and text; nothing where there is none.
+  std::optional<Error> load_refusal(const std::string& key) const;
+
   struct Entry {
     bool has_report = false, has_data = false;
     std::optional<double> seconds;
@@ -39,10 +45,12 @@ class StageCache {
 
  private:
   struct Index {
-    Report report;
+    std::optional<Report> report;  ///< nothing where the stage refused
+    std::optional<Error> refusal;
     std::string sha256;  ///< of the data; empty where there is none
   };
   std::optional<Index> load_index(const std::string& key) const;
+  void write_index(const std::string& key, const std::string& entry) const;
   std::filesystem::path file(const std::string& key, const char* extension) const;
   std::filesystem::path folder_;
 };

@@ -23,7 +23,8 @@ constexpr int cell_px = 640;
 // The axis along the plane's normal.
 int axis_of(SlicePlane plane) { return plane == SlicePlane::axial ? 2 : plane == SlicePlane::coronal ? 1 : 0; }
 
-Bounds bounds_of_all(const std::vector<PictureAnatomy>& anatomies) {
+Bounds bounds_of_all(const HuVolume* volume, const std::vector<PictureAnatomy>& anatomies) {
+  if (anatomies.empty()) return bounds_of(lattice_of(*volume), 0.5);
   Bounds all;
   for (const PictureAnatomy& a : anatomies) include(all, bounds_of(*a.surface));
   return all;
@@ -62,7 +63,8 @@ std::array<double, 3> vivid(std::array<double, 3> rgb) {
 }
 
 // Where to cut: through the middle of the smallest shape, which is the innermost one.
-Vec3 point_of_interest(const std::vector<PictureAnatomy>& anatomies) {
+Vec3 point_of_interest(const std::vector<PictureAnatomy>& anatomies, const Bounds& frame) {
+  if (anatomies.empty()) return (frame.min_mm + frame.max_mm) / 2;
   const auto smallest = std::min_element(anatomies.begin(), anatomies.end(), [](const auto& a, const auto& b) {
     return std::abs(volume_mm3(*a.surface)) < std::abs(volume_mm3(*b.surface));
   });
@@ -162,13 +164,14 @@ Sheet landmarks_sheet(Sheets& sheets, const HuVolume& volume, const std::vector<
 
 }  // namespace
 
-std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
+std::vector<CasePicture> make_case_pictures(const HuVolume* volume, const std::vector<PictureAnatomy>& anatomies,
                                             const std::vector<CaseLandmark>& landmarks, const Progress& progress) {
-  if (anatomies.empty()) return {};
-  const Bounds frame = bounds_of_all(anatomies);
-  const Vec3 focus = point_of_interest(anatomies);
+  if (anatomies.empty() && !volume) return {};
+  const Bounds frame = bounds_of_all(volume, anatomies);
+  const Vec3 focus = point_of_interest(anatomies, frame);
   Sheets sheets;
-  if (!landmarks.empty()) sheets.add(landmarks_sheet(sheets, volume, anatomies, landmarks, frame, progress));
+  if (volume && !landmarks.empty() && !anatomies.empty())
+    sheets.add(landmarks_sheet(sheets, *volume, anatomies, landmarks, frame, progress));
   Sheet overview{"overview.png", {}};
 
   std::vector<SurfaceView> solid;
@@ -176,12 +179,13 @@ std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::v
   if (anatomies.size() > 1)  // with one anatomy it is that anatomy's own picture
     overview.cells.push_back(
         sheets.image([&] { return shaded(see_through(anatomies), View::oblique_left, "all", frame, progress); }));
-  overview.cells.push_back(sheets.image([&] {
-    ClipPlane front_half;
-    front_half.point_mm = focus;
-    front_half.normal = {0, -1, 0};
-    return shaded(solid, View::front, "cut", frame, progress, front_half);
-  }));
+  if (!anatomies.empty())
+    overview.cells.push_back(sheets.image([&] {
+      ClipPlane front_half;
+      front_half.point_mm = focus;
+      front_half.normal = {0, -1, 0};
+      return shaded(solid, View::front, "cut", frame, progress, front_half);
+    }));
 
   for (const PictureAnatomy& a : anatomies) {
     Sheet sides{a.name + ".png", {}};
@@ -199,8 +203,8 @@ std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::v
   constexpr SlicePlane planes[] = {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal};
   constexpr const char* names[] = {"axial", "coronal", "sagittal"};
   constexpr int slices = 6;
-  for (int p = 0; p < 3; ++p) {
-    const auto range = slice_range_mm(lattice_of(volume), planes[p]);
+  for (int p = 0; volume && p < 3; ++p) {
+    const auto range = slice_range_mm(lattice_of(*volume), planes[p]);
     const int axis = axis_of(planes[p]);
     const double from = std::max(range[0], frame.min_mm[axis]), to = std::min(range[1], frame.max_mm[axis]);
     SliceParams params;
@@ -208,9 +212,9 @@ std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::v
     params.longer_side_px = cell_px;
     params.window_width_hu = 150;  // brain and CSF must be distinguishable; bone is white in any window
     const auto slice = [&] {
-      return sheets.image([&volume, &shapes, &progress, params] {
+      return sheets.image([volume, &shapes, &progress, params] {
         progress.check();
-        return slice_overlay(volume, params, shapes);
+        return slice_overlay(*volume, params, shapes);
       });
     };
     Sheet sheet{std::string(names[p]) + ".png", {}};

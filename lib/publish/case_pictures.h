@@ -27,8 +27,9 @@ struct CasePicture {
 /// (one surface from several sides), axial.png, coronal.png and sagittal.png (the CT with the exact cuts of the
 /// surfaces). Where there are landmarks, landmarks.png shows them as balls of 3 mm on the largest shape, greener with
 /// more confidence, and the slices through each. The pictures are made in memory, so that they can be written when
-/// nothing can fail any more. The same input gives the same bytes.
-std::vector<CasePicture> make_case_pictures(const HuVolume& volume, const std::vector<PictureAnatomy>& anatomies,
+/// nothing can fail any more. Without a volume there are only those of surfaces, without anatomies only those of the
+/// volume. The same input gives the same bytes.
+std::vector<CasePicture> make_case_pictures(const HuVolume* volume, const std::vector<PictureAnatomy>& anatomies,
                                             const std::vector<CaseLandmark>& landmarks, const Progress& progress = {});
 
 }  // namespace trephine

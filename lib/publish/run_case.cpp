@@ -15,11 +15,11 @@
 #include "base/progress.h"
 #include "base/write_file.h"
 #include "cases/case.h"
-#include "consistency/anatomy_gate.h"
 #include "page/page_notes.h"
 #include "publish/case_content.h"
 #include "publish/case_lock.h"
 #include "publish/page_files.h"
+#include "publish/refused.h"
 #include "publish/run_json.h"
 
 namespace trephine {
@@ -204,16 +204,15 @@ void publish(const Run& run, const fs::path& folder, const CaseContent& content)
   }
 }
 
-// The file lies beside the case's folder, which may hold the last valid case or not exist.
-constexpr const char* refusal_ending = ".refused.png";
-
-void show_refusal(const fs::path& file, const AnatomyError& e) {
-  if (e.picture_png.empty()) return;
+// What was made is kept beside the case's folder, which may hold the last valid case or not exist.
+void show_refusal(const Run& run, const StageCache& cache, const Error& e) {
+  if (e.code() != ExitCode::quality && e.code() != ExitCode::privacy) return;
+  const fs::path folder = refused_folder(run.request.library, run.config.case_token);
   try {
-    write_file(file, e.picture_png);
-    log_warning(e.case_token() + ": a picture of what is wrong: " + file.string());
+    keep_refused(folder, {run.config, run.graph, run.results, cache, run.warnings}, e);
+    log_warning(run.config.case_token + ": what was made is kept for looking in " + folder.string());
   } catch (const Error& failed) {  // the reason of the refusal matters more than this failure
-    log_warning(e.case_token() + ": the picture of what is wrong could not be written: " + failed.what());
+    log_warning(run.config.case_token + ": what was made could not be kept for looking: " + failed.what());
   }
 }
 
@@ -290,19 +289,25 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     execution.cancel = &cancel_requested();
     run.graph = make_graph(run.config, input_sha256);
     EarlyWarnings early(observer, token);
-    run.results =
-        execute(run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page), execution, early);
-    tell_warnings(run);
-
-    CaseContent content = make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version,
-                                            input_sha256, request.params.pictures, cancelled);
+    CaseContent content;
+    try {
+      execution.made = &run.results;
+      run.results =
+          execute(run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page), execution, early);
+      tell_warnings(run);
+      content = make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version,
+                                  input_sha256, request.params.pictures, cancelled);
+    } catch (const Error& e) {
+      if (run.warnings.empty() && !run.results.empty()) tell_warnings(run);
+      show_refusal(run, cache, e);
+      throw;
+    }
     if (request.params.page)
       for (CasePicture& file : make_page_files(run.config, run.graph, run.results, content, run.warnings, cancelled))
         content.pictures.push_back(std::move(file));
     cancelled.check();
     publish(run, folder, content);
-    std::error_code ignored;
-    fs::remove(request.library / (token + refusal_ending), ignored);
+    remove_refused(refused_folder(request.library, token));
     cache.shrink_to(static_cast<std::uint64_t>(request.params.cache_limit_mb) * 1'000'000);
 
     RunResult result;
@@ -316,10 +321,6 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     result.json = run_json(run.graph, run.results, run.folder, content.anatomies, run.warnings, seconds);
     write_file(folder / "run.json", result.json);
     return result;
-  } catch (AnatomyError& e) {
-    e.in_case(token);
-    show_refusal(request.library / (token + refusal_ending), e);
-    throw;
   } catch (Error& e) {
     e.in_case(token);
     throw;

@@ -66,7 +66,8 @@ void require_face_policy(const CaseConfig& config);
 /// Builds one case, idempotently: afterwards the library holds the old case or the new one. Before any work it reads
 /// the configuration, refuses outputs inside the case's folder (64), checks the face policy (81), makes and checks the
 /// folders (73) and takes the case's lock (75 where another run builds the same case). Then it computes what the scene
-/// demands, logs the warnings of every stage, checks the results against the scene's limits (80), and publishes.
+/// demands, logs the warnings of every stage, checks the results against the scene's limits (80), and publishes. What a
+/// refused run (80, 81) has made is kept for looking beside the case (publish/refused.h).
 /// Pictures of the previous run and files that case.json no longer names are removed afterwards: a program that is
 /// still reading the older case may get Error 66 for such a file, and should read case.json again.
 RunResult run_case(const RunRequest& request, RunObserver& observer);

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "publish/refused.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "base/text.h"
+#include "base/write_file.h"
+#include "consistency/anatomy_gate.h"
+#include "meshing/contour.h"
+#include "publish/case_pictures.h"
+
+namespace trephine {
+namespace fs = std::filesystem;
+namespace {
+
+template <class T>
+using Shared = std::shared_ptr<const T>;
+
+/// Finds what stages have made, in memory or else in the cache.
+class Made {
+ public:
+  explicit Made(const RefusedRun& run) : run_(run) {}
+
+  bool is_done(int node) const {
+    return node >= 0 && std::size_t(node) < run_.made.size() && run_.made[node].state != NodeResult::State::not_needed;
+  }
+
+  template <class T>
+  Shared<T> find(int node) const {
+    if (node < 0) return {};
+    if (std::size_t(node) < run_.made.size())
+      if (const auto* data = std::get_if<Shared<T>>(&run_.made[node].data); data && *data) return *data;
+    const auto stored = run_.cache.load_data(run_.graph.nodes[node].key, run_.graph.nodes[node].output);
+    if (!stored) return {};
+    const auto* data = std::get_if<Shared<T>>(&*stored);
+    return data ? *data : Shared<T>();
+  }
+
+  /// The newest surface of an anatomy: the published one, an earlier one, or one made now of its field.
+  Shared<TriMesh> surface_of(const Graph::Anatomy& a) const {
+    for (const int node : {a.surface, a.finished, a.first_surface})
+      if (auto mesh = find<TriMesh>(node)) return mesh;
+    if (a.first_surface < 0) return {};
+    for (const auto& [port, source] : run_.graph.nodes[a.first_surface].sources) {
+      const auto field = find<Field>(source);
+      if (!field) continue;
+      try {
+        Report ignored;
+        return std::make_shared<const TriMesh>(contour(*field, ContourParams(), ignored));
+      } catch (const Error&) {  // what has no surface has no picture
+        return {};
+      }
+    }
+    return {};
+  }
+
+ private:
+  const RefusedRun& run_;
+};
+
+/// Whether the scan and what shows the face may be seen.
+bool may_show_face(const RefusedRun& run, const Made& made) {
+  const bool face_in_it = std::any_of(run.config.anatomies.begin(), run.config.anatomies.end(),
+                                      [](const RecipeAnatomy& a) { return a.shows_face; });
+  return !face_in_it || run.graph.deface < 0 || made.is_done(run.graph.face_gate);
+}
+
+std::vector<CasePicture> pictures_of(const RefusedRun& run, const Error& refusal) {
+  const Made made(run);
+  const bool whole = may_show_face(run, made);
+  std::vector<PictureAnatomy> shown;
+  std::vector<Shared<TriMesh>> surfaces;
+  for (const Graph::Anatomy& a : run.graph.anatomies) {
+    const RecipeAnatomy& recipe = *run.config.find_anatomy(a.name);
+    if (recipe.shows_face && !whole) continue;
+    if (auto mesh = made.surface_of(a); mesh && !mesh->triangles.empty()) {
+      shown.push_back({a.name, mesh.get(), recipe.colour_rgb, recipe.opacity_ratio});
+      surfaces.push_back(std::move(mesh));
+    }
+  }
+  const auto marks = made.find<HeadLandmarks>(run.graph.landmarks);
+  const std::vector<CaseLandmark> landmarks = marks && whole ? marks->landmarks : std::vector<CaseLandmark>();
+  const auto scan = whole ? made.find<HuVolume>(run.graph.scan) : Shared<HuVolume>();
+  std::vector<CasePicture> pictures = make_case_pictures(scan.get(), shown, landmarks);
+  if (const auto* anatomy = dynamic_cast<const AnatomyError*>(&refusal); anatomy && whole)
+    if (!anatomy->picture_png.empty()) pictures.push_back({"fault.png", anatomy->picture_png});
+  return pictures;
+}
+
+std::string message_of(const RefusedRun& run, const Error& refusal) {
+  std::string text = run.config.case_token + ": ";
+  if (!refusal.field().empty()) text += printable(refusal.field()) + ": ";
+  text += printable(refusal.what()) + "\n";
+  if (!run.warnings.empty()) text += "\nWarnings:\n";
+  for (const std::string& w : run.warnings) text += printable(w) + "\n";
+  return text;
+}
+
+fs::path half_made(const fs::path& folder) { return folder.parent_path() / ("." + folder.filename().string()); }
+
+}  // namespace
+
+fs::path refused_folder(const fs::path& library, const std::string& case_token) {
+  return library / (case_token + ".refused");
+}
+
+void keep_refused(const fs::path& folder, const RefusedRun& run, const Error& refusal) {
+  const std::string message = message_of(run, refusal);
+  std::error_code error;
+  const bool known = run.made.empty();
+  if (known && refusal.code() == ExitCode::quality && fs::exists(folder, error)) {
+    write_file(folder / "message.txt", message);
+    return;
+  }
+  const fs::path fresh = half_made(folder);
+  fs::remove_all(fresh, error);
+  make_output_folder(fresh);
+  fs::permissions(fresh, fs::perms::owner_all, error);
+  if (error) throw Error(ExitCode::cannot_create, fresh.string(), "", "cannot be closed to others: " + error.message());
+  write_file(fresh / "message.txt", message);
+  if (refusal.code() == ExitCode::quality)
+    for (const CasePicture& p : pictures_of(run, refusal)) write_file(fresh / p.name, p.png);
+  fs::remove_all(folder, error);
+  fs::rename(fresh, folder, error);
+  if (error) throw Error(ExitCode::cannot_create, folder.string(), "", error.message());
+}
+
+void remove_refused(const fs::path& folder) {
+  std::error_code ignored;
+  fs::remove_all(folder, ignored);
+  fs::remove_all(half_made(folder), ignored);
+}
+
+}  // namespace trephine
