@@ -53,6 +53,48 @@ TEST(ProgressDisplay, PlainLines) {
   EXPECT_EQ(out.text(), "warning: thin? bone\nskull.decimate: 0 s, 80,000 triangles\nbrain.segment: cached\n");
 }
 
+// What a line says of the whole, in percent; -1 where it says nothing.
+int percent_of_all(const std::string& line) {
+  const auto at = line.find(" % of all");
+  if (at == std::string::npos) return -1;
+  const auto before = line.find_last_not_of("0123456789", at - 1);
+  return std::stoi(line.substr(before == std::string::npos ? 0 : before + 1));
+}
+
+TEST(ProgressDisplay, TheShareOfTheWholeGrowsWithThePlanAndNeverFalls) {
+  Captured out;
+  {
+    ProgressDisplay d(false, out.fd(), Style::terminal);
+    d.plan({{"import", 1}, {"skull.decimate", 6}, {"brain.decimate", 3}});
+    d.start("import", nullptr);
+    d.finish("import");
+    const Progress skull = d.start("skull.decimate", nullptr), brain = d.start("brain.decimate", nullptr);
+    for (const double f : {0.5, 0.2, 1.0}) {  // 0.2: a stage that begins again
+      skull.report(f);
+      std::this_thread::sleep_for(std::chrono::milliseconds(450));
+    }
+    d.finish("skull.decimate");
+    std::this_thread::sleep_for(std::chrono::milliseconds(1300));
+    brain.report(0.9);
+    std::this_thread::sleep_for(std::chrono::milliseconds(450));
+  }
+  const std::string text = out.text();
+  int last = 0, seen = 0;
+  for (std::size_t at = 0, end; at < text.size(); at = end + 1) {
+    end = std::min(text.find('\r', at), text.size());
+    const int percent = percent_of_all(text.substr(at, end - at));
+    if (percent < 0) continue;
+    EXPECT_GE(percent, last) << text;
+    last = percent;
+    ++seen;
+  }
+  EXPECT_GE(seen, 8) << text;
+  EXPECT_EQ(last, 97) << text;  // 1 + 6 + 0.9 * 3 of 10
+  EXPECT_NE(text.find("40 % of all"), std::string::npos) << text;
+  EXPECT_EQ(text.find("20 % ("), std::string::npos) << text;
+  EXPECT_NE(text.find("% of all, about "), std::string::npos) << text;
+}
+
 TEST(ProgressDisplay, QuietSaysNothing) {
   Captured out;
   ProgressDisplay d(true, out.fd(), Style::terminal);

@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "dicom/import.h"
 #include "pipeline/executor.h"
+#include "pipeline/schedule.h"
 #include "scratch_folder.h"
 #include "stages/import.h"
 
@@ -91,6 +92,17 @@ struct Fixture {
 };
 
 double x_of(const NodeResult& r) { return std::get<std::shared_ptr<const TriMesh>>(r.data)->points_mm.at(0).x; }
+
+TEST(Schedule, TimesInWhichSeveralRunAreShared) {
+  // 0 (2 s), then 1 (6 s) beside 2 (2 s) and after it 3 (1 s); at last 4 (1 s), which waits for 1 and 3.
+  const std::vector<ScheduledTask> tasks = {{2, {}}, {6, {0}}, {2, {0}}, {1, {2}}, {1, {1, 3}}};
+  const std::vector<double> two = wall_shares_s(tasks, 2), expected = {2, 4.5, 1, 0.5, 1};
+  ASSERT_EQ(two.size(), expected.size());
+  for (std::size_t i = 0; i < two.size(); ++i) EXPECT_NEAR(two[i], expected[i], 1e-12) << i;
+  const std::vector<double> one = wall_shares_s(tasks, 1);
+  for (std::size_t i = 0; i < one.size(); ++i) EXPECT_NEAR(one[i], tasks[i].seconds, 1e-12) << i;
+  EXPECT_TRUE(wall_shares_s({}, 2).empty());
+}
 
 }  // namespace
 

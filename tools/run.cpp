@@ -14,6 +14,8 @@ namespace {
 class DisplayObserver : public RunObserver {
  public:
   explicit DisplayObserver(bool quiet) : display_(quiet) {}
+  void planned(const std::vector<std::pair<std::string, double>>& expected_s) override { display_.plan(expected_s); }
+  void publishing() override { display_.start(publishing_step); }
   void started(const std::string& node) override { display_.start(node); }
   void progressed(const std::string& node, double fraction) override { display_.report(node, fraction); }
   void finished(const std::string& node, const std::string& how, double, const Report& report) override {

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <condition_variable>
 #include <cstdio>
+#include <map>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -21,7 +22,7 @@ namespace trephine {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double repaint_s = 0.2, plain_line_s = 5;
+constexpr double repaint_s = 0.2, plain_line_s = 5, longest_silence_s = 10;
 
 double seconds_between(Clock::time_point a, Clock::time_point b) {
   return std::chrono::duration<double>(b - a).count();
@@ -58,6 +59,10 @@ struct ProgressDisplay::State {
   int fd = 2;
   std::mutex mutex;
   std::vector<Stage> running;
+  std::map<std::string, double> expected_s;  ///< of what is planned
+  double done_s = 0, all_s = 0;              ///< of the expected seconds
+  double shown_fraction = 0;                 ///< of the whole
+  Clock::time_point began, spoke;            ///< when the plan was told; when the last line was written
   bool painted = false, ending = false;
   std::condition_variable end;
   std::thread painter;
@@ -87,13 +92,28 @@ struct ProgressDisplay::State {
               " left)";
     return text;
   }
+  // Empty where nothing is planned.
+  std::string whole_text(Clock::time_point now) {
+    if (!(all_s > 0)) return "";
+    double sum = done_s;
+    for (const Stage& s : running)
+      if (const auto e = expected_s.find(s.name); e != expected_s.end()) sum += e->second * s.fraction;
+    shown_fraction = std::max(shown_fraction, std::min(sum / all_s, 0.99));
+    const double f = shown_fraction, elapsed = seconds_between(began, now);
+    std::string text = std::to_string(static_cast<int>(f * 100)) + " % of all";
+    if (f > 0.05 && elapsed > 2) text += ", about " + duration_text(elapsed * (1 - f) / f) + " left";
+    return text;
+  }
+  std::string running_text(Clock::time_point now) {
+    std::string text = whole_text(now);
+    for (const Stage& s : running) text += (text.empty() ? "" : " | ") + stage_text(s, now);
+    return text;
+  }
   void paint() {
     if (!terminal || running.empty()) return;
     winsize size{};
     const bool known = ::ioctl(fd, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
-    std::string text;
-    const auto now = Clock::now();
-    for (const Stage& s : running) text += (text.empty() ? "" : " | ") + stage_text(s, now);
+    const std::string text = running_text(Clock::now());
     write("\r\x1b[K" + clipped(printable(text), known ? size.ws_col - 1u : 79u));
     painted = true;
   }
@@ -105,6 +125,7 @@ struct ProgressDisplay::State {
   void line(const std::string& text) {
     clear();
     write(printable(text) + "\n");
+    spoke = Clock::now();
     paint();
   }
 };
@@ -119,10 +140,16 @@ ProgressDisplay::ProgressDisplay(bool quiet, int fd, Style style) : state_(std::
     const std::lock_guard<std::mutex> lock(s.mutex);
     s.line(text);
   });
-  if (!s.terminal) return;
+  s.spoke = Clock::now();
   s.painter = std::thread([&s] {
     std::unique_lock<std::mutex> lock(s.mutex);
-    while (!s.end.wait_for(lock, std::chrono::duration<double>(repaint_s), [&s] { return s.ending; })) s.paint();
+    while (!s.end.wait_for(lock, std::chrono::duration<double>(repaint_s), [&s] { return s.ending; })) {
+      const auto now = Clock::now();
+      if (s.terminal)
+        s.paint();
+      else if (!s.running.empty() && seconds_between(s.spoke, now) >= longest_silence_s)
+        s.line(s.running_text(now));
+    }
   });
 }
 
@@ -139,6 +166,15 @@ ProgressDisplay::~ProgressDisplay() {
   if (s.painter.joinable()) s.painter.join();
 }
 
+void ProgressDisplay::plan(const std::vector<std::pair<std::string, double>>& expected_s) {
+  const std::lock_guard<std::mutex> lock(state_->mutex);
+  State& s = *state_;
+  s.expected_s = {expected_s.begin(), expected_s.end()};
+  s.done_s = s.all_s = s.shown_fraction = 0;
+  for (const auto& [name, seconds] : s.expected_s) s.all_s += seconds;
+  s.began = Clock::now();
+}
+
 Progress ProgressDisplay::start(const std::string& stage, const std::atomic<bool>* cancel) {
   {
     const std::lock_guard<std::mutex> lock(state_->mutex);
@@ -153,12 +189,13 @@ void ProgressDisplay::report(const std::string& stage, double fraction) {
   const std::lock_guard<std::mutex> lock(state_->mutex);
   State::Stage* s = state_->find(stage);
   if (!s || !(fraction >= 0)) return;
-  s->fraction = std::min(fraction, 1.0);
+  s->fraction = std::max(s->fraction, std::min(fraction, 1.0));
   if (state_->quiet || state_->terminal) return;  // the painter shows it
   const auto now = Clock::now();
   if (seconds_between(s->said, now) < plain_line_s) return;
   s->said = now;
-  state_->line(State::stage_text(*s, now));
+  const std::string whole = state_->whole_text(now);
+  state_->line((whole.empty() ? "" : whole + " | ") + State::stage_text(*s, now));
 }
 
 void ProgressDisplay::finish(const std::string& stage, const std::string& note) {
@@ -170,6 +207,7 @@ void ProgressDisplay::finish(const std::string& stage, const std::string& note) 
     state_->running.erase(state_->running.begin() + (s - state_->running.data()));
   }
   if (!note.empty()) text += " " + note;
+  if (const auto e = state_->expected_s.find(stage); e != state_->expected_s.end()) state_->done_s += e->second;
   if (!state_->quiet) state_->line(text);
 }
 

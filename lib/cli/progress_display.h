@@ -3,6 +3,8 @@
 #include <atomic>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/progress.h"
 
@@ -10,9 +12,9 @@ namespace trephine {
 
 /// Shows how far several concurrent stages are. On a terminal it repaints one line with each running stage's share,
 /// rate and time left, and writes a line that stays for each finished stage. Elsewhere it writes plain lines, at most
-/// one every few seconds for each stage. With `quiet` it shows nothing. While a display exists, log_line goes through
-/// it, so that a warning does not break its line. It is thread safe, and restores the terminal's line and the log when
-/// it is destroyed.
+/// one every few seconds for each stage and at least one every ten seconds. A stage's share never falls. With `quiet`
+/// it shows nothing. While a display exists, log_line goes through it, so that a warning does not break its line. It is
+/// thread safe, and restores the terminal's line and the log when it is destroyed.
 class ProgressDisplay {
  public:
   enum class Style { automatic, terminal, plain };
@@ -22,6 +24,9 @@ class ProgressDisplay {
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;
 
+  /// What will run, with expected seconds that are right relative to each other. From then on the share of the whole is
+  /// shown, which never falls, with the time left.
+  void plan(const std::vector<std::pair<std::string, double>>& expected_s);
   /// Begins a stage. The returned object reports to this display, which must outlive it.
   Progress start(const std::string& stage, const std::atomic<bool>* cancel = &cancel_requested());
   /// For code that has no Progress object. A stage that was not started is ignored.

@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/parallel.h"
+#include "pipeline/schedule.h"
 #include "stages/data_files.h"
 
 namespace trephine {
@@ -78,6 +79,7 @@ class Executor {
   }
 
   std::vector<NodeResult> run() {
+    tell_plan();
     {
       Workers workers(*this);
       const auto count = std::min(static_cast<std::size_t>(std::max(1, thread_count())), tasks_.size());
@@ -125,6 +127,25 @@ class Executor {
     if (!options_.cache) return;
     for (const Node& node : graph_.nodes)
       if (auto refusal = options_.cache->load_refusal(node.key)) throw refusal->in_field(node.name);
+  }
+
+  void tell_plan() {
+    std::vector<int> planned(tasks_.size(), -1);  // its place among the tasks
+    std::vector<ScheduledTask> schedule;
+    std::vector<std::pair<std::string, double>> expected_s;
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      if (!tasks_[i].needed || tasks_[i].done) continue;
+      const Node& node = graph_.nodes[i];
+      const auto before = options_.seconds_before.find(node.name);
+      planned[i] = int(schedule.size());
+      schedule.push_back({before != options_.seconds_before.end() ? before->second : node.type->typical_s, {}});
+      for (const auto& [port, source] : node.sources)
+        if (planned[source] >= 0) schedule.back().sources.push_back(planned[source]);
+      expected_s.emplace_back(node.name, 0);
+    }
+    const std::vector<double> shares = wall_shares_s(schedule, thread_count());
+    for (std::size_t i = 0; i < shares.size(); ++i) expected_s[i].second = shares[i];
+    observer_.planned(expected_s);
   }
 
   void demand(int i) {

@@ -2,7 +2,9 @@
 #pragma once
 #include <atomic>
 #include <filesystem>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pipeline/graph.h"
@@ -14,6 +16,11 @@ namespace trephine {
 class RunObserver {
  public:
   virtual ~RunObserver() = default;
+  /// What will be computed, with its expected share of the time that all take, in seconds. It is called before anything
+  /// is computed.
+  virtual void planned(const std::vector<std::pair<std::string, double>>& expected_s) { (void)expected_s; }
+  /// Begins what follows the nodes: making pictures and page, and publishing.
+  virtual void publishing() {}
   virtual void started(const std::string& node) = 0;
   virtual void progressed(const std::string& node, double fraction) = 0;
   /// `how`: computed or cached.
@@ -32,6 +39,8 @@ struct ExecuteOptions {
   const StageCache* cache =
       nullptr;  ///< if storing fails (a full disk), one warning is logged and nothing more is stored
   const std::atomic<bool>* cancel = nullptr;
+  /// Seconds that nodes took in an earlier run, by name; others are expected to take their stage's typical_s.
+  std::map<std::string, double> seconds_before;
   std::vector<NodeResult>* made = nullptr;  ///< where an error ends the run, what is in memory then comes here
 };
 

@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 
 // No data file has this extension: cutters are .json.
 constexpr const char* index_extension = ".index";
+constexpr const char* seconds_file = "seconds.json";
 
 namespace {
 
@@ -154,6 +155,34 @@ void StageCache::store_refusal(const std::string& key, const Error& refusal) con
 void StageCache::write_index(const std::string& key, const std::string& entry) const {
   write_file(file(key, index_extension),
              nlohmann::ordered_json{{"entry", entry}, {"sha256", sha256_of_bytes(entry)}}.dump());
+}
+
+std::map<std::string, double> StageCache::seconds_before() const {
+  std::error_code ignored;
+  const fs::path file = folder_.empty() ? fs::path() : folder_ / seconds_file;
+  if (file.empty() || !fs::exists(file, ignored)) return {};
+  try {
+    if (!is_our_file(file)) return {};
+    const auto bytes = read_file(file, 1 << 20);
+    auto seconds = nlohmann::json::parse(bytes.begin(), bytes.end()).get<std::map<std::string, double>>();
+    for (auto it = seconds.begin(); it != seconds.end();)
+      it = it->second > 0 && it->second < 1e6 ? std::next(it) : seconds.erase(it);
+    return seconds;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
+void StageCache::remember_seconds(const std::map<std::string, double>& newer) const {
+  if (folder_.empty() || newer.empty()) return;
+  std::map<std::string, double> seconds = seconds_before();
+  for (const auto& [name, s] : newer) seconds[name] = std::max(s, 1e-3);
+  try {
+    write_file(folder_ / seconds_file, nlohmann::json(seconds).dump());
+  } catch (const Error&) {  // an estimate is worth no failure
+  }
 }
 
 StageCache::Entry StageCache::look_up(const std::string& key) const {

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -32,6 +33,11 @@ class StageCache {
   void store_refusal(const std::string& key, const Error& refusal) const;
   /// The refusal that was stored, with its field and text; nothing where there is none.
   std::optional<Error> load_refusal(const std::string& key) const;
+
+  /// What each node took, by its name, in the runs before: for estimates of the time left alone. Damaged or missing
+  /// counts as empty, and a failure to write is ignored.
+  std::map<std::string, double> seconds_before() const;
+  void remember_seconds(const std::map<std::string, double>& newer) const;
 
   struct Entry {
     bool has_report = false, has_data = false;

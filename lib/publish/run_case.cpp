@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <random>
 
 #include "base/error.h"
@@ -147,7 +148,13 @@ void tell_warnings(Run& run) {
 // Tells at once what the scan is not suited for: a run that is refused later may be refused because of it.
 class EarlyWarnings : public RunObserver {
  public:
-  EarlyWarnings(RunObserver& observer, std::string token) : observer_(observer), token_(std::move(token)) {}
+  EarlyWarnings(RunObserver& observer, std::string token, double publishing_s)
+      : observer_(observer), token_(std::move(token)), publishing_s_(publishing_s) {}
+  void planned(const std::vector<std::pair<std::string, double>>& expected_s) override {
+    auto all = expected_s;
+    all.emplace_back(publishing_step, publishing_s_);
+    observer_.planned(all);
+  }
   void started(const std::string& node) override { observer_.started(node); }
   void progressed(const std::string& node, double fraction) override { observer_.progressed(node, fraction); }
   void finished(const std::string& node, const std::string& how, double seconds, const Report& report) override {
@@ -159,7 +166,16 @@ class EarlyWarnings : public RunObserver {
  private:
   RunObserver& observer_;
   std::string token_;
+  double publishing_s_;
 };
+
+// The seconds of what was computed in this run, by node.
+std::map<std::string, double> seconds_of(const Run& run) {
+  std::map<std::string, double> seconds;
+  for (std::size_t i = 0; i < run.results.size(); ++i)
+    if (run.results[i].state == NodeResult::State::computed) seconds[run.graph.nodes[i].name] = run.results[i].seconds;
+  return seconds;
+}
 
 // A budget of time cannot be enforced: the case is complete and valid, only later than wanted.
 void tell_overrun(Run& run, double seconds) {
@@ -288,13 +304,18 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     execution.cache = &cache;
     execution.cancel = &cancel_requested();
     run.graph = make_graph(run.config, input_sha256);
-    EarlyWarnings early(observer, token);
+    execution.seconds_before = cache.seconds_before();
+    const auto before = execution.seconds_before.find(publishing_step);
+    EarlyWarnings early(observer, token, before == execution.seconds_before.end() ? 4 : before->second);
+    auto publishing_began = Clock::now();
     CaseContent content;
     try {
       execution.made = &run.results;
       run.results =
           execute(run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page), execution, early);
       tell_warnings(run);
+      publishing_began = Clock::now();
+      observer.publishing();
       content = make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version,
                                   input_sha256, request.params.pictures, cancelled);
     } catch (const Error& e) {
@@ -308,6 +329,9 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     cancelled.check();
     publish(run, folder, content);
     remove_refused(refused_folder(request.library, token));
+    std::map<std::string, double> seconds_by_node = seconds_of(run);
+    seconds_by_node[publishing_step] = std::chrono::duration<double>(Clock::now() - publishing_began).count();
+    cache.remember_seconds(seconds_by_node);
     cache.shrink_to(static_cast<std::uint64_t>(request.params.cache_limit_mb) * 1'000'000);
 
     RunResult result;

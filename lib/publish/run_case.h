@@ -59,6 +59,9 @@ struct RunResult {
   std::string table;                  ///< for a person
 };
 
+/// What follows the last node, as an observer names it: pictures, page and publishing.
+constexpr const char* publishing_step = "publish";
+
 /// The skin of a head shows the face, and so does a CT of it. Throws Error 81 where the case would publish one and the
 /// scene does not say that it may, and why.
 void require_face_policy(const CaseConfig& config);

@@ -8,6 +8,7 @@ StageType anatomy_stage() {
   StageType s;
   s.name = "anatomy";
   s.version = 2;
+  s.typical_s = 3;
   s.place = StagePlace::scan;
   s.role = StageRole::check;
   s.summary = "checks a head's anatomies against each other and measures them";

@@ -9,6 +9,7 @@ StageType body_stage() {
   StageType s;
   s.name = "body";
   s.version = 1;
+  s.typical_s = 1;
   s.place = StagePlace::scan;
   s.role = StageRole::prepare;
   s.summary = "takes mask, couch and other apparatus off a scan";

@@ -9,6 +9,7 @@ StageType boolean_stage() {
   StageType s;
   s.name = "boolean";
   s.version = 2;
+  s.typical_s = 1.5;
   s.place = StagePlace::scene;
   s.role = StageRole::cut;
   s.summary = "cuts burr holes and other solids out of a surface";

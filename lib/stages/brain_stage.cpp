@@ -9,6 +9,7 @@ StageType brain_stage() {
   StageType s;
   s.name = "brain";
   s.version = 3;
+  s.typical_s = 4;
   s.summary = "finds the brain inside the skull";
   s.description =
       "Gives a field on the volume's voxels that is positive inside the brain and follows its sulci. A seeded "

@@ -9,6 +9,7 @@ StageType clavicle_stage() {
   StageType s;
   s.name = "clavicle";
   s.version = 1;
+  s.typical_s = 1.5;
   s.summary = "separates the clavicles from the other bones of a chest";
   s.description =
       "Gives a field that is positive inside the clavicles, or inside all other bone (part rest). A clavicle is a bone "

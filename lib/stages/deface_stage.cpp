@@ -9,6 +9,7 @@ StageType deface_stage() {
   StageType s;
   s.name = "deface";
   s.version = 2;
+  s.typical_s = 3;
   s.place = StagePlace::scan;
   s.role = StageRole::deface;
   s.summary = "takes the face off a CT volume";

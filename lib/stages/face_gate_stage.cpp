@@ -31,6 +31,7 @@ StageType face_gate_stage() {
   StageType s;
   s.name = "face_gate";
   s.version = 2;
+  s.typical_s = 2;
   s.place = StagePlace::scene;
   s.role = StageRole::face_check;
   s.summary = "refuses what still shows the face";

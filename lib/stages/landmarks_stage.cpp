@@ -9,6 +9,7 @@ StageType landmarks_stage() {
   StageType s;
   s.name = "landmarks";
   s.version = 5;
+  s.typical_s = 1.5;
   s.place = StagePlace::scan;
   s.role = StageRole::landmarks;
   s.summary = "finds the landmarks of a head";

@@ -9,6 +9,7 @@ StageType measure_stage() {
   StageType s;
   s.name = "measure";
   s.version = 3;
+  s.typical_s = 2.5;
   s.place = StagePlace::scene;
   s.role = StageRole::measure;
   s.summary = "measures a surface, also against a reference";

@@ -11,6 +11,7 @@ StageType mismatch_stage() {
   StageType s;
   s.name = "mismatch";
   s.version = 2;
+  s.typical_s = 1.5;
   s.place = StagePlace::scene;
   s.role = StageRole::mismatch;
   s.summary = "measures how far the felt surfaces lie from the displayed ones";

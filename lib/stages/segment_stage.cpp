@@ -9,6 +9,7 @@ StageType segment_stage() {
   StageType s;
   s.name = "segment";
   s.version = 10;
+  s.typical_s = 1.2;
   s.summary = "finds one anatomy in a CT volume by thresholds";
   s.description =
       "Gives a field on the volume's voxels that is positive inside the anatomy. Its zero crossing is the anatomy's "

@@ -9,6 +9,7 @@ StageType ventricles_stage() {
   StageType s;
   s.name = "ventricles";
   s.version = 2;
+  s.typical_s = 5;
   s.summary = "finds the ventricles inside the brain";
   s.description =
       "Gives a field on the volume's voxels that is positive inside the lateral ventricles and the third. They are the "

@@ -123,6 +123,7 @@ StageType voxelize_stage() {
   StageType s;
   s.name = "voxelize";
   s.version = 3;
+  s.typical_s = 8;
   s.place = StagePlace::scene;
   s.role = StageRole::haptic;
   s.summary = "makes the haptic volume, which is what the hand feels";
