@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cstdio>
-#include <list>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -11,8 +10,10 @@
 #include "cases/glb.h"
 #include "cli/progress_display.h"
 #include "commands.h"
+#include "export_parts.h"
+#include "head/head_landmarks.h"
 #include "meshio/export_format.h"
-#include "meshio/label_map.h"
+#include "meshio/markups.h"
 #include "meshio/read_mesh.h"
 #include "stage_command.h"
 #include "stages/data_files.h"
@@ -24,18 +25,15 @@ namespace fs = std::filesystem;
 
 bool holds_several(const ExportFormat& f) { return f.several; }
 
+constexpr const char* markups_format = "mrk.json";
+
 // Every name that --format takes.
 std::vector<std::string> format_choices() {
   std::vector<std::string> names;
   for (const ExportFormat& f : all_export_formats()) names.emplace_back(f.name);
   for (const LabelFormat& f : all_label_formats()) names.emplace_back(f.name);
+  names.emplace_back(markups_format);
   return names;
-}
-
-std::string with_commas(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
 }
 
 struct ExportParams {
@@ -57,38 +55,10 @@ struct ExportParams {
   }
 };
 
-// Reads "a,b", given once or more.
-std::vector<std::string> items_of(const ParsedCommand& parsed, const std::string& argument) {
-  std::vector<std::string> items;
-  for (const std::string& text : parsed.all(argument)) {
-    std::size_t from = 0;
-    for (std::size_t comma; (comma = text.find(',', from)) != std::string::npos; from = comma + 1)
-      items.push_back(text.substr(from, comma - from));
-    items.push_back(text.substr(from));
-  }
-  return items;
-}
-
-[[noreturn]] void usage(const std::string& field, const std::string& what) {
-  throw Error(ExitCode::usage, "", field, what);
-}
-
-[[noreturn]] void unknown(const std::string& field, const std::string& name, const std::vector<std::string>& known) {
-  const std::string near = nearest_name(name, known);
-  usage(field, name + (near.empty() ? ": must be one of " + with_commas(known) : ": did you mean " + near + "?"));
-}
-
-void check_name(const std::string& field, const std::string& name) {
-  bool good = !name.empty() && name.size() <= 64 && name[0] != '.';
-  for (const char c : name)
-    good = good && ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-                    c == '-' || c == '.');
-  if (!good) usage(field, name + ": must be 1 to 64 letters, digits, _, - or .");
-}
-
 struct Formats {
   std::vector<const ExportFormat*> surfaces;
   std::vector<const LabelFormat*> labels;
+  bool markups = false;
 };
 
 template <class Format>
@@ -103,30 +73,24 @@ Formats formats_of(const ParsedCommand& parsed) {
     const auto labels =
         std::find_if(all_labels.begin(), all_labels.end(), [&](const LabelFormat& f) { return name == f.name; });
     const ExportFormat* surface = find_export_format(name);
-    if (labels != all_labels.end())
+    if (name == markups_format)
+      formats.markups = true;
+    else if (labels != all_labels.end())
       add_once(formats.labels, *labels);
     else if (surface)
       add_once(formats.surfaces, *surface);
     else
-      unknown("--format", name, format_choices());
+      unknown_name("--format", name, format_choices());
   }
   return formats;
 }
 
-// What is exported. The meshes stay where they are.
-struct Input {
-  std::list<TriMesh> meshes;
-  std::vector<ExportSurface> surfaces;
-  CaseManifest manifest;  ///< for a case
-};
-
-void load_case_surfaces(const fs::path& folder, const std::vector<std::string>& wanted, Input& input, Report& report,
-                        const Progress& progress) {
-  input.manifest = read_case(folder);
+void load_case_surfaces(const fs::path& folder, const std::vector<std::string>& wanted, ExportInput& input,
+                        Report& report, const Progress& progress) {
   std::vector<std::string> known;
   for (const CaseAnatomy& a : input.manifest.anatomies) known.push_back(a.name);
   for (const std::string& name : wanted)
-    if (!input.manifest.find_anatomy(name)) unknown("--anatomy", name, known);
+    if (!input.manifest.find_anatomy(name)) unknown_name("--anatomy", name, known);
   for (const CaseAnatomy& a : input.manifest.anatomies) {
     progress.check();
     const bool named = std::find(wanted.begin(), wanted.end(), a.name) != wanted.end();
@@ -143,30 +107,32 @@ void load_case_surfaces(const fs::path& folder, const std::vector<std::string>& 
   }
 }
 
-void load_file_surface(const fs::path& file, const ExportParams& params, Input& input, const Progress& progress) {
+void load_file_surface(const fs::path& file, const ExportParams& params, ExportInput& input, const Progress& progress) {
   const std::string name = params.name.empty() ? file.stem().string() : params.name;
-  check_name("--name", name);
+  check_export_name("--name", name);
   Report ignored;
   input.meshes.push_back(read_mesh_file(file, ignored, {}, progress));
   input.surfaces.push_back({&input.meshes.back(), name, params.colour_rgb, params.opacity, false});
 }
 
-Input load_input(const ParsedCommand& parsed, Report& report, const Progress& progress) {
-  Input input;
+ExportInput load_input(const ParsedCommand& parsed, bool surfaces, Report& report, const Progress& progress) {
+  ExportInput input;
   if (!parsed.has("input")) return input;
   const fs::path path = parsed.path("input");
   const auto wanted = items_of(parsed, "anatomy");
+  if (fs::is_directory(path)) input.manifest = read_case(path);
+  if (!surfaces) return input;
   if (fs::is_directory(path)) {
     load_case_surfaces(path, wanted, input, report, progress);
   } else {
-    if (!wanted.empty()) usage("--anatomy", "is for a case; a file holds one surface");
+    if (!wanted.empty()) export_usage("--anatomy", "is for a case; a file holds one surface");
     load_file_surface(path, parsed.params<ExportParams>(), input, progress);
   }
   std::vector<std::string> names;
   for (const ExportSurface& s : input.surfaces) names.push_back(s.name);
   for (const std::string& name : items_of(parsed, "texture_coordinates")) {
     const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) unknown("--texture-coordinates", name, names);
+    if (found == names.end()) unknown_name("--texture-coordinates", name, names);
     input.surfaces[std::size_t(found - names.begin())].texture_coordinates = true;
   }
   return input;
@@ -200,7 +166,7 @@ void export_one(const ExportFormat& format, const std::vector<ExportSurface>& su
   for (ExportFile& f : made) out.files.push_back(std::move(f));
 }
 
-Exported export_surfaces(const Input& input, const std::vector<const ExportFormat*>& formats,
+Exported export_surfaces(const ExportInput& input, const std::vector<const ExportFormat*>& formats,
                          const ExportParams& params, const std::string& together_name, Report& report,
                          const Progress& progress) {
   Exported out;
@@ -217,47 +183,36 @@ Exported export_surfaces(const Input& input, const std::vector<const ExportForma
   return out;
 }
 
-// The recipes' colours, and some more that can be told apart.
-std::array<double, 3> label_colour(const Input& input, const std::string& name, std::size_t number) {
-  if (const CaseAnatomy* a = input.manifest.find_anatomy(name)) return a->colour_rgb;
-  if (name == "skin") return {0.87, 0.68, 0.56};
-  if (name == "skull" || name == "bone") return {0.93, 0.89, 0.78};
-  if (name == "brain") return {0.85, 0.62, 0.62};
-  if (name == "ventricles") return {0.25, 0.5, 0.9};
-  constexpr std::array<double, 3> others[] = {{0.9, 0.3, 0.2}, {0.2, 0.7, 0.3}, {0.95, 0.75, 0.1},
-                                              {0.6, 0.3, 0.8}, {0.1, 0.7, 0.7}, {0.9, 0.5, 0.7}};
-  return others[number % 6];
-}
-
-LabelMap label_map_of(const ParsedCommand& parsed, const Input& input, Report& report, const Progress& progress) {
-  std::list<Field> fields;
-  std::vector<LabelledField> shapes;
-  for (const std::string& item : items_of(parsed, "labels")) {
-    const auto equals = item.find('=');
-    if (equals == std::string::npos) usage("--labels", item + ": must be NAME=FIELD.nrrd");
-    const std::string name = item.substr(0, equals);
-    check_name("--labels", name);
-    for (const LabelledField& s : shapes)
-      if (s.name == name) usage("--labels", name + ": is there twice");
-    fields.push_back(read_field_nrrd(item.substr(equals + 1)));
-    shapes.push_back({&fields.back(), name, label_colour(input, name, shapes.size())});
-    progress.check();
-  }
-  return make_label_map(shapes, report, progress);
-}
-
 void check_combination(const ParsedCommand& parsed, const Formats& formats) {
   const auto& params = parsed.params<ExportParams>();
-  if (!params.name.empty()) check_name("--name", params.name);
+  if (!params.name.empty()) check_export_name("--name", params.name);
   if (formats.labels.empty() == parsed.has("labels")) {
     std::vector<std::string> names;
     for (const LabelFormat& f : all_label_formats()) names.emplace_back(f.name);
-    usage("--labels", "and --format " + with_commas(names) + " belong together");
+    export_usage("--labels", "and --format " + with_commas(names) + " belong together");
   }
-  if (!formats.surfaces.empty() && !parsed.has("input")) usage("INPUT", "is needed for surfaces: a case or a file");
+  if (formats.markups && (!parsed.has("input") || !fs::is_directory(parsed.path("input"))))
+    export_usage("INPUT", std::string("must be a case's folder for ") + markups_format);
+  if (!formats.surfaces.empty() && !parsed.has("input"))
+    export_usage("INPUT", "is needed for surfaces: a case or a file");
   if (params.together)
     for (const ExportFormat* f : formats.surfaces)
-      if (!f->several) usage("--together", std::string(f->name) + " holds one surface a file");
+      if (!f->several) export_usage("--together", std::string(f->name) + " holds one surface a file");
+}
+
+// Landmarks, targets and trajectories, each read back as it would be given to a run.
+std::vector<ExportFile> markup_files(const CaseManifest& manifest, const MarkupsParams& params, Report& report) {
+  std::vector<ExportFile> files;
+  for (const Markup& m : markups_of_case(manifest, params)) {
+    files.push_back({m.name + "." + markups_format, encode_slicer_markups(m)});
+    const auto back = parse_slicer_markups(files.back().bytes);
+    for (std::size_t i = 0; i < m.points.size(); ++i)
+      if (back.size() != m.points.size() || back[i].position_mm != m.points[i].position_mm)
+        throw Error(ExitCode::io, files.back().name, m.points[i].label, "what is written does not read back");
+    report.add(files.back().name + ".points_count", m.points.size());
+  }
+  if (files.empty()) throw Error(ExitCode::bad_input, "", "", "the case has no landmark, target or burr hole");
+  return files;
 }
 
 // Fills the report (for --report) and returns the text to be printed.
@@ -265,7 +220,7 @@ std::string run_export(const ParsedCommand& parsed, Report& report, const Progre
   const auto& params = parsed.params<ExportParams>();
   const Formats formats = formats_of(parsed);
   check_combination(parsed, formats);
-  const Input input = load_input(parsed, report, progress.part(0, 0.1));
+  const ExportInput input = load_input(parsed, !formats.surfaces.empty(), report, progress.part(0, 0.1));
   if (!formats.surfaces.empty() && input.surfaces.empty())
     throw Error(ExitCode::bad_input, parsed.text("input"), "", "holds no surface");
   std::string stem = params.name;
@@ -277,11 +232,18 @@ std::string run_export(const ParsedCommand& parsed, Report& report, const Progre
   std::string text;
   if (!exported.table.empty()) text = "file                       triangles       MB   re-read by   off by, mm\n";
   for (const std::string& line : exported.table) text += line + "\n";
+  std::vector<ExportFile> markups;
+  if (formats.markups) {
+    markups = with_file(parsed.text("input"),
+                        [&] { return markup_files(input.manifest, parsed.params<MarkupsParams>(), report); });
+    for (const ExportFile& f : markups) text += f.name + "\n";
+  }
   Report labels;
   LabelMap map;
-  if (!formats.labels.empty()) map = label_map_of(parsed, input, labels, progress.part(0.8, 0.95));
+  if (!formats.labels.empty()) map = label_map_of(parsed, input.manifest, labels, progress.part(0.8, 0.95));
   make_output_folder(out);
   write_export(out, exported.files);
+  write_export(out, markups);
   for (const LabelFormat* f : formats.labels)
     f->write(out / ((params.name.empty() ? "labels" : params.name) + "." + f->name), map);
   text += report_text(labels);
@@ -305,7 +267,10 @@ std::string formats_text() {
                      "self-intersections), and every file is read back by another program's reader and compared, "
                      "triangle by triangle, before anything is written.";
   for (const LabelFormat& f : all_label_formats()) text += "\n\nFormat " + std::string(f.name) + " is " + f.help;
-  return text;
+  return text +
+         "\n\nFormat mrk.json is markups for 3D Slicer, of a case: its landmarks (landmarks.mrk.json, which `run "
+         "--landmarks` reads back), its targets (targets.mrk.json), and the axis of each burr hole as a line "
+         "(trajectory-NAME.mrk.json).";
 }
 
 }  // namespace
@@ -322,6 +287,7 @@ Command export_command() {
                 "trephine export library/head-01 --format obj --anatomy skin --texture-coordinates skin --out exported",
                 "trephine export library/head-01 --format x3d --together --out exported",
                 "trephine export skull.vtp --format stl --out exported",
+                "trephine export library/head-01 --format mrk.json --out exported",
                 "trephine export --format seg.nrrd --labels skin=skin.nrrd,skull=skull.nrrd --out exported"};
   const auto argument = [](const char* name, Argument::Kind kind, const std::string& help) {
     Argument a;
@@ -346,7 +312,7 @@ Command export_command() {
   Argument labels = argument("labels", Argument::Kind::text, "Shapes of a segmentation: NAME=FIELD.nrrd, with commas.");
   anatomy.repeated = texture.repeated = labels.repeated = true;
   c.arguments = {input, format, out, anatomy, texture, labels, report_argument()};
-  c.groups = {ParameterGroup::of<ExportParams>("Parameters")};
+  c.groups = {ParameterGroup::of<ExportParams>("Parameters"), ParameterGroup::of<MarkupsParams>("Markups")};
   c.run = [](const ParsedCommand& parsed) {
     Report report;
     std::string text;

@@ -28,4 +28,10 @@ bool may_be_nifti(std::string_view bytes);
 /// if they were whole, making up the missing data, and 2 % as volumes of over four times the file's size.
 Nifti decode_nifti(std::string_view bytes);
 
+/// The bytes of a NIfTI-1 file (.nii, or .nii.gz with `gzip`, which holds no time or name): mm, RAS, the place as
+/// float32 in the sform and, where its quaternion is exact to 0.005 mm, in the qform, and nothing of a patient. Throws
+/// Error 65 where an axis has more than 32,767 voxels.
+std::string encode_nifti(const HuVolume& volume, bool gzip);
+std::string encode_nifti(const Mask& mask, bool gzip);
+
 }  // namespace trephine

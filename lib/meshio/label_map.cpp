@@ -7,6 +7,8 @@
 #include "base/error.h"
 #include "base/refusal.h"
 #include "base/text.h"
+#include "base/write_file.h"
+#include "grid/nifti.h"
 
 namespace trephine {
 namespace {
@@ -76,6 +78,28 @@ NrrdKeys keys_of(const std::vector<LabelledField>& fields, const Lattice& lattic
   return keys;
 }
 
+[[noreturn]] void remove_unread(const std::filesystem::path& file) {
+  std::error_code ignored;
+  std::filesystem::remove(file, ignored);
+  throw Error(ExitCode::io, file.string(), "", "what was written does not read back");
+}
+
+// ITK-SNAP's label description: number, colour of 0 to 255, opacity, visibility of label and mesh, name.
+std::string label_description(const LabelMap& map) {
+  std::string text = "# ITK-SnAP Label Description File\n    0     0    0    0        0  0  0    \"Clear Label\"\n";
+  for (std::size_t i = 0;; ++i) {
+    const std::string segment = "Segment" + std::to_string(i) + "_";
+    const auto name = map.keys.find(segment + "Name"), colour = map.keys.find(segment + "Color");
+    if (name == map.keys.end() || colour == map.keys.end()) return text;
+    text += "    " + map.keys.at(segment + "LabelValue");
+    for (const std::string& c : split_at(colour->second, ' '))
+      text += " " + std::to_string(std::lround(255 * parse_number(c).value_or(0)));
+    std::string shown = name->second;
+    std::replace(shown.begin(), shown.end(), '"', '?');
+    text += " 1 1 1 \"" + shown + "\"\n";
+  }
+}
+
 }  // namespace
 
 LabelMap make_label_map(const std::vector<LabelledField>& fields, Report& report, const Progress& progress) {
@@ -109,7 +133,11 @@ const std::vector<LabelFormat>& all_label_formats() {
                                                 "a segmentation for 3D Slicer, made of fields (of segment) on one "
                                                 "raster, in one layer: where shapes overlap the "
                                                 "later one of --labels wins.",
-                                                write_label_map}};
+                                                write_label_map},
+                                               {"nii.gz",
+                                                "the same labels as NIfTI, for ITK-SNAP and others; it holds no names, "
+                                                "so NAME.labels.txt beside it says them as ITK-SNAP reads them.",
+                                                write_label_nifti}};
   return all;
 }
 
@@ -119,9 +147,26 @@ void write_label_map(const std::filesystem::path& file, const LabelMap& map) {
   const Nrrd back = read_nrrd(file);
   const Mask* labels = std::get_if<Mask>(&back.grid);
   if (labels && *labels == map.labels && back.keys == map.keys) return;
-  std::error_code ignored;
-  std::filesystem::remove(file, ignored);
-  throw Error(ExitCode::io, file.string(), "", "what was written does not read back");
+  remove_unread(file);
+}
+
+void write_label_nifti(const std::filesystem::path& file, const LabelMap& map) {
+  write_file(file, encode_nifti(map.labels, true));
+  if (!std::filesystem::is_regular_file(file)) return;  // a device
+  const std::vector<char> bytes = read_file(file);
+  const Nifti back = decode_nifti({bytes.data(), bytes.size()});
+  const Mask* labels = std::get_if<Mask>(&back.grid);
+  const auto near = [&](Vec3 corner) {  // NIfTI holds the place as float32
+    return norm(labels->to_world_mm(corner) - map.labels.to_world_mm(corner)) <
+           1e-3 + 1e-6 * norm(map.labels.origin_mm);
+  };
+  const auto& n = map.labels.size;
+  if (!labels || labels->size != n || labels->voxels != map.labels.voxels || !near({0, 0, 0}) ||
+      !near({n[0] - 1.0, n[1] - 1.0, n[2] - 1.0}))
+    remove_unread(file);
+  std::filesystem::path names = file;
+  names.replace_extension().replace_extension(".labels.txt");
+  write_file(names, label_description(map));
 }
 
 }  // namespace trephine

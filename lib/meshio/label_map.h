@@ -49,5 +49,8 @@ const std::vector<LabelFormat>& all_label_formats();
 /// Writes it gzip, LPS, and reads it back: the same labels, place and keys, else the file is removed and 74 thrown.
 /// Throws 73 and 74 as write_file does.
 void write_label_map(const std::filesystem::path& file, const LabelMap& map);
+/// The same as NIfTI (.nii.gz), whose place is float32, within 0.001 mm, and its names as a label description of
+/// ITK-SNAP in STEM.labels.txt beside it.
+void write_label_nifti(const std::filesystem::path& file, const LabelMap& map);
 
 }  // namespace trephine

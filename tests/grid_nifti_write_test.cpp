@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// NIfTI files of ours: place and values come back by either of the two transforms, for any orientation.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "base/error.h"
+#include "grid/nifti.h"
+
+namespace trephine {
+namespace {
+
+Mat3 rotation(double a, double b, double c) {
+  const auto about = [](int axis, double t) {
+    Mat3 m;
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    for (Vec3& column : m.column) column = {0, 0, 0};
+    m.column[std::size_t(axis)][axis] = 1;
+    m.column[std::size_t(u)][u] = m.column[std::size_t(v)][v] = std::cos(t);
+    m.column[std::size_t(u)][v] = std::sin(t);
+    m.column[std::size_t(v)][u] = -std::sin(t);
+    return m;
+  };
+  const Mat3 x = about(0, a), y = about(1, b), z = about(2, c);
+  Mat3 out;
+  for (std::size_t i = 0; i < 3; ++i)
+    out.column[i] = z * (y * (x * Vec3{i == 0 ? 1. : 0, i == 1 ? 1. : 0, i == 2 ? 1. : 0}));
+  return out;
+}
+
+template <class T>
+Grid<T> sample(const Mat3& direction) {
+  Lattice l;
+  l.size = {7, 5, 4};
+  l.spacing_mm = {0.4881, 0.75, 3.1};
+  l.origin_mm = {-121.3, 88.25, -412.6};
+  l.direction = direction;
+  Grid<T> g(l);
+  for (std::size_t i = 0; i < g.voxels.size(); ++i)
+    g.voxels[i] = T(int(i * 37 % 251) - (std::is_same_v<T, std::uint8_t> ? 0 : 100));
+  return g;
+}
+
+double farthest_mm(const Lattice& a, const Lattice& b) {
+  double most = 0;
+  for (int c = 0; c < 8; ++c) {
+    Vec3 at;
+    for (int i = 0; i < 3; ++i) at[i] = c >> i & 1 ? a.size[std::size_t(i)] - 1.0 : 0.0;
+    most = std::max(most, norm(a.to_world_mm(at) - b.to_world_mm(at)));
+  }
+  return most;
+}
+
+/// Without the sform, so that a reader takes the quaternion.
+std::string by_quaternion(std::string bytes) {
+  std::memset(bytes.data() + 254, 0, 2);
+  return bytes;
+}
+
+TEST(NiftiWrite, AnyOrientationComesBack) {
+  std::vector<Mat3> directions;
+  for (const double a : {0.0, 0.3, 3.14159265358979, 2.9})
+    for (const double b : {0.0, -1.2, 3.0})
+      for (const double c : {0.0, 0.7, 3.14159265358979}) {
+        directions.push_back(rotation(a, b, c));
+        directions.push_back(directions.back());
+        directions.back().column[1] = -directions.back().column[1];  // left-handed
+      }
+  int with_qform = 0;
+  for (const Mat3& d : directions) {
+    const auto volume = sample<std::int16_t>(d);
+    const std::string bytes = encode_nifti(HuVolume(volume), false);
+    const Nifti back = decode_nifti(bytes);
+    ASSERT_TRUE(back.warnings.empty()) << back.warnings[0];
+    EXPECT_EQ(std::get<Grid<std::int16_t>>(back.grid).voxels, volume.voxels);
+    EXPECT_LT(farthest_mm(std::get<Grid<std::int16_t>>(back.grid), volume), 1e-4);
+    const Nifti other = decode_nifti(by_quaternion(bytes));
+    if (other.frame != "qform") continue;
+    ++with_qform;
+    EXPECT_LT(farthest_mm(std::get<Grid<std::int16_t>>(other.grid), volume), 0.006);
+  }
+  EXPECT_GT(with_qform, int(directions.size()) * 3 / 4);
+  // A scan along the axes has both.
+  EXPECT_EQ(decode_nifti(by_quaternion(encode_nifti(HuVolume(sample<std::int16_t>(Mat3())), false))).frame, "qform");
+}
+
+TEST(NiftiWrite, AllTypesPlainAndCompressed) {
+  const auto labels = sample<std::uint8_t>(Mat3());
+  for (const bool gzip : {false, true}) {
+    EXPECT_EQ(std::get<Mask>(decode_nifti(encode_nifti(labels, gzip)).grid).voxels, labels.voxels);
+    auto real = sample<float>(Mat3());
+    real.voxels[3] = 0.5f;
+    EXPECT_EQ(std::get<Field>(decode_nifti(encode_nifti(HuVolume(real), gzip)).grid).voxels, real.voxels);
+  }
+  EXPECT_EQ(encode_nifti(labels, true), encode_nifti(labels, true));
+  Lattice l;
+  l.size = {40000, 1, 1};
+  EXPECT_THROW(encode_nifti(Mask(l), false), Error);
+}
+
+}  // namespace
+}  // namespace trephine
