@@ -14,6 +14,7 @@ Command run_command();
 Command trade_command();
 Command export_command();
 Command page_command();
+Command diff_command();
 Command boolean_command();
 Command voxelize_command();
 Command repair_command();

@@ -54,11 +54,50 @@ done
 export_ --format seg.nrrd --labels "skin=$work/f-475.nrrd,skull=$work/f300.nrrd" --out "$work/labels" --name head
 head -c 2000 "$work/labels/head.seg.nrrd" | grep -aq '^Segment1_Name:=skull$' || fail "no key of the second segment"
 
+export_ --format nii.gz --labels "skin=$work/f-475.nrrd,skull=$work/f300.nrrd" --out "$work/labels" --name head
+[[ $(tail -n 1 "$work/labels/head.labels.txt") == *'"skull"' ]] || fail "no name of the second label"
+# The same voxels, whichever the format: a label of each as a field again.
+for format in seg.nrrd nii.gz; do
+  "$TREPHINE" labels --quiet "$work/volume.nrrd" --file "$work/labels/head.$format" --label 2 \
+    --output "$work/back.$format.nrrd" 2>/dev/null
+done
+cmp "$work/back.seg.nrrd.nrrd" "$work/back.nii.gz.nrrd" || fail "the labels of seg.nrrd and nii.gz differ"
+
+# Points as markups of 3D Slicer: given to a run again they stay where they are, and so does the case.
+export_ "$case" --format mrk.json --out "$work/points"
+"$TREPHINE" run --quiet "$SOURCE/configs/sample.yaml" --landmarks "$work/points/landmarks.mrk.json" --out "$work/again" \
+  --no-pictures --no-page --cache "$work/library/.trephine-cache" >"$work/run.log" 2>&1 || { cat "$work/run.log" >&2; fail "no case of given landmarks"; }
+"$TREPHINE" diff --quiet "$case" "$work/again/sample" --max-point-mm 1e-6 --max-deviation-mm 1e-6 --json "$work/diff.json"
+python3 - "$case" "$work/points" "$work/diff.json" <<'PY'
+import json, pathlib, sys
+case, points = map(pathlib.Path, sys.argv[1:3])
+manifest = json.loads((case / "case.json").read_bytes())
+for name in ("landmarks", "targets"):
+    if not manifest[name]:
+        assert not (points / f"{name}.mrk.json").exists()
+        continue
+    markup = json.loads((points / f"{name}.mrk.json").read_bytes())["markups"]
+    assert len(markup) == 1 and markup[0]["coordinateSystem"] == "LPS" and markup[0]["type"] == "Fiducial"
+    assert {p["label"]: p["position"] for p in markup[0]["controlPoints"]} == {
+        p["name"]: p["position_mm"] for p in manifest[name]}
+for hole in manifest["burr_holes"]:
+    markup = json.loads((points / f"trajectory-{hole['name']}.mrk.json").read_bytes())["markups"][0]
+    a, b = (p["position"] for p in markup["controlPoints"])
+    length = sum((y - x) ** 2 for x, y in zip(a, b)) ** 0.5
+    assert markup["type"] == "Line" and a == hole["position_mm"] and 1 < length < 200
+    assert all(abs((y - x) / length - d) < 1e-9 for x, y, d in zip(a, b, hole["direction"]))
+assert manifest["landmarks"]
+said = json.load(open(sys.argv[3]))
+assert all(a["same_bytes"] for a in said["anatomies"]), said["anatomies"]
+assert all(p["name"].startswith("given_landmarks.") for p in said["parameters"]), said["parameters"]
+PY
+
 refused() { expect "$@" --out "$work/no"; }
 refused 64 '--format: .*did you mean' "$TREPHINE" export --quiet "$case" --format stll
 refused 64 '--anatomy: brian: did you mean brain' "$TREPHINE" export --quiet "$case" --format stl --anatomy brian
 refused 64 'stl holds one surface' "$TREPHINE" export --quiet "$case" --format stl --together
 refused 64 'INPUT' "$TREPHINE" export --quiet --format stl
+refused 64 'INPUT: must be a case' "$TREPHINE" export --quiet "$work/a/skin.stl" --format mrk.json
 refused 64 'seg.nrrd' "$TREPHINE" export --quiet "$case" --format seg.nrrd
 refused 66 'none.stl' "$TREPHINE" export --quiet "$work/none.stl" --format ply
 head -c 5000 "$work/a/skin.stl" >"$work/cut.stl"
