@@ -29,7 +29,10 @@ std::vector<std::string> ConfigReading::anatomy_names() const {
 }
 
 std::string ConfigReading::fault_of_anatomy(const std::string& name) const {
-  if (out.find_anatomy(name)) return "";
+  if (const RecipeAnatomy* anatomy = out.find_anatomy(name)) {
+    const bool is_labels = !anatomy->steps.empty() && anatomy->steps.back().type->output == DataKind::labels;
+    return is_labels ? name + ", it gives labels and no surface" : "";
+  }
   return name + ", the pipeline has no such anatomy" + did_you_mean(name, anatomy_names());
 }
 

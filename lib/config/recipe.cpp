@@ -66,7 +66,11 @@ class RecipeReader {
   }
 
   std::string fault_of_anatomy(const std::string& name) const {
-    if (find_item(said_.anatomies, name)) return "";
+    if (const RecipeAnatomyFileParams* anatomy = find_item(said_.anatomies, name)) {
+      const Steps& steps = anatomy->stages;
+      const StageType* last = steps.empty() ? nullptr : find_stage(steps.back().first);
+      return last && last->output == DataKind::labels ? name + ", it gives labels and no surface" : "";
+    }
     std::vector<std::string> known;
     for (const auto& anatomy : said_.anatomies) known.push_back(anatomy.first);
     return name + ", the pipeline has no such anatomy" + did_you_mean(name, known);
@@ -102,8 +106,9 @@ class RecipeReader {
       fed = step.type->output;
       anatomy.steps.push_back(std::move(step));
     }
-    if (at_.has(where) && (anatomy.steps.empty() || fed != DataKind::mesh))
-      fault(at_.at(where), where, "must end in a surface");
+    const bool complete = fed == DataKind::mesh || fed == DataKind::labels;
+    if (at_.has(where) && (anatomy.steps.empty() || !complete))
+      fault(at_.at(where), where, "must end in a surface, or in labels that other anatomies take");
     r_.out.anatomies.push_back(std::move(anatomy));
   }
 

@@ -218,8 +218,39 @@ LabelFile read_labels(const std::filesystem::path& file) {
   return with_file(file.string(), [&] { return decode_labels({bytes.data(), bytes.size()}); });
 }
 
+std::string encode_labels(const LabelFile& map) {
+  const auto* bytes = std::get_if<Mask>(&map.samples);
+  const auto* shorts = std::get_if<Grid<std::int16_t>>(&map.samples);
+  if (map.layers != 1 || (!bytes && !shorts))
+    throw Error(ExitCode::internal, "", "labels", "must be one layer of uint8 or int16");
+  NrrdKeys keys;
+  for (std::size_t i = 0; i < map.segments.size(); ++i) {
+    const std::string segment = "Segment" + std::to_string(i) + "_";
+    keys[segment + "ID"] = map.segments[i].id;
+    keys[segment + "Name"] = map.segments[i].name;
+    keys[segment + "LabelValue"] = std::to_string(map.segments[i].value);
+    keys[segment + "Layer"] = "0";
+  }
+  return bytes ? encode_nrrd(*bytes, keys, NrrdEncoding::gzip)
+               : encode_nrrd(HuVolume(*shorts), keys, NrrdEncoding::gzip);
+}
+
 PickedLabel pick_label(const LabelFile& map, const std::string& label) {
   PickedLabel out;
+  if (label.find(',') != std::string::npos && segments_called(map, label).empty()) {
+    for (const std::string& part : split_at(label, ',')) {
+      const std::size_t from = part.find_first_not_of(' ');
+      if (from == std::string::npos) refuse("label", "'" + label + "' names nothing between two commas");
+      const PickedLabel one = pick_label(map, part.substr(from, part.find_last_not_of(' ') - from + 1));
+      if (out.name.empty()) out.mask = Mask(map.lattice);
+      out.name += (out.name.empty() ? "" : ", ") + one.name;
+      for (std::size_t v = 0; v < out.mask.voxels.size(); ++v) {
+        out.voxels += one.mask.voxels[v] && !out.mask.voxels[v];
+        out.mask.voxels[v] |= one.mask.voxels[v];
+      }
+    }
+    return out;
+  }
   const Wanted wanted = wanted_of(map, label, out);
   out.mask = Mask(map.lattice);
   out.voxels = std::visit([&](const auto& g) { return take(g, map, wanted, out.mask); }, map.samples);

@@ -32,6 +32,10 @@ LabelFile decode_labels(std::string_view bytes);
 /// The same for a file; throws Error 66, and 65 with the file.
 LabelFile read_labels(const std::filesystem::path& file);
 
+/// The bytes of a NRRD file (gzip) that decode_labels reads back: a map of one layer of uint8 or int16, its segments by
+/// name, ID and value. Throws Error 70 for any other map.
+std::string encode_labels(const LabelFile& map);
+
 /// A label taken from a file: 1 where the label is, on the map's lattice.
 struct PickedLabel {
   Mask mask;
@@ -40,9 +44,9 @@ struct PickedLabel {
 };
 
 /// Picks the label by its value ("3"), by a segment's name or ID ("brain"; upper and lower case are alike where only
-/// one name matches), or, for "", everything that is not 0. Throws Error 65 for field "label": there is no such name or
-/// value (naming those that exist), a name or value occurs in several segments or layers, or samples are not whole
-/// numbers.
+/// one name matches), several of them together ("4, 43, third ventricle"), or, for "", everything that is not 0. Throws
+/// Error 65 for field "label": there is no such name or value (naming those that exist), a name or value occurs in
+/// several segments or layers, or samples are not whole numbers.
 PickedLabel pick_label(const LabelFile& map, const std::string& label);
 
 }  // namespace trephine

@@ -14,7 +14,7 @@ struct LibraryBuildParams {
   int jobs = 0;
   std::int64_t memory_mb = 0;
   bool keep_going = true, rehash = false, rebuild = false, dry_run = false;
-  bool pictures = true, sheet = true, check_disk = true;
+  bool pictures = true, sheet = true, check_disk = true, allow_external = false;
   std::int64_t cache_limit_mb = 65536;
   double case_limit_s = 7200;
 
@@ -33,6 +33,8 @@ struct LibraryBuildParams {
     v.flag(&P::check_disk, "check_disk", "Refuse to begin where the disk is too small by estimate.");
     v.integer(&P::cache_limit_mb, "cache_limit_mb", Range{0, 1e9},
               "What the cache of stages may hold, in MB; the oldest goes first.");
+    v.flag(&P::allow_external, "allow_external",
+           "Allow the stage external to run the programs that the recipes name, as for `run`.");
     v.number(&P::case_limit_s, "case_limit_s", Range{0, 1e6}, "A case that takes longer is stopped; 0: none is.");
   }
 };

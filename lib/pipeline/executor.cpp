@@ -323,6 +323,7 @@ StageData compute_node(const Node& node, StageInputs inputs, Report& report, con
 
 std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,
                                 RunObserver& observer) {
+  require_allowed(graph, options.allow_external);
   return Executor(graph, wanted, options, observer).run();
 }
 

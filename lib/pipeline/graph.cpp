@@ -339,6 +339,17 @@ int Graph::find(const std::string& name) const {
   return -1;
 }
 
+void require_allowed(const Graph& graph, bool allow_external) {
+  if (allow_external) return;
+  for (const Node& node : graph.nodes)
+    if (node.type->runs_program) {
+      const Parameter* program = node.params.set->find("program");
+      throw Error(ExitCode::usage, "", node.name,
+                  "runs the program " + (program ? to_text(node.params.get(*program)) : std::string()) +
+                      " that the recipe names; where you trust it, say --allow-external");
+    }
+}
+
 Graph make_graph(const CaseConfig& config, const std::string& input_hash) {
   return Builder(config, input_hash).build();
 }

@@ -48,6 +48,10 @@ struct Graph {
   int find(const std::string& name) const;
 };
 
+/// Throws Error 64 where a node runs a program that the configuration names (StageType::runs_program) and the user did
+/// not allow it. Whoever computes nodes asks this before the first one.
+void require_allowed(const Graph& graph, bool allow_external);
+
 /// `input_hash` identifies the series' content (hash_of_series_input).
 Graph make_graph(const CaseConfig& config, const std::string& input_hash);
 

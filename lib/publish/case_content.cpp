@@ -98,6 +98,10 @@ class Builder {
     // Only the stages by which the case was made: parameters that the scene does not need change no byte.
     for (const Node& node : graph_.nodes)
       for (const auto& [name, value] : node.recorded()) m.parameters.emplace_back(node.name + "." + name, value);
+    for (std::size_t i = 0; i < graph_.nodes.size(); ++i)
+      for (const std::string& name : graph_.nodes[i].type->provenance)
+        if (const ParameterValue* value = results_[i].report.find(name))
+          m.parameters.emplace_back(graph_.nodes[i].name + "." + name, *value);
   }
 
   void add_file(const std::string& stem, const std::string& extension, std::string bytes, std::string& name) {

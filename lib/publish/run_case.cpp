@@ -303,6 +303,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     execution.keep = request.keep;
     execution.cache = &cache;
     execution.cancel = &cancel_requested();
+    execution.allow_external = request.params.allow_external;
     run.graph = make_graph(run.config, input_sha256);
     execution.seconds_before = cache.seconds_before();
     const auto before = execution.seconds_before.find(publishing_step);

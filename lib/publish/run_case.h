@@ -19,7 +19,7 @@ struct RunParams {
   std::string profile;
   bool use_cache = true;
   std::int64_t cache_limit_mb = 8192;
-  bool pictures = true, page = true;
+  bool pictures = true, page = true, allow_external = false;
 
   template <class V>
   static void describe(V& v) {
@@ -36,6 +36,9 @@ struct RunParams {
     v.flag(&P::pictures, "pictures", "Make the pictures in the case's report folder.");
     v.flag(&P::page, "page",
            "Make the case's page, report/view.html, which shows it in a browser; trephine page makes it later.");
+    v.flag(&P::allow_external, "allow_external",
+           "Allow the stage external to run the programs that the recipe names. They run as you, with limits; say it "
+           "only where you trust the recipe.");
   }
 };
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -13,6 +12,7 @@
 #include "mask/filters.h"
 #include "mask/hu_view.h"
 #include "mask/surface_field.h"
+#include "segmentation/label_raster.h"
 #include "surface/bounds.h"
 
 namespace trephine {
@@ -21,7 +21,6 @@ namespace {
 using segmentation::BitMask;
 using segmentation::HuView;
 
-constexpr double same_raster_voxels = 0.05;  ///< further off is resampled
 constexpr double air_hu = -900;
 constexpr double noted_ratio = 0.01, noted_air_ratio = 0.2, noted_change_ratio = 0.02;
 constexpr int margin = 3;
@@ -36,43 +35,6 @@ BitMask bits_of(const Mask& mask) {
   return segmentation::make_mask(mask, [&](int j, int k, std::uint8_t* row) {
     std::copy_n(&mask.voxels[mask.index(0, j, k)], mask.size[0], row);
   });
-}
-
-/// How the label's axes lie along the volume's, where both are one raster.
-struct Alignment {
-  std::array<int, 3> axis{};    ///< of the label, that runs along each of the volume's
-  std::array<int, 3> sign{};    ///< and which way
-  std::array<int, 3> offset{};  ///< the volume's index of the label's first voxel
-  double off_voxels = 0;        ///< most that any of the label's voxels lies off the volume's
-};
-
-std::optional<Alignment> alignment(const Lattice& label, const Lattice& volume) {
-  Alignment a;
-  const Vec3 first = volume.to_index(label.origin_mm);
-  std::array<bool, 3> used{};
-  for (int v = 0; v < 3; ++v) {
-    int best = 0;
-    double most = -1;
-    for (int l = 0; l < 3; ++l) {
-      const double c = std::abs(dot(volume.direction.column[v], label.direction.column[l]));
-      if (c > most) most = c, best = l;
-    }
-    if (used[best]) return {};
-    used[best] = true;
-    a.axis[v] = best;
-    a.sign[v] = dot(volume.direction.column[v], label.direction.column[best]) < 0 ? -1 : 1;
-    if (!(std::abs(first[v]) < 1e6)) return {};
-    a.offset[v] = int(std::lround(first[v]));
-  }
-  for (int corner = 0; corner < 8; ++corner) {
-    Vec3 at;
-    for (int l = 0; l < 3; ++l) at[l] = corner >> l & 1 ? label.size[l] - 1.0 : 0.0;
-    const Vec3 is = volume.to_index(label.to_world_mm(at));
-    for (int v = 0; v < 3; ++v)
-      a.off_voxels = std::max(a.off_voxels, std::abs(is[v] - (a.offset[v] + a.sign[v] * at[a.axis[v]])));
-  }
-  if (!(a.off_voxels <= same_raster_voxels)) return {};
-  return a;
 }
 
 struct Fit {
@@ -153,24 +115,6 @@ Field smooth_field(const BitMask& mask, double sigma_mm, const Progress& progres
   Field field(l, -1.f);
   segmentation::place_surface(field, mask, sigma_mm > 0 ? sigma_mm : mean, 1, progress);
   return field;
-}
-
-BitMask onto_volume(const Mask& label, const Lattice& volume, const Alignment& a) {
-  return segmentation::make_mask(volume, [&](int j, int k, std::uint8_t* row) {
-    const int at[3] = {0, j, k};
-    int from[3];
-    for (int v = 1; v < 3; ++v) {
-      const int n = (at[v] - a.offset[v]) * a.sign[v];
-      if (n < 0 || n >= label.size[a.axis[v]]) return;
-      from[a.axis[v]] = n;
-    }
-    for (int i = 0; i < volume.size[0]; ++i) {
-      const int n = (i - a.offset[0]) * a.sign[0];
-      if (n < 0 || n >= label.size[a.axis[0]]) continue;
-      from[a.axis[0]] = n;
-      row[i] = label.at(from[0], from[1], from[2]);
-    }
-  });
 }
 
 /// The box around the set voxels, with a margin that may reach beyond the lattice.
@@ -325,13 +269,13 @@ Field label_field(const HuVolume& volume, const LabelFile& map, const LabelParam
   check_cut(label, l, report);
   progress.report(0.1);
 
-  const auto aligned = alignment(map.lattice, l);
+  const auto aligned = raster_alignment(map.lattice, l);
   report.add("resampled", !aligned);
   Field field;
   double ml = 0;
   if (aligned) {
     report.add("offset_max_ratio", aligned->off_voxels);
-    const BitMask mask = onto_volume(label.mask, l, *aligned);
+    const BitMask mask = on_raster(label.mask, l, *aligned);
     if (!mask.any())
       throw refusal("label", "none of its voxels lies in the volume",
                     {"paint it on this very series, or name another `label`"});

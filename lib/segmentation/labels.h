@@ -21,7 +21,8 @@ struct LabelParams {
     using P = LabelParams;
     v.text(&P::file, "file", "Labels to read: NRRD, .seg.nrrd, NIfTI (.nii, .nii.gz).").names("file");
     v.text(&P::label, "label",
-           "Which label to take: its value, or a segment's name or ID; empty for everything that is not 0.");
+           "Which label to take: its value, or a segment's name or ID; several with commas between them; empty for "
+           "everything that is not 0.");
     v.number(&P::smooth_mm, "smooth_mm", Range{0, 10},
              "Sigma of the Gaussian that smooths the voxels' steps; no voxel changes sides. With 0, each voxel has the "
              "mean of its own side.");

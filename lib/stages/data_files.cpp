@@ -32,8 +32,8 @@ constexpr std::uint64_t max_cutters_bytes = 64 << 20;
 }  // namespace
 
 DataKind kind_of(const StageData& data) {
-  constexpr DataKind kinds[] = {DataKind::nothing, DataKind::volume,  DataKind::field,    DataKind::mesh,
-                                DataKind::haptic,  DataKind::cutters, DataKind::landmarks};
+  constexpr DataKind kinds[] = {DataKind::nothing, DataKind::volume,  DataKind::field,     DataKind::mesh,
+                                DataKind::haptic,  DataKind::cutters, DataKind::landmarks, DataKind::labels};
   return kinds[data.index()];
 }
 
@@ -66,6 +66,8 @@ void save_data(const std::filesystem::path& file, const StageData& data) {
     write_file(file, cutters_json(**cutters));
   else if (const auto* landmarks = std::get_if<std::shared_ptr<const HeadLandmarks>>(&data))
     write_file(file, landmarks_json(**landmarks));
+  else if (const auto* labels = std::get_if<std::shared_ptr<const LabelFile>>(&data))
+    write_file(file, encode_labels(**labels));
 }
 
 StageData load_data(const std::filesystem::path& file, DataKind kind) {
@@ -85,6 +87,8 @@ StageData load_data(const std::filesystem::path& file, DataKind kind) {
     }
     case DataKind::landmarks:
       return std::make_shared<const HeadLandmarks>(read_head_landmarks(file));
+    case DataKind::labels:
+      return std::make_shared<const LabelFile>(read_labels(file));
     case DataKind::nothing:
       break;
   }

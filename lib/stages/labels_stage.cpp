@@ -18,11 +18,16 @@ StageType labels_stage() {
       "their volume. A label that lies outside of the volume or in air is refused.";
   s.examples = {"trephine labels head.nrrd --file totalsegmentator.nii.gz --label 90 --output brain.nrrd",
                 "trephine labels head.nrrd --file Segmentation.seg.nrrd --label ventricles --output ventricles.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
+             {"map", DataKind::labels, false, "Labels that external gave, instead of file"}};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<LabelParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
     const auto& p = params.as<LabelParams>();
+    if (const auto* map = in.get<LabelFile>("map")) {
+      if (!p.file.empty()) throw Error(ExitCode::usage, "", "file", "and map are given, must be one of them");
+      return std::make_shared<const Field>(label_field(*in.get<HuVolume>("volume"), *map, p, report, progress));
+    }
     if (p.file.empty()) throw Error(ExitCode::usage, "", "file", "is needed: the labels to read");
     return std::make_shared<const Field>(with_file(
         p.file, [&] { return label_field(*in.get<HuVolume>("volume"), read_labels(p.file), p, report, progress); }));

@@ -19,6 +19,8 @@ const char* to_text(DataKind kind) {
       return "list of cutters";
     case DataKind::landmarks:
       return "list of landmarks";
+    case DataKind::labels:
+      return "map of labels";
     case DataKind::nothing:
       return "report";
   }

@@ -12,6 +12,7 @@
 #include "base/report.h"
 #include "boolean/cutter.h"
 #include "grid/grid.h"
+#include "grid/labels.h"
 #include "head/head_landmarks.h"
 #include "picture/slice.h"
 #include "surface/trimesh.h"
@@ -24,13 +25,14 @@ namespace trephine {
 /// as `StageType NAME_stage()`; the build finds these files and makes the registry (stage_types). Command, help,
 /// reference page, schema and completion come from the registry.
 
-enum class DataKind { volume, field, mesh, haptic, cutters, landmarks, nothing };
+enum class DataKind { volume, field, mesh, haptic, cutters, landmarks, labels, nothing };
 const char* to_text(DataKind kind);
 
 /// The data that stages hand to each other. It is shared and never modified once made.
 using StageData = std::variant<std::monostate, std::shared_ptr<const HuVolume>, std::shared_ptr<const Field>,
                                std::shared_ptr<const TriMesh>, std::shared_ptr<const HapticVolume>,
-                               std::shared_ptr<const std::vector<Cutter>>, std::shared_ptr<const HeadLandmarks>>;
+                               std::shared_ptr<const std::vector<Cutter>>, std::shared_ptr<const HeadLandmarks>,
+                               std::shared_ptr<const LabelFile>>;
 
 /// Where a stage is used.
 enum class StagePlace {
@@ -112,6 +114,9 @@ struct StageType {
   std::vector<Port> ports;
   std::vector<StagePoint> points;  ///< the landmarks that it finds
   DataKind output = DataKind::mesh;
+  bool runs_program = false;  ///< somebody else's, so the user must allow it
+  /// Figures of the report that a case records beside the stage's parameters, as what it is made of.
+  std::vector<std::string> provenance;
   std::function<AnyParams()> make_params;
   /// Runs the stage and fills the report, also with what it could not do. Throws Error (the field says what went wrong
   /// in the stage) and Cancelled.

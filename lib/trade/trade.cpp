@@ -112,6 +112,7 @@ class Sweep {
     if (p.config.case_token.empty()) p.config.case_token = "trade";
     p.input_sha256 = input_hash(p.config);
     p.graph = make_graph(p.config, p.input_sha256);
+    require_allowed(p.graph, request_.params.allow_external);
     return p;
   }
 

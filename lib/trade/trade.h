@@ -19,6 +19,7 @@ struct TradeParams {
   double max_repeat_s = 5;
   int sample_count = 100000;
   std::int64_t cache_limit_mb = 32768;
+  bool allow_external = false;
   template <class V>
   static void describe(V& v) {
     using P = TradeParams;
@@ -31,6 +32,8 @@ struct TradeParams {
               "Points on each surface from which RMS and p99 are computed.");
     v.integer(&P::cache_limit_mb, "cache_limit_mb", Range{0, 1e9},
               "Largest size of the stages' outputs on disk after the sweep, in MB; the oldest go first.");
+    v.flag(&P::allow_external, "allow_external",
+           "Allow the stage external to run the programs that the recipe names, as for `run`.");
   }
 };
 

@@ -75,7 +75,7 @@ for kind, pattern in KINDS:
         wrong.append(without)
         # Maps from names to things take any name; everything else refuses a key that it does not know.
         named = {"anatomies", "materials", "shapes", "landmarks", "set", "sweeps", "configs", "finest", "values", "targets",
-                 "burr_holes"}
+                 "burr_holes", "names", "environment"}
         for path, _ in maps_below(tree):
             if path and path[-1] not in named:
                 wrong.append(with_key(tree, path, "no_such_key", 1))

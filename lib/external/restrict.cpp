@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "external/restrict.h"
+
+#include <fcntl.h>
+#include <linux/landlock.h>
+#include <net/if.h>
+#include <sched.h>
+#include <sys/ioctl.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+
+#include "base/error.h"
+
+namespace trephine {
+namespace {
+
+/// Newer than Debian 12's header; the kernel says by its version whether it knows them.
+constexpr std::uint64_t access_refer = 1ULL << 13, access_truncate = 1ULL << 14;
+constexpr std::uint64_t access_write = LANDLOCK_ACCESS_FS_WRITE_FILE,
+                        access_make = LANDLOCK_ACCESS_FS_REMOVE_DIR | LANDLOCK_ACCESS_FS_REMOVE_FILE |
+                                      LANDLOCK_ACCESS_FS_MAKE_CHAR | LANDLOCK_ACCESS_FS_MAKE_DIR |
+                                      LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_MAKE_SOCK |
+                                      LANDLOCK_ACCESS_FS_MAKE_FIFO | LANDLOCK_ACCESS_FS_MAKE_BLOCK |
+                                      LANDLOCK_ACCESS_FS_MAKE_SYM;
+
+bool write_text(const char* file, const std::string& text) {
+  const int fd = open(file, O_WRONLY | O_CLOEXEC);
+  if (fd < 0) return false;
+  const bool good = write(fd, text.data(), text.size()) == ssize_t(text.size());
+  close(fd);
+  return good;
+}
+
+/// Programs of several processes may talk to each other through it.
+void bring_up_loopback() {
+  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return;
+  ifreq request{};
+  std::strcpy(request.ifr_name, "lo");
+  if (ioctl(fd, SIOCGIFFLAGS, &request) == 0) {
+    request.ifr_flags = short(request.ifr_flags | IFF_UP);
+    ioctl(fd, SIOCSIFFLAGS, &request);
+  }
+  close(fd);
+}
+
+void keep_numbers(uid_t user, gid_t group) {
+  const auto map = [](unsigned id) { return std::to_string(id) + " " + std::to_string(id) + " 1"; };
+  write_text("/proc/self/setgroups", "deny");
+  if (!write_text("/proc/self/uid_map", map(user)) || !write_text("/proc/self/gid_map", map(group)))
+    throw Error(ExitCode::internal, "", "external",
+                std::string("the namespace takes no user: ") + std::strerror(errno));
+}
+
+}  // namespace
+
+Separation separate() {
+  const uid_t user = geteuid();
+  const gid_t group = getegid();
+  prctl(PR_SET_DUMPABLE, 1);  // else /proc/self is root's, and the numbers cannot be said
+  Separation made;
+  if (unshare(CLONE_NEWUSER | CLONE_NEWNET | CLONE_NEWPID | CLONE_NEWIPC) == 0 ||
+      unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0) {
+    keep_numbers(user, group);
+    bring_up_loopback();
+  } else if (const int why = errno; unshare(CLONE_NEWNET) == 0) {
+    bring_up_loopback();
+  } else {
+    made.network_open = std::strerror(why);
+  }
+  return made;
+}
+
+Restriction::Restriction(const std::vector<std::string>& may_write) {
+  const long version = syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
+  if (version < 1) {
+    open_ = std::strerror(errno);
+    return;
+  }
+  std::uint64_t handled = access_write | access_make;
+  if (version >= 2) handled |= access_refer;
+  if (version >= 3) handled |= access_truncate;
+  landlock_ruleset_attr rules{};
+  rules.handled_access_fs = handled;
+  rules_ = int(syscall(SYS_landlock_create_ruleset, &rules, sizeof rules.handled_access_fs, 0));
+  if (rules_ < 0) {
+    open_ = std::strerror(errno);
+    return;
+  }
+  fcntl(rules_, F_SETFD, FD_CLOEXEC);
+  const auto allow = [&](const std::string& path, std::uint64_t access) {
+    const int fd = ::open(path.c_str(), O_PATH | O_CLOEXEC);
+    if (fd < 0) return false;
+    landlock_path_beneath_attr rule{};
+    rule.allowed_access = access;
+    rule.parent_fd = fd;
+    const bool good = syscall(SYS_landlock_add_rule, rules_, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0;
+    close(fd);
+    return good;
+  };
+  for (const std::string& folder : may_write)
+    if (!allow(folder, handled)) throw Error(ExitCode::no_input, folder, "may_write", std::strerror(errno));
+  allow("/dev", access_write | (handled & access_truncate));
+  allow("/dev/shm", handled);  // semaphores of programs with several processes
+}
+
+Restriction::~Restriction() {
+  if (rules_ >= 0) close(rules_);
+}
+
+bool Restriction::enter() const {
+  for (int capability = 0; capability < 64; ++capability) prctl(PR_CAPBSET_DROP, capability, 0, 0, 0);
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return false;
+  return rules_ < 0 || syscall(SYS_landlock_restrict_self, rules_, 0) == 0;
+}
+
+}  // namespace trephine

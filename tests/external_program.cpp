@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// external_program MODE INPUT OUTPUT [MORE]: a stand-in for a program that labels scans, and all that can be wrong with
+// one. `good` labels what is above 300 HU with 2, and what else is above -200 HU with 1.
+#include <arpa/inet.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <thread>
+#include <vector>
+
+#include "base/error.h"
+#include "grid/nifti.h"
+#include "grid/nrrd.h"
+
+using namespace trephine;
+
+namespace {
+
+void write(const std::string& file, const std::string& bytes) { std::ofstream(file, std::ios::binary) << bytes; }
+
+Mask labelled(const std::string& input) {
+  std::ifstream in(input, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const HuVolume volume = to_hu(decode_nifti(bytes).grid);
+  Mask labels(lattice_of(volume));
+  std::visit(
+      [&](const auto& g) {
+        for (std::size_t i = 0; i < g.voxels.size(); ++i) labels.voxels[i] = g.voxels[i] > 300 ? 2 : g.voxels[i] > -200;
+      },
+      volume);
+  return labels;
+}
+
+/// Exit code 0 where there is a way out of this machine: a datagram can be sent without anybody listening.
+int try_network() {
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(9);
+  inet_pton(AF_INET, "192.0.2.1", &to.sin_addr);
+  return fd >= 0 && connect(fd, reinterpret_cast<sockaddr*>(&to), sizeof to) == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc == 2 && std::strcmp(argv[1], "--version") == 0) return std::cout << "labeller 1.7 (test)\nmore\n", 0;
+  if (argc < 4) return 64;
+  const std::string mode = argv[1], input = argv[2], output = argv[3], more = argc > 4 ? argv[4] : "";
+  if (mode == "good") {
+    write(output, encode_nifti(labelled(input), true));
+  } else if (mode == "sleep") {
+    if (fork() == 0) {  // a child that tries to outlive it
+      setsid();
+      signal(SIGTERM, SIG_IGN);
+      write(more, std::to_string(getpid()));
+    }
+    std::this_thread::sleep_for(std::chrono::seconds(600));
+  } else if (mode == "orphan") {  // ends well, and leaves a process behind
+    if (fork() == 0) {
+      setsid();
+      std::this_thread::sleep_for(std::chrono::seconds(3));
+      write(more, "alive");
+      return 0;
+    }
+    write(output, encode_nifti(labelled(input), true));
+  } else if (mode == "memory") {
+    std::vector<std::vector<char>> held;
+    for (int i = 0; i < 100; ++i) {
+      held.emplace_back(std::size_t{20} << 20, char(i));
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    std::this_thread::sleep_for(std::chrono::seconds(600));
+  } else if (mode == "garbage") {
+    write(output, std::string(5000, 'x'));
+  } else if (mode == "partial") {
+    const std::string whole = encode_nifti(labelled(input), true);
+    write(output, whole.substr(0, whole.size() / 2));
+  } else if (mode == "grid") {
+    const Mask all = labelled(input);
+    Lattice half = all;
+    half.size[2] /= 2;
+    Mask part(half);
+    std::copy_n(all.voxels.begin(), part.voxels.size(), part.voxels.begin());
+    write(output, encode_nifti(part, true));
+  } else if (mode == "moved") {
+    Mask all = labelled(input);
+    all.origin_mm.x += 0.5 * all.spacing_mm.x;
+    write(output, encode_nifti(all, true));
+  } else if (mode == "empty") {
+    write(output, encode_nifti(Mask(static_cast<const Lattice&>(labelled(input))), true));
+  } else if (mode == "fraction") {
+    Field half(static_cast<const Lattice&>(labelled(input)), 0.5f);
+    write(output, encode_nifti(HuVolume(half), true));
+  } else if (mode == "nothing") {
+  } else if (mode == "code") {
+    std::cerr << "loading\n\nno model: \x1b[31mweights missing\n";
+    return 3;
+  } else if (mode == "crash") {
+    raise(SIGSEGV);
+  } else if (mode == "link") {
+    return symlink("/etc/passwd", output.c_str());
+  } else if (mode == "fifo") {
+    return mkfifo(output.c_str(), 0600);
+  } else if (mode == "network") {
+    if (try_network() == 0) return 5;
+    write(output, encode_nifti(labelled(input), true));
+  } else if (mode == "outside") {  // writes where it may not, and where it may
+    write(more, "written");
+    write(std::string(getenv("HOME")) + "/note", "written");
+    if (!std::ifstream(std::string(getenv("HOME")) + "/note")) return 6;
+    write(output, encode_nifti(labelled(input), true));
+  } else if (mode == "environment") {
+    extern char** environ;
+    for (char** e = environ; *e; ++e) std::cout << *e << "\n";
+    return getenv("SECRET") ? 7 : getenv("MODEL") && std::string(getenv("MODEL")) == more ? 8 : 9;
+  } else {
+    return 64;
+  }
+  return 0;
+}
