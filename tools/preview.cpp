@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "publish/preview.h"
+
+#include <cstdio>
+#include <optional>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "base/write_file.h"
+#include "cli/argument.h"
+#include "cli/progress_display.h"
+#include "commands.h"
+#include "grid/nrrd.h"
+#include "stages/data_files.h"
+
+namespace trephine {
+namespace {
+
+namespace fs = std::filesystem;
+
+class DisplayObserver : public RunObserver {
+ public:
+  explicit DisplayObserver(ProgressDisplay& display) : display_(display) {}
+  void started(const std::string& node) override { display_.start(node); }
+  void progressed(const std::string& node, double fraction) override { display_.report(node, fraction); }
+  void finished(const std::string& node, const std::string& how, double, const Report&) override {
+    display_.finish(node, how == "cached" ? "from the cache" : "");
+  }
+
+ private:
+  ProgressDisplay& display_;
+};
+
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+/// A file of a single tool, or of run --keep.
+StageData load_result(const fs::path& file) {
+  const std::string name = file.filename().string();
+  if (ends_with(name, ".vtp")) return load_data(file, DataKind::mesh);
+  if (ends_with(name, ".json")) {
+    try {
+      return load_data(file, DataKind::cutters);
+    } catch (const Error&) {
+      return load_data(file, DataKind::landmarks);
+    }
+  }
+  if (ends_with(name, ".seg.nrrd") || ends_with(name, ".nii.gz") || ends_with(name, ".nii"))
+    return load_data(file, DataKind::labels);
+  if (ends_with(name, ".nrrd")) return load_field_or_volume(file);
+  throw Error(ExitCode::usage, file.string(), "input", "must be .yaml, .nrrd, .vtp, .json, .seg.nrrd or .nii.gz");
+}
+
+Preview preview_file(const ParsedCommand& parsed, const Progress& progress) {
+  const fs::path file = parsed.path("input");
+  const StageData data = load_result(file);
+  std::optional<HuVolume> volume;
+  if (parsed.has("volume")) volume = read_hu_nrrd(parsed.path("volume"));
+  return with_file(file.string(), [&] {
+    return draw_preview(file.stem().string(), data, volume ? &*volume : nullptr, parsed.params<PreviewParams>(),
+                        progress);
+  });
+}
+
+void check_flags(const ParsedCommand& parsed, bool of_config) {
+  if (of_config && parsed.has("volume")) throw Error(ExitCode::usage, "", "--volume", "is for a result's file");
+  for (const char* flag : {"series", "set", "root", "landmarks", "cache"})
+    if (!of_config && parsed.has(flag))
+      throw Error(ExitCode::usage, "", std::string("--") + flag, "is for a configuration (.yaml)");
+  for (const char* flag : {"stage", "allow_external"})
+    if (!of_config && parsed.given.count(flag))
+      throw Error(ExitCode::usage, "", std::string("--") + flag, "is for a configuration (.yaml)");
+}
+
+}  // namespace
+
+Command preview_command() {
+  using Kind = Argument::Kind;
+  Command c;
+  c.name = "preview";
+  c.summary = "draws a stage's result on three slices and as a small surface";
+  c.description =
+      "Of a configuration (.yaml): computes one stage and what it needs, on coarse cells, and draws it: an axial, a "
+      "coronal and a sagittal slice of the scan with its outline, and its surface. So a threshold can be tried in "
+      "seconds; with --cache only what changed is computed. Nothing is published. Of a file that a tool or `run "
+      "--keep` "
+      "wrote: draws that, on the slices of --volume.\n\n"
+      "The picture shows the scan as it is, with its face unless the scene takes it away: it is a tool's picture and "
+      "no "
+      "part of a case.";
+  c.examples = {"trephine preview configs/ct_head.yaml --series FOLDER --stage skull.segment --output skull.png",
+                "trephine preview configs/ct_head.yaml --series FOLDER --stage skull.segment "
+                "--set skull.segment.lower_hu=300 --cache tries --output skull.png",
+                "trephine preview skull.nrrd --volume head.nrrd --output skull.png"};
+  Argument input =
+      argument("input", Kind::in_file, "A configuration (.yaml), or a result's file (.nrrd, .vtp, .json).");
+  Argument output = argument("output", Kind::out_file, "Where the picture goes (.png).");
+  input.positional = input.required = output.required = true;
+  Argument set = argument("set", Kind::text, "Override anatomy.stage.parameter=value, as for `run`.");
+  Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
+  set.repeated = root.repeated = true;
+  c.arguments = {input,
+                 output,
+                 argument("volume", Kind::in_file, "Of a result's file: the CT volume that the slices show (.nrrd)."),
+                 argument("series", Kind::in_path, "Folder of the CT series; overrides the configuration's."),
+                 argument("landmarks", Kind::in_file, "Landmarks that a person placed, as for `run`."),
+                 set,
+                 root,
+                 argument("cache", Kind::out_folder, "Folder of the stage cache, such as LIBRARY/.trephine-cache.")};
+  c.groups = {ParameterGroup::of<PreviewParams>("Parameters")};
+  c.run = [](const ParsedCommand& parsed) {
+    const bool of_config = parsed.path("input").extension() == ".yaml" || parsed.path("input").extension() == ".yml";
+    check_flags(parsed, of_config);
+    Preview made;
+    {
+      ProgressDisplay display(parsed.quiet);
+      if (of_config) {
+        PreviewRequest request;
+        request.config = parsed.path("input");
+        request.overrides.series = parsed.path("series");
+        request.overrides.landmarks = parsed.path("landmarks");
+        request.overrides.set = parsed.all("set");
+        for (const std::string& r : parsed.all("root")) request.overrides.roots.emplace_back(r);
+        request.params = parsed.params<PreviewParams>();
+        request.cache = parsed.path("cache");
+        DisplayObserver observer(display);
+        made = preview_stage(request, observer);
+      } else {
+        made = preview_file(parsed, display.start("preview"));
+        display.finish("preview", "");
+      }
+    }
+    write_file(parsed.path("output"), made.png);
+    for (const std::string& w : made.report.warnings) log_warning(w);
+    made.report.warnings.clear();
+    if (!parsed.quiet) std::fputs(report_text(made.report).c_str(), stdout);
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+}  // namespace trephine
