@@ -15,6 +15,8 @@ Command trade_command();
 Command export_command();
 Command page_command();
 Command diff_command();
+Command correction_command();
+Command preview_command();
 Command boolean_command();
 Command voxelize_command();
 Command repair_command();

@@ -54,6 +54,7 @@ struct CaseFileParams : VersionParams {
   std::vector<SaidPath> trade;
   std::optional<AccuracyParams> accuracy;
   std::optional<BudgetParams> budget;
+  Named<SaidPath> corrections;
   Named<SaidValue> set;
 
   template <class V>
@@ -75,6 +76,8 @@ struct CaseFileParams : VersionParams {
     v.group(&P::accuracy, "accuracy", "Take the fastest measured point that keeps these bounds.");
     v.group(&P::budget, "budget", "Take the most accurate measured point within these limits.");
     v.word(&P::profile, "profile", profile_names, "A named point of the trade, instead of accuracy and budget.");
+    v.map(&P::corrections, "corrections",
+          "What a person painted, by anatomy: files that `trephine correction` wrote, such as {skull: skull.nrrd}.");
     v.map(&P::set, "set", "Parameters by their paths, such as skull.decimate.max_deviation_mm: 0.2.");
   }
 };

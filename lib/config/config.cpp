@@ -33,6 +33,9 @@ class Reader {
     if (!said.landmarks_file.empty()) read_points(file_of(said.landmarks_file), false);
     if (!r_.overrides.landmarks.empty()) read_points(r_.overrides.landmarks, true);
     if (const fs::path file = file_of(said.pipeline); !file.empty()) read_recipe(r_, file);
+    add_corrections(r_, said.corrections, [this](const std::string& where, const std::string& what) {
+      r_.faults.add(r_.file, at_.key(where), where, what);
+    });
     if (const fs::path file = file_of(said.scene); !file.empty()) read_scene(r_, file);
     import_ = AnyParams::make(said.import);
     name_burr_holes();
@@ -63,6 +66,8 @@ class Reader {
     };
     all.said = [this](const std::string& path, const YamlNode& at) {
       if (path.rfind("set.", 0) == 0) set_.insert(path);
+      if (path.rfind("corrections.", 0) == 0)
+        r_.said.emplace_back(path.substr(12) + ".correct.file", r_.origin(ValueSource::set, r_.file, at));
       if (path.rfind("import.", 0) == 0 || path.rfind("burr_holes[", 0) == 0)
         r_.said.emplace_back(path, r_.origin(ValueSource::set, r_.file, at));
     };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -39,6 +40,11 @@ struct ConfigReading {
 
 /// Reads the recipe: anatomies, stages of the whole scan, roles.
 void read_recipe(ConfigReading& reading, const std::filesystem::path& file);
+
+/// Makes the case's corrections, files by anatomy, steps of their anatomies: each right after the step whose field it
+/// was made for, and who reads that field by its name gets the corrected one. Needs the recipe.
+void add_corrections(ConfigReading& reading, const Named<SaidPath>& corrections,
+                     const std::function<void(const std::string& where, const std::string& what)>& fault);
 
 /// Reads the scene and the materials that it names. Needs the recipe.
 void read_scene(ConfigReading& reading, const std::filesystem::path& file);

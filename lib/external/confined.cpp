@@ -131,7 +131,7 @@ void keep(ChildRequest& r) {
       break;
     }
     timed_out = std::chrono::duration<double>(Clock::now() - start).count() > time_limit_s;
-    over_memory = !timed_out && memory_of_descendants(getpid()) > memory_bytes;
+    over_memory = !timed_out && memory_of_descendants(getpid(), first) > memory_bytes;
     if (timed_out || over_memory) break;
     usleep(50000);
     r.report(0);

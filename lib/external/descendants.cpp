@@ -52,10 +52,11 @@ std::vector<pid_t> descendants(pid_t root) {
 
 }  // namespace
 
-std::uint64_t memory_of_descendants(pid_t root) {
+std::uint64_t memory_of_descendants(pid_t root, pid_t except) {
   const auto page = std::uint64_t(sysconf(_SC_PAGESIZE));
   std::uint64_t bytes = 0;
   for (const pid_t pid : descendants(root)) {
+    if (pid == except) continue;
     char path[64];
     std::snprintf(path, sizeof path, "/proc/%d/statm", pid);
     std::FILE* file = std::fopen(path, "r");

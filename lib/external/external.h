@@ -56,7 +56,7 @@ struct ExternalParams {
         .at_most(64);
     v.list(&P::may_write, "may_write", "Folders in which it may write beside its own, absolute.").at_most(16);
     v.number(&P::time_limit_s, "time_limit_s", Range{0.1, 1e6}, "It is ended after this time.");
-    v.number(&P::memory_limit_gb, "memory_limit_gb", Range{0.01, 1e5},
+    v.number(&P::memory_limit_gb, "memory_limit_gb", Range{0.1, 1e5},
              "It is ended where its processes together take more memory than this.");
     v.flag(&P::same_grid, "same_grid", "Refuse labels that do not lie on the scan's voxels; else they are resampled.");
     v.flag(&P::require_confined, "require_confined",

@@ -9,6 +9,8 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "base/write_file.h"
+#include "grid/labels.h"
 #include "grid/nrrd.h"
 
 namespace trephine::extremes {
@@ -24,6 +26,37 @@ std::string labels_file() {
     Mask mask(field);
     for (std::size_t v = 0; v < mask.count(); ++v) mask.voxels[v] = field.voxels[v] > 0;
     write_nrrd(name, mask);
+    static std::string to_remove = name;
+    std::atexit([] {
+      std::error_code ignored;
+      std::filesystem::remove(to_remove, ignored);
+    });
+    return name;
+  }();
+  return file;
+}
+
+// A correction of the same balls: one slice more, one less.
+std::string correction_file() {
+  static const std::string file = [] {
+    const std::string name = labels_file() + ".correction.nrrd";
+    const Field& field = usual_scene(Body::balls).fields.at("");
+    Mask mask(field);
+    const int middle = field.size[2] / 2;
+    for (int j = 0; j < field.size[1]; ++j)
+      for (int i = 0; i < field.size[0]; ++i) {
+        mask.at(i, j, middle) = field.at(i, j, middle) > 0 ? 0 : 1;
+        mask.at(i, j, middle + 1) = field.at(i, j, middle + 1) > 0 ? 2 : 0;
+      }
+    LabelFile map;
+    map.lattice = mask;
+    map.samples = mask;
+    for (const char* segment : {"added", "removed"}) {
+      map.segments.emplace_back();
+      map.segments.back().id = map.segments.back().name = segment;
+      map.segments.back().value = int(map.segments.size());
+    }
+    write_file(name, encode_labels(map));
     static std::string to_remove = name;
     std::atexit([] {
       std::error_code ignored;
@@ -51,6 +84,9 @@ Suited suited(const std::string& stage) {
   if (stage == "canal") return {Body::spine, {}, {}};
   if (stage == "clavicle" || stage == "vein") return {Body::chest, {}, {}};
   if (stage == "labels") return {Body::balls, {}, {{"file", labels_file()}}};
+  if (stage == "correct") return {Body::balls, {}, {{"file", correction_file()}}};
+  // It ends well and labels nothing: what a program may do is in external_test.
+  if (stage == "external") return {Body::balls, {}, {{"program", "/bin/true"}, {"version", "true"}}};
   if (stage == "snake") return {Body::balls, {}, {{"bubbles_count", "1"}}};
   if (stage == "presegment") return {Body::balls, {}, {{"lower_hu", "-500"}, {"upper_hu", "500"}}};
   if (stage == "burrhole") return {Body::head, {"over", "landmarks"}, {}};

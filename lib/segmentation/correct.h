@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+#include "grid/labels.h"
+
+namespace trephine {
+
+/// A correction by hand: what a person changed of a shape, and nothing else. It is kept as a map of labels on the
+/// voxels that changed, added (1) and removed (2), and not as the shape: so it survives another run, whose shape may
+/// differ.
+
+/// What lies between two maps of labels, one as it was exported, and one as it came back. The label is picked of both
+/// as pick_label does; `painted_label` is its name in the second, where that lost the names. The second map may cover
+/// less or more of the same raster, in any order of its axes. Report: added_voxels_count, removed_voxels_count,
+/// added_ml, removed_ml. Throws Error 65: the voxels of the second do not lie on the first's; nothing is different; and
+/// as pick_label does, naming `before` or `after`.
+LabelFile correction_between(const LabelFile& before, const LabelFile& after, const std::string& label,
+                             const std::string& painted_label, Report& report);
+
+struct CorrectParams {
+  std::string file;
+  template <class V>
+  static void describe(V& v) {
+    v.text(&CorrectParams::file, "file", "The correction, as trephine correction writes it.").names("file");
+  }
+};
+
+/// The field with the correction: voxels that were added are positive, those that were removed negative. Within about
+/// two voxels of a voxel that changed, the field follows the new mask, smoothed, at the scale of the field beside its
+/// surface; everywhere else it keeps its values bit for bit. On another raster than the correction's, each voxel takes
+/// what its nearest one says. The field grows where voxels are added beyond it, but not beyond the volume.
+///
+/// Report: added_ml, removed_ml, and the counts of voxels that changed; already_ratio, the share of the correction that
+/// held before it; resampled. Warns where the correction was made on another raster, where more than half of it held
+/// already (another segmentation, or another scan), and of voxels beyond the volume. Throws Error 65 for a map that is
+/// no correction, or of which nothing lies in the volume, and for a field that is not finite; Cancelled.
+Field corrected(const Field& field, const Lattice& volume, const LabelFile& correction, Report& report,
+                const Progress& progress = {});
+
+}  // namespace trephine
