@@ -5,6 +5,7 @@ file(GLOB extremes CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/extremes/*.cpp)
 add_executable(extremes_test ${extremes})
 trephine_unity(extremes_test ${extremes})
 target_link_libraries(extremes_test PRIVATE trephine_stages trephine_meshio GTest::gtest)
+add_dependencies(extremes_test trephine-itk)
 target_include_directories(extremes_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(extremes_test PRIVATE TREPHINE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 # One process for many sections: they share their scenes.

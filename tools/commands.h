@@ -20,6 +20,7 @@ Command preview_command();
 Command boolean_command();
 Command voxelize_command();
 Command repair_command();
+Command register_command();
 Command library_build_command();
 Command library_list_command();
 Command library_show_command();

@@ -19,8 +19,8 @@ Program declare() {
                       page_command(),         diff_command(),           correction_command(),    preview_command(),
                       export_command(),       phantom_command()};
   // Stages as their declarations say, except those whose commands do more than run the stage.
-  std::vector<Command> own = {import_command(),  anatomy_command(),  boolean_command(),
-                              measure_command(), voxelize_command(), repair_command()};
+  std::vector<Command> own = {import_command(),   anatomy_command(), boolean_command(), measure_command(),
+                              voxelize_command(), repair_command(),  register_command()};
   for (const StageType& stage : stage_types()) {
     const auto more = std::find_if(own.begin(), own.end(), [&](const Command& c) { return c.name == stage.name; });
     program.commands.push_back(more == own.end() ? make_stage_command(stage) : *more);

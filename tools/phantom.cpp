@@ -15,7 +15,9 @@ Command phantom_command() {
       "Scans an analytic head (skin, skull, brain, ventricles), whose surfaces are known to a fraction of a "
       "micrometre, with a simulated CT scanner: partial volume, kernel blur, correlated noise, tilt and, at clinical "
       "level, cupping, streaks and sulci. FOLDER/dicom holds the series; FOLDER/truth holds its labels, surfaces, "
-      "landmarks and truth.json, which `measure --truth` reads. The same parameters give the same bytes.";
+      "landmarks and truth.json, which `measure --truth` reads; FOLDER/second, if asked for, another scan of the head "
+      "and "
+      "where it lies. The same parameters give the same bytes.";
   c.examples = {"trephine phantom head --variant hydrocephalic --seed 7",
                 "trephine phantom head --level clinical --tilt-deg 13.5 --slice-step-mm 2.5 --slices-count 80",
                 "trephine phantom head --level hard --mask --couch --clamps --noise-hu 30 --second-kernel-mm 0.6"};
@@ -25,9 +27,9 @@ Command phantom_command() {
   out.help = "Folder in which dicom/ and truth/ are made.";
   out.required = out.positional = true;
   c.arguments = {out, report_argument()};
-  c.groups = {ParameterGroup::of<HeadParams>("Head"), ParameterGroup::of<HardParams>("Hard"),
+  c.groups = {ParameterGroup::of<HeadParams>("Head"),    ParameterGroup::of<HardParams>("Hard"),
               ParameterGroup::of<ScanParams>("Scanner"), ParameterGroup::of<SeriesParams>("Series"),
-              ParameterGroup::of<TruthParams>("Truth")};
+              ParameterGroup::of<TruthParams>("Truth"),  ParameterGroup::of<SecondScanParams>("Second scan")};
   c.run = [](const ParsedCommand& parsed) {
     PhantomParams params;
     params.head = parsed.params<HeadParams>();
@@ -35,6 +37,7 @@ Command phantom_command() {
     params.scan = parsed.params<ScanParams>();
     params.series = parsed.params<SeriesParams>();
     params.truth = parsed.params<TruthParams>();
+    params.second = parsed.params<SecondScanParams>();
     run_with_report(parsed,
                     [&](const Progress& progress) { return make_phantom(parsed.path("folder"), params, progress); });
     return ExitCode::ok;

@@ -123,10 +123,11 @@ class Process {
   int status_ = 0;
 };
 
-pid_t start(const std::string& worker, const ChildLimits& limits, int request, int result, int pipe) {
+pid_t start(const std::string& worker, const ChildLimits& limits, const ChildProgram& program, int request, int result,
+            int pipe) {
   static_assert(child_request_fd == 3 && child_result_fd == 4 && child_pipe_fd == 5);
   SpawnRequest s;
-  s.program = "/proc/self/exe";
+  s.program = program.file.empty() ? "/proc/self/exe" : program.file.string();
   s.argv = {"trephine",
             child_argument,
             worker,
@@ -243,7 +244,7 @@ ChildResult::~ChildResult() {
 }
 
 ChildResult run_child(const std::string& worker, std::string_view request, const ChildLimits& limits,
-                      const Progress& progress) {
+                      const Progress& progress, const ChildProgram& program) {
   progress.check();
   const FileDescriptor request_file = memory_file(worker, "trephine-request");
   write_all(worker, request_file.get(), request);
@@ -256,7 +257,7 @@ ChildResult run_child(const std::string& worker, std::string_view request, const
   check(worker, ::fcntl(read_end.get(), F_SETFL, O_NONBLOCK) == 0, "pipe");
 
   const auto deadline = Clock::now() + std::chrono::duration<double>(limits.wall_s);
-  Process process(start(worker, limits, request_file.get(), result_file.get(), write_end.get()));
+  Process process(start(worker, limits, program, request_file.get(), result_file.get(), write_end.get()));
   write_end.reset();
 
   Messages messages;

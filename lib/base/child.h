@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -56,12 +57,17 @@ class ChildResult {
   std::size_t size_ = 0;
 };
 
+/// Which program holds the worker, where it is not this one; main() of that program calls run_child_if_asked too.
+struct ChildProgram {
+  std::filesystem::path file;  ///< empty: this program
+};
+
 /// Runs the worker and waits. An Error that the worker throws arrives as the same Error (code, file, field, what).
 /// Throws Error 70 where the child dies or exceeds a limit; the text says which: "killed by signal 6", "memory limit
 /// 512 MiB", "wall clock limit 60 s". Throws Cancelled where `progress` says so. No child outlives the call or a parent
 /// that was killed (PR_SET_PDEATHSIG).
 ChildResult run_child(const std::string& worker, std::string_view request, const ChildLimits& limits,
-                      const Progress& progress = {});
+                      const Progress& progress = {}, const ChildProgram& program = {});
 
 /// Whether run_child threw because the child reached one of its limits (time, memory), not because it refused or died.
 bool is_child_limit(const Error& e);

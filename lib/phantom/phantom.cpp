@@ -73,7 +73,9 @@ Report make_phantom(const std::filesystem::path& out, const PhantomParams& param
                static_cast<double>(write_second_series(out / "dicom", head, params, progress.part(0.4, 0.7))) / 1e6);
   else
     remove_series(out / "dicom", second_series);
-  write_truth(out / "truth", head, scanned, s, params.truth, report, progress.part(0.7, 1));
+  write_truth(out / "truth", head, scanned, s, params.truth, report, progress.part(0.7, 0.9));
+  if (params.second.contrast != SecondScan::none)
+    write_second_scan(out / "second", second_scan(head, params.second, progress.part(0.9, 1)));
   progress.report(1);
   return report;
 }

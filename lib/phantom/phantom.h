@@ -8,6 +8,7 @@
 #include "grid/grid.h"
 #include "phantom/head.h"
 #include "phantom/scan.h"
+#include "phantom/second_scan.h"
 #include "phantom/series.h"
 #include "phantom/truth.h"
 
@@ -19,13 +20,14 @@ struct PhantomParams {
   ScanParams scan;
   SeriesParams series;
   TruthParams truth;
+  SecondScanParams second;
 };
 
 /// The effective parameters as text, one `name=value` a line: what the files' UIDs are derived from.
 std::string identity_of(const PhantomParams& params);
 
-/// Makes out/dicom/slice_*.dcm and out/truth/*, the same bytes for the same parameters. Throws as write_series and
-/// write_truth do, 64 for parameters that contradict each other.
+/// Makes out/dicom/slice_*.dcm, out/truth/* and, where asked for, out/second/*: the same bytes for the same parameters.
+/// Throws as write_series and write_truth do, 64 for parameters that contradict each other.
 Report make_phantom(const std::filesystem::path& out, const PhantomParams& params, const Progress& progress = {});
 
 /// The scan as a grid, HU. Throws 64 as lattice_of does.

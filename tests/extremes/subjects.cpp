@@ -90,6 +90,7 @@ Suited suited(const std::string& stage) {
   if (stage == "snake") return {Body::balls, {}, {{"bubbles_count", "1"}}};
   if (stage == "presegment") return {Body::balls, {}, {{"lower_hu", "-500"}, {"upper_hu", "500"}}};
   if (stage == "burrhole") return {Body::head, {"over", "landmarks"}, {}};
+  if (stage == "register") return {Body::head, {}, {{"finest_mm", "4"}, {"samples_count", "2000"}}};
   if (stage == "resample") return {Body::balls, {}, {{"spacing_mm", "1,1,1"}}};
   if (stage == "measure") return {Body::balls, {"reference"}, {}};
   if (stage == "voxelize") return {Body::balls, {"shape.*", "cutters.*"}, {}};
@@ -148,7 +149,7 @@ StageInputs inputs_of(const Subject& subject) {
 
 bool is_slow(const Subject& subject, const std::string& parameter, const std::string& text) {
   const std::string& stage = subject.stage->name;
-  if (stage == "landmarks") return true;
+  if (stage == "landmarks" || stage == "register") return true;
   if (stage == "face_gate")
     return text == "2,000 slices of 2 x 2" || text.find("voxels of 2 x 2") == 0 || text.find("voxels of 10 x") == 0;
   if (stage == "smooth" && parameter == "iterations_count") return text == "100000";

@@ -16,7 +16,7 @@ for i in "${!order[@]}"; do rank[${order[$i]}]=$i; done
 
 # library: what its includes look like, and who may have them
 owners=(
-  'itk[A-Z]|itk_|segmentation'
+  'itk[A-Z]|itk_|itk'
   'vtk[A-Z]|vtk_|meshing meshio simulator'
   'CGAL/|meshing metrics boolean'
   'gdcm|dicom phantom'

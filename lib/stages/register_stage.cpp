@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/error.h"
+#include "itk/registration.h"
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType register_stage() {
+  StageType s;
+  s.name = "register";
+  s.version = 1;
+  s.place = StagePlace::scene;  // no recipe reads a second scan yet
+  s.summary = "lays a second scan of the patient (MR, angiography, another CT) on the CT";
+  s.description =
+      "Registers the second scan onto the CT by Mattes' mutual information, from coarse voxels to fine ones, and gives "
+      "it on the CT's voxels. The registration checks itself: it is done again from three places 8 mm and 8 degrees "
+      "off and in the other direction, and compared with an affine one. A result that is doubtful is refused with exit "
+      "code 80 and the figures that say why. Offsets up to 30 mm and 20 degrees are within reach; for others give a "
+      "transform to begin with.";
+  s.examples = {"trephine register head.nrrd mr.nrrd --transform mr.tfm --picture check.png --output mr_on_ct.nrrd"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, which stays"},
+             {"moving", DataKind::volume, true, "the second scan"},
+             {"within", DataKind::field, false, "an anatomy of the CT; places outside of it are not compared"}};
+  s.output = DataKind::volume;
+  s.make_params = [] { return AnyParams::make<RegistrationParams>(); };
+  s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    const auto& params = any.as<RegistrationParams>();
+    std::optional<LinearMap> initial;
+    if (!params.initial.empty()) initial = read_tfm(params.initial);
+    const HuVolume &fixed = *in.get<HuVolume>("volume"), &moving = *in.get<HuVolume>("moving");
+    const Registration r =
+        register_scans(fixed, moving, in.get<Field>("within"), initial, params, report, progress.part(0, 0.9));
+    if (!r.doubts.empty()) throw Error(ExitCode::quality, "", "", "the registration is doubtful: " + r.doubts);
+    const float outside = params.moving == MovingValues::hu ? -1000.0f : 0.0f;
+    return std::make_shared<const HuVolume>(
+        resample_onto(moving, lattice_of(fixed), r.map, outside, progress.part(0.9, 1)));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Registration against the truth of phantoms: where Kocher's points and the ventricles come to lie.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdio>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "itk_scans.h"
+
+using namespace trephine;
+using phantom::Head;
+using phantom::HeadParams;
+
+namespace {
+
+Head clinical_head(int seed) {
+  HeadParams p;
+  p.level = phantom::Level::clinical;
+  p.seed = seed;
+  return Head(p);
+}
+
+phantom::Second mr_of(const Head& head, double voxel_mm, int seed) {
+  phantom::SecondScanParams p;
+  p.contrast = phantom::SecondScan::mr;
+  p.voxel_mm = voxel_mm;
+  p.noise_ratio = 0.04;
+  p.bias_ratio = 0.3;
+  p.scan_seed = seed;
+  return phantom::second_scan(head, p);
+}
+
+struct Outcome {
+  double mean = 0, worst = 0, worst_published = 0;
+  int doubtful = 0;
+};
+
+Outcome over_offsets(const HuVolume& ct, const phantom::Second& rest, const std::vector<Vec3>& places, int from, int to,
+                     RegistrationParams params) {
+  Outcome all;
+  for (int n = from; n < to; ++n) {
+    const phantom::Second second = moved(rest, random_offset(static_cast<std::uint64_t>(n), 30, 20));
+    Report report;
+    const auto start = std::chrono::steady_clock::now();
+    const Registration r = register_scans(ct, HuVolume(second.volume), nullptr, {}, params, report);
+    const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double error = target_error_mm(r.map, second.truth, places);
+    std::printf(
+        "offset %2d: %.3f mm, turn %.1f, spread %.3f, inverse %.3f, overlap %.2f, margin %.2f, scale %.4f, %.1f s %s\n",
+        n, error, std::get<double>(*report.find("turn_deg")), std::get<double>(*report.find("spread_mm")),
+        std::get<double>(*report.find("inverse_mm")), std::get<double>(*report.find("overlap_ratio")),
+        std::get<double>(*report.find("margin_ratio")), std::get<double>(*report.find("scale_ratio")), s,
+        r.doubts.c_str());
+    all.mean += error / (to - from);
+    all.worst = std::max(all.worst, error);
+    if (r.doubts.empty())
+      all.worst_published = std::max(all.worst_published, error);
+    else
+      ++all.doubtful;
+  }
+  return all;
+}
+
+}  // namespace
+
+TEST(Registration, LaysAnMrOnTheCt) {
+  const Head head = clinical_head(3);
+  RegistrationParams quick;
+  quick.finest_mm = 2;
+  quick.samples_count = 20000;
+  const Outcome o = over_offsets(quick_ct(head, 2), mr_of(head, 2, 1), targets(head), 0, 3, quick);
+  EXPECT_LT(o.mean, 0.5);
+  EXPECT_LT(o.worst, 1.0);
+  EXPECT_EQ(o.doubtful, 0);
+}
+
+TEST(Registration, SaysThatAResultIsDoubtful) {
+  const Head head = clinical_head(3);
+  const HuVolume ct = quick_ct(head, 3);
+  RegistrationParams quick;
+  quick.finest_mm = 2.5;
+  quick.samples_count = 15000;
+  const auto doubts = [&](const HuVolume& moving) {
+    Report report;
+    return register_scans(ct, moving, nullptr, {}, quick, report).doubts;
+  };
+  phantom::Second mr = mr_of(head, 3, 1);
+  EXPECT_EQ(doubts(HuVolume(mr.volume)), "");
+  // Voxels of a wrong size: no rigid map can lay it on the CT.
+  phantom::Second stretched = mr;
+  stretched.volume.spacing_mm.y *= 1.08;
+  EXPECT_NE(doubts(HuVolume(stretched.volume)).find("largest_scale_ratio"), std::string::npos);
+  // Noise alone.
+  phantom::Second noise = mr;
+  for (std::size_t i = 0; i < noise.volume.voxels.size(); ++i)
+    noise.volume.voxels[i] = static_cast<std::int16_t>(500 + 500 * phantom::uniform(1, 2, i));
+  EXPECT_NE(doubts(HuVolume(noise.volume)), "");
+  // A small part of the head.
+  phantom::Second part = mr;
+  part.volume = crop(mr.volume, {{0, 0, 0}, {mr.volume.size[0], 25, mr.volume.size[2]}});
+  EXPECT_NE(doubts(HuVolume(part.volume)), "");
+}
+
+TEST(Registration, DoesNotDependOnThreads) {
+  const Head head = clinical_head(4);
+  const HuVolume ct = quick_ct(head, 4);
+  const phantom::Second second = moved(mr_of(head, 4, 2), random_offset(7, 20, 15));
+  RegistrationParams quick;
+  quick.finest_mm = 3;
+  quick.samples_count = 8000;
+  std::vector<std::string> results;
+  for (const int threads : {1, 2, 8}) {
+    set_thread_count(threads);
+    Report report;
+    const Registration r = register_scans(ct, HuVolume(second.volume), nullptr, {}, quick, report);
+    std::string text = encode_tfm(r.map);
+    for (const auto& f : report.figures) text += to_text(f.second) + "\n";
+    results.push_back(text);
+  }
+  set_thread_count(0);
+  EXPECT_EQ(results[0], results[1]);
+  EXPECT_EQ(results[0], results[2]);
+}
+
+TEST(Registration, BeginsWhereItIsTold) {
+  const Head head = clinical_head(3);
+  const HuVolume ct = quick_ct(head, 3);
+  const phantom::Second second = moved(mr_of(head, 3, 1), rigid_map({150, 0, 60}, {60, -50, 80}, {}));
+  RegistrationParams quick;
+  quick.finest_mm = 2.5;
+  quick.samples_count = 15000;
+  const std::vector<Vec3> places = targets(head);
+  Report far, near;
+  const Registration alone = register_scans(ct, HuVolume(second.volume), nullptr, {}, quick, far);
+  EXPECT_TRUE(alone.doubts != "" || target_error_mm(alone.map, second.truth, places) < 1) << "wrong and not said";
+  EXPECT_GT(target_error_mm(alone.map, second.truth, places), 10) << "too easy for this test";
+  const LinearMap start = then(second.truth, rigid_map({5, 5, 5}, {8, 0, 6}, second.truth({0, -10, 42})));
+  const Registration r = register_scans(ct, HuVolume(second.volume), nullptr, start, quick, near);
+  EXPECT_EQ(r.doubts, "");
+  EXPECT_LT(target_error_mm(r.map, second.truth, places), 1.0);
+}
+
+TEST(Registration, LongOverFortyOffsets) {
+  double worst = 0, mean = 0;
+  int doubtful = 0;
+  for (int h = 0; h < 4; ++h) {
+    const Head head = clinical_head(10 + h);
+    const HuVolume fixed = head_ct(head, 1, 12);
+    const Outcome o = over_offsets(fixed, mr_of(head, 1, h), targets(head), 10 * h, 10 * h + 10, {});
+    mean += o.mean / 4;
+    worst = std::max(worst, o.worst);
+    doubtful += o.doubtful;
+    EXPECT_LT(o.worst_published, 2.0);
+  }
+  std::printf("mean %.3f mm, worst %.3f mm, doubtful %d\n", mean, worst, doubtful);
+  EXPECT_LT(mean, 0.5);
+  EXPECT_LT(worst, 1.0);
+  EXPECT_EQ(doubtful, 0);
+}
