@@ -51,15 +51,17 @@ ExitCode list(const ParsedCommand& parsed) {
 Command import_command() {
   Command c;
   c.name = "import";
-  c.summary = "reads a CT series from a DICOM folder or ZIP archive into a volume in HU";
+  c.summary = "reads a CT series (DICOM folder, ZIP archive) or a volume file into a volume in HU";
   c.description =
       "With --list it only says which series there are, and whether each is usable, usable after rectification, or "
       "refused and why. Otherwise it reads one series: slices are ordered and placed by their positions, HU are "
       "computed slice by slice, a tilted gantry and uneven spacing are rectified by resampling, and padding becomes "
       "air. A series that cannot be read correctly is refused, naming file and tag. Names, IDs and UIDs of the patient "
-      "are never written anywhere.";
+      "are never written anywhere. A volume file that is no DICOM (NIfTI, MetaImage, NRRD, GIPL, VTK) is read where "
+      "--volume-values says what its values are.";
   c.examples = {"trephine import DICOM-FOLDER --list", "trephine import DICOM-FOLDER-OR-ZIP --output head.nrrd",
-                "trephine import DICOM-FOLDER --series s2 --gaps interpolate --output head.nrrd"};
+                "trephine import DICOM-FOLDER --series s2 --gaps interpolate --output head.nrrd",
+                "trephine import head.nii.gz --volume-values hu --output head.nrrd"};
   Argument from;
   from.name = "input";
   from.kind = Argument::Kind::in_path;

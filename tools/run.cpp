@@ -61,9 +61,15 @@ Command run_command() {
   Argument set = argument("set", Kind::text, "Override anatomy.stage.parameter=value, or import.parameter=value.");
   Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
   set.repeated = root.repeated = true;
+  Argument modality = argument("modality", Kind::choice,
+                               "ct says that the values of a volume file that is no DICOM (--series head.nii.gz) are "
+                               "HU; the same as --set import.volume_values=hu.");
+  modality.choices = {"ct"};
   c.arguments = {config,
                  out,
-                 argument("series", Kind::in_path, "Folder of the CT series; overrides the configuration's."),
+                 argument("series", Kind::in_path,
+                          "Folder, ZIP archive or volume file with the CT; overrides the configuration's."),
+                 modality,
                  argument("landmarks", Kind::in_file,
                           "Landmarks that a person placed (.mrk.json or .fcsv of 3D Slicer); they replace others."),
                  set,
@@ -80,6 +86,7 @@ Command run_command() {
     request.overrides.series = parsed.path("series");
     request.overrides.landmarks = parsed.path("landmarks");
     request.overrides.set = parsed.all("set");
+    if (parsed.has("modality")) request.overrides.set.insert(request.overrides.set.begin(), "import.volume_values=hu");
     for (const std::string& r : parsed.all("root")) request.overrides.roots.emplace_back(r);
     request.params = parsed.params<RunParams>();
     request.keep = parsed.path("keep");

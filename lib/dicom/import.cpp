@@ -18,6 +18,8 @@
 #include "dicom/hu.h"
 #include "dicom/mixtures.h"
 #include "dicom/resample.h"
+#include "dicom/volume_import.h"
+#include "itk/volume_file.h"
 
 namespace trephine {
 namespace {
@@ -298,6 +300,8 @@ Report describe(const Series& series, const Plan& plan, const HuCounts& counts, 
 
 ImportResult import_series(const std::filesystem::path& folder_or_file, const ImportParams& params,
                            const Progress& progress) {
+  const auto file = find_volume_file(folder_or_file);
+  if (!file.empty()) return with_file(file.string(), [&] { return import_volume_file(file, params, progress); });
   return with_file(folder_or_file.string(), [&] {
     const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.2));
     const Series& series = choose(catalogue, params.series);
@@ -315,6 +319,8 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
 
 std::string hash_of_series_input(const std::filesystem::path& folder_or_file, const ImportParams& params,
                                  const Progress& progress, Report* folder) {
+  const auto file = find_volume_file(folder_or_file);
+  if (!file.empty()) return hash_of_volume_file(file);
   return with_file(folder_or_file.string(), [&] {
     const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.5));
     const Series& series = choose(catalogue, params.series);

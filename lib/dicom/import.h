@@ -15,11 +15,13 @@ namespace trephine {
 enum class GapPolicy { refuse, interpolate };
 enum class ModalityPolicy { ct, any };
 enum class UnitPolicy { hu, any };
+enum class VolumeValues { unsaid, hu, any };
 
 struct ImportParams {
   std::string series;  ///< a token as list_series gives it, or its part before the first '-'; empty: the only series
   ModalityPolicy modality = ModalityPolicy::ct;
   UnitPolicy units = UnitPolicy::hu;
+  VolumeValues volume_values = VolumeValues::unsaid;
   GapPolicy gaps = GapPolicy::refuse;
   double max_gap_mm = 8;
   double clamp_low_hu = -1e6;
@@ -36,6 +38,10 @@ struct ImportParams {
         &P::units, "units", {{"hu", UnitPolicy::hu}, {"any", UnitPolicy::any}},
         "Units that a CT's RescaleType may name: Hounsfield units or none at all, or any, which are then taken for "
         "Hounsfield units.");
+    v.choice(&P::volume_values, "volume_values",
+             {{"unsaid", VolumeValues::unsaid}, {"hu", VolumeValues::hu}, {"any", VolumeValues::any}},
+             "What the values of a volume file are that is no DICOM (NIfTI, MetaImage, NRRD, ...) and cannot say it: HU "
+             "of a CT, which is checked as far as it can be, or any (MR), which are taken as they are.");
     v.choice(&P::gaps, "gaps", {{"refuse", GapPolicy::refuse}, {"interpolate", GapPolicy::interpolate}},
              "What to do where a slice is missing.");
     v.number(&P::max_gap_mm, "max_gap_mm", Range{0.1, 50}, "Largest step between slices that is accepted.");
@@ -98,6 +104,8 @@ struct ImportResult {
 ///
 /// Slices that have one SeriesInstanceUID but not one patient, study, frame of reference, or that are of acquisitions
 /// or kernels within each other, are several series. What changes within a series and should not is warned of.
+///
+/// Where the path is a volume file (itk/volume_file.h) that file is read instead; volume_values must say what it holds.
 ///
 /// Throws Error 81 where the pixels are said to hold text (BurnedInAnnotation) and no reason is given for using them;
 /// 66 (folder missing or unreadable), 64 (several series and no choice: lists them), 65 (bad data: file

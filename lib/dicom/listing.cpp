@@ -14,6 +14,8 @@
 #include "dicom/hu.h"
 #include "dicom/import.h"
 #include "dicom/mixtures.h"
+#include "dicom/volume_import.h"
+#include "itk/volume_file.h"
 
 namespace trephine {
 namespace {
@@ -105,6 +107,8 @@ SeriesSummary summary_of(const Series& series, const ImportParams& params, const
 
 SeriesList list_series(const std::filesystem::path& folder_or_file, const ImportParams& params,
                        const Progress& progress) {
+  const auto file = find_volume_file(folder_or_file);
+  if (!file.empty()) return with_file(file.string(), [&] { return list_volume_file(file, params, progress); });
   return with_file(folder_or_file.string(), [&] {
     const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.5));
     if (catalogue.series.empty()) choose(catalogue, "");  // says what there is instead

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -113,11 +114,26 @@ class Fields {
   bool swapped_;
 };
 
+/// The number that was meant by a float: itself where it has few digits, as 0.478515625; else the decimal with the
+/// fewest digits that is stored as this float, as 0.4785156 is: what the DICOM said that the file was made of.
+double meant(float stored) {
+  char text[40];
+  const auto digits_of = [&text](auto r) {
+    return std::count_if(text, r.ptr, [](char c) { return c >= '0' && c <= '9'; });
+  };
+  const double exact = stored;
+  if (!std::isfinite(exact) || digits_of(std::to_chars(text, text + sizeof text, exact)) <= 12) return exact;
+  double decimal = exact;
+  std::from_chars(text, std::to_chars(text, text + sizeof text, stored).ptr, decimal);
+  return decimal;
+}
+double meant(double stored) { return stored; }
+
 template <class Real, class Code, class Size>
 void take_fields(Header& h, const Fields& f, const std::array<std::size_t, 10>& at) {
   for (std::size_t i = 0; i < 8; ++i) {
     h.dim[i] = f.get<Size>(at[0] + i * sizeof(Size));
-    h.pixdim[i] = f.get<Real>(at[1] + i * sizeof(Real));
+    h.pixdim[i] = meant(f.get<Real>(at[1] + i * sizeof(Real)));
   }
   h.slope = f.get<Real>(at[2]);
   h.inter = f.get<Real>(at[2] + sizeof(Real));
@@ -125,8 +141,8 @@ void take_fields(Header& h, const Fields& f, const std::array<std::size_t, 10>& 
   h.sform_code = f.get<Code>(at[4]);
   for (std::size_t i = 0; i < 3; ++i) {
     h.quaternion[i] = f.get<Real>(at[5] + i * sizeof(Real));
-    h.offset[i] = f.get<Real>(at[6] + i * sizeof(Real));
-    for (std::size_t c = 0; c < 4; ++c) h.srow[i][c] = f.get<Real>(at[7] + (i * 4 + c) * sizeof(Real));
+    h.offset[i] = meant(f.get<Real>(at[6] + i * sizeof(Real)));
+    for (std::size_t c = 0; c < 4; ++c) h.srow[i][c] = meant(f.get<Real>(at[7] + (i * 4 + c) * sizeof(Real)));
   }
   h.datatype = f.get<std::int16_t>(at[8]);
   h.bitpix = f.get<std::int16_t>(at[8] + 2);

@@ -26,7 +26,7 @@ struct PhantomValues {
     v.all_of(&P::truth);
   }
   phantom::PhantomParams params() const {
-    phantom::PhantomParams out{head, scan, series, truth};
+    phantom::PhantomParams out{head, scan, series, truth, {}};
     out.head.hard = hard;
     return out;
   }

@@ -9,7 +9,7 @@ namespace trephine {
 StageType labels_stage() {
   StageType s;
   s.name = "labels";
-  s.version = 2;
+  s.version = 3;
   s.summary = "takes one anatomy from labels that another program made";
   s.description =
       "Reads a label map or segmentation (NRRD, .seg.nrrd of 3D Slicer, NIfTI of ITK-SNAP or TotalSegmentator), takes "

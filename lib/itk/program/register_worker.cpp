@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "base/child.h"
+#include "base/error.h"
 #include "base/parallel.h"
 #include "base/splitmix64.h"
 #include "itk/itk_child.h"
@@ -18,6 +19,7 @@ namespace trephine {
 namespace {
 
 constexpr float body = 0.1f;  ///< a value from 0 to 1 above it is no air
+constexpr std::size_t least_places = 500;
 constexpr std::array<int, registration_levels> level_samples{8000, 20000, 0};
 
 struct Pair {
@@ -114,9 +116,13 @@ class Direction {
   Direction(const Course& course, bool back) : course_(course), back_(back) {
     centre_ = back ? course.moving_centre : course.fixed_centre;
     const Mask own = back ? around_body(course.levels[0].moving) : Mask();
-    for (int l = 0; l < registration_levels; ++l)
+    for (int l = 0; l < registration_levels; ++l) {
       places_[l] =
           places_of(fixed(l), back ? own : course.look, level_samples[l] ? level_samples[l] : course.task.samples);
+      if (places_[l].size() < least_places)
+        throw Error(ExitCode::bad_input, "", back ? "moving" : "volume",
+                    "hardly anything stands out of the values that are compared");
+    }
   }
   Vec3 centre() const { return centre_; }
   MutualInformation at_level(int l, bool affine) const {

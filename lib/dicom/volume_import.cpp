@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "dicom/volume_import.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+#include "dicom/hu.h"
+#include "itk/volume_file.h"
+
+namespace trephine::dicom {
+namespace {
+
+constexpr int bin_hu = 25, first_hu = -1025, bins = 200;  ///< from -1025 to 3975 HU
+constexpr double least_soft_share = 0.02;
+
+struct Counts {
+  std::int64_t padding = 0, clamped = 0;
+  double min = 0, max = 0;
+  std::array<std::int64_t, bins> histogram{};
+  std::int64_t soft = 0, all = 0;
+};
+
+// Padding becomes air, values beyond the limits are clamped; all is counted.
+template <class T>
+Counts cleaned(Grid<T>& grid, const ImportParams& params, bool hu) {
+  Counts c;
+  c.all = static_cast<std::int64_t>(grid.voxels.size());
+  if (grid.voxels.empty()) return c;
+  c.min = c.max = hu && double(grid.voxels[0]) < -1024 ? air_hu : double(grid.voxels[0]);
+  for (T& v : grid.voxels) {
+    double d = double(v);
+    if (hu && d < -1024) d = air_hu, ++c.padding;
+    const double held = std::clamp(d, params.clamp_low_hu, params.clamp_high_hu);
+    c.clamped += held != d;
+    if (held != double(v)) v = static_cast<T>(held);
+    c.min = std::min(c.min, held);
+    c.max = std::max(c.max, held);
+    const double bin = (held - first_hu) / bin_hu;
+    if (bin >= 0 && bin < bins) ++c.histogram[static_cast<std::size_t>(bin)];
+    c.soft += held >= -200 && held <= 200;
+  }
+  return c;
+}
+
+std::int64_t count_between(const Counts& c, int low_hu, int high_hu) {
+  std::int64_t sum = 0;
+  for (int b = 0; b < bins; ++b)
+    if (first_hu + b * bin_hu >= low_hu && first_hu + (b + 1) * bin_hu <= high_hu)
+      sum += c.histogram[static_cast<std::size_t>(b)];
+  return sum;
+}
+
+void require_hu(const Counts& c) {
+  const auto refuse = [](const std::string& what) {
+    throw Error(ExitCode::bad_input, "", "volume_values",
+                "the values do not look like HU: " + what + "; if they are not, give any");
+  };
+  if (c.min >= -200)
+    refuse(
+        fmt::format("the smallest is {:g}, and air has -1000 (a CT stored without its offset of -1024, or with what "
+                    "surrounds the patient cut away)",
+                    c.min));
+  const std::int64_t light = count_between(c, first_hu, -500), air = count_between(c, -1025, -875);
+  if (light == 0 || double(air) < 0.3 * double(light)) refuse("what is lighter than lung does not lie at air, -1000");
+  if (double(c.soft) < least_soft_share * double(c.all))
+    refuse(
+        fmt::format("{:.2f} % lie from -200 to 200, where soft tissue does", 100.0 * double(c.soft) / double(c.all)));
+  if (c.max < 150) refuse(fmt::format("the largest is {:g}: there is no bone", c.max));
+}
+
+}  // namespace
+
+ImportResult import_volume_file(const std::filesystem::path& file, const ImportParams& params,
+                                const Progress& progress) {
+  if (params.volume_values == VolumeValues::unsaid)
+    throw Error(ExitCode::usage, "", "volume_values",
+                "must be given: a file that is no DICOM does not say whether its values are HU (hu, or any)");
+  const bool hu = params.volume_values == VolumeValues::hu;
+  ImportResult result;
+  VolumeFile read = read_volume_file(file, progress.part(0, 0.8));
+  const Counts counts = std::visit([&](auto& grid) { return cleaned(grid, params, hu); }, read.volume);
+  if (hu) require_hu(counts);
+  const Lattice& lattice = lattice_of(read.volume);
+  Report& r = result.report;
+  r.add("modality", hu ? "CT" : "any");
+  r.add("format", read.format);
+  r.add("slices_count", lattice.size[2]);
+  r.add("size", fmt::format("{}x{}x{}", lattice.size[0], lattice.size[1], lattice.size[2]));
+  r.add("spacing_x_mm", lattice.spacing_mm.x);
+  r.add("spacing_y_mm", lattice.spacing_mm.y);
+  r.add("spacing_z_mm", lattice.spacing_mm.z);
+  r.add("padding_voxels_count", counts.padding);
+  r.add("clamped_voxels_count", counts.clamped);
+  r.add("hu_min", counts.min);
+  r.add("hu_max", counts.max);
+  r.add("sample_type", std::holds_alternative<Grid<std::int16_t>>(read.volume) ? "int16" : "float32");
+  for (const std::string& w : read.warnings) r.warn(w);
+  if (hu) r.warn("a " + read.format + " file cannot say that its values are HU: whoever gave it said so");
+  result.volume = std::move(read.volume);
+  result.input_sha256 = hash_of_volume_file(file);
+  return result;
+}
+
+SeriesList list_volume_file(const std::filesystem::path& file, const ImportParams& params, const Progress& progress) {
+  SeriesList list;
+  SeriesSummary s;
+  const VolumeFile read = read_volume_file(file, progress.part(0, 0.5));
+  const Lattice& lattice = lattice_of(read.volume);
+  s.size = lattice.size;
+  s.spacing_mm = lattice.spacing_mm;
+  s.smallest_step_mm = s.largest_gap_mm = lattice.spacing_mm.z;
+  s.token = fmt::format("s1-{}x{}x{}", s.size[0], s.size[1], s.size[2]);
+  s.modality = read.format;
+  try {
+    import_volume_file(file, params, progress.part(0.5, 1));
+    s.usable = true;
+    s.verdict = "usable";
+  } catch (const Error& e) {
+    s.verdict = "refused: " + e.field() + ": " + e.what();
+  }
+  list.series.push_back(std::move(s));
+  return list;
+}
+
+}  // namespace trephine::dicom

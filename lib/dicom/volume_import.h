@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "dicom/import.h"
+
+namespace trephine::dicom {
+
+/// import_series of a volume file (itk/volume_file.h). Where params.volume_values is hu, the values must look like a
+/// CT's HU: voxels below -500 HU lie mostly at air (-1000), there is soft tissue, and it is not stored with another
+/// offset. Values below -1024 are padding and become air. Throws Error 64 where volume_values is unsaid, 65 where the
+/// values do not look like HU, and as read_volume_file.
+ImportResult import_volume_file(const std::filesystem::path& file, const ImportParams& params,
+                                const Progress& progress = {});
+
+/// list_series of a volume file.
+SeriesList list_volume_file(const std::filesystem::path& file, const ImportParams& params,
+                            const Progress& progress = {});
+
+}  // namespace trephine::dicom

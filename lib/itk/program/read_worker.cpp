@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reads one volume with the reader of its format.
+#include <itkGiplImageIO.h>
+#include <itkMetaImageIO.h>
+#include <itkNrrdImageIO.h>
+#include <itkVTKImageIO.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "base/child.h"
+#include "base/error.h"
+#include "itk/itk_child.h"
+#include "itk/volume_message.h"
+
+namespace trephine {
+namespace {
+
+constexpr std::uint64_t most_voxels = 4000000000u;
+
+[[noreturn]] void bad(const std::string& field, const std::string& what) {
+  throw Error(ExitCode::bad_input, "", field, what);
+}
+
+itk::ImageIOBase::Pointer reader_of(ItkFormat format) {
+  switch (format) {
+    case ItkFormat::meta_image:
+      return itk::MetaImageIO::New().GetPointer();
+    case ItkFormat::nrrd:
+      return itk::NrrdImageIO::New().GetPointer();
+    case ItkFormat::gipl:
+      return itk::GiplImageIO::New().GetPointer();
+    case ItkFormat::vtk:
+      return itk::VTKImageIO::New().GetPointer();
+  }
+  bad("", "no reader of that format");
+}
+
+template <class T>
+void put_voxels(ItkVolume head, const std::vector<char>& bytes, ChildRequest& to) {
+  const std::size_t count = bytes.size() / sizeof(T);
+  const T* from = reinterpret_cast<const T*>(bytes.data());
+  const bool whole = std::all_of(from, from + count, [](T v) {
+    const double d = static_cast<double>(v);
+    return d >= -32768 && d <= 32767 && d == std::floor(d);
+  });
+  head.is_int16 = whole;
+  MessageWriter out;
+  out.value(head);
+  to.write(out.bytes());
+  const auto in_pieces = [&](auto zero) {
+    using Out = decltype(zero);
+    std::vector<Out> piece;
+    for (std::size_t at = 0; at < count; at += piece.size()) {
+      piece.resize(std::min<std::size_t>(count - at, std::size_t{1} << 20));
+      for (std::size_t i = 0; i < piece.size(); ++i) piece[i] = static_cast<Out>(from[at + i]);
+      to.write(piece.data(), piece.size() * sizeof(Out));
+    }
+  };
+  if (whole)
+    in_pieces(std::int16_t{});
+  else
+    in_pieces(float{});
+}
+
+void put_voxels_of(itk::ImageIOBase::IOComponentEnum type, const ItkVolume& head, const std::vector<char>& bytes,
+                   ChildRequest& to) {
+  using Type = itk::ImageIOBase::IOComponentEnum;
+  switch (type) {
+    case Type::CHAR:
+      return put_voxels<signed char>(head, bytes, to);
+    case Type::UCHAR:
+      return put_voxels<unsigned char>(head, bytes, to);
+    case Type::SHORT:
+      return put_voxels<short>(head, bytes, to);
+    case Type::USHORT:
+      return put_voxels<unsigned short>(head, bytes, to);
+    case Type::INT:
+      return put_voxels<int>(head, bytes, to);
+    case Type::UINT:
+      return put_voxels<unsigned>(head, bytes, to);
+    case Type::FLOAT:
+      return put_voxels<float>(head, bytes, to);
+    case Type::DOUBLE:
+      return put_voxels<double>(head, bytes, to);
+    default:
+      bad("type", "values of this type are not read: 8, 16 and 32 bits, float and double are");
+  }
+}
+
+void read(ItkFormat format, const std::string& file, ChildRequest& request) {
+  const itk::ImageIOBase::Pointer io = reader_of(format);
+  io->SetFileName(file);
+  if (!io->CanReadFile(file.c_str())) bad("", "is not of the format that its name says");
+  io->ReadImageInformation();
+  if (io->GetNumberOfComponents() != 1) bad("components", "has several values a voxel, must have one");
+  unsigned dimensions = io->GetNumberOfDimensions();
+  while (dimensions > 3 && io->GetDimensions(dimensions - 1) == 1) --dimensions;
+  if (dimensions != 3) bad("dimensions", "must be three");
+  ItkVolume head;
+  std::uint64_t count = 1;
+  for (unsigned a = 0; a < 3; ++a) {
+    const std::uint64_t n = io->GetDimensions(a);
+    if (n == 0 || n > 65535) bad("size", std::to_string(n) + ", must be 1 to 65535");
+    count *= n;
+    head.size[a] = static_cast<std::int32_t>(n);
+    head.spacing[a] = io->GetSpacing(a);
+    head.origin[a] = io->GetOrigin(a);
+    for (unsigned b = 0; b < 3; ++b) head.axis[a][b] = io->GetDirection(a).at(b);
+  }
+  if (count > most_voxels) bad("size", "more than 4e9 voxels");
+  itk::ImageIORegion region(io->GetNumberOfDimensions());
+  for (unsigned a = 0; a < io->GetNumberOfDimensions(); ++a) {
+    region.SetIndex(a, 0);
+    region.SetSize(a, io->GetDimensions(a));
+  }
+  io->SetIORegion(region);
+  if (static_cast<std::uint64_t>(io->GetImageSizeInBytes()) != count * io->GetComponentSize())
+    bad("size", "does not go with the values' type");
+  std::vector<char> bytes(count * io->GetComponentSize(), '\x00');
+  io->Read(bytes.data());
+  request.report(0.4);
+  // What the reader does not fill keeps the byte that was there before.
+  std::vector<char> again(bytes.size(), '\x5a');
+  io->Read(again.data());
+  if (bytes != again) bad("data", "the file is cut short or damaged");
+  again = {};
+  request.report(0.8);
+  put_voxels_of(io->GetComponentType(), head, bytes, request);
+}
+
+const ChildWorker worker(read_worker_name, [](ChildRequest& request) {
+  MessageReader in = itk_child::opened(read_worker_name, request.request());
+  const auto format = in.value<ItkFormat>();
+  const std::string file(in.text());
+  try {
+    read(format, file, request);
+  } catch (const itk::ExceptionObject&) {  // its text quotes paths and the file
+    bad("", "is damaged, or of a kind of its format that ITK does not read");
+  }
+});
+
+}  // namespace
+}  // namespace trephine

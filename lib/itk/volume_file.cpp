@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "itk/volume_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/memory_budget.h"
+#include "base/write_file.h"
+#include "grid/nifti.h"
+#include "grid/nrrd.h"
+#include "grid/nrrd_header.h"
+#include "itk/itk_child.h"
+#include "itk/volume_header.h"
+#include "itk/volume_message.h"
+
+namespace trephine {
+namespace fs = std::filesystem;
+
+namespace {
+
+enum class Kind { none, nifti, nrrd, detached_nrrd, meta_image, gipl, vtk, analyze };
+
+bool ends_in(const std::string& name, std::string_view end) {
+  return name.size() > end.size() && std::equal(end.rbegin(), end.rend(), name.rbegin(), [](char a, char b) {
+           return a == std::tolower(static_cast<unsigned char>(b));
+         });
+}
+
+Kind kind_of(const fs::path& file) {
+  static const std::pair<const char*, Kind> endings[] = {
+      {".nii", Kind::nifti},      {".nii.gz", Kind::nifti},   {".nrrd", Kind::nrrd},   {".nhdr", Kind::detached_nrrd},
+      {".mha", Kind::meta_image}, {".mhd", Kind::meta_image}, {".gipl", Kind::gipl},   {".gipl.gz", Kind::gipl},
+      {".vtk", Kind::vtk},        {".hdr", Kind::analyze},    {".img", Kind::analyze}, {".img.gz", Kind::analyze}};
+  const std::string name = file.filename().string();
+  for (const auto& [ending, kind] : endings)
+    if (ends_in(name, ending)) return kind;
+  return Kind::none;
+}
+
+bool is_dicom(const fs::path& file) {
+  char head[132] = {};
+  std::ifstream in(file, std::ios::binary);
+  return in.read(head, sizeof head) && std::memcmp(head + 128, "DICM", 4) == 0;
+}
+
+bool is_data_file(const fs::path& file) {
+  const std::string name = file.filename().string();
+  return ends_in(name, ".raw") || ends_in(name, ".zraw") || ends_in(name, ".raw.gz");
+}
+
+// The largest part of a file that is looked at as text.
+std::string head_of(const fs::path& file) {
+  std::string text(std::size_t{1} << 16, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
+}
+
+VolumeFile decoded(AnyGrid grid, const char* format) {
+  VolumeFile out;
+  out.volume = to_hu(std::move(grid));
+  out.format = format;
+  return out;
+}
+
+VolumeFile read_nifti(const fs::path& file) {
+  const std::vector<char> bytes = read_file(file);
+  Nifti nifti = decode_nifti({bytes.data(), bytes.size()});
+  VolumeFile out = decoded(std::move(nifti.grid), "NIfTI");
+  out.warnings = std::move(nifti.warnings);
+  return out;
+}
+
+Lattice lattice_of(const ItkVolume& head) {
+  Lattice lattice;
+  std::array<Vec3, 3> steps;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const int axis = static_cast<int>(a);
+    lattice.size[a] = head.size[a];
+    if (!(head.spacing[a] > 0)) throw Error(ExitCode::bad_input, "", "spacing", "is not positive");
+    lattice.origin_mm[axis] = head.origin[a];
+    steps[a] = Vec3{head.axis[a][0], head.axis[a][1], head.axis[a][2]};
+    if (!(std::fabs(norm(steps[a]) - 1) < 1e-3))
+      throw Error(ExitCode::bad_input, "", "direction", "an axis is no unit vector: the volume is sheared or scaled");
+    steps[a] = normalized(steps[a]) * head.spacing[a];
+  }
+  if (!is_finite(lattice.origin_mm)) throw Error(ExitCode::bad_input, "", "origin", "is not finite");
+  detail::take_axes(lattice, steps, "direction");
+  return lattice;
+}
+
+VolumeFile read_with_itk(const fs::path& file, ItkFormat format, const char* name, const Progress& progress) {
+  const VolumeHeader said = format == ItkFormat::meta_image ? check_meta_header(head_of(file), file)
+                            : format == ItkFormat::nrrd     ? check_nrrd_text(head_of(file), file)
+                                                            : VolumeHeader{};
+  std::error_code none;
+  std::uint64_t bytes = fs::file_size(file, none);
+  if (!said.data_file.empty()) bytes += fs::file_size(said.data_file, none);
+  MessageWriter request = itk_child::request();
+  request.value(format);
+  request.text(fs::absolute(file).string());
+  ChildLimits limits;
+  // Compressed files grow by an unknown factor; a volume in memory is held twice, in its own type, and as it is handed
+  // over.
+  limits.memory_bytes = std::min<std::uint64_t>((std::uint64_t{3} << 30) + 40 * bytes, available_memory_bytes());
+  limits.cpu_s = 60 + static_cast<double>(bytes) / 2e6;
+  limits.wall_s = 2 * limits.cpu_s;
+  const ChildResult result = itk_child::run(read_worker_name, request, limits, progress);
+  MessageReader in(read_worker_name, result.bytes());
+  const auto head = in.value<ItkVolume>();
+  said.require_same(head);
+  const Lattice lattice = lattice_of(head);
+  const auto take = [&](auto zero) {
+    Grid<decltype(zero)> grid(lattice);
+    const std::string_view from = in.take(grid.voxels.size() * sizeof zero);
+    if (!from.empty()) std::memcpy(grid.voxels.data(), from.data(), from.size());
+    return grid;
+  };
+  VolumeFile out;
+  out.format = name;
+  if (head.is_int16) {
+    out.volume = take(std::int16_t{});
+  } else {
+    Grid<float> grid = take(float{});
+    for (const float v : grid.voxels)
+      if (!std::isfinite(v)) throw Error(ExitCode::bad_input, "", "data", "holds a voxel that is not finite");
+    out.volume = std::move(grid);
+  }
+  if (!in.empty()) throw Error(ExitCode::internal, "", read_worker_name, "the child gave another number of bytes");
+  return out;
+}
+
+// Turned over along its last axis where it is left-handed, as an import's volume is not.
+HuVolume right_handed(HuVolume volume) {
+  return std::visit(
+      [](auto grid) -> HuVolume {
+        if (determinant(grid.direction) > 0) return grid;
+        const std::size_t slice = std::size_t(grid.size[0]) * grid.size[1];
+        for (int low = 0, high = grid.size[2] - 1; low < high; ++low, --high)
+          std::swap_ranges(grid.voxels.begin() + static_cast<std::ptrdiff_t>(low * slice),
+                           grid.voxels.begin() + static_cast<std::ptrdiff_t>((low + 1) * slice),
+                           grid.voxels.begin() + static_cast<std::ptrdiff_t>(high * slice));
+        grid.origin_mm = grid.to_world_mm({0, 0, grid.size[2] - 1.0});
+        grid.direction.column[2] = -grid.direction.column[2];
+        return grid;
+      },
+      std::move(volume));
+}
+
+VolumeFile read_any(const fs::path& file, const Progress& progress) {
+  switch (kind_of(file)) {
+    case Kind::nifti:
+      return read_nifti(file);
+    case Kind::nrrd:
+      try {
+        return decoded(read_nrrd(file).grid, "NRRD");
+      } catch (const Error& e) {
+        if (e.field() != "encoding" && e.field() != "data file") throw;
+      }
+      return read_with_itk(file, ItkFormat::nrrd, "NRRD", progress);
+    case Kind::detached_nrrd:
+      return read_with_itk(file, ItkFormat::nrrd, "NRRD", progress);
+    case Kind::meta_image:
+      return read_with_itk(file, ItkFormat::meta_image, "MetaImage", progress);
+    case Kind::gipl:
+    case Kind::vtk: {
+      const bool vtk = kind_of(file) == Kind::vtk;
+      VolumeFile out =
+          read_with_itk(file, vtk ? ItkFormat::vtk : ItkFormat::gipl, vtk ? "VTK image" : "GIPL", progress);
+      out.warnings.push_back(out.format + " does not say which way its axes lie: they are taken as left, back and up");
+      return out;
+    }
+    case Kind::analyze:
+      throw Error(ExitCode::bad_input, "", "format",
+                  "Analyze does not say which side is left: write it as NIfTI with the program that knows");
+    case Kind::none:
+      break;
+  }
+  throw Error(ExitCode::bad_input, "", "format", "is no volume of a format that is read");
+}
+
+}  // namespace
+
+fs::path find_volume_file(const fs::path& path) {
+  std::error_code none;
+  if (fs::is_regular_file(path, none)) return kind_of(path) != Kind::none && !is_dicom(path) ? path : fs::path();
+  if (!fs::is_directory(path, none)) return {};
+  fs::path found;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path, none)) {
+    if (!entry.is_regular_file(none)) return {};
+    if (is_data_file(entry.path())) continue;
+    if (!found.empty() || kind_of(entry.path()) == Kind::none || is_dicom(entry.path())) return {};
+    found = entry.path();
+  }
+  return found;
+}
+
+VolumeFile read_volume_file(const fs::path& file, const Progress& progress) {
+  return with_file(file.string(), [&] {
+    VolumeFile out = read_any(file, progress);
+    out.volume = right_handed(std::move(out.volume));
+    return out;
+  });
+}
+
+std::string hash_of_volume_file(const fs::path& file) {
+  Sha256 sha;
+  sha.text("trephine volume file 1").text(sha256_of_file(file));
+  const Kind kind = kind_of(file);
+  const fs::path data = with_file(file.string(), [&] {
+    return kind == Kind::meta_image                            ? check_meta_header(head_of(file), file).data_file
+           : kind == Kind::detached_nrrd || kind == Kind::nrrd ? check_nrrd_text(head_of(file), file).data_file
+                                                               : fs::path();
+  });
+  if (!data.empty()) sha.text(sha256_of_file(data));
+  return sha.hex();
+}
+
+}  // namespace trephine

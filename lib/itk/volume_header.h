@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string_view>
+
+#include "itk/volume_message.h"
+
+namespace trephine {
+
+/// What our own look at a file's header found, before ITK reads the file.
+struct VolumeHeader {
+  std::filesystem::path data_file;  ///< beside the header; empty where the data is in the same file
+  std::optional<ItkVolume> said;    ///< the geometry, where we read it
+
+  /// Throws Error 65 where ITK understood another geometry.
+  void require_same(const ItkVolume& itk) const;
+};
+
+/// The text header of a MetaImage (itk.org/Wiki/MetaIO). Throws Error 65 naming the key: one of NDims, BinaryData,
+/// BinaryDataByteOrderMSB, DimSize,
+/// ElementSpacing, Offset (or Position, Origin), TransformMatrix (or Rotation, Orientation), ElementType or
+/// ElementDataFile missing or given twice; not 3 dimensions; several channels; a data file elsewhere or a list of
+/// files; bytes that are not as many as the voxels need.
+VolumeHeader check_meta_header(std::string_view head, const std::filesystem::path& file);
+
+/// The text header of a NRRD that ITK is to read. Throws Error 65: a data file elsewhere or several, skipped lines or
+/// bytes, units that are not mm, no space directions, no space origin.
+VolumeHeader check_nrrd_text(std::string_view head, const std::filesystem::path& file);
+
+}  // namespace trephine
