@@ -38,10 +38,11 @@ struct ImportParams {
         &P::units, "units", {{"hu", UnitPolicy::hu}, {"any", UnitPolicy::any}},
         "Units that a CT's RescaleType may name: Hounsfield units or none at all, or any, which are then taken for "
         "Hounsfield units.");
-    v.choice(&P::volume_values, "volume_values",
-             {{"unsaid", VolumeValues::unsaid}, {"hu", VolumeValues::hu}, {"any", VolumeValues::any}},
-             "What the values of a volume file are that is no DICOM (NIfTI, MetaImage, NRRD, ...) and cannot say it: HU "
-             "of a CT, which is checked as far as it can be, or any (MR), which are taken as they are.");
+    v.choice(
+        &P::volume_values, "volume_values",
+        {{"unsaid", VolumeValues::unsaid}, {"hu", VolumeValues::hu}, {"any", VolumeValues::any}},
+        "What the values of a volume file are that is no DICOM (NIfTI, MetaImage, NRRD, ...) and cannot say it: HU "
+        "of a CT, which is checked as far as it can be, or any (MR), which are taken as they are.");
     v.choice(&P::gaps, "gaps", {{"refuse", GapPolicy::refuse}, {"interpolate", GapPolicy::interpolate}},
              "What to do where a slice is missing.");
     v.number(&P::max_gap_mm, "max_gap_mm", Range{0.1, 50}, "Largest step between slices that is accepted.");

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "itk/denoise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+
+#include "base/error.h"
+#include "itk/denoise_message.h"
+#include "itk/itk_child.h"
+
+namespace trephine {
+namespace {
+
+// The box of the volume's voxels about where the field is positive.
+Box box_of(const Lattice& volume, const Field* within, double margin_mm) {
+  if (!within) return whole_box(volume);
+  const Box place = place_in(*within, volume);
+  Box box{volume.size, {0, 0, 0}};
+  for (int k = 0; k < within->size[2]; ++k)
+    for (int j = 0; j < within->size[1]; ++j)
+      for (int i = 0; i < within->size[0]; ++i) {
+        if (!(within->at(i, j, k) > 0)) continue;
+        const std::array<int, 3> v{i + place.begin[0], j + place.begin[1], k + place.begin[2]};
+        for (std::size_t a = 0; a < 3; ++a) {
+          box.begin[a] = std::min(box.begin[a], v[a]);
+          box.end[a] = std::max(box.end[a], v[a] + 1);
+        }
+      }
+  if (box.empty()) throw Error(ExitCode::bad_input, "", "within", "is nowhere positive");
+  for (std::size_t a = 0; a < 3; ++a) {
+    const int margin = static_cast<int>(std::ceil(margin_mm / volume.spacing_mm[static_cast<int>(a)]));
+    box.begin[a] = std::max(0, box.begin[a] - margin);
+    box.end[a] = std::min(volume.size[a], box.end[a] + margin);
+  }
+  return box;
+}
+
+template <class T>
+Grid<float> floats_in(const Grid<T>& grid, const Box& box) {
+  Grid<float> out(cropped(grid, box));
+  for (int k = 0; k < out.size[2]; ++k)
+    for (int j = 0; j < out.size[1]; ++j)
+      for (int i = 0; i < out.size[0]; ++i) {
+        const float v = static_cast<float>(grid.at(i + box.begin[0], j + box.begin[1], k + box.begin[2]));
+        if (!std::isfinite(v)) throw Error(ExitCode::bad_input, "", "volume", "holds a voxel that is not finite");
+        out.at(i, j, k) = v;
+      }
+  return out;
+}
+
+}  // namespace
+
+HuVolume denoise(const HuVolume& volume, const Field* within, const DenoiseParams& params, Report& report,
+                 const Progress& progress) {
+  const Lattice& lattice = lattice_of(volume);
+  const Box box = box_of(lattice, within, 4 * params.sigma_mm);
+  const Grid<float> before = std::visit([&](const auto& grid) { return floats_in(grid, box); }, volume);
+  DenoiseTask task;
+  task.method = static_cast<std::int32_t>(params.method);
+  task.sigma_mm = params.sigma_mm;
+  task.edge_hu = params.edge_hu;
+  // ITK's bound for a stable step in three dimensions; diffusion for a time t is a Gaussian of sqrt(2 t).
+  const double most = std::min({lattice.spacing_mm.x, lattice.spacing_mm.y, lattice.spacing_mm.z}) / 16;
+  const double time = params.sigma_mm * params.sigma_mm / 2;
+  task.iterations = std::max(1, static_cast<int>(std::ceil(time / most)));
+  task.step = time / task.iterations;
+  MessageWriter request = itk_child::request();
+  request.value(task);
+  itk_child::put(request, before);
+  ChildLimits limits;
+  const std::uint64_t bytes = before.voxels.size() * sizeof(float);
+  limits.memory_bytes = (std::uint64_t{4} << 30) + 10 * bytes;
+  const double effort = params.method == DenoiseMethod::curvature ? task.iterations
+                        : params.method == DenoiseMethod::gaussian
+                            ? 1
+                            : std::pow(8 * params.sigma_mm, 3) / lattice.voxel_volume_mm3() / 10;
+  limits.cpu_s = 120 + 1e-5 * std::max(1.0, effort) * static_cast<double>(before.voxels.size());
+  limits.wall_s = 2 * limits.cpu_s;
+  const ChildResult result = itk_child::run(denoise_worker_name, request, limits, progress.part(0.1, 0.9));
+  if (result.bytes().size() != bytes)
+    throw Error(ExitCode::internal, "", denoise_worker_name, "the child gave another number of bytes");
+  HuVolume out = volume;
+  double sum = 0, square = 0;
+  std::size_t soft = 0;
+  std::visit(
+      [&](auto& grid) {
+        using T = typename std::decay_t<decltype(grid)>::Sample;
+        const char* from = result.bytes().data();
+        for (int k = box.begin[2]; k < box.end[2]; ++k)
+          for (int j = box.begin[1]; j < box.end[1]; ++j)
+            for (int i = box.begin[0]; i < box.end[0]; ++i, from += sizeof(float)) {
+              float v;
+              std::memcpy(&v, from, sizeof v);
+              if (!std::isfinite(v)) throw Error(ExitCode::quality, "", "method", "diverged: a voxel is not finite");
+              T& to = grid.at(i, j, k);
+              const double taken = double(to) - double(v);
+              if (v > -100 && v < 100) sum += taken, square += taken * taken, ++soft;
+              if constexpr (std::is_integral_v<T>)
+                to = static_cast<T>(std::lround(std::clamp(double(v), -32768.0, 32767.0)));
+              else
+                to = v;
+            }
+      },
+      out);
+  report.add("voxels_count", before.voxels.size());
+  if (params.method == DenoiseMethod::curvature) report.add("iterations_count", task.iterations);
+  const double mean = soft ? sum / double(soft) : 0;
+  report.add("removed_hu", soft ? std::sqrt(std::max(0.0, square / double(soft) - mean * mean)) : 0.0);
+  return out;
+}
+
+}  // namespace trephine

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+
+namespace trephine {
+
+enum class DenoiseMethod { curvature, bilateral, median, gaussian };
+
+struct DenoiseParams {
+  DenoiseMethod method = DenoiseMethod::curvature;
+  double sigma_mm = 0.8, edge_hu = 60;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = DenoiseParams;
+    v.choice(
+        &P::method, "method",
+        {{"curvature", DenoiseMethod::curvature},
+         {"bilateral", DenoiseMethod::bilateral},
+         {"median", DenoiseMethod::median},
+         {"gaussian", DenoiseMethod::gaussian}},
+        "Curvature anisotropic diffusion and the bilateral filter keep edges, the median keeps steps, the Gaussian "
+        "keeps nothing.");
+    v.number(
+        &P::sigma_mm, "sigma_mm", Range{0.1, 10},
+        "How far values are averaged: standard deviation of the Gaussian that does as much where there is no edge; "
+        "half of the side of the median's cube.");
+    v.number(&P::edge_hu, "edge_hu", Range{1, 3000},
+             "A step of this many HU over sigma_mm counts as an edge (curvature, bilateral); about twice the noise.");
+  }
+};
+
+/// The volume with less noise, by ITK's filters in a bounded child (itk_child.h). Where `within` is given, only the box
+/// about the places where it is positive is filtered, with 4 sigma_mm around it; the rest stays. Whole numbers stay
+/// whole numbers, rounded. The same bytes for every number of threads: every voxel is computed by itself.
+///
+/// Curvature: [Whitaker2001] diffusion until a Gaussian of sigma_mm would be reached, in steps that are stable for the
+/// smallest voxel side. Reports voxels_count, iterations_count, and removed_hu, the standard deviation of what was
+/// taken away within soft tissue (-100 to 100 HU). Throws 65 where a voxel is not finite or `within` is nowhere
+/// positive; as itk_child::run.
+HuVolume denoise(const HuVolume& volume, const Field* within, const DenoiseParams& params, Report& report,
+                 const Progress& progress = {});
+
+}  // namespace trephine

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "itk/denoise.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType denoise_stage() {
+  StageType s;
+  s.name = "denoise";
+  s.version = 1;
+  s.summary = "takes noise off a CT volume, or off the part of it that an anatomy lies in";
+  s.description =
+      "Curvature anisotropic diffusion, the bilateral filter, the median or a Gaussian, by ITK. In a recipe it stands "
+      "before the stage that reads its output, so that nothing else does. It helps where noise is what is wrong, and "
+      "moves edges where it is not: docs/more-than-one-scan.md says what was measured.";
+  s.examples = {"trephine denoise head.nrrd --sigma-mm 1 --edge-hu 80 --output calm.nrrd",
+                "trephine denoise head.nrrd --method median --within brain.nrrd --output calm.nrrd"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
+             {"within", DataKind::field, false, "an anatomy: only the box about it is filtered"}};
+  s.output = DataKind::volume;
+  s.make_params = [] { return AnyParams::make<DenoiseParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    return std::make_shared<const HuVolume>(
+        denoise(*in.get<HuVolume>("volume"), in.get<Field>("within"), params.as<DenoiseParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine

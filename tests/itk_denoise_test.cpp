@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Filters against what they must leave: edges where they are, everything beyond the box, and the same bytes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "itk/denoise.h"
+#include "phantom/random.h"
+
+using namespace trephine;
+
+namespace {
+
+constexpr double edge_mm = 3.3, radius_mm = 14;
+
+// A ball of CSF in brain, with noise: 8 and 37 HU, blurred over about a millimetre.
+Grid<float> noisy_ball(double noise_hu) {
+  Lattice l;
+  l.size = {44, 40, 36};
+  l.spacing_mm = {1, 1, 1.2};
+  l.origin_mm = {-21.5, -19.5, -21};
+  Grid<float> g(l);
+  for (std::size_t n = 0; n < g.voxels.size(); ++n) {
+    const int i = static_cast<int>(n % 44), j = static_cast<int>(n / 44 % 40), k = static_cast<int>(n / (44 * 40));
+    const double outside = norm(g.to_world_mm({double(i), double(j), double(k)})) - radius_mm;
+    float a, b;
+    phantom::normal_pair(5, 6, n, a, b);
+    g.voxels[n] = static_cast<float>(22.5 + 14.5 * std::tanh(outside / 0.8) + noise_hu * a);
+  }
+  return g;
+}
+
+// Radius of the ball that holds as much CSF as the volume does.
+double radius_of(const Grid<float>& g) {
+  double volume = 0;
+  for (std::size_t n = 0; n < g.voxels.size(); ++n) {
+    const int i = static_cast<int>(n % 44), j = static_cast<int>(n / 44 % 40), k = static_cast<int>(n / (44 * 40));
+    if (norm(g.to_world_mm({double(i), double(j), double(k)})) < radius_mm + edge_mm)
+      volume += (37 - g.voxels[n]) / 29 * g.voxel_volume_mm3();
+  }
+  return std::cbrt(volume * 3 / (4 * 3.141592653589793));
+}
+
+double noise_within(const Grid<float>& g) {
+  double sum = 0, square = 0, count = 0;
+  for (std::size_t n = 0; n < g.voxels.size(); ++n) {
+    const int i = static_cast<int>(n % 44), j = static_cast<int>(n / 44 % 40), k = static_cast<int>(n / (44 * 40));
+    if (norm(g.to_world_mm({double(i), double(j), double(k)})) > radius_mm - 4) continue;
+    sum += g.voxels[n], square += double(g.voxels[n]) * g.voxels[n], count += 1;
+  }
+  return std::sqrt(square / count - sum / count * (sum / count));
+}
+
+Grid<float> calm(const Grid<float>& g, DenoiseParams p) {
+  Report report;
+  return std::get<Grid<float>>(denoise(HuVolume(g), nullptr, p, report));
+}
+
+}  // namespace
+
+TEST(Denoise, CalmsNoiseAndLeavesEdges) {
+  const Grid<float> noisy = noisy_ball(10), clean = noisy_ball(0);
+  struct Case {
+    DenoiseMethod method;
+    double sigma_mm, edge_hu, most_noise_hu;
+  };
+  for (const Case& c : {Case{DenoiseMethod::curvature, 0.8, 60, 7}, Case{DenoiseMethod::bilateral, 1.5, 40, 4},
+                        Case{DenoiseMethod::median, 1.2, 60, 4}, Case{DenoiseMethod::gaussian, 1, 60, 4}}) {
+    const DenoiseParams p{c.method, c.sigma_mm, c.edge_hu};
+    EXPECT_NEAR(noise_within(noisy), 10, 0.5);
+    EXPECT_LT(noise_within(calm(noisy, p)), c.most_noise_hu) << static_cast<int>(c.method);
+    EXPECT_NEAR(radius_of(calm(clean, p)), radius_of(clean), 0.1) << static_cast<int>(c.method);
+    EXPECT_NEAR(radius_of(calm(noisy, p)), radius_of(noisy), 0.1) << static_cast<int>(c.method);
+  }
+}
+
+TEST(Denoise, LeavesWhatIsBeyondTheBox) {
+  Grid<std::int16_t> g(static_cast<const Lattice&>(noisy_ball(0)));
+  for (std::size_t n = 0; n < g.voxels.size(); ++n)
+    g.voxels[n] = static_cast<std::int16_t>(100 * phantom::uniform(1, 1, n));
+  Field within(g, -1.0f);
+  within.at(20, 20, 18) = 1;
+  Report report;
+  const DenoiseParams p{DenoiseMethod::gaussian, 1, 60};
+  const auto out = std::get<Grid<std::int16_t>>(denoise(HuVolume(g), &within, p, report));
+  EXPECT_EQ(std::get<std::int64_t>(*report.find("voxels_count")), 9 * 9 * 9);
+  for (int k = 0; k < g.size[2]; ++k)
+    for (int j = 0; j < g.size[1]; ++j)
+      for (int i = 0; i < g.size[0]; ++i) {
+        const bool inside = std::abs(i - 20) <= 4 && std::abs(j - 20) <= 4 && std::abs(k - 18) <= 4;
+        if (!inside) ASSERT_EQ(out.at(i, j, k), g.at(i, j, k));
+      }
+  EXPECT_NE(out.at(20, 20, 18), g.at(20, 20, 18));
+  within.at(20, 20, 18) = -1;
+  EXPECT_THROW(denoise(HuVolume(g), &within, p, report), Error);
+}
+
+TEST(Denoise, DoesNotDependOnThreads) {
+  const Grid<float> noisy = noisy_ball(10);
+  for (const DenoiseMethod m :
+       {DenoiseMethod::curvature, DenoiseMethod::bilateral, DenoiseMethod::median, DenoiseMethod::gaussian}) {
+    set_thread_count(1);
+    const Grid<float> one = calm(noisy, {m, 1, 60});
+    for (const int threads : {2, 8}) {
+      set_thread_count(threads);
+      EXPECT_TRUE(calm(noisy, {m, 1, 60}) == one) << static_cast<int>(m) << ", " << threads;
+    }
+  }
+  set_thread_count(0);
+}
