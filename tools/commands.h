@@ -17,6 +17,7 @@ Command page_command();
 Command diff_command();
 Command correction_command();
 Command preview_command();
+Command rubric_command();
 Command boolean_command();
 Command voxelize_command();
 Command repair_command();

@@ -8,6 +8,7 @@
 #include "config/recipe_file.h"
 #include "config/scene_file.h"
 #include "library/library_config.h"
+#include "rubric_file.h"
 #include "trade/plan.h"
 
 namespace trephine {
@@ -57,7 +58,8 @@ std::string keys_page() {
          head + keys_table("", AnyParams::make<RecipeFileParams>()) +
          section("Materials (configs/materials.yaml)", AnyParams::make<MaterialsFileParams>()) +
          section("A library (LIBRARY.yaml)", library_file_params()) +
-         section("The plan of a sweep (configs/trade/\\*.yaml)", trade_file_params());
+         section("The plan of a sweep (configs/trade/\\*.yaml)", trade_file_params()) +
+         section("A rubric (configs/rubrics/\\*.yaml)", AnyParams::make<RubricFileParams>());
 }
 
 }  // namespace
@@ -72,7 +74,8 @@ std::vector<std::pair<std::string, std::string>> file_schemas() {
       {"library.schema.json",
        page("A library of Trephine (LIBRARY.yaml)", Json::parse(json_schema_of(library_file_params())))},
       {"trade.schema.json",
-       page("The plan of a sweep (configs/trade/*.yaml)", Json::parse(json_schema_of(trade_file_params())))}};
+       page("The plan of a sweep (configs/trade/*.yaml)", Json::parse(json_schema_of(trade_file_params())))},
+      {"rubric.schema.json", page("A rubric of Trephine (configs/rubrics/*.yaml)", schema_of<RubricFileParams>())}};
 }
 
 }  // namespace trephine

@@ -8,5 +8,7 @@ namespace trephine {
 Command check_command();
 Command servo_command();
 Command replay_command();
+Command lesson_command();
+Command score_command();
 
 }  // namespace trephine

@@ -31,9 +31,7 @@ std::string write_drilled_case(const std::filesystem::path& case_folder, const s
   if (!h.drilling.drill) throw Error(ExitCode::bad_input, file.string(), "drilling", "nothing was cut in this session");
   FeltCase felt = felt_again(case_folder, file.string(), h);
   ContactVolume contact(felt.loaded.haptic, h.contact);
-  Proxy proxy(contact, felt.feels, h.force, h.shaft, tool_again(file.string(), h.tool));
-  const std::unique_ptr<Drilling> drilling = felt.drilling_of(h, contact);
-  replay_frames(recording.frames, h.rate_hz, proxy, drilling.get());
+  Rerun(felt, contact, file.string(), h).run(recording.frames);
   const HapticVolume& volume = felt.loaded.haptic;
   if (h.outcome && volume_digest(volume) != h.outcome->volume_sha256)
     throw refusal("volume_sha256", "the volume differs when replayed",

@@ -59,15 +59,15 @@ ExitCode run_replay(const ParsedCommand& parsed) {
                      contact_params.step_ratio != h.contact.step_ratio;
 
   ContactVolume contact(felt.loaded.haptic, contact_params);
-  Proxy proxy(contact, felt.feels, h.force, h.shaft, tool_again(parsed.text("recording"), h.tool));
-  const std::unique_ptr<Drilling> drilling = felt.drilling_of(h, contact);
-  const std::vector<ServoFrame> replayed = replay_frames(recording.frames, h.rate_hz, proxy, drilling.get());
+  Rerun rerun(felt, contact, parsed.text("recording"), h);
+  const Drilling* drilling = rerun.drilling();
+  const std::vector<ServoFrame> replayed = rerun.run(recording.frames);
   std::size_t different = 0, first = 0;
   for (std::size_t n = 0; n < replayed.size(); ++n)
     if (!same_frame(replayed[n], recording.frames[n]) && different++ == 0) first = n;
 
-  std::cout << fmt::format("{} frames at {:g} Hz of device {}, tool {}, case {}\n", replayed.size(), h.rate_hz,
-                           h.device, h.tool.tool, h.case_token);
+  std::cout << fmt::format("{} frames at {:g} Hz of device {}, {}, case {}\n", replayed.size(), h.rate_hz, h.device,
+                           h.lesson.empty() ? "tool " + h.tool.tool : "tools of the lesson " + h.lesson, h.case_token);
   const std::uint64_t missing = missing_frames(recording.frames);
   if (missing > 0) std::cout << fmt::format("{} frames are missing: they were not recorded\n", missing);
   const ForceWindow window = force_window(recording.frames);

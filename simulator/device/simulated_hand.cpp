@@ -11,13 +11,36 @@ double ForceHold::share(double age_s) const {
   return decay_s > 0 ? std::exp((hold_s - age_s) / decay_s) : 0;
 }
 
+void add_tremor(const HandParams& params, double time_s, Vec3& p) {
+  for (int a = 0; a < 3; ++a)
+    for (int n = 0; n < 3; ++n)
+      p[a] += params.tremor_mm / 3 *
+              std::sin(2 * M_PI * params.tremor_hz * (1 + 0.13 * (n - 1)) * time_s + 1.7 * a + 2.3 * n);
+}
+
+void HandBody::pull(const HandParams& params, const ForceHold& hold, Vec3 to, double part_s) {
+  const double damping_n_s_per_mm = params.arm_damping_n_s_per_mm + params.device_damping_n_s_per_mm;
+  // An explicit step diverges where damping would turn the velocity of a light hand round.
+  const double most_step_s = std::min(2e-5, 0.2 * params.mass_kg / (1000 * std::max(damping_n_s_per_mm, 1e-9)));
+  const int steps = std::max(32, int(std::ceil(part_s / most_step_s)));
+  const double h = part_s / steps;
+  for (int n = 0; n < steps; ++n) {
+    force_age_s += h;
+    const double share = force_age_s <= hold.hold_s ? 1 : hold.share(force_age_s);
+    const Vec3 force =
+        force_n * share + (to - position_mm) * params.arm_stiffness_n_per_mm - velocity * damping_n_s_per_mm;
+    velocity += force * (1000 * h / params.mass_kg);  // N / kg are m / s^2
+    position_mm += velocity * h;
+  }
+}
+
 SimulatedHand::SimulatedHand(const HandParams& params, std::vector<Vec3> path_mm, std::size_t loop_from)
     : params_(params), path_mm_(std::move(path_mm)) {
   length_mm_.push_back(0);
   for (std::size_t n = 1; n < path_mm_.size(); ++n)
     length_mm_.push_back(length_mm_.back() + norm(path_mm_[n] - path_mm_[n - 1]));
   loop_begin_mm_ = length_mm_[std::min(loop_from, path_mm_.size() - 1)];
-  position_mm_ = path_mm_.front();
+  body_.position_mm = path_mm_.front();
 }
 
 // The path at that time, and the tremor.
@@ -32,46 +55,27 @@ Vec3 SimulatedHand::aim(double path_s, double time_s) const {
     const double span = length_mm_[n] - length_mm_[n - 1];
     p = path_mm_[n - 1] + (path_mm_[n] - path_mm_[n - 1]) * (span > 0 ? (at - length_mm_[n - 1]) / span : 0);
   }
-  for (int a = 0; a < 3; ++a)
-    for (int n = 0; n < 3; ++n)
-      p[a] += params_.tremor_mm / 3 *
-              std::sin(2 * M_PI * params_.tremor_hz * (1 + 0.13 * (n - 1)) * time_s + 1.7 * a + 2.3 * n);
+  add_tremor(params_, time_s, p);
   return p;
 }
 
 bool SimulatedHand::read(double dt_s, DeviceReading& out) {
-  const double damping_n_s_per_mm = params_.arm_damping_n_s_per_mm + params_.device_damping_n_s_per_mm;
-  // An explicit step diverges where damping would turn the velocity of a light hand round.
-  const double most_step_s = std::min(2e-5, 0.2 * params_.mass_kg / (1000 * std::max(damping_n_s_per_mm, 1e-9)));
   // The aim a millisecond at a time, the mass in steps that are fine beside the servo's own.
   for (double left = std::clamp(dt_s, 0.0, 10.0); left > 0;) {
     const double part = std::min(left, 0.001);
     left -= part;
-    const int steps = std::max(32, int(std::ceil(part / most_step_s)));
-    const double h = part / steps;
     time_s_ += part;
-    const double pull = norm(aim(path_s_ - params_.delay_s, time_s_ - params_.delay_s) - position_mm_);
+    const double pull = norm(aim(path_s_ - params_.delay_s, time_s_ - params_.delay_s) - body_.position_mm);
     if (!(feed_force_n > 0) || pull * params_.arm_stiffness_n_per_mm <= feed_force_n) path_s_ += part;
-    const Vec3 to = aim(path_s_ - params_.delay_s, time_s_ - params_.delay_s);
-    for (int n = 0; n < steps; ++n) {
-      force_age_s_ += h;
-      const double share = force_age_s_ <= hold.hold_s ? 1 : hold.share(force_age_s_);
-      const Vec3 force =
-          force_n_ * share + (to - position_mm_) * params_.arm_stiffness_n_per_mm - velocity_ * damping_n_s_per_mm;
-      velocity_ += force * (1000 * h / params_.mass_kg);  // N / kg are m / s^2
-      position_mm_ += velocity_ * h;
-    }
+    body_.pull(params_, hold, aim(path_s_ - params_.delay_s, time_s_ - params_.delay_s), part);
   }
   out = {};
-  out.tip_mm = position_mm_;
+  out.tip_mm = body_.position_mm;
   out.axis = axis;
   if (drills) out.buttons = time_s_ < 0.02 ? 2 : 1;
-  return is_finite(position_mm_);
+  return is_finite(body_.position_mm);
 }
 
-void SimulatedHand::send(Vec3 force_n) {
-  force_n_ = force_n;
-  force_age_s_ = 0;
-}
+void SimulatedHand::send(Vec3 force_n) { body_.feel(force_n); }
 
 }  // namespace trephine

@@ -29,6 +29,20 @@ struct HandParams {
   }
 };
 
+/// The mass itself, for devices whose aim goes other ways.
+struct HandBody {
+  Vec3 position_mm, velocity, force_n;
+  double force_age_s = 0;
+  /// Moves for `part_s`, at most a millisecond, towards the aim.
+  void pull(const HandParams& params, const ForceHold& hold, Vec3 to_mm, double part_s);
+  void feel(Vec3 force) {
+    force_n = force;
+    force_age_s = 0;
+  }
+};
+/// Moves the aim by the tremor of that time.
+void add_tremor(const HandParams& params, double time_s, Vec3& aim_mm);
+
 class SimulatedHand : public Device {
  public:
   /// `path_mm` has at least one point. The aim goes along it, and then along the part from `loop_from` again and again.
@@ -48,8 +62,8 @@ class SimulatedHand : public Device {
   std::vector<Vec3> path_mm_;
   std::vector<double> length_mm_;  ///< from the path's begin to each point
   double loop_begin_mm_ = 0;
-  Vec3 position_mm_, velocity_, force_n_;
-  double time_s_ = 0, path_s_ = 0, force_age_s_ = 0;
+  HandBody body_;
+  double time_s_ = 0, path_s_ = 0;
 };
 
 }  // namespace trephine

@@ -105,10 +105,7 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   } else {
     drill_.rest();
   }
-  if ((in.buttons & mark) && !(buttons_ & mark)) {
-    drill_.incise(in.tip_mm, params_.incision_radius_mm);
-    ++outcome_.incisions;
-  }
+  if ((in.buttons & mark) && !(buttons_ & mark)) incise_at(in.tip_mm);
   buttons_ = in.buttons;
   begun_ = true;
   if (drill_.incising()) count(drill_.go_on());
@@ -120,6 +117,11 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   force_ = velocity_ * (-reaction / (speed + half_speed_mm_s));
   const double swing = params_.vibration_n * power_ / power_w_ * std::sin(2 * M_PI * params_.vibration_hz * time_s_);
   force_ += frame_along(in.axis).column[0] * swing;
+}
+
+void Drilling::incise_at(Vec3 point_mm) {
+  drill_.incise(point_mm, params_.incision_radius_mm);
+  ++outcome_.incisions;
 }
 
 bool Drilling::was_bone(Vec3 at) const {

@@ -71,6 +71,8 @@ class Drilling {
   /// rest it takes energy from the hand or none, but for the vibration.
   Vec3 force_n() const { return force_; }
   void tick(const HapticInput& in, const HapticState& state);
+  /// Begins an incision there.
+  void incise_at(Vec3 point_mm);
   const DrillingOutcome& outcome() const { return outcome_; }
   int slices() const { return drill_.slices(); }
 

@@ -59,6 +59,10 @@ std::string header_text(const RecordingHeader& h, std::optional<std::uint64_t> f
     j["drilling"] = to_json(h.drilling);
     j["law"] = to_json(h.law);
   }
+  if (!h.tools.empty()) {
+    j["lesson"] = {{"module", h.lesson}, {"participant", h.participant}, {"tools", Json::array()}};
+    for (const BeltToolParams& t : h.tools) j["lesson"]["tools"].push_back(to_json(t));
+  }
   if (h.outcome) {
     const RecordingHeader::Outcome& o = *h.outcome;
     j["outcome"] = {{"volume_sha256", o.volume_sha256}, {"removed_mm3", o.removed_mm3}, {"breached", o.breached}};
@@ -68,7 +72,7 @@ std::string header_text(const RecordingHeader& h, std::optional<std::uint64_t> f
     }
   }
   if (frames) j["frames"] = *frames;
-  std::string text = j.dump(1);
+  std::string text = j.dump(h.tools.empty() ? 1 : 0);
   const std::size_t left_for_frames = frames ? 0 : 2400;  // with the outcome, known only when all is recorded
   if (text.size() + left_for_frames + 1 > header_bytes) throw Error(ExitCode::internal, "", "header", "is too long");
   text.resize(header_bytes - 1, ' ');
@@ -111,7 +115,7 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Record
     : impl_(new Impl{FileWriter(file), header}) {
   char fixed[fixed_bytes];
   std::memcpy(fixed, magic, 8);
-  put_u32(recording_version, fixed + 8);
+  put_u32(header.tools.empty() ? single_tool_version : recording_version, fixed + 8);
   put_u32(header_bytes, fixed + 12);
   impl_->out.write(fixed, sizeof fixed);
   impl_->out.write(header_text(header));
@@ -160,6 +164,11 @@ Recording read_recording(const std::filesystem::path& file) {
       if (j.contains("drilling")) {
         from_json(j.at("drilling"), h.drilling);
         from_json(j.at("law"), h.law);
+      }
+      if (j.contains("lesson")) {
+        h.lesson = j.at("lesson").at("module").get<std::string>();
+        h.participant = j.at("lesson").at("participant").get<std::string>();
+        for (const Json& tool : j.at("lesson").at("tools")) from_json(tool, h.tools.emplace_back());
       }
       if (j.contains("outcome")) h.outcome = read_outcome(j.at("outcome"));
       if (j.contains("frames")) frames = j.at("frames").get<std::uint64_t>();
@@ -267,31 +276,71 @@ ForceFigures force_figures(const std::vector<ServoFrame>& frames, const ForceWin
   return f;
 }
 
+HapticInput input_of(const ServoFrame& f, double rate_hz) {
+  HapticInput in;
+  in.tip_mm = vec(f.tip_mm);
+  in.axis = vec(f.axis);
+  in.buttons = f.buttons;
+  in.dt_s = f.dt_s;
+  in.period_s = 1 / rate_hz;
+  return in;
+}
+
+HapticState state_of(const ServoFrame& f) {
+  HapticState s;
+  s.force_n = vec(f.force_n);
+  s.proxy_mm = vec(f.proxy_mm);
+  s.axis = vec(f.axis);
+  s.normal = vec(f.normal);
+  s.touched = f.touched;
+  s.face = f.face;
+  s.inside = f.inside;
+  s.held_by = f.held_by;
+  s.events = f.events;
+  s.faults = f.faults;
+  return s;
+}
+
+namespace {
+
+void put_answer(const HapticState& s, ServoFrame& f) {
+  for (int a = 0; a < 3; ++a) {
+    f.proxy_mm[a] = s.proxy_mm[a];
+    f.normal[a] = s.normal[a];
+    f.force_n[a] = s.force_n[a];
+  }
+  f.touched = s.touched;
+  f.face = s.face;
+  f.inside = s.inside;
+  f.held_by = s.held_by;
+  f.events = s.events;
+  f.faults = s.faults;
+}
+
+}  // namespace
+
 std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, Proxy& proxy,
                                       Drilling* drilling) {
   std::vector<ServoFrame> out = recorded;
   for (ServoFrame& f : out) {
-    HapticInput in;
-    in.tip_mm = vec(f.tip_mm);
-    in.axis = vec(f.axis);
-    in.buttons = f.buttons;
-    in.dt_s = f.dt_s;
-    in.period_s = 1 / rate_hz;
+    HapticInput in = input_of(f, rate_hz);
     if (drilling) in.extra_n = drilling->force_n();
     if (f.faults & haptic_fault::device_lost) proxy.latch(haptic_fault::device_lost);
     const HapticState& s = proxy.update(in);
     if (drilling) drilling->tick(in, s);
-    for (int a = 0; a < 3; ++a) {
-      f.proxy_mm[a] = s.proxy_mm[a];
-      f.normal[a] = s.normal[a];
-      f.force_n[a] = s.force_n[a];
-    }
-    f.touched = s.touched;
-    f.face = s.face;
-    f.inside = s.inside;
-    f.held_by = s.held_by;
-    f.events = s.events;
-    f.faults = s.faults;
+    put_answer(s, f);
+  }
+  return out;
+}
+
+std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, ToolBelt& belt) {
+  std::vector<ServoFrame> out = recorded;
+  for (ServoFrame& f : out) {
+    const HapticInput in = input_of(f, rate_hz);
+    if (f.faults & haptic_fault::device_lost) belt.latch(haptic_fault::device_lost);
+    const HapticState& s = belt.update(in);
+    belt.after(in, s);
+    put_answer(s, f);
   }
   return out;
 }

@@ -10,10 +10,12 @@
 #include "haptics/drilling.h"
 #include "haptics/frame.h"
 #include "haptics/proxy.h"
+#include "haptics/tool_belt.h"
 
 namespace trephine {
 
-constexpr int recording_version = 2, oldest_recording_version = 1;
+/// Version 3 is written where a session has several tools, else 2: who reads 2 alone can replay all that it reads.
+constexpr int recording_version = 3, single_tool_version = 2, oldest_recording_version = 1;
 
 /// The header of a recording: everything besides the case that its replay needs.
 struct RecordingHeader {
@@ -28,6 +30,8 @@ struct RecordingHeader {
   ToolParams tool;          ///< as own_tool() gives it; recordings made before tools existed are of a point
   DrillingParams drilling;  ///< since version 2; before, no tool cut
   DrillParams law;
+  std::vector<BeltToolParams> tools;  ///< since version 3: of a lesson; empty: `tool` alone
+  std::string lesson, participant;    ///< the module, and an anonymous token; with tools only
   /// What was cut, where the tool cut; not in a recording that was not finished.
   struct Outcome {
     std::string volume_sha256;  ///< of the voxels at the end
@@ -93,6 +97,11 @@ ForceFigures force_figures(const std::vector<ServoFrame>& frames, const ForceWin
 /// The returned frames hold their answers.
 std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, Proxy& proxy,
                                       Drilling* drilling = nullptr);
+/// The same with several tools.
+std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, ToolBelt& belt);
+/// A recorded frame as the tick had it: what was read from the device, and the answer.
+HapticInput input_of(const ServoFrame& frame, double rate_hz);
+HapticState state_of(const ServoFrame& frame);
 
 /// Whether two frames are equal bit for bit, except for their lateness.
 bool same_frame(const ServoFrame& a, const ServoFrame& b);

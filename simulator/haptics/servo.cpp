@@ -106,11 +106,12 @@ void Servo::tick(double dt_s, double late_ns) {
   in.dt_s = dt_s;
   in.period_s = 1 / params_.rate_hz;
   if (drilling_) in.extra_n = drilling_->force_n();
-  if (!there) proxy_.latch(haptic_fault::device_lost);
-  const HapticState& s = proxy_.update(in);
+  if (!there) belt_ ? belt_->latch(haptic_fault::device_lost) : proxy_->latch(haptic_fault::device_lost);
+  const HapticState& s = belt_ ? belt_->update(in) : proxy_->update(in);
   device_.tell({frame_.time_s + dt_s, s.proxy_mm, s.touched, s.inside, s.faults});
   device_.send(s.force_n);
   if (drilling_) drilling_->tick(in, s);
+  if (belt_) belt_->after(in, s);
 
   ServoStatistics& c = statistics_;
   ++c.ticks;

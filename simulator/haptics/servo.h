@@ -11,6 +11,7 @@
 #include "haptics/frame.h"
 #include "haptics/histogram.h"
 #include "haptics/proxy.h"
+#include "haptics/tool_belt.h"
 
 namespace trephine {
 
@@ -71,7 +72,10 @@ struct ServoStatistics {
 class Servo {
  public:
   Servo(Proxy& proxy, Device& device, const ServoParams& params, FrameQueue* queue, Drilling* drilling = nullptr)
-      : proxy_(proxy), device_(device), params_(params), queue_(queue), drilling_(drilling) {}
+      : proxy_(&proxy), device_(device), params_(params), queue_(queue), drilling_(drilling) {}
+  /// The same with several tools, and the drill that they have.
+  Servo(ToolBelt& belt, Device& device, const ServoParams& params, FrameQueue* queue)
+      : belt_(&belt), device_(device), params_(params), queue_(queue) {}
   void run(std::uint64_t ticks, const std::atomic<bool>& stop);
   const ServoStatistics& statistics() const { return statistics_; }
   /// Ticks done and faults latched so far, for another thread to show.
@@ -80,11 +84,12 @@ class Servo {
 
  private:
   void tick(double dt_s, double late_ns);
-  Proxy& proxy_;
+  Proxy* proxy_ = nullptr;    // or
+  ToolBelt* belt_ = nullptr;  // of the two one
   Device& device_;
   ServoParams params_;
   FrameQueue* queue_;
-  Drilling* drilling_;
+  Drilling* drilling_ = nullptr;
   ServoStatistics statistics_;
   ServoFrame frame_;
   Vec3 last_force_n_;

@@ -26,8 +26,11 @@ FeltCase::FeltCase(const std::filesystem::path& folder, const std::string& shape
 
 std::unique_ptr<Drilling> FeltCase::drilling_of(const RecordingHeader& header, ContactVolume& contact) {
   if (!header.drilling.drill) return nullptr;
+  const ToolParams* tool = &header.tool;
+  for (const BeltToolParams& t : header.tools)
+    if (t.cuts) tool = &t;
   return std::make_unique<Drilling>(loaded.haptic, contact, drill_shapes_of(loaded.manifest.haptic), header.drilling,
-                                    header.law, cutter_of(header.drilling, header.tool));
+                                    header.law, cutter_of(header.drilling, own_tool(*tool)));
 }
 
 RecordingHeader FeltCase::header() const {
@@ -38,6 +41,21 @@ RecordingHeader FeltCase::header() const {
   h.feel_sha256 = feel_digest(feels);
   h.felt_shape = felt_shape;
   return h;
+}
+
+Rerun::Rerun(FeltCase& felt, ContactVolume& contact, const std::string& file, const RecordingHeader& h)
+    : rate_hz_(h.rate_hz), drilling_(felt.drilling_of(h, contact)) {
+  if (h.tools.empty())
+    proxy_ = std::make_unique<Proxy>(contact, felt.feels, h.force, h.shaft, tool_again(file, h.tool));
+  else
+    belt_ = with_file(file, [&] {
+      return std::make_unique<ToolBelt>(contact, felt.feels, h.force, h.shaft, h.tools, drilling_.get());
+    });
+}
+
+std::vector<ServoFrame> Rerun::run(const std::vector<ServoFrame>& recorded) {
+  return belt_ ? replay_frames(recorded, rate_hz_, *belt_)
+               : replay_frames(recorded, rate_hz_, *proxy_, drilling_.get());
 }
 
 FeltCase felt_again(const std::filesystem::path& folder, const std::string& file, const RecordingHeader& h) {

@@ -7,6 +7,7 @@
 #include "cases/load_case.h"
 #include "haptics/feel.h"
 #include "haptics/recording.h"
+#include "haptics/tool_belt.h"
 
 namespace trephine {
 
@@ -23,6 +24,22 @@ struct FeltCase {
   std::unique_ptr<Drilling> drilling_of(const RecordingHeader& header, ContactVolume& contact);
   /// The case and shape of a recording.
   RecordingHeader header() const;
+};
+
+/// What of a recorded session answers to poses: one tool, or several, and what they cut. It can be run again.
+class Rerun {
+ public:
+  /// `felt` and `contact` must outlive it; `file` names the recording in errors. Throws as tool_again does.
+  Rerun(FeltCase& felt, ContactVolume& contact, const std::string& file, const RecordingHeader& header);
+  std::vector<ServoFrame> run(const std::vector<ServoFrame>& recorded);
+  const Drilling* drilling() const { return drilling_.get(); }
+  ToolBelt* belt() { return belt_.get(); }  ///< null for one tool
+
+ private:
+  double rate_hz_;
+  std::unique_ptr<Drilling> drilling_;
+  std::unique_ptr<Proxy> proxy_;
+  std::unique_ptr<ToolBelt> belt_;
 };
 
 /// The case and the tool as a recording has them. Throws Error 65, naming the file, where they are others.

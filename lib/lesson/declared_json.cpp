@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lesson/declared_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/text.h"
+
+namespace trephine {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json written(const ParameterSet& set, void* object);
+
+Json written(const Parameter& p, void* object) {
+  if (p.is_value()) return std::visit([](const auto& v) { return Json(v); }, p.get(object));
+  const std::vector<ParameterItem> items = p.items(object);
+  if (p.kind == ParameterKind::group)
+    return items.empty() ? Json(nullptr) : written(p.set_of(items[0]), items[0].object);
+  Json out = p.kind == ParameterKind::map ? Json::object() : Json::array();
+  for (const ParameterItem& item : items) {
+    Json one = written(p.set_of(item), item.object);
+    if (p.kind == ParameterKind::map)
+      out[item.name] = std::move(one);
+    else if (p.kind == ParameterKind::steps)
+      out.push_back(Json{{item.name, std::move(one)}});
+    else
+      out.push_back(std::move(one));
+  }
+  return out;
+}
+
+Json written(const ParameterSet& set, void* object) {
+  if (const Parameter* only = set.only_value()) return written(*only, object);
+  Json out = Json::object();
+  for (const Parameter& p : set.parameters)
+    if (Json one = written(p, object); !one.is_null()) out[p.name] = std::move(one);
+  return out;
+}
+
+[[noreturn]] void refuse(const std::string& where, const std::string& what) {
+  throw Error(ExitCode::bad_input, "", where, what);
+}
+
+std::string below(const std::string& where, const std::string& key) {
+  return where.empty() || key.empty() ? where + key : where + "." + key;
+}
+
+std::string text_of(const Json& v) { return v.is_string() ? v.get<std::string>() : v.dump(); }
+
+void read_value(const Json& v, const std::string& where, const Parameter& p, void* object) {
+  std::vector<std::string> items;
+  const bool wants_text = p.kind == ParameterKind::text || p.kind == ParameterKind::choice;
+  if (v.is_array())
+    for (const Json& one : v) items.push_back(one.is_number() ? one.dump() : "");
+  else if (v.is_string() == wants_text && !v.is_object() && !v.is_null())
+    items.push_back(text_of(v));
+  if (v.is_array() != (p.kind == ParameterKind::numbers)) items.clear();  // no item fits: the fault says what does
+  ParameterValue value;
+  const std::string fault = parse_parameter(p, items, value);
+  if (!fault.empty()) refuse(where, (v.is_primitive() ? printable(text_of(v)) + ", " : "") + fault);
+  p.set(object, value);
+}
+
+void read_struct(const Json& v, const std::string& where, const ParameterSet& set, void* object);
+
+void read_steps(const Json& v, const std::string& where, const Parameter& p, void* object) {
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const std::string path = where + "[" + std::to_string(i) + "]";
+    const Json& item = v[i];
+    const bool bare = item.is_string();
+    if (!bare && (!item.is_object() || item.size() != 1)) refuse(path, "is no \"name\" or {\"name\": {...}}");
+    const std::string name = bare ? item.get<std::string>() : item.begin().key();
+    const StepChoice* step = p.find_step(name);
+    if (!step) {
+      std::string known;
+      for (const StepChoice& s : p.steps) known += (known.empty() ? "" : ", ") + s.name;
+      refuse(path, printable(name) + ", no such step; known are " + known);
+    }
+    read_struct(bare ? Json::object() : item.begin().value(), below(path, name), *step->set, p.add(object, name));
+  }
+}
+
+void read_parameter(const Json& v, const std::string& where, const Parameter& p, void* object) {
+  if (p.is_value()) return read_value(v, where, p, object);
+  if (p.kind == ParameterKind::group) return read_struct(v, where, p.item_set(), p.add(object, ""));
+  const bool map = p.kind == ParameterKind::map;
+  if (map ? !v.is_object() : !v.is_array()) refuse(where, map ? "is not an object" : "is not a list");
+  if (p.count && v.size() > p.count) refuse(where, "at most " + std::to_string(p.count));
+  p.clear(object);
+  if (p.kind == ParameterKind::steps) return read_steps(v, where, p, object);
+  std::size_t n = 0;
+  for (auto item = v.begin(); item != v.end(); ++item, ++n) {
+    const std::string name = map ? item.key() : "";
+    read_struct(*item, map ? below(where, name) : where + "[" + std::to_string(n) + "]", p.item_set(),
+                p.add(object, name));
+  }
+}
+
+void read_struct(const Json& v, const std::string& where, const ParameterSet& set, void* object) {
+  if (const Parameter* only = set.only_value()) return read_parameter(v, where, *only, object);
+  if (!v.is_object()) refuse(where, "is not an object");
+  for (auto item = v.begin(); item != v.end(); ++item)
+    if (!set.find(item.key())) {
+      const std::string near = nearest_name(item.key(), set.names());
+      refuse(below(where, printable(item.key())),
+             "is not known" + (near.empty() ? std::string() : ", did you mean " + near + "?"));
+    }
+  for (const Parameter& p : set.parameters) {
+    const auto item = v.find(p.name);
+    if (item != v.end())
+      read_parameter(*item, below(where, p.name), p, object);
+    else if (p.required)
+      refuse(below(where, p.name), "is missing: " + p.help);
+  }
+  if (!set.fault) return;
+  const std::string what = set.fault(object);
+  const std::size_t colon = what.find(": ");
+  if (what.empty()) return;
+  if (colon == std::string::npos) refuse(where, what);
+  refuse(below(where, what.substr(0, colon)), what.substr(colon + 2));
+}
+
+// Before anything is allocated for it.
+void check_size(std::string_view text) {
+  constexpr std::size_t most_bytes = 1 << 20;
+  constexpr int most_levels = 16;
+  if (text.size() > most_bytes) refuse("json", "is larger than 1 MiB");
+  int levels = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted) {
+      i += c == '\\';
+      quoted = c != '"';
+      continue;
+    }
+    quoted = c == '"';
+    levels += (c == '[' || c == '{') - (c == ']' || c == '}');
+    if (levels > most_levels) refuse("json", "is nested too deeply");
+  }
+}
+
+}  // namespace
+
+std::string declared_json(const AnyParams& params, int indent) {
+  return written(*params.set, params.object.get()).dump(indent);
+}
+
+void read_declared_json(std::string_view text, const ParameterSet& set, void* object) {
+  check_size(text);
+  // A key that is given twice would silently win.
+  std::vector<std::vector<std::string>> keys;
+  std::string twice;
+  const auto watch = [&](int, Json::parse_event_t event, Json& v) {
+    if (event == Json::parse_event_t::object_start) keys.emplace_back();
+    if (event == Json::parse_event_t::object_end) keys.pop_back();
+    if (event == Json::parse_event_t::key) {
+      const std::string key = v.get<std::string>();
+      for (const std::string& k : keys.back())
+        if (k == key && twice.empty()) twice = printable(key);
+      keys.back().push_back(key);
+    }
+    return true;
+  };
+  Json json;
+  try {
+    json = Json::parse(text.begin(), text.end(), watch);
+  } catch (const Json::exception&) {
+    refuse("json", "is damaged");
+  }
+  if (!twice.empty()) refuse(twice, "is given twice");
+  read_struct(json, "", set, object);
+}
+
+}  // namespace trephine

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "cli/argument.h"
+#include "commands/commands.h"
+#include "modules/lesson_run.h"
+
+namespace trephine {
+namespace {
+
+struct LessonParams {
+  std::string module = "ventriculostomy", participant = "anonymous";
+  double most_s = 1800, rate_hz = 1000;
+  template <class V>
+  static void describe(V& v) {
+    using P = LessonParams;
+    v.word(&P::module, "module", {"ventriculostomy"}, "Which lesson.");
+    v.text(&P::participant, "participant", "Anonymous token of who does it: a-z, 0-9, _ and -; never a name.");
+    v.number(&P::most_s, "most_s", Range{0.001, 86400}, "The longest that the lesson may take; then it is cut off.");
+    v.number(&P::rate_hz, "rate_hz", Range{50, 20000}, "Ticks in each second.");
+  }
+};
+
+void write_recording(const std::filesystem::path& file, const Recording& recording) {
+  RecordingWriter writer(file, recording.header);
+  writer.add(recording.frames);
+  writer.finish(recording.header.outcome);
+}
+
+ExitCode run_lesson_command(const ParsedCommand& parsed) {
+  const LessonParams& p = parsed.params<LessonParams>();
+  LessonOptions o;
+  o.participant = p.participant;
+  o.most_s = p.most_s;
+  o.servo.rate_hz = p.rate_hz;
+  validate_participant(o.participant);
+  o.script = read_lesson_script(parsed.path("script"));
+  if (o.script.module != p.module)
+    throw Error(ExitCode::usage, parsed.text("script"), "module", o.script.module + ", but --module is " + p.module);
+  o.hand = parsed.params<HandParams>();
+  o.aim = parsed.params<ScriptAim>();
+  o.contact = parsed.params<ContactParams>();
+  o.force = parsed.params<ForceParams>();
+  FeltCase felt(parsed.path("case"), "");
+  const LessonResult r = with_file(parsed.text("script"), [&] { return run_lesson(felt, o, cancel_requested()); });
+  write_recording(parsed.path("record"), r.recording);
+
+  const ServoStatistics& s = r.statistics;
+  std::cout << fmt::format("{} in case {}: {} ticks, {:.1f} s, done in {:.1f} s\n", p.module,
+                           r.recording.header.case_token, s.ticks, double(s.ticks) / p.rate_hz, r.wall_s);
+  std::cout << fmt::format("force at most {:.2f} N, {:.4f} N from tick to tick\n", s.most_force_n, s.most_force_step_n);
+  if (r.recording.header.outcome)
+    for (const auto& [name, mm3] : r.recording.header.outcome->removed_mm3)
+      std::cout << fmt::format("removed {} {:.1f} mm3\n", name, mm3);
+  if (s.faults != 0) std::cout << "faults: " << fault_names(s.faults) << "; what was done until then is recorded\n";
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+Command lesson_command() {
+  using Kind = Argument::Kind;
+  Command c;
+  c.name = "lesson";
+  c.summary = "does a lesson in a case by a script, through the haptic loop, and records it";
+  c.description =
+      "A simulated hand does what a script says (docs/lessons.md): it marks the skin, cuts it, drills and passes the "
+      "catheter, with all forces and all tissue of the case, as fast as it goes. Every tick is recorded, with the tool "
+      "in hand, the pedal and the commands, so `trephine-sim replay` runs it again bit for bit, and `trephine-sim "
+      "score` judges it.";
+  Argument folder = argument("case", Kind::in_folder, "Folder of the case.");
+  folder.positional = folder.required = true;
+  Argument script = argument("script", Kind::in_file, "What the hand does (.json).");
+  Argument record = argument("record", Kind::out_file, "Write the recording to this file.");
+  script.required = record.required = true;
+  c.arguments = {folder, script, record};
+  c.groups = {ParameterGroup::of<LessonParams>("Parameters"), ParameterGroup::of<ScriptAim>("How well it aims"),
+              ParameterGroup::of<HandParams>("Simulated hand"), ParameterGroup::of<ContactParams>("Contact"),
+              ParameterGroup::of<ForceParams>("Force")};
+  c.examples = {
+      "trephine-sim lesson library/sample --script examples/lessons/ventriculostomy.json --record one.lesson"};
+  c.run = run_lesson_command;
+  return c;
+}
+
+}  // namespace trephine

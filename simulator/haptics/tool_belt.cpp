@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "haptics/tool_belt.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace trephine {
+namespace {
+
+Feels felt_by(const BeltToolParams& tool, Feels feels) {
+  if (tool.blunt)
+    for (ShapeFeel& f : feels) f.front.pop_through_n = f.back.pop_through_n = 0;
+  return feels;
+}
+
+}  // namespace
+
+ToolBelt::ToolBelt(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft,
+                   std::vector<BeltToolParams> tools, Drilling* drilling)
+    : force_(force), tools_(std::move(tools)), drilling_(drilling) {
+  if (tools_.empty() || tools_.size() > belt_button::tool_mask + 1)
+    throw Error(ExitCode::usage, "", "tools", "must be 1 to 16");
+  for (const BeltToolParams& t : tools_)
+    proxies_.push_back(std::make_unique<Proxy>(contact, felt_by(t, feels), force, shaft, make_tool(t)));
+}
+ToolBelt::~ToolBelt() = default;
+
+// Whether another tool is in hand than before. A number that no tool has leaves the one that is.
+bool ToolBelt::take(std::uint32_t buttons) {
+  const int n = belt_button::tool(buttons);
+  const int to = n < int(tools_.size()) ? n : std::max(0, in_hand_);
+  if (to == in_hand_) return false;
+  in_hand_ = to;
+  return true;
+}
+
+int ToolBelt::new_command(std::uint32_t buttons) const {
+  const int command = belt_button::command(buttons);
+  return command == belt_button::command(buttons_) ? belt_command::none : command;
+}
+
+void ToolBelt::latch(std::uint32_t fault) {
+  state_.faults |= fault;
+  for (auto& p : proxies_) p->latch(fault);
+}
+
+const HapticState& ToolBelt::update(const HapticInput& given) {
+  const bool before_paused = paused_;
+  const int command = new_command(given.buttons);
+  if (command == belt_command::resume) paused_ = false;
+  if (command == belt_command::pause && state_.touched == 0 && state_.inside == 0) paused_ = true;
+
+  const Vec3 sent = state_.force_n;
+  const std::uint32_t faults = state_.faults;
+  const bool taken = take(given.buttons);
+  Proxy& proxy = *proxies_[std::size_t(in_hand_)];
+  if (taken || (before_paused && !paused_)) {
+    proxy.reset();
+    left_n_ = sent;
+  }
+  if (paused_) {
+    state_ = {};
+    state_.proxy_mm = given.tip_mm;
+    state_.axis = given.axis;
+    if (!before_paused) left_n_ = sent;
+    if (faults != 0) proxy.latch(faults);
+    state_.faults = faults;
+  } else {
+    if (faults != 0) proxy.latch(faults);
+    HapticInput in = given;
+    if (drilling_ && tools_[std::size_t(in_hand_)].cuts) in.extra_n = drilling_->force_n();
+    state_ = proxy.update(in);
+  }
+  settle_force(given, sent);
+  return state_;
+}
+
+// What the hand felt of the tool that was put down falls as fast as a force may change, and so does the sum change.
+void ToolBelt::settle_force(const HapticInput& in, Vec3 sent) {
+  if (state_.faults != 0) {
+    left_n_ = state_.force_n = {};
+    return;
+  }
+  const double size = norm(left_n_);
+  if (!(size > 0)) return;
+  const double most = force_.max_force_rate_n_per_s * (in.period_s > 0 ? in.period_s : in.dt_s);
+  left_n_ = size > most ? left_n_ * ((size - most) / size) : Vec3{};
+  const Vec3 change = state_.force_n + left_n_ - sent;
+  const double step = norm(change);
+  Vec3 force = sent + (step > most ? change * (most / step) : change);
+  if (const double sum = norm(force); sum > force_.max_force_n) force = force * (force_.max_force_n / sum);
+  state_.force_n = force;
+}
+
+void ToolBelt::after(const HapticInput& in, const HapticState& state) {
+  const BeltToolParams& tool = tools_[std::size_t(in_hand_)];
+  const int command = new_command(in.buttons);
+  buttons_ = in.buttons;
+  const bool works = !paused_ && state.faults == 0;
+  const bool pedal = works && (in.buttons & belt_button::pedal);
+  if (tool.marks && pedal && state.touched != 0) {
+    has_mark_ = true;
+    mark_mm_ = state.proxy_mm;
+  }
+  if (!drilling_) return;
+  if (command == belt_command::incise && works && has_mark_) drilling_->incise_at(mark_mm_);
+  HapticInput drill = in;
+  drill.buttons = tool.cuts && pedal ? Drilling::pedal : 0;
+  drilling_->tick(drill, state);
+}
+
+void ToolBelt::follow(const HapticInput& in, const HapticState& state) {
+  const int command = new_command(in.buttons);
+  if (command == belt_command::resume) paused_ = false;
+  if (command == belt_command::pause && state_.touched == 0 && state_.inside == 0) paused_ = true;
+  take(in.buttons);
+  state_ = state;
+  after(in, state);
+}
+
+}  // namespace trephine

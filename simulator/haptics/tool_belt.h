@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptics/drilling.h"
+#include "haptics/proxy.h"
+
+namespace trephine {
+
+/// What the buttons of a device mean in a session with several tools. Bit 0 is the pedal; four bits are the number of
+/// the tool in hand; eight bits are a command, which acts in the first tick that has it.
+namespace belt_button {
+constexpr std::uint32_t pedal = 1;
+constexpr int tool_shift = 8, command_shift = 16;
+constexpr std::uint32_t tool_mask = 0xf, command_mask = 0xff;
+constexpr int tool(std::uint32_t buttons) { return int(buttons >> tool_shift & tool_mask); }
+constexpr int command(std::uint32_t buttons) { return int(buttons >> command_shift & command_mask); }
+}  // namespace belt_button
+
+namespace belt_command {
+constexpr int none = 0, erase = 1, incise = 2, finish = 3, pause = 4, resume = 5;
+constexpr const char* names[] = {"none", "erase", "incise", "finish", "pause", "resume"};
+constexpr int count = int(sizeof names / sizeof *names);
+}  // namespace belt_command
+
+/// A tool of a session with several.
+struct BeltToolParams : ToolParams {
+  std::string name;
+  bool blunt = false, marks = false, cuts = false;
+  template <class V>
+  static void describe(V& v) {
+    using P = BeltToolParams;
+    v.text(&P::name, "name", "What the lesson calls it.");
+    v.template all_of<ToolParams>();
+    v.flag(&P::blunt, "blunt", "It enters nothing, however hard it is pressed.");
+    v.flag(&P::marks, "marks", "While the pedal is down it draws on what it touches, and its last point is kept.");
+    v.flag(&P::cuts, "cuts", "While the pedal is down it drills.");
+  }
+};
+
+/// The tools of a session, of which the hand holds one at a time: a proxy for each, the drill, and what commands do in
+/// the tick. Changing the tool takes no time; the new one begins where the device is, and its force rises from zero.
+/// What the hand still felt falls within the limit on the force's rate.
+///
+/// - The command `incise` cuts the skin around the last point that a marking tool touched with its pedal down.
+/// - `pause` is taken while the tool is in the open; until `resume` nothing is felt, cut or marked.
+///
+/// Everything follows from the frames' poses, buttons and steps, so a recording replays bit for bit. update() and
+/// after() neither allocate, lock nor throw, and make no system call.
+class ToolBelt {
+ public:
+  /// `contact` and `drilling` (may be null) must outlive it. Throws as make_tool does; 64 for no tool, or more than 16.
+  ToolBelt(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft,
+           std::vector<BeltToolParams> tools, Drilling* drilling);
+  ~ToolBelt();
+
+  const HapticState& update(const HapticInput& given);
+  /// What tool and commands do, after the force was sent.
+  void after(const HapticInput& in, const HapticState& state);
+  /// update() with an answer that is known from a recording.
+  void follow(const HapticInput& in, const HapticState& state);
+  void latch(std::uint32_t fault);
+
+  const std::vector<BeltToolParams>& tools() const { return tools_; }
+  int in_hand() const { return in_hand_; }
+  bool paused() const { return paused_; }
+  bool has_mark() const { return has_mark_; }
+  Vec3 mark_mm() const { return mark_mm_; }
+  Drilling* drilling() const { return drilling_; }
+
+ private:
+  bool take(std::uint32_t buttons);
+  int new_command(std::uint32_t buttons) const;
+  void settle_force(const HapticInput& in, Vec3 sent);
+
+  const ForceParams force_;
+  const std::vector<BeltToolParams> tools_;
+  std::vector<std::unique_ptr<Proxy>> proxies_;
+  Drilling* drilling_;
+  HapticState state_;
+  Vec3 left_n_;  ///< of the force of the tool that was put down
+  std::uint32_t buttons_ = 0;
+  int in_hand_ = -1;
+  bool paused_ = false, has_mark_ = false;
+  Vec3 mark_mm_;
+};
+
+}  // namespace trephine

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "modules/lesson_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/progress.h"
+
+namespace trephine {
+namespace {
+
+constexpr std::uint64_t ticks_at_once = 4096;
+
+std::uint64_t drilled_shapes(const CaseManifest& manifest) {
+  const DrillShapes shapes = drill_shapes_of(manifest.haptic);
+  std::uint64_t bits = 0;
+  for (std::size_t n = 1; n < shapes.size(); ++n)
+    if (shapes[n].cuttable && shapes[n].energy_j_per_mm3 > 0) bits |= std::uint64_t{1} << n;
+  return bits;
+}
+
+RecordingHeader header_of(const FeltCase& felt, const LessonOptions& o) {
+  RecordingHeader h = felt.header();
+  h.device = "script";
+  h.rate_hz = o.servo.rate_hz;
+  h.contact = o.contact;
+  h.force = o.force;
+  h.shaft = o.shaft;
+  h.tools = ventriculostomy_tools();
+  h.tool = h.tools.front();
+  h.drilling = o.drilling;
+  h.drilling.drill = drilled_shapes(felt.loaded.manifest) != 0;
+  h.law = o.law;
+  h.lesson = o.script.module;
+  h.participant = o.participant;
+  return h;
+}
+
+}  // namespace
+
+void validate_participant(const std::string& token) {
+  const bool plain = std::all_of(token.begin(), token.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  });
+  if (!plain || token.empty() || token.size() > 32)
+    throw Error(ExitCode::usage, "", "--participant",
+                "must be 1 to 32 characters of a-z, 0-9, _ and -: a token, never a name");
+}
+
+LessonResult run_lesson(FeltCase& felt, const LessonOptions& o, const std::atomic<bool>& stop) {
+  validate_participant(o.participant);
+  const CaseManifest& manifest = felt.loaded.manifest;
+  head_shapes_of(manifest);  // refused here rather than by the scorer
+  const HeadFrame frame = head_frame_of(manifest);
+  LessonResult result;
+  RecordingHeader& header = result.recording.header;
+  header = header_of(felt, o);
+  ContactVolume contact(felt.loaded.haptic, o.contact);
+  const std::unique_ptr<Drilling> drilling = felt.drilling_of(header, contact);
+  ToolBelt belt(contact, felt.feels, o.force, o.shaft, header.tools, drilling.get());
+  ScriptedHand hand(o.hand,
+                    plan_moves(o.script, {manifest, contact, frame, header.tools, drilled_shapes(manifest)}, o.aim));
+  FrameQueue queue(ticks_at_once);
+  ServoParams params = o.servo;
+  params.paced = params.realtime = false;
+  Servo servo(belt, hand, params, &queue);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto most = std::uint64_t(std::max(1.0, std::round(o.most_s * o.servo.rate_hz)));
+  while (!hand.done() && servo.statistics().ticks < most) {
+    Progress({}, &stop).check();
+    servo.run(std::min(ticks_at_once, most - servo.statistics().ticks), hand.done());
+    queue.drain(result.recording.frames);
+  }
+  if (drilling) header.outcome = outcome_of(felt.loaded.haptic, drilling->outcome());
+  result.statistics = servo.statistics();
+  result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+VentriculostomyFacts facts_of_recording(FeltCase& felt, const std::string& file, const Recording& recording) {
+  const RecordingHeader& h = recording.header;
+  if (h.lesson != "ventriculostomy")
+    throw Error(ExitCode::bad_input, file, "lesson",
+                h.lesson.empty() ? "is missing: this is no lesson's recording" : h.lesson + " is not known");
+  if (const std::uint64_t missing = missing_frames(recording.frames); missing > 0 || recording.frames.empty())
+    throw Error(ExitCode::bad_input, file, "frames",
+                recording.frames.empty() ? "there are none"
+                                         : std::to_string(missing) + " were not recorded: it cannot be judged");
+  HapticVolume before;
+  before.encoding = felt.loaded.haptic.encoding;
+  before.voxels = felt.loaded.haptic.voxels;
+  before.shapes = felt.loaded.haptic.shapes;
+  ContactVolume contact(felt.loaded.haptic, h.contact);
+  Rerun rerun(felt, contact, file, h);
+  ToolBelt& belt = *rerun.belt();
+  Ventriculostomy lesson(felt.loaded.manifest, before, felt.loaded.haptic);
+  for (const ServoFrame& f : recording.frames) {
+    belt.follow(input_of(f, h.rate_hz), state_of(f));
+    lesson.watch(f, belt);
+  }
+  lesson.close();
+  if (h.outcome && rerun.drilling() && volume_digest(felt.loaded.haptic) != h.outcome->volume_sha256)
+    throw Error(ExitCode::quality, file, "volume_sha256", "the volume differs when the session is followed");
+  return lesson.facts();
+}
+
+}  // namespace trephine

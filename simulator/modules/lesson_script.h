@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <filesystem>
+#include <string>
+
+#include "base/params.h"
+
+namespace trephine {
+
+/// A lesson as a simulated hand is to do it: a JSON file of steps (docs/lessons.md).
+
+/// A place on or in the head. It begins at a landmark, target or burr hole of the case. From there it goes along the
+/// midline of the skin, away from the nasion, then to the side over the skin, then by an offset.
+struct ScriptPlace {
+  std::string at;
+  double along_mm = 0, right_mm = 0;
+  std::array<double, 3> offset_mm{0, 0, 0};
+  template <class V>
+  static void describe(V& v) {
+    using P = ScriptPlace;
+    v.text(&P::at, "at", "Landmark, target or burr hole of the case; hole: the one that was drilled.").is_required();
+    v.number(&P::along_mm, "along_mm", Range{-300, 300}, "From there over the skin along the midline, backwards.");
+    v.number(&P::right_mm, "right_mm", Range{-120, 120}, "Then over the skin to the patient's right.");
+    v.numbers(&P::offset_mm, "offset_mm", Range{-200, 200}, "Then by so much, LPS.");
+  }
+};
+
+struct TakeStep {
+  std::string tool;
+  template <class V>
+  static void describe(V& v) {
+    v.text(&TakeStep::tool, "tool", "The tool: marker, burr or catheter.").is_required();
+  }
+};
+
+struct TraceStep {
+  ScriptPlace from, to;
+  double press_mm = 1.5, speed_mm_per_s = 30;
+  template <class V>
+  static void describe(V& v) {
+    using P = TraceStep;
+    v.group(&P::from, "from", "Where the line begins.").is_required();
+    v.group(&P::to, "to", "Where it ends; between the two it follows the skin.").is_required();
+    v.number(&P::press_mm, "press_mm", Range{0, 20}, "How far below the skin the hand aims.");
+    v.number(&P::speed_mm_per_s, "speed_mm_per_s", Range{1, 1000}, "How fast.");
+  }
+};
+
+struct DrillStep {
+  ScriptPlace at{"mark", 0, 0, {0, 0, 0}};
+  double hole_diameter_mm = 14, layer_mm = 1, past_mm = 0.5, feed_force_n = 1, speed_mm_per_s = 20;
+  template <class V>
+  static void describe(V& v) {
+    using P = DrillStep;
+    v.group(&P::at, "at", "Where; by default the end of the last trace (mark).");
+    v.number(&P::hole_diameter_mm, "hole_diameter_mm", Range{0.1, 60}, "Diameter of the hole.");
+    v.number(&P::layer_mm, "layer_mm", Range{0.05, 10}, "Depth of each layer of the spiral path.");
+    v.number(&P::past_mm, "past_mm", Range{-40, 5}, "How far behind the inner table the path ends.");
+    v.number(&P::feed_force_n, "feed_force_n", Range{0, 20}, "Force above which the hand waits before it goes on.");
+    v.number(&P::speed_mm_per_s, "speed_mm_per_s", Range{1, 1000}, "How fast.");
+  }
+};
+
+struct InsertStep {
+  ScriptPlace toward;
+  ScriptPlace from{"hole", 0, 0, {0, 0, 0}};
+  double short_of_mm = 0, speed_mm_per_s = 15;
+  template <class V>
+  static void describe(V& v) {
+    using P = InsertStep;
+    v.group(&P::toward, "toward", "The place that the line goes to.").is_required();
+    v.group(&P::from, "from", "Where the line enters; by default the middle of the hole.");
+    v.number(&P::short_of_mm, "short_of_mm", Range{-150, 150}, "How far before that place it stops.");
+    v.number(&P::speed_mm_per_s, "speed_mm_per_s", Range{1, 1000}, "How fast.");
+  }
+};
+
+struct WithdrawStep {
+  double by_mm = 120, speed_mm_per_s = 60;
+  template <class V>
+  static void describe(V& v) {
+    using P = WithdrawStep;
+    v.number(&P::by_mm, "by_mm", Range{0, 300}, "How far the tool is drawn back along its axis.");
+    v.number(&P::speed_mm_per_s, "speed_mm_per_s", Range{1, 1000}, "How fast.");
+  }
+};
+
+struct WaitStep {
+  double seconds = 1;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&WaitStep::seconds, "seconds", Range{0, 86400}, "How long the hand stays where it is.");
+  }
+};
+
+struct LessonScript {
+  std::string module;
+  Steps steps;
+  template <class V>
+  static void describe(V& v) {
+    using P = LessonScript;
+    v.word(&P::module, "module", {"ventriculostomy"}, "The lesson that it does.").is_required();
+    v.steps(&P::steps, "steps", lesson_steps(), "What the hand does, in this order.").is_required();
+  }
+  static std::vector<StepChoice> lesson_steps();
+};
+
+/// Throws Error 66; 65 naming the step and the key.
+LessonScript read_lesson_script(const std::filesystem::path& file);
+LessonScript parse_lesson_script(const std::string& json);
+
+}  // namespace trephine

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "modules/ventriculostomy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace trephine {
+namespace {
+
+constexpr double lift_s = 0.3, lift_mm = 5;  // a marker that leaves the skin for less goes on with its trace
+constexpr double path_step_mm = 0.25;        // of a catheter's way
+constexpr double look_each_s = 0.25;         // while the burr runs
+constexpr double withdrawn_mm = 1;           // beyond the place of entry
+
+Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
+
+BeltToolParams tool_of(const char* name, const char* kind) {
+  BeltToolParams t;
+  t.name = name;
+  t.tool = kind;
+  static_cast<ToolParams&>(t) = own_tool(t);
+  return t;
+}
+
+}  // namespace
+
+std::vector<BeltToolParams> ventriculostomy_tools() {
+  BeltToolParams marker = tool_of("marker", "point"), burr = tool_of("burr", "ball"),
+                 catheter = tool_of("catheter", "catheter");
+  marker.blunt = marker.marks = true;
+  burr.blunt = burr.cuts = true;
+  return {marker, burr, catheter};
+}
+
+HeadShapes head_shapes_of(const CaseManifest& manifest) {
+  HeadShapes s;
+  for (const CaseShape& shape : manifest.haptic.shapes) {
+    if (shape.name == "skin") s.skin = shape.number;
+    if (shape.name == "brain") s.brain = shape.number;
+    if (shape.name == "ventricles") s.ventricles = shape.number;
+    if (shape.material.removal_energy_j_per_mm3 > 0 && s.bone == 0) s.bone = shape.number;
+  }
+  if (s.bone == 0 || s.brain == 0 || s.ventricles == 0)
+    throw Error(ExitCode::bad_input, "", "haptic.shapes", "the lesson needs bone, brain and ventricles that are felt");
+  return s;
+}
+
+const char* name_of(LessonEnd end) {
+  return end == LessonEnd::finished ? "finished" : end == LessonEnd::device_lost ? "device lost" : "not finished";
+}
+const char* name_of(LessonPhase phase) {
+  constexpr const char* names[] = {"marking", "drilling", "catheter", "review"};
+  return names[int(phase)];
+}
+
+double VentriculostomyFacts::procedure_s() const { return std::round(1e6 * (end_s - begin_s - paused_s)) / 1e6; }
+
+Ventriculostomy::Ventriculostomy(const CaseManifest& manifest, const HapticVolume& before, const HapticVolume& now)
+    : manifest_(manifest),
+      before_(before),
+      now_(now),
+      frame_(head_frame_of(manifest)),
+      shapes_(head_shapes_of(manifest)) {
+  facts_.hole = find_case_hole(manifest, {});
+  facts_.drilled_beforehand = facts_.hole.has_value();
+}
+
+LessonPhase Ventriculostomy::phase() const {
+  if (facts_.end != LessonEnd::running) return LessonPhase::review;
+  if (facts_.drilled_beforehand || facts_.through_s >= 0) return LessonPhase::catheter;
+  return facts_.incisions.empty() ? LessonPhase::marking : LessonPhase::drilling;
+}
+
+void Ventriculostomy::watch(const ServoFrame& f, const ToolBelt& belt) {
+  if (facts_.end != LessonEnd::running) return;
+  if (!begun_) {
+    begun_ = true;
+    facts_.begin_s = f.time_s - f.dt_s;
+    for (const BeltToolParams& t : belt.tools())
+      if (!t.marks && !t.cuts) catheter_mm_ = t.tool_diameter_mm;
+  }
+  last_s_ = facts_.end_s = f.time_s;
+  const int command = belt_button::command(f.buttons);
+  const bool now = command != belt_button::command(buttons_);
+  buttons_ = f.buttons;
+  facts_.most_force_n = std::max(facts_.most_force_n, norm(vec(f.force_n)));
+  if (f.faults != 0) {
+    facts_.end = LessonEnd::device_lost;
+    return close();
+  }
+  if (belt.paused()) {
+    facts_.pauses += !was_paused_;
+    facts_.paused_s += f.dt_s;
+  }
+  was_paused_ = belt.paused();
+  const BeltToolParams& tool = belt.tools()[std::size_t(belt.in_hand())];
+  const bool pedal = !belt.paused() && (f.buttons & belt_button::pedal);
+  draw(f, pedal && tool.marks);
+  drill(f, belt, pedal && tool.cuts);
+  if (!tool.marks && !tool.cuts && !belt.paused())
+    pass(f);
+  else if (in_brain_)
+    end_pass(f.time_s, false);
+  if (!now || belt.paused()) return;
+  if (command == belt_command::erase)
+    for (MarkerTrace& t : facts_.traces) t.erased = true;
+  if (command == belt_command::incise && belt.drilling() && belt.has_mark())
+    facts_.incisions.push_back({f.time_s, belt.mark_mm()});
+  if (command == belt_command::finish) {
+    facts_.end = LessonEnd::finished;
+    close();
+  }
+}
+
+void Ventriculostomy::draw(const ServoFrame& f, bool pedal) {
+  if (!pedal) return end_trace();
+  const Vec3 at = vec(f.proxy_mm);
+  if (f.touched == 0) {
+    if (drawing_ && f.time_s - last_touch_s_ > lift_s) end_trace();
+    return;
+  }
+  if (drawing_ && norm(at - facts_.traces.back().points_mm.back()) > lift_mm) end_trace();
+  last_touch_s_ = f.time_s;
+  if (!drawing_) {
+    drawing_ = true;
+    facts_.traces.emplace_back();
+    facts_.traces.back().begin_s = f.time_s;
+    facts_.traces.back().points_mm.push_back(at);
+  }
+  MarkerTrace& t = facts_.traces.back();
+  t.end_s = f.time_s;
+  const double step = norm(at - t.points_mm.back());
+  if (step < trace_step_mm) return;
+  t.length_mm += step;
+  t.points_mm.push_back(at);
+}
+
+void Ventriculostomy::end_trace() { drawing_ = false; }
+
+void Ventriculostomy::drill(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
+  if (facts_.drilled_beforehand || !belt.drilling()) return;
+  if (pedal) {
+    facts_.drill_s += f.dt_s;
+    if (facts_.drill_begin_s < 0) facts_.drill_begin_s = f.time_s;
+    axis_sum_ += vec(f.axis);
+    const Vec3 index = now_.voxels.to_index(vec(f.tip_mm));
+    const Vec3 s = now_.voxels.spacing_mm;
+    const bool first = drilled_box_.empty();
+    const int reach = int(std::ceil(20 / std::min({s.x, s.y, s.z}))) + 2;  // no cutter is wider than 40 mm
+    for (int a = 0; a < 3; ++a) {
+      const int at = int(std::lround(std::clamp(index[a], -1e6, 1e6)));
+      const std::size_t n = std::size_t(a);
+      drilled_box_.begin[n] = first ? at - reach : std::min(drilled_box_.begin[n], at - reach);
+      drilled_box_.end[n] = first ? at + reach + 1 : std::max(drilled_box_.end[n], at + reach + 1);
+    }
+  }
+  removed_units_ = belt.drilling()->outcome().units[std::size_t(shapes_.bone)];
+  const bool due = pedal ? f.time_s - looked_s_ > look_each_s : drilling_;
+  drilling_ = pedal;
+  if (due && removed_units_ != looked_units_) look_for_hole(f.time_s, catheter_mm_);
+}
+
+void Ventriculostomy::look_for_hole(double time_s, double ball_mm) {
+  looked_s_ = time_s;
+  looked_units_ = removed_units_;
+  // A hole that is open stays open; what comes after may be another one, or make it wider.
+  HoleSearch search;
+  search.bone = shapes_.bone;
+  search.ball_mm = ball_mm;
+  search.box = grown(drilled_box_, 0, now_.voxels);
+  search.out = axis_sum_;
+  if (!facts_.passes.empty()) search.near_mm = facts_.passes.back().entry_mm;
+  facts_.hole = find_drilled_hole(before_, now_, search);
+  if (facts_.hole && facts_.hole->through && facts_.through_s < 0) facts_.through_s = time_s;
+}
+
+void Ventriculostomy::pass(const ServoFrame& f) {
+  const Vec3 tip = vec(f.proxy_mm);
+  if (!in_brain_) {
+    if (f.inside != shapes_.brain && f.inside != shapes_.ventricles) return;
+    in_brain_ = true;
+    CatheterPass p;
+    p.begin_s = p.end_s = f.time_s;
+    p.entry_mm = tip;
+    p.out = vec(f.axis);
+    facts_.passes.push_back(p);
+  }
+  CatheterPass& p = facts_.passes.back();
+  p.end_s = f.time_s;
+  if (f.inside == shapes_.ventricles && p.csf_s < 0) p.csf_s = f.time_s;
+  if (p.path.empty() || p.path.back().inside != f.inside || norm(tip - p.path.back().tip_mm) >= path_step_mm)
+    p.path.push_back({f.time_s, tip, f.inside});
+  last_tip_ = {f.time_s, tip, f.inside};
+  if (dot(tip - p.entry_mm, p.out) > withdrawn_mm) end_pass(f.time_s, false);
+}
+
+void Ventriculostomy::end_pass(double time_s, bool in_place) {
+  if (!in_brain_) return;
+  in_brain_ = false;
+  CatheterPass& p = facts_.passes.back();
+  p.end_s = time_s;
+  p.in_place = in_place;
+  if (in_place) p.path.push_back(last_tip_);
+}
+
+void Ventriculostomy::close() {
+  end_trace();
+  if (drilling_ && removed_units_ != looked_units_) look_for_hole(last_s_, catheter_mm_);
+  drilling_ = false;
+  end_pass(last_s_, true);
+  // Of several holes the one that the catheter went through.
+  if (facts_.passes.empty()) return;
+  if (facts_.drilled_beforehand)
+    facts_.hole = find_case_hole(manifest_, facts_.passes.back().entry_mm);
+  else if (removed_units_ > 0)
+    look_for_hole(last_s_, catheter_mm_);
+}
+
+}  // namespace trephine

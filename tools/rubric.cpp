@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lesson/rubric.h"
+
+#include <cstdio>
+
+#include "base/write_file.h"
+#include "cli/argument.h"
+#include "commands.h"
+#include "config/declared.h"
+#include "rubric_file.h"
+
+namespace trephine {
+
+Command rubric_command() {
+  using Kind = Argument::Kind;
+  Command c;
+  c.name = "rubric";
+  c.summary = "checks a rubric, by which lessons are scored, and compiles it for the simulator";
+  c.description =
+      "A rubric (configs/rubrics/*.yaml) gives the limits by which `trephine-sim score` judges a recorded lesson, and "
+      "says of each whether it is the dissertation's or ours, and why. The simulator reads no YAML: it takes the JSON "
+      "that this command writes, which is checked and carries the SHA-256 of what it says. docs/lessons.md tells what "
+      "each row measures.";
+  c.examples = {"trephine rubric configs/rubrics/ventriculostomy.yaml --output ventriculostomy.rubric.json"};
+  Argument file = argument("rubric", Kind::in_file, "The rubric (.yaml).");
+  file.positional = file.required = true;
+  Argument output = argument("output", Kind::out_file, "Write the compiled rubric here.");
+  output.required = true;
+  c.arguments = {file, output};
+  c.run = [](const ParsedCommand& parsed) {
+    const std::filesystem::path from = parsed.path("rubric");
+    ConfigFaults faults;
+    RubricFileParams said;
+    const YamlNode tree = read_yaml(from);
+    read_declared({from, faults, {}, {}}, tree, parameters_of<RubricFileParams>(), &said);
+    faults.raise();
+    const std::string json = compile_rubric(said);
+    const CompiledRubric again = read_rubric(json);  // what is written is what will be read
+    write_file(parsed.path("output"), json);
+    if (!parsed.quiet)
+      std::printf("%s  rubric %s\n", parsed.text("output").c_str(), again.sha256.substr(0, 16).c_str());
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+}  // namespace trephine
