@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// write_sample_case FOLDER [full|drill]: writes a small case of every part, one of full size, or one with bone to
-// drill, for the tests of programs.
+// write_sample_case FOLDER [full|drill|head|head_drilled]: writes a small case of every part, one of full size, one
+// with bone to drill, or a head for lessons, for the tests of programs.
 #include <iostream>
 
 #include "case_samples.h"
+#include "lessons_phantom.h"
 
 int main(int argc, char** argv) {
   if (argc < 2) return 64;
   try {
     const std::string kind = argc > 2 ? argv[2] : "";
+    if (kind == "head" || kind == "head_drilled") {
+      lessons::head_case(kind == "head" ? lessons::Kind::whole : lessons::Kind::drilled).write(argv[1]);
+      return 0;
+    }
     (kind == "full"    ? case_samples::full_size_case()
      : kind == "drill" ? case_samples::drill_case()
                        : case_samples::minimal_case())

@@ -10,7 +10,8 @@ namespace {
 constexpr double arrived_mm = 0.3,
                  arrive_at_most_s = 0.5;  // how near, or for how long, the hand follows to a path's end
 
-constexpr double give_up_s = 20;  // of a movement that is held up for so long
+constexpr double rests_after_s = 1;  // a hand that waits and feels nothing rests, without tremor: long waits are cheap
+constexpr double give_up_s = 20;     // of a movement that is held up for so long
 
 }  // namespace
 
@@ -66,6 +67,10 @@ bool ScriptedHand::read(double dt_s, DeviceReading& out) {
     time_s_ += part;
     // A command needs a tick, and one without it before the next.
     if (!over && !done_) over = advance(part) && ticks_of_move_ >= 2;
+    if (waited_s_ > rests_after_s && body_.force_n == Vec3{}) {
+      body_.velocity = {};
+      continue;
+    }
     Vec3 to = aim_mm_;
     add_tremor(params_, time_s_, to);
     body_.pull(params_, hold_, to, part);

@@ -12,7 +12,7 @@ namespace {
 constexpr double lift_s = 0.3, lift_mm = 5;  // a marker that leaves the skin for less goes on with its trace
 constexpr double path_step_mm = 0.25;        // of a catheter's way
 constexpr double look_each_s = 0.25;         // while the burr runs
-constexpr double withdrawn_mm = 1;           // beyond the place of entry
+constexpr double withdrawn_mm = 1;           // before the place of entry: nearer to it, in nothing, the tip is out
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -178,12 +178,16 @@ void Ventriculostomy::look_for_hole(double time_s, double ball_mm) {
 
 void Ventriculostomy::pass(const ServoFrame& f) {
   const Vec3 tip = vec(f.proxy_mm);
+  const bool inside = f.inside == shapes_.brain || f.inside == shapes_.ventricles;
+  // The tip pops through by some millimetres: it entered where it was held before.
+  const Vec3 before = held_tip_;
+  held_tip_ = tip;
   if (!in_brain_) {
-    if (f.inside != shapes_.brain && f.inside != shapes_.ventricles) return;
+    if (!inside) return;
     in_brain_ = true;
     CatheterPass p;
     p.begin_s = p.end_s = f.time_s;
-    p.entry_mm = tip;
+    p.entry_mm = f.events & haptic_event::popped ? before : tip;
     p.out = vec(f.axis);
     facts_.passes.push_back(p);
   }
@@ -193,7 +197,8 @@ void Ventriculostomy::pass(const ServoFrame& f) {
   if (p.path.empty() || p.path.back().inside != f.inside || norm(tip - p.path.back().tip_mm) >= path_step_mm)
     p.path.push_back({f.time_s, tip, f.inside});
   last_tip_ = {f.time_s, tip, f.inside};
-  if (dot(tip - p.entry_mm, p.out) > withdrawn_mm) end_pass(f.time_s, false);
+  // In sulci and cisterns it is in nothing, and still in the brain.
+  if (!inside && dot(tip - p.entry_mm, p.out) > -withdrawn_mm) end_pass(f.time_s, false);
 }
 
 void Ventriculostomy::end_pass(double time_s, bool in_place) {

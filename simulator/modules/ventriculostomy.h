@@ -118,6 +118,7 @@ class Ventriculostomy {
   Box drilled_box_;
   Vec3 axis_sum_;
   PassPoint last_tip_;
+  Vec3 held_tip_;
 };
 
 }  // namespace trephine

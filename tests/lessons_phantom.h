@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// A head of spheres and ellipsoids in which lessons are done: every length in it is known.
+#include <algorithm>
+#include <cmath>
+
+#include "case_samples.h"
+
+namespace lessons {
+
+using namespace trephine;
+
+constexpr double skin_mm = 92, outer_mm = 86, inner_mm = 79, brain_mm = 77;  // radii about the origin
+const Vec3 foramen{-3, -5, 22};                                              // of the right; the left one mirrors it
+
+/// A direction: degrees above the nose, and to the patient's right.
+inline Vec3 towards(double up_deg, double right_deg) {
+  const double u = up_deg * M_PI / 180, r = right_deg * M_PI / 180;
+  return {-std::sin(r), -std::cos(r) * std::cos(u), std::cos(r) * std::sin(u)};
+}
+constexpr double nasion_deg = 10;
+inline double deg_of(double skin_arc_mm) { return skin_arc_mm / skin_mm * 180 / M_PI; }
+inline Vec3 kocher(bool left = false) {
+  const Vec3 d = towards(nasion_deg + deg_of(110), deg_of(27.5));
+  return Vec3{left ? -d.x : d.x, d.y, d.z} * skin_mm;
+}
+inline Vec3 bregma() { return towards(nasion_deg + deg_of(125), 0) * outer_mm; }
+
+/// About the distance to the ventricles' surface, positive inside.
+inline double in_ventricles(Vec3 p) {
+  const auto ellipsoid = [&](Vec3 c, Vec3 r) {
+    const Vec3 d = p - c;
+    return (1 - norm({d.x / r.x, d.y / r.y, d.z / r.z})) * std::min({r.x, r.y, r.z});
+  };
+  const double side = std::max(ellipsoid({-9.5, -8, 28}, {9, 22, 9.5}), ellipsoid({9.5, -8, 28}, {9, 22, 9.5}));
+  return std::max(side, ellipsoid({0, -3, 11}, {3, 12, 9}));
+}
+
+enum class Kind { whole, drilled };
+
+inline HapticVolume volume_of(Kind kind) {
+  constexpr double side = 0.9;
+  constexpr int n = 216;
+  HapticVolume v;
+  Lattice l;
+  l.size = {n, n, n};
+  l.spacing_mm = {side, side, side};
+  l.origin_mm = Vec3{1, 1, 1} * (-side * (n - 1) / 2);
+  v.voxels = Grid<std::int16_t>(l);
+  v.shapes = {occupancy_shape("ventricles", 1), occupancy_shape("brain", 2), occupancy_shape("skull", 3),
+              occupancy_shape("skin", 4)};
+  const Vec3 axis = normalized(kocher());
+  parallel_for(0, n, 1, [&](std::int64_t k, std::int64_t) {
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
+        const double r = norm(p);
+        // The hole, 14 mm wide through bone and 26 mm through skin.
+        const double off = norm(p - axis * dot(p, axis));
+        const bool above = dot(p, axis) > 0;
+        const double bone_hole = kind == Kind::drilled && above ? 7 - off : -1e3;
+        const double skin_hole = kind == Kind::drilled && above ? 13 - off : -1e3;
+        const double depth[4] = {in_ventricles(p), std::min(brain_mm - r, -in_ventricles(p)),
+                                 std::min({outer_mm - r, r - inner_mm, -bone_hole}),
+                                 std::min({skin_mm - r, r - outer_mm, -skin_hole})};
+        int best = 0;
+        for (int s = 1; s < 4; ++s)
+          if (depth[s] > depth[best]) best = s;
+        const int share = int(std::lround(255 * std::clamp(0.5 + depth[best] / side, 0.0, 1.0)));
+        // What no other shape fills is empty.
+        double others = 0;
+        for (int s = 0; s < 4; ++s)
+          if (s != best) others += std::clamp(0.5 + depth[s] / side, 0.0, 1.0);
+        const int bare = share < 255 && others < 0.9 * (1 - share / 255.0) ? haptic_bare_offset : 0;
+        if (share > 0) v.voxels.at(i, j, int(k)) = std::int16_t(1000 * (best + 1) + bare + share);
+      }
+  });
+  return v;
+}
+
+inline void add_shape(CaseManifest& m, const HapticShape& s, const CaseMaterial& material, bool cuttable) {
+  CaseShape shape;
+  shape.name = s.name;
+  shape.number = s.number;
+  shape.window_low = s.window_low;
+  shape.window_high = s.window_high;
+  shape.material = material;
+  shape.cuttable = cuttable;
+  shape.displayed = "haptic";
+  m.haptic.shapes.push_back(shape);
+  CaseAnatomy a;
+  a.name = s.name;
+  m.anatomies.push_back(a);
+}
+
+inline case_samples::MemoryCase head_case(Kind kind, double suture_confidence = 1) {
+  case_samples::MemoryCase c;
+  CaseManifest& m = c.manifest;
+  m.case_token = kind == Kind::drilled ? "head-drilled" : "head";
+  m.program_version = "trephine 0.1.0";
+  m.input_sha256 = sha256_of_bytes("input");
+  const HapticVolume volume = volume_of(kind);
+  m.files.push_back(describe_case_file("haptic", ".nrrd", encode_haptic(volume)));
+  m.haptic.file = m.files.back().name;
+  c.files[m.haptic.file] = encode_haptic(volume);
+  m.haptic.size = volume.voxels.size;
+  m.haptic.spacing_mm = volume.voxels.spacing_mm;
+  // As configs/materials.yaml has them.
+  const CaseFace liquor{true, 0.12, 0.0002, 0.2, 0.15, 0.6}, none{false, 0, 0, 0, 0, 0};
+  add_shape(m, volume.shapes[0], {"csf", {}, liquor, liquor, 0.001, 0, 0}, false);
+  add_shape(m, volume.shapes[1], {"brain", {}, {true, 0.08, 0.0002, 0.3, 0.25, 0.4}, none, 0.01, 0.003, 0}, false);
+  const CaseFace bone{true, 1, 0.0003, 0.35, 0.3, 0};
+  add_shape(m, volume.shapes[2], {"bone", {}, bone, bone, 0, 0, 0.1}, kind == Kind::whole);
+  add_shape(m, volume.shapes[3], {"skin", {}, {true, 0.3, 0.0003, 0.35, 0.3, 2}, none, 0.01, 0.01, 0},
+            kind == Kind::whole);
+  const auto landmark = [&](const char* name, Vec3 p, double confidence = 1) {
+    m.landmarks.push_back({name, p, confidence, "truth"});
+  };
+  landmark("nasion", towards(nasion_deg, 0) * skin_mm);
+  landmark("inion", Vec3{0, 0.99, -0.141} * skin_mm);
+  landmark("vertex", Vec3{0, 0, skin_mm});
+  landmark("bregma", bregma(), suture_confidence);
+  landmark("kocher_right", kocher());
+  landmark("kocher_left", kocher(true));
+  m.targets = {{"monro_right", foramen, 1, "ventricles"},
+               {"monro_left", {-foramen.x, foramen.y, foramen.z}, 1, "ventricles"}};
+  if (kind == Kind::drilled)
+    m.burr_holes = {{"hole",
+                     normalized(kocher()) * outer_mm,
+                     -normalized(kocher()),
+                     14,
+                     {"skull"},
+                     {{"bone_thickness_mm", outer_mm - inner_mm}}}};
+  c.seal();
+  return c;
+}
+
+}  // namespace lessons

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Ventriculostomies in a head of known lengths: perfect, wrong and hostile ones, through the servo.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "lessons_head.h"
+#include "scoring/score_report.h"
+
+using namespace lessons;
+
+namespace {
+
+Head& whole() {
+  static Head head(Kind::whole);
+  return head;
+}
+Head& drilled() {
+  static Head head(Kind::drilled);
+  return head;
+}
+
+std::string perfect() {
+  return std::string(perfect_marks) + ", " + perfect_hole +
+         R"(, {"take": {"tool": "catheter"}}, {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}}, "finish")";
+}
+
+std::string json_of(const Head::Done& d) {
+  return score_json({"head", "ventriculostomy", "p1", "a", "b", "c"}, d.facts, d.score);
+}
+
+}  // namespace
+
+TEST(Lessons, APerfectOneScoresFiveInAllRowsAndReplaysBitForBit) {
+  const Head::Done d = whole().run(perfect());
+  for (const ScoreRow& row : d.score.rows) EXPECT_EQ(row.score.value_or(0), 5) << row.name << ": " << row.why;
+  EXPECT_TRUE(d.score.figures.first_pass);
+  EXPECT_EQ(d.facts.end, LessonEnd::finished);
+  ASSERT_EQ(d.facts.traces.size(), 3u);
+  EXPECT_NEAR(d.facts.traces[1].length_mm, 110, 2);  // along the skin
+  EXPECT_NEAR(d.facts.traces[2].length_mm, 27.5, 1);
+  EXPECT_EQ(d.facts.incisions.size(), 1u);
+  EXPECT_LT(norm(d.facts.incisions[0].at_mm - kocher()), 2);
+  ASSERT_TRUE(d.facts.hole);
+  EXPECT_NEAR(norm(d.facts.hole->outer_mm), outer_mm, 1.3);
+  EXPECT_NEAR(norm(d.facts.hole->inner_mm), inner_mm, 1.3);
+  // Depth from the inner table, by the last frame's tip alone.
+  const Vec3 inner = normalized(kocher()) * inner_mm;
+  EXPECT_NEAR(d.measured("depth", "depth_mm"), norm(d.last_tip() - inner), 1.5);
+  EXPECT_NEAR(d.measured("tip", "foramen_off_mm"), norm(d.last_tip() - foramen), 0.05);  // frames go on a little
+
+  // The same bytes when it is scored again, and the same bits when it is run again.
+  Head::Done again;
+  again.recording = d.recording;
+  whole().score(again);
+  EXPECT_EQ(json_of(d), json_of(again));
+  whole().felt().loaded.haptic = whole().whole();
+  ContactVolume contact(whole().felt().loaded.haptic, d.recording.header.contact);
+  Rerun rerun(whole().felt(), contact, "test", d.recording.header);
+  const std::vector<ServoFrame> frames = rerun.run(d.recording.frames);
+  std::size_t different = 0;
+  for (std::size_t n = 0; n < frames.size(); ++n) different += !same_frame(frames[n], d.recording.frames[n]);
+  EXPECT_EQ(different, 0u);
+  EXPECT_EQ(volume_digest(whole().felt().loaded.haptic), d.recording.header.outcome->volume_sha256);
+
+  // Through a file.
+  const ScratchFolder folder;
+  RecordingWriter writer(folder.path() / "one.lesson", d.recording.header);
+  writer.add(d.recording.frames);
+  writer.finish(d.recording.header.outcome);
+  Head::Done read;
+  read.recording = read_recording(folder.path() / "one.lesson");
+  whole().score(read);
+  EXPECT_EQ(json_of(d), json_of(read));
+
+  // Forces keep to the device's limits over every change of the tool.
+  const double most_step = d.recording.header.force.max_force_rate_n_per_s / d.recording.header.rate_hz;
+  std::set<int> tools;
+  for (std::size_t n = 1; n < d.recording.frames.size(); ++n) {
+    const ServoFrame &a = d.recording.frames[n - 1], &b = d.recording.frames[n];
+    const Vec3 step{b.force_n[0] - a.force_n[0], b.force_n[1] - a.force_n[1], b.force_n[2] - a.force_n[2]};
+    ASSERT_LE(norm(step), most_step * (1 + 1e-9)) << n;
+    tools.insert(belt_button::tool(b.buttons));
+  }
+  EXPECT_EQ(tools, (std::set<int>{0, 1, 2}));
+}
+
+TEST(Lessons, ACaseWithAHoleBeginsAtTheCatheter) {
+  const Head::Done d = drilled().run(
+      R"({"take": {"tool": "catheter"}}, {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}}, "finish")");
+  EXPECT_EQ(d.points("landmarks"), 0);
+  EXPECT_EQ(d.points("burr_hole"), 0);
+  EXPECT_EQ(d.row("burr_hole").why, "the hole was there beforehand");
+  for (const char* name : {"trajectory", "depth", "tip", "time"})
+    EXPECT_EQ(d.points(name), 5) << name << d.row(name).why;
+  EXPECT_TRUE(d.facts.drilled_beforehand);
+  EXPECT_EQ(sum_of(d.score).most, 20);
+}
+
+TEST(Lessons, EveryPassOfTheCatheterIsKept) {
+  const Head::Done d = drilled().run(
+      R"({"take": {"tool": "catheter"}}, {"insert": {"toward": {"at": "monro_right", "offset_mm": [-25, 0, 0]}}},
+         "withdraw", {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 30}}, "withdraw",
+         {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}}, "finish")");
+  ASSERT_EQ(d.facts.passes.size(), 3u);
+  EXPECT_FALSE(d.facts.passes[0].in_place);
+  EXPECT_LT(d.facts.passes[0].csf_s, 0);
+  EXPECT_LT(d.facts.passes[1].csf_s, 0);
+  EXPECT_TRUE(d.facts.passes[2].in_place);
+  EXPECT_GT(d.facts.passes[2].csf_s, d.facts.passes[2].begin_s);
+  EXPECT_TRUE(d.score.figures.in_ventricle);
+  EXPECT_FALSE(d.score.figures.first_pass);
+  EXPECT_EQ(d.points("tip"), 5);
+}
+
+TEST(Lessons, ADoubtfulSutureIsNotJudged) {
+  Head doubtful(Kind::whole, 0.45);
+  const Head::Done d = doubtful.run(std::string(perfect_marks) + R"(, "finish")");
+  for (const char* name : {"landmarks", "burr_hole"}) {
+    EXPECT_FALSE(d.row(name).score.has_value()) << name;
+    EXPECT_NE(d.row(name).why.find("doubtful"), std::string::npos) << d.row(name).why;
+  }
+  EXPECT_EQ(d.points("tip"), 1);
+}
+
+TEST(LessonsHostile, ACatheterWithoutAHoleStaysOutside) {
+  const Head::Done d =
+      whole().run(std::string(perfect_marks) +
+                  R"(, {"take": {"tool": "catheter"}}, {"insert": {"toward": {"at": "monro_right"}}}, "finish")");
+  EXPECT_TRUE(d.facts.passes.empty());
+  EXPECT_EQ(d.points("landmarks"), 5);
+  for (const char* name : {"burr_hole", "trajectory", "depth", "tip"}) EXPECT_EQ(d.points(name), 1) << name;
+  EXPECT_GT(norm(d.last_tip()), outer_mm - 1);
+}
+
+TEST(LessonsHostile, AToolSwappedInTheMiddleOfDrilling) {
+  // The burr is in the bone when the catheter is taken in its place, and is drawn out.
+  const Head::Done d = whole().run(std::string(perfect_marks) +
+                                   R"(, {"take": {"tool": "burr"}}, {"drill": {"past_mm": -4, "hole_diameter_mm": 8}},
+      {"take": {"tool": "catheter"}}, {"wait": {"seconds": 0.2}}, {"take": {"tool": "burr"}},
+      {"drill": {"past_mm": -3, "hole_diameter_mm": 8}}, {"take": {"tool": "marker"}}, "finish")");
+  EXPECT_EQ(d.facts.end, LessonEnd::finished);
+  ASSERT_TRUE(d.facts.hole);
+  EXPECT_FALSE(d.facts.hole->through);
+  EXPECT_LT(d.facts.through_s, 0);
+  EXPECT_EQ(d.points("burr_hole"), 1);
+  EXPECT_EQ(d.row("burr_hole").why, "the hole does not let the catheter through");
+}
+
+TEST(LessonsHostile, APauseCountsNothingAndWaitingAll) {
+  const std::string take = R"({"take": {"tool": "catheter"}}, )";
+  const std::string insert = R"(, {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}}, "finish")";
+  const Head::Done paused = drilled().run(take + R"("pause", {"wait": {"seconds": 1000}}, "resume")" + insert, 100);
+  EXPECT_EQ(paused.facts.pauses, 1);
+  EXPECT_NEAR(paused.facts.paused_s, 1000, 1);
+  EXPECT_EQ(paused.points("time"), 5);
+  EXPECT_EQ(paused.points("tip"), 5);
+  const Head::Done waited = drilled().run(take + R"({"wait": {"seconds": 1000}})" + insert, 100);
+  EXPECT_EQ(waited.points("time"), 1);
+  EXPECT_EQ(waited.row("time").why, "not completed in the allotted time");
+  // Nothing is felt meanwhile: a catheter that is pushed in is where it was not.
+  const Head::Done pushed = drilled().run(take + R"("pause")" + insert, 100);
+  EXPECT_TRUE(pushed.facts.passes.empty());
+  EXPECT_EQ(pushed.facts.end, LessonEnd::running);  // a command of a lesson that stands still
+  EXPECT_EQ(pushed.points("time"), 1);
+}
+
+TEST(LessonsHostile, ALostDeviceEndsTheLessonAndKeepsWhatWasDone) {
+  const Head::Done d = drilled().run(
+      R"({"take": {"tool": "catheter"}}, {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}},
+         "lose_device", {"wait": {"seconds": 1}}, "finish")");
+  EXPECT_EQ(d.facts.end, LessonEnd::device_lost);
+  EXPECT_EQ(d.points("time"), 1);
+  EXPECT_EQ(d.row("time").why, "not completed: device lost");
+  EXPECT_EQ(d.points("tip"), 5);  // where it was when the device went
+  for (std::size_t n = d.recording.frames.size() - 100; n < d.recording.frames.size(); ++n)
+    for (const double f : d.recording.frames[n].force_n) ASSERT_EQ(f, 0);
+}
+
+TEST(LessonsHostile, RecordingsThatAreNoLessonsAreRefused) {
+  Head::Done d = drilled().run(R"({"take": {"tool": "catheter"}}, "finish")", 100);
+  const auto refused = [&](ExitCode code, const char* field) {
+    try {
+      drilled().score(d);
+      ADD_FAILURE() << field;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), code);
+      EXPECT_EQ(e.field(), field);
+    }
+  };
+  const Recording good = d.recording;
+  d.recording.header.lesson = "";
+  refused(ExitCode::bad_input, "lesson");
+  d.recording = good;
+  d.recording.frames.erase(d.recording.frames.begin() + 5);
+  refused(ExitCode::bad_input, "frames");
+  d.recording.frames.clear();
+  refused(ExitCode::bad_input, "frames");
+  d.recording = good;
+  drilled().score(d);
+}
+
+TEST(LessonsScript, FaultsNameTheStep) {
+  const auto refused = [](const std::string& steps, const std::string& field) {
+    try {
+      whole().run(steps);
+      ADD_FAILURE() << steps;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_input);
+      EXPECT_EQ(e.field(), field) << e.what();
+    }
+  };
+  refused(R"({"take": {"tool": "spoon"}})", "steps[0].take: tool");
+  refused(R"("incise", {"take": {"too": "burr"}})", "steps[1].take.too");
+  refused(R"("fly")", "steps[0]");
+  refused(R"({"wait": {"seconds": -1}})", "steps[0].wait.seconds");
+  refused(R"({"drill": {}})", "steps[0].drill: at");
+  refused(R"({"insert": {"toward": {"at": "nowhere"}}})", "steps[0].insert: at");
+}
+
+TEST(LessonsRubric, IsReadAsItWasCompiledAndNotAsItWasChanged) {
+  const std::string json = compile_rubric(Head::rubric());
+  EXPECT_EQ(compile_rubric(read_rubric(json).rubric), json);
+  const auto refused = [](std::string text, const std::string& from, const std::string& to, const std::string& field) {
+    text.replace(text.find(from), from.size(), to);
+    try {
+      read_rubric(text);
+      ADD_FAILURE() << to;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_input);
+      EXPECT_EQ(e.field(), field);
+    }
+  };
+  refused(json, "\"limit\": 300.0", "\"limit\": 310.0", "sha256");
+  refused(json, "\"limit\": 300.0", "\"limit\": 310.0,\n\"limit\": 300.0", "limit");
+  refused(json, "\"limit\": 300.0", "\"limit\": 700.0", "rubric.time.good_s.limit");
+  refused(json, "\"trephine_rubric\": 1", "\"trephine_rubric\": 2", "trephine_rubric");
+  refused(json, "\"ideal_s\"", "\"idle_s\"", "rubric.time.idle_s");
+  refused(json, "{", "[", "json");
+}

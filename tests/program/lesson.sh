@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# A lesson as its user does it: the shipped rubric, a script, the recording, its score twice, and what is refused.
+. "$(dirname "$0")/common.sh"
+: "${OFFLINE:?}" "${WRITE_CASE:?}"
+"$WRITE_CASE" "$work/head" head_drilled
+"$OFFLINE" rubric "$SOURCE/configs/rubrics/ventriculostomy.yaml" --output "$work/rubric.json" >/dev/null
+cat >"$work/script.json" <<'JSON'
+{"module": "ventriculostomy", "steps": [{"take": {"tool": "catheter"}},
+  {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}}, "finish"]}
+JSON
+lesson=("$TREPHINE" lesson "$work/head" --script "$work/script.json")
+"${lesson[@]}" --record "$work/one.lesson" --participant r-01 >"$work/text" || { cat "$work/text"; fail "no lesson"; }
+score=("$TREPHINE" score "$work/one.lesson" --case "$work/head" --rubric "$work/rubric.json")
+"${score[@]}" --json "$work/one.json" >"$work/text" || { cat "$work/text"; fail "no score"; }
+grep -q '^20 of 20 points; finished, 1 catheter passes, success at the first pass$' "$work/text" || { cat "$work/text"; fail "other points"; }
+grep -Eq '^Burr hole placement +not judged  the hole was there beforehand$' "$work/text" || fail "the case's own hole is judged"
+"${score[@]}" --json "$work/two.json" >/dev/null
+cmp "$work/one.json" "$work/two.json" || fail "scored again it is not the same"
+"${lesson[@]}" --record "$work/two.lesson" --participant r-01 >/dev/null
+cmp "$work/one.lesson" "$work/two.lesson" || fail "done again it is not the same"
+"$TREPHINE" replay "$work/head" "$work/one.lesson" | grep -q '^replayed bit for bit$' || fail "replays otherwise"
+
+# The limits that are the dissertation's say so, with its table; the others are ours, and say why.
+python3 - "$work/one.json" <<'PY'
+import json, sys
+j = json.load(open(sys.argv[1]))
+assert j["participant"] == "r-01" and [r["name"] for r in j["rows"]] == ["landmarks", "burr_hole", "trajectory", "depth", "tip", "time"]
+limits = {(r["name"], k): l for r in j["rows"] for k, l in r["limits"].items()}
+thesis = {k: l["limit"] for k, l in limits.items() if l["from"] == "thesis"}
+assert thesis == {("depth", "least_mm"): 30, ("depth", "low_mm"): 40, ("depth", "ideal_low_mm"): 50, ("depth", "ideal_high_mm"): 60,
+                  ("depth", "high_mm"): 70, ("depth", "most_mm"): 90, ("tip", "foramen_mm"): 5, ("time", "ideal_s"): 300,
+                  ("time", "acceptable_s"): 600}, thesis
+assert all("Table XIII" in limits[k]["why"] for k in thesis) and all(l["why"] for l in limits.values())
+assert all(r["decided_s"] is not None for r in j["rows"] if r["score"] != "not judged")
+PY
+
+sed 's/"limit": 300.0/"limit": 310.0/' "$work/rubric.json" >"$work/changed.json"
+cmp -s "$work/rubric.json" "$work/changed.json" && fail "nothing was changed"
+expect 65 'changed.json: sha256: the rubric was changed' "$TREPHINE" score "$work/one.lesson" --case "$work/head" --rubric "$work/changed.json"
+expect 64 '[-]-participant: must be' "${lesson[@]}" --record "$work/x" --participant "Jane Doe"
+"$TREPHINE" servo "$work/head" --no-paced --seconds 0.1 --record "$work/plain.servo" >/dev/null
+expect 65 'plain.servo: lesson: is missing' "$TREPHINE" score "$work/plain.servo" --case "$work/head" --rubric "$work/rubric.json"
+echo '{"module": "ventriculostomy", "steps": ["fly"]}' >"$work/script.json"
+expect 65 'script.json: steps\[0\]: fly, no such step' "${lesson[@]}" --record "$work/x"
+sed 's/limit: 300/limit: 3000/' "$SOURCE/configs/rubrics/ventriculostomy.yaml" >"$work/wrong.yaml"
+expect 78 'wrong.yaml:[0-9]+:[0-9]+: time.good_s.limit: is below ideal_s' "$OFFLINE" rubric "$work/wrong.yaml" --output "$work/x"
+sed 's/, why: interpolated//' "$SOURCE/configs/rubrics/ventriculostomy.yaml" >"$work/wrong.yaml"
+expect 78 'tip.near_mm.why: is missing' "$OFFLINE" rubric "$work/wrong.yaml" --output "$work/x"
+[[ ! -e $work/x ]] || fail "something was written"
