@@ -12,6 +12,9 @@ Program declare() {
   program.summary = "runs surgical simulations on the cases that trephine makes";
   program.reference_folder = "docs/reference-sim";
   program.commands = {check_command(), servo_command(), replay_command(), lesson_command(), score_command()};
+#ifdef TREPHINE_WITH_DISPLAY
+  program.commands.push_back(render_command());
+#endif
   return program;
 }
 

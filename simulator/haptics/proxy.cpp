@@ -61,6 +61,12 @@ const HapticState& Proxy::update(const HapticInput& given) {
     state_.force_n = {};
     return state_;
   }
+  if (in.buttons & haptic_button::lifted) {
+    reset();
+    state_.proxy_mm = in.tip_mm;
+    if (in.axis != Vec3{}) state_.axis = normalized(in.axis);
+    return state_;
+  }
   if (ball_) in.axis = in.axis == Vec3{} ? state_.axis : normalized(in.axis);
   if (!begun_) begin(in);
   if (!begun_) return state_;  // a tool that is still looking for its way out

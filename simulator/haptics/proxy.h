@@ -24,6 +24,10 @@ struct HapticInput {
   double period_s = 0;  ///< the loop's own; 0: dt_s. A longer dt_s is a stall, in which the device let its force decay
 };
 
+/// Buttons that the simulator itself gives a meaning; others are the drill's (Drilling).
+namespace haptic_button {
+constexpr std::uint32_t lifted = 1u << 31;  ///< the hand took the tool away and comes again wherever the pose is
+}
 namespace haptic_event {
 constexpr std::uint32_t touch = 1, untouch = 2, motion = 4, popped = 8, left = 16, locked = 32, unlocked = 64;
 constexpr const char* names[] = {"touch", "untouch", "motion", "popped", "left", "locked", "unlocked"};  ///< by bit
@@ -68,6 +72,9 @@ struct HapticState {
 ///
 /// The force changes by at most max_force_rate_n_per_s times the loop's period a frame, however long the frame was.
 /// After a stall it starts from what the device still holds (ForceHold).
+///
+/// While the button haptic_button::lifted is down there is neither contact nor force, and the tool is shown at the
+/// device; then it starts again.
 ///
 /// A ball (Tool::ball_radius_mm) is exactly round: the proxy holds its centre off all surfaces by its radius
 /// (BallBody).

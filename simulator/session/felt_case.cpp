@@ -5,8 +5,8 @@
 
 namespace trephine {
 
-FeltCase::FeltCase(const std::filesystem::path& folder, const std::string& shape)
-    : loaded(load_case(folder)), feels(feels_of(loaded.manifest.haptic)), felt_shape(shape) {
+FeltCase::FeltCase(const std::filesystem::path& folder, const std::string& shape, LoadParts parts)
+    : loaded(load_case(folder, parts)), feels(feels_of(loaded.manifest.haptic)), felt_shape(shape) {
   if (!loaded.has_haptic())
     throw Error(ExitCode::bad_input, folder.string(), "haptic", "the case has no haptic volume");
   if (shape.empty()) return;
@@ -24,13 +24,14 @@ FeltCase::FeltCase(const std::filesystem::path& folder, const std::string& shape
     }
 }
 
-std::unique_ptr<Drilling> FeltCase::drilling_of(const RecordingHeader& header, ContactVolume& contact) {
+std::unique_ptr<Drilling> FeltCase::drilling_of(const RecordingHeader& header, ContactVolume& contact,
+                                                DirtyBricks* marks) {
   if (!header.drilling.drill) return nullptr;
   const ToolParams* tool = &header.tool;
   for (const BeltToolParams& t : header.tools)
     if (t.cuts) tool = &t;
   return std::make_unique<Drilling>(loaded.haptic, contact, drill_shapes_of(loaded.manifest.haptic), header.drilling,
-                                    header.law, cutter_of(header.drilling, own_tool(*tool)));
+                                    header.law, cutter_of(header.drilling, own_tool(*tool)), marks);
 }
 
 RecordingHeader FeltCase::header() const {
@@ -58,12 +59,13 @@ std::vector<ServoFrame> Rerun::run(const std::vector<ServoFrame>& recorded) {
                : replay_frames(recorded, rate_hz_, *proxy_, drilling_.get());
 }
 
-FeltCase felt_again(const std::filesystem::path& folder, const std::string& file, const RecordingHeader& h) {
+FeltCase felt_again(const std::filesystem::path& folder, const std::string& file, const RecordingHeader& h,
+                    LoadParts parts) {
   const auto refuse = [&](const char* field, const std::string& what) {
     throw Error(ExitCode::bad_input, file, field, what);
   };
   try {
-    FeltCase felt(folder, h.felt_shape);
+    FeltCase felt(folder, h.felt_shape, parts);
     const RecordingHeader now = felt.header();
     if (now.haptic_sha256 != h.haptic_sha256)
       refuse("haptic_sha256", "the recording is of another haptic volume (case " + h.case_token + ")");

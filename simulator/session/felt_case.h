@@ -19,9 +19,10 @@ struct FeltCase {
 
   /// Throws as load_case does; 65 where the case has no haptic volume; 64 for --shape where it has no such shape. If a
   /// shape is given, no other can be touched.
-  FeltCase(const std::filesystem::path& folder, const std::string& shape);
+  FeltCase(const std::filesystem::path& folder, const std::string& shape, LoadParts parts = {});
   /// What cuts, where the recording's tool does; else null. Throws as Drilling and cutter_of do.
-  std::unique_ptr<Drilling> drilling_of(const RecordingHeader& header, ContactVolume& contact);
+  std::unique_ptr<Drilling> drilling_of(const RecordingHeader& header, ContactVolume& contact,
+                                        DirtyBricks* marks = nullptr);
   /// The case and shape of a recording.
   RecordingHeader header() const;
 };
@@ -43,7 +44,8 @@ class Rerun {
 };
 
 /// The case and the tool as a recording has them. Throws Error 65, naming the file, where they are others.
-FeltCase felt_again(const std::filesystem::path& folder, const std::string& file, const RecordingHeader& header);
+FeltCase felt_again(const std::filesystem::path& folder, const std::string& file, const RecordingHeader& header,
+                    LoadParts parts = {});
 Tool tool_again(const std::string& file, const ToolParams& params);
 
 }  // namespace trephine

@@ -39,29 +39,37 @@ double SessionResult::cpu_us_a_tick() const {
 }
 
 Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
-                 const std::function<void(const std::string&)>& say)
+                 const std::function<void(const std::string&)>& say, std::shared_ptr<Patient> patient)
     : options_(options),
       stop_(stop),
-      felt_(options.case_folder, options.shape),
-      contact_(felt_.loaded.haptic, options.contact),
-      device_(in_workspace(make_device(options.device, scene_of(options, say)), options.workspace)),
+      patient_(patient ? std::move(patient)
+                       : std::make_shared<Patient>(options.case_folder, options.shape, options.contact)),
+      device_(in_workspace(options.own_device ? options.own_device(scene_of(options, say))
+                                              : make_device(options.device, scene_of(options, say)),
+                           options.workspace)),
       header_(header_of(options)),
-      proxy_(contact_, felt_.feels, options.force, options.shaft, make_tool(header_.tool)),
-      drilling_(felt_.drilling_of(header_, contact_)),
+      proxy_(patient_->contact, patient_->felt.feels, options.force, options.shaft, make_tool(header_.tool)),
+      drilling_(patient_->felt.drilling_of(header_, patient_->contact, &patient_->marks)),
       recording_(recording_of(options, header_)),
       ticks_(ticks_of(options)),
       queue_(queue_size()),
-      servo_(proxy_, *device_, options.servo, recording_ ? &queue_ : nullptr, drilling_.get()) {}
+      servo_(proxy_, *device_, options.servo, recording_ || options.watched ? &queue_ : nullptr, drilling_.get()) {}
 
 Session::~Session() {
   if (thread_.joinable()) thread_.join();
 }
 
 DeviceScene Session::scene_of(const SessionOptions& options, const std::function<void(const std::string&)>& say) {
-  DeviceScene scene{
-      contact_, touchable_of(felt_.feels), options.servo.paced, options.servo.realtime, say, Progress({}, &stop_), 0, 0,
-      {}};
-  const CaseManifest& m = felt_.loaded.manifest;
+  DeviceScene scene{patient_->contact,
+                    touchable_of(patient_->felt.feels),
+                    options.servo.paced,
+                    options.servo.realtime,
+                    say,
+                    Progress({}, &stop_),
+                    0,
+                    0,
+                    {}};
+  const CaseManifest& m = patient_->felt.loaded.manifest;
   if (!options.drilling.drill) return scene;
   const DrillShapes shapes = drill_shapes_of(m.haptic);
   for (std::size_t n = 1; n < shapes.size(); ++n)
@@ -73,7 +81,7 @@ DeviceScene Session::scene_of(const SessionOptions& options, const std::function
 }
 
 RecordingHeader Session::header_of(const SessionOptions& options) const {
-  RecordingHeader header = felt_.header();
+  RecordingHeader header = patient_->felt.header();
   header.device = options.device.name;
   header.rate_hz = options.servo.rate_hz;
   header.contact = options.contact;
@@ -86,7 +94,7 @@ RecordingHeader Session::header_of(const SessionOptions& options) const {
 }
 
 std::size_t Session::queue_size() const {
-  if (!recording_) return 64;
+  if (!recording_ && !options_.watched) return 64;
   return options_.servo.paced ? std::size_t(1) << 16 : std::size_t(ticks_);
 }
 
@@ -114,7 +122,12 @@ const RealtimeGrant& Session::start() {
 void Session::drain() {
   frames_.clear();
   queue_.drain(frames_);
-  recording_->add(frames_);
+  if (recording_) recording_->add(frames_);
+}
+
+const std::vector<ServoFrame>& Session::take_frames() {
+  drain();
+  return frames_;
 }
 
 void Session::write_frames() {
@@ -124,10 +137,10 @@ void Session::write_frames() {
 SessionResult Session::finish() {
   if (thread_.joinable()) thread_.join();
   SessionResult result{header_, {}, grant_, servo_.statistics(), device_->counts(), queue_.dropped(), {}, {}, cpu_s_};
-  for (const CaseShape& s : felt_.loaded.manifest.haptic.shapes) result.shapes[s.number] = s.name;
+  for (const CaseShape& s : patient_->felt.loaded.manifest.haptic.shapes) result.shapes[s.number] = s.name;
   if (drilling_) {
     result.drilled = drilling_->outcome();
-    result.outcome = outcome_of(felt_.loaded.haptic, drilling_->outcome());
+    result.outcome = outcome_of(patient_->felt.loaded.haptic, drilling_->outcome());
   }
   if (recording_) {
     drain();

@@ -19,11 +19,26 @@
 
 namespace trephine {
 
+/// What is felt, and stays where one tool is put away and another taken.
+struct Patient {
+  FeltCase felt;
+  ContactVolume contact;
+  DirtyBricks marks;  ///< of what was cut, for who shows it
+  Patient(FeltCase case_, const ContactParams& params)
+      : felt(std::move(case_)), contact(felt.loaded.haptic, params), marks(felt.loaded.haptic.voxels) {}
+  Patient(const std::filesystem::path& folder, const std::string& shape, const ContactParams& params,
+          LoadParts parts = {})
+      : Patient(FeltCase(folder, shape, parts), params) {}
+};
+
 /// The options of a session.
 struct SessionOptions {
   std::filesystem::path case_folder;
   std::string shape;  ///< the only shape that is felt; empty: all of the case
   DeviceChoice device;
+  /// Makes the device instead, where it is given: a window is its own.
+  std::function<std::unique_ptr<Device>(const DeviceScene&)> own_device;
+  bool watched = false;  ///< take_frames() gives every frame, also without a recording
   WorkspaceParams workspace;
   double seconds = 10;
   ServoParams servo;
@@ -59,9 +74,11 @@ class Session {
   /// FeltCase, make_device, make_tool and RecordingWriter do; 64 for a session without a clock that is too long to be
   /// kept.
   ///
-  /// `stop` ends a wait and the loop, and must outlive the session.
+  /// `stop` ends a wait and the loop, and must outlive the session. A patient that is given is not loaded, and only
+  /// one session at a time may run on it; what was cut of it stays cut, so that no recording is allowed then unless
+  /// nothing was.
   Session(const SessionOptions& options, const std::atomic<bool>& stop,
-          const std::function<void(const std::string&)>& say);
+          const std::function<void(const std::string&)>& say, std::shared_ptr<Patient> patient = nullptr);
   /// Waits for the loop's end. Without finish() the recording is lost.
   ~Session();
   Session(const Session&) = delete;
@@ -73,6 +90,8 @@ class Session {
   /// Writes the frames that were recorded since the last call. Throws Error 74. Without a clock it does nothing,
   /// because all frames wait for finish().
   void write_frames();
+  /// The same, and the frames themselves, valid until the next call; for a session that is watched.
+  const std::vector<ServoFrame>& take_frames();
   /// Waits for the loop's end, and completes the recording. A session that was stopped is only shorter; its recording
   /// is kept. Throws Error 74.
   SessionResult finish();
@@ -92,8 +111,7 @@ class Session {
 
   const SessionOptions options_;
   const std::atomic<bool>& stop_;
-  FeltCase felt_;
-  ContactVolume contact_;
+  std::shared_ptr<Patient> patient_;
   std::unique_ptr<Device> device_;
   RecordingHeader header_;
   Proxy proxy_;

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <iostream>
+
+#include "base/error.h"
+#include "base/write_file.h"
+#include "cli/argument.h"
+#include "commands/commands.h"
+#include "render/stage.h"
+
+namespace trephine {
+namespace {
+
+struct PictureParams {
+  int width = 1280, height = 720;
+  double frames_per_s = 30, from_s = 0, to_s = 0;
+  template <class V>
+  static void describe(V& v) {
+    using P = PictureParams;
+    v.integer(&P::width, "width", Range{16, 7680}, "Width of a picture, in pixels.");
+    v.integer(&P::height, "height", Range{16, 4320}, "Height of a picture, in pixels.");
+    v.number(&P::frames_per_s, "frames_per_s", Range{0.01, 240}, "Pictures for each second of a recording.");
+    v.number(&P::from_s, "from_s", Range{0, 1e6}, "Time of the recording at which the pictures begin.");
+    v.number(&P::to_s, "to_s", Range{0, 1e6}, "Time at which they end; 0: the recording's end.");
+  }
+};
+
+class Pictures {
+ public:
+  Pictures(const ParsedCommand& parsed, const LoadedCase& loaded)
+      : params_(parsed.params<PictureParams>()),
+        out_(parsed.path("out")),
+        stage_(loaded, parsed.params<ViewParams>()),
+        camera_(camera_of(parsed.params<ViewParams>(), loaded.manifest, stage_.scene())),
+        target_(params_.width, params_.height) {
+    make_output_folder(out_);
+    std::cout << fmt::format("drawn by {}\n", stage_.driver().renderer);
+  }
+  Stage& stage() { return stage_; }
+  const PictureParams& params() const { return params_; }
+
+  void write() {
+    const auto begin = std::chrono::steady_clock::now();
+    stage_.draw(camera_, params_.width, params_.height, [this] { target_.bind(); });
+    const Picture picture = target_.read();
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    write_file(out_ / fmt::format("frame-{:05}.png", ++count_), png_of(picture));
+  }
+  void print() const {
+    std::cout << fmt::format("{} pictures of {} x {} in {}, {:.0f} ms each\n", count_, params_.width, params_.height,
+                             out_.string(), 1000 * seconds_ / count_);
+  }
+
+ private:
+  const PictureParams params_;
+  std::filesystem::path out_;
+  Stage stage_;
+  OrbitCamera camera_;
+  OffscreenPicture target_;
+  int count_ = 0;
+  double seconds_ = 0;
+};
+
+void render_recording(const ParsedCommand& parsed) {
+  const Progress progress({}, &cancel_requested());
+  Playback playback(parsed.path("case"), parsed.path("recording"), {true}, progress);
+  Pictures pictures(parsed, playback.loaded());
+  pictures.stage().set_tool(playback.header().tool);
+  const PictureParams& p = pictures.params();
+  const double begin = std::max(p.from_s, playback.begin_s()),
+               end = p.to_s > 0 ? std::min(p.to_s, playback.end_s()) : playback.end_s();
+  if (!(begin <= end))
+    throw Error(ExitCode::usage, "", "--from-s",
+                fmt::format("the recording lasts from {:.3f} to {:.3f} s", playback.begin_s(), playback.end_s()));
+  const auto count = std::int64_t((end - begin) * p.frames_per_s + 1e-9) + 1;
+  for (std::int64_t n = 0; n < count; ++n) {
+    progress.check();
+    playback.go_to(begin + double(n) / p.frames_per_s);
+    pictures.stage().follow(playback.marks());
+    std::size_t incisions = 0;
+    for (const IncisionMark& mark : playback.incisions()) incisions += mark.time_s <= playback.time_s();
+    pictures.stage().show_incisions(playback.incisions(), incisions);
+    pictures.stage().show_frame(playback.frame());
+    pictures.write();
+  }
+  pictures.print();
+}
+
+ExitCode run_render(const ParsedCommand& parsed) {
+  const OffscreenContext context;
+  driver_facts();
+  if (parsed.has("recording")) {
+    render_recording(parsed);
+    return ExitCode::ok;
+  }
+  const LoadedCase loaded = load_case(parsed.path("case"), {true});
+  Pictures pictures(parsed, loaded);
+  pictures.write();
+  pictures.print();
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+Command render_command() {
+  Command c;
+  c.name = "render";
+  c.summary = "draws a case, or a recording of a session with it, as PNG pictures without a display";
+  c.description =
+      "Without a recording there is one picture of the case. With one, the recording is run again, and there is a "
+      "picture for each step of its time, with the tool, the contact, the bone as it is drilled then, and the "
+      "incisions. The pictures are frame-00001.png and so on. It needs OpenGL 4.3 through EGL; Mesa draws on the "
+      "processor where there is no graphics card. Exit code 74 says that there is no OpenGL, 80 that the recording "
+      "gives another volume when it is run again.";
+  Argument folder = argument("case", Argument::Kind::in_folder, "Folder of the case.");
+  folder.positional = folder.required = true;
+  Argument recording = argument("recording", Argument::Kind::in_file, "A recording of a session with that case.");
+  recording.positional = true;
+  Argument out = argument("out", Argument::Kind::out_folder, "Folder for the pictures.");
+  out.required = true;
+  c.arguments = {folder, recording, out};
+  c.groups = {ParameterGroup::of<PictureParams>("Pictures"), ParameterGroup::of<ViewParams>("View")};
+  c.examples = {"trephine-sim render library/sample --out pictures",
+                "trephine-sim render library/sample --out pictures --cut sagittal --opacity skin=0.3",
+                "trephine-sim render library/sample hole.servo --out pictures --frames-per-s 25 --stereo side_by_side"};
+  c.run = run_render;
+  return c;
+}
+
+}  // namespace trephine

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "render/context.h"
+#include "scene/png.h"
+#include "scene/scene.h"
+#include "scene/tool_solid.h"
+#include "voxel/live_surface.h"
+
+namespace trephine {
+
+/// How much is spent on a picture.
+struct RenderQuality {
+  int samples = 4;          ///< a pixel, at edges; at most what the driver has
+  bool occlusion = true;    ///< darkens creases and what is near behind something
+  double occlusion_mm = 9;  ///< within that distance
+  bool grain = true;        ///< a texture on what only an incision cuts
+};
+
+/// The wall of an incision: what is seen of the surface's own thickness where a ball was taken out of it.
+struct IncisionWall {
+  CutBall ball;
+  int surface = 0;                      ///< in SceneData::surfaces
+  Lattice lattice;                      ///< around the ball
+  std::vector<std::uint8_t> occupancy;  ///< of the surface's shape before the cut, 0 to 255
+};
+
+/// Draws a scene with OpenGL 4.3 core into a texture of its own. All calls come from the thread of the context that was
+/// current when it was made. Positions are converted to mm from the scene's centre, so that floats are precise.
+///
+/// Opaque surfaces first; caps where the cut plane passes through solids (stencil); then the darkening; then
+/// transparent surfaces, the far sides from the outermost to the innermost and the near sides back, which is the right
+/// order for shells that lie within each other, and may be wrong where they cross. Where a surface is cut by a plane
+/// the viewer should not stand within the solid: the cap is then not seen.
+class Renderer {
+ public:
+  /// Throws Error 74 where the graphics memory does not suffice, or a shader does not compile.
+  Renderer(const SceneData& scene, const RenderQuality& quality);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  void set_quality(const RenderQuality& quality);
+  /// The triangles of a live surface, whole; and those bricks that LiveSurface::update returned.
+  void set_live(int surface, const LiveSurface& live, const Lattice& lattice);
+  void update_live(int surface, const LiveSurface& live, const std::vector<std::size_t>& bricks);
+  void set_tool(const Solid& solid);
+  void set_ct(const Grid<std::int16_t>& ct);
+  /// At most 16 are drawn: the newest.
+  void set_incisions(const std::vector<IncisionWall>& walls);
+  void set_background(std::array<float, 3> linear_rgb);
+
+  /// Draws into the renderer's own picture.
+  void draw(const EyeView& eye, const SceneState& state, int width, int height);
+  /// Copies that picture into a rectangle (from the lower left corner) of the framebuffer that is bound; only the
+  /// channels of the mask (1 red, 2 green, 4 blue).
+  void present(int x, int y, int width, int height, int mask = 7);
+
+  std::size_t triangles(const SceneState& state) const;  ///< that such a picture draws
+  std::size_t graphics_bytes() const;                    ///< of vertices, triangles and textures; without pictures
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// A framebuffer without a window: present() into it, then read.
+class OffscreenPicture {
+ public:
+  OffscreenPicture(int width, int height);
+  ~OffscreenPicture();
+  void bind();
+  Picture read();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Binds the window's own framebuffer again, for present().
+void bind_screen();
+/// What a window's framebuffer shows, from its lower left corner: of the one that is bound for reading.
+Picture read_picture(int width, int height);
+
+}  // namespace trephine

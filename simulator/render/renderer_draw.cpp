@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+
+#include "haptics/tool.h"
+#include "render/renderer_impl.h"
+
+namespace trephine {
+namespace {
+
+constexpr float grain_of_surface = 0.35f;
+
+float linear(double srgb) { return float(std::pow(std::clamp(srgb, 0.0, 1.0), 2.2)); }
+
+void set_colour(const std::array<float, 3>& srgb) { glVertexAttrib3f(2, srgb[0], srgb[1], srgb[2]); }
+
+}  // namespace
+
+void Renderer::Impl::set_balls(const GlProgram& program, bool any) const {
+  const int count = any ? int(walls.size()) : 0;
+  program.set("balls", count);
+  for (int n = 0; n < count; ++n) {
+    const CutBall& b = walls[std::size_t(n)].is.ball;
+    const Vec3 p = relative(b.centre_mm);
+    const std::string name = "ball[" + std::to_string(n) + "]";
+    program.set(name.c_str(), float(p.x), float(p.y), float(p.z), float(b.radius_mm));
+  }
+}
+
+// What is the same for all that the surface program draws in this picture.
+void Renderer::Impl::begin_surface(const GlProgram& p, const EyeView& eye, const SceneState& state) const {
+  p.use();
+  p.set("to_camera", eye.to_camera(centre_mm));
+  p.set("projection", eye.projection());
+  if (state.cut) {
+    const Vec3 n = normalized(state.cut->normal);
+    p.set("clip", float(n.x), float(n.y), float(n.z), float(dot(n, relative(state.cut->point_mm))));
+  } else {
+    p.set("clip", 0.f, 0.f, 0.f, 1.f);
+  }
+  p.set("noise", 0);
+  p.set("occupancy", 1);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_3D, noise);
+  glActiveTexture(GL_TEXTURE1);
+  glBindTexture(GL_TEXTURE_3D, noise);  // until a wall binds its own
+  p.set("wall", 0);
+  p.set("glow_colour", 0.05f, 0.55f, 0.9f);
+  p.set("glow", state.contact_mm ? float(0.25 + 0.65 * std::clamp(state.contact_strength, 0.0, 1.0)) : 0.f);
+  if (state.contact_mm) p.set("glow_place", relative(*state.contact_mm));
+}
+
+void Renderer::Impl::draw_surface(std::size_t n) const {
+  const Item& item = items[n];
+  if (item.live)
+    item.bricks.draw();
+  else
+    item.fixed.draw();
+}
+
+void Renderer::Impl::use_surface(std::size_t n, const SceneState& state, double opacity) {
+  const Item& item = items[n];
+  surface.set("model", item.live ? item.bricks.model() : Mat4());
+  surface.set("opacity", float(opacity));
+  surface.set("grain", item.incised && quality.grain ? grain_of_surface : 0.f);
+  set_balls(surface, item.incised);
+  set_colour(item.colour_rgb);
+  (void)state;
+}
+
+void Renderer::Impl::draw_opaque(const SceneState& state) {
+  for (std::size_t n = items.size(); n-- > 0;) {
+    if (n >= state.opacity.size() || state.opacity[n] < 1) continue;
+    // Inner sides are seen only through a cut or an incision.
+    if (state.cut || (items[n].incised && !walls.empty()))
+      glDisable(GL_CULL_FACE);
+    else
+      glEnable(GL_CULL_FACE);
+    use_surface(n, state, 1);
+    draw_surface(n);
+  }
+  glDisable(GL_CULL_FACE);
+}
+
+void Renderer::Impl::draw_walls(const SceneState& state) {
+  glEnable(GL_CULL_FACE);
+  glCullFace(GL_FRONT);
+  for (std::size_t n = 0; n < walls.size(); ++n) {
+    const Wall& wall = walls[n];
+    const std::size_t s = std::size_t(wall.is.surface);
+    if (s >= state.opacity.size() || state.opacity[s] <= 0) continue;
+    Mat3 axes;
+    for (int a = 0; a < 3; ++a) axes.column[std::size_t(a)] = axes.column[std::size_t(a)] * wall.is.ball.radius_mm;
+    surface.set("model", affine(axes, relative(wall.is.ball.centre_mm)));
+    surface.set("opacity", 1.f);
+    surface.set("grain", quality.grain ? grain_of_surface : 0.f);
+    surface.set("wall", 1);
+    surface.set("wall_ball", int(n));
+    surface.set("to_occupancy", wall.to_occupancy);
+    set_balls(surface, true);
+    const std::array<float, 3>& c = items[s].colour_rgb;
+    set_colour({c[0], c[1] * 0.62f, c[2] * 0.6f});  // what lies under the surface is redder
+    glActiveTexture(GL_TEXTURE1);
+    glBindTexture(GL_TEXTURE_3D, wall.occupancy);
+    ball.draw();
+  }
+  surface.set("wall", 0);
+  glCullFace(GL_BACK);
+  glDisable(GL_CULL_FACE);
+}
+
+void Renderer::Impl::set_plane(const EyeView& eye) const {
+  plane.use();
+  plane.set("to_camera", eye.to_camera(centre_mm));
+  plane.set("projection", eye.projection());
+  plane.set("to_ct", to_ct);
+  plane.set("ct", 0);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_3D, has_ct ? ct : noise);
+}
+
+void Renderer::Impl::draw_plane(Vec3 middle, Vec3 across, Vec3 along) const {
+  plane.set("middle", middle);
+  plane.set("across", across);
+  plane.set("along", along);
+  glBindVertexArray(plane_array);
+  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+}
+
+// Where more back than front faces are passed on the way to the eye, the plane lies within the solid. Shapes within
+// others come later, at the same depth.
+void Renderer::Impl::draw_caps(const EyeView& eye, const SceneState& state) {
+  const Mat3 frame = frame_along(normalized(state.cut->normal));
+  const Vec3 normal = frame.column[2], at = relative(state.cut->point_mm);
+  const Vec3 middle = normal * dot(normal, at), across = frame.column[0] * radius_mm,
+             along = frame.column[1] * radius_mm;
+  const float light = 0.35f + 0.6f * float(std::abs(dot(normal, eye.toward)));
+  glEnable(GL_STENCIL_TEST);
+  for (std::size_t n = 0; n < items.size() && n < state.opacity.size(); ++n) {
+    if (state.opacity[n] <= 0) continue;
+    begin_surface(surface, eye, state);
+    use_surface(n, state, 1);
+    set_balls(surface, false);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glDepthMask(GL_FALSE);
+    glDisable(GL_DEPTH_TEST);
+    glStencilFunc(GL_ALWAYS, 0, 255);
+    glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
+    glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
+    draw_surface(n);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthMask(GL_TRUE);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LEQUAL);
+    glDisable(GL_CLIP_DISTANCE0);
+    glStencilFunc(GL_NOTEQUAL, 0, 255);
+    glStencilOp(GL_ZERO, GL_ZERO, GL_ZERO);
+    set_plane(eye);
+    const std::array<float, 3>& c = items[n].colour_rgb;
+    plane.set("tint", linear(c[0]), linear(c[1]), linear(c[2]));
+    plane.set("ct_share", has_ct && state.cut_shows_ct ? 0.8f : 0.f);
+    plane.set("only_ct", 0);
+    plane.set("light", light);
+    plane.set("low", float(state.ct_low_hu));
+    plane.set("high", float(state.ct_high_hu));
+    set_balls(plane, items[n].incised);
+    draw_plane(middle, across, along);
+    glDepthFunc(GL_LESS);
+    glEnable(GL_CLIP_DISTANCE0);
+  }
+  glDisable(GL_STENCIL_TEST);
+}
+
+void Renderer::Impl::draw_ct_planes(const EyeView& eye, const SceneState& state) {
+  if (!has_ct || state.ct_planes.empty()) return;
+  set_plane(eye);
+  plane.set("tint", 0.f, 0.f, 0.f);
+  plane.set("ct_share", 1.f);
+  plane.set("only_ct", 1);
+  plane.set("light", 1.f);
+  plane.set("low", float(state.ct_low_hu));
+  plane.set("high", float(state.ct_high_hu));
+  set_balls(plane, false);
+  const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const CtPlane& p : state.ct_planes) {
+    const Vec3 normal = axes[p.axis];
+    draw_plane(normal * dot(normal, relative(p.point_mm)), axes[(p.axis + 1) % 3] * radius_mm,
+               axes[(p.axis + 2) % 3] * radius_mm);
+  }
+}
+
+void Renderer::Impl::draw_solid_at(const SurfaceBuffer& solid, Vec3 place_mm, const Mat3& axes, double opacity) {
+  surface.set("model", affine(axes, relative(place_mm)));
+  surface.set("opacity", float(opacity));
+  surface.set("grain", 0.f);
+  surface.set("glow", 0.f);
+  surface.set("balls", 0);
+  solid.draw();
+}
+
+void Renderer::Impl::draw_solids(const SceneState& state) {
+  glEnable(GL_CULL_FACE);
+  for (const Marker& m : state.markers) {
+    Mat3 axes;
+    for (int a = 0; a < 3; ++a) axes.column[std::size_t(a)] = axes.column[std::size_t(a)] * m.radius_mm;
+    set_colour(m.colour_rgb);
+    draw_solid_at(ball, m.position_mm, axes, 1);
+  }
+  for (const Vec3 p : state.trace_mm) {
+    Mat3 axes;
+    for (int a = 0; a < 3; ++a) axes.column[std::size_t(a)] = axes.column[std::size_t(a)] * 0.35;
+    set_colour({0.95f, 0.35f, 0.1f});
+    draw_solid_at(ball, p, axes, 1);
+  }
+  if (state.tool_shown) draw_solid_at(tool, state.tip_mm, frame_along(state.axis), 1);
+  glDisable(GL_CULL_FACE);
+}
+
+// What lies behind surfaces shines through faintly: markers, and where the hand is while a surface holds the tool.
+void Renderer::Impl::draw_ghost(const SceneState& state) {
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glDepthMask(GL_FALSE);
+  glEnable(GL_CULL_FACE);
+  glDepthFunc(GL_GREATER);
+  for (const Marker& m : state.markers) {
+    Mat3 axes;
+    for (int a = 0; a < 3; ++a) axes.column[std::size_t(a)] = axes.column[std::size_t(a)] * m.radius_mm;
+    set_colour(m.colour_rgb);
+    draw_solid_at(ball, m.position_mm, axes, 0.25);
+  }
+  glDepthFunc(GL_LESS);
+  if (state.device_mm && state.tool_shown) {
+    glDisable(GL_DEPTH_TEST);
+    Mat3 axes;
+    for (int a = 0; a < 3; ++a) axes.column[std::size_t(a)] = axes.column[std::size_t(a)] * 0.8;
+    set_colour({0.95f, 0.3f, 0.2f});
+    draw_solid_at(ball, *state.device_mm, axes, 0.6);
+    glEnable(GL_DEPTH_TEST);
+  }
+  glDisable(GL_CULL_FACE);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+}
+
+void Renderer::Impl::draw_transparent(const SceneState& state) {
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glDepthMask(GL_FALSE);
+  glEnable(GL_CULL_FACE);
+  const auto one = [&](std::size_t n, GLenum hidden) {
+    if (n >= state.opacity.size() || state.opacity[n] <= 0 || state.opacity[n] >= 1) return;
+    glCullFace(hidden);
+    use_surface(n, state, state.opacity[n]);
+    draw_surface(n);
+  };
+  for (std::size_t n = 0; n < items.size(); ++n) one(n, GL_FRONT);
+  for (std::size_t n = items.size(); n-- > 0;) one(n, GL_BACK);
+  glCullFace(GL_BACK);
+  glDisable(GL_CULL_FACE);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+}
+
+void Renderer::Impl::darken(const EyeView& eye) {
+  if (samples > 1) {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, many);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, one);
+    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  }
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CLIP_DISTANCE0);
+  glBindFramebuffer(GL_FRAMEBUFFER, half);
+  glViewport(0, 0, (width + 1) / 2, (height + 1) / 2);
+  openness.use();
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, one_depth);
+  openness.set("depth", 0);
+  openness.set("frustum", float(eye.left), float(eye.right_edge), float(eye.bottom), float(eye.top));
+  openness.set("planes", float(eye.near_mm), float(eye.far_mm));
+  openness.set("radius_mm", float(quality.occlusion_mm));
+  openness.set("px_per_tan", float(height / (eye.top - eye.bottom)));
+  glBindVertexArray(empty_array);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+
+  glBindFramebuffer(GL_FRAMEBUFFER, samples > 1 ? many : one);
+  glViewport(0, 0, width, height);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ZERO, GL_SRC_COLOR);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  darkening.use();
+  glBindTexture(GL_TEXTURE_2D, half_open);
+  darkening.set("open", 0);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDisable(GL_BLEND);
+  glEnable(GL_DEPTH_TEST);
+}
+
+void Renderer::Impl::draw(const EyeView& eye, const SceneState& state, int w, int h) {
+  glBindFramebuffer(GL_FRAMEBUFFER, samples > 1 ? many : one);
+  glViewport(0, 0, w, h);
+  glEnable(GL_FRAMEBUFFER_SRGB);
+  glDisable(GL_BLEND);
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_STENCIL_TEST);
+  glFrontFace(GL_CCW);
+  glCullFace(GL_BACK);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);
+  glDepthMask(GL_TRUE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  glClearColor(background[0], background[1], background[2], 1);
+  glClearStencil(0);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+  if (state.cut) glEnable(GL_CLIP_DISTANCE0);
+  begin_surface(surface, eye, state);
+  draw_opaque(state);
+  draw_walls(state);
+  if (state.cut) draw_caps(eye, state);
+  glDisable(GL_CLIP_DISTANCE0);
+  draw_ct_planes(eye, state);
+  begin_surface(surface, eye, state);
+  draw_solids(state);
+  if (quality.occlusion) darken(eye);
+  if (state.cut) glEnable(GL_CLIP_DISTANCE0);
+  begin_surface(surface, eye, state);
+  draw_transparent(state);
+  glDisable(GL_CLIP_DISTANCE0);
+  draw_ghost(state);
+  if (samples > 1) {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, many);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, one);
+    glBlitFramebuffer(0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBindFramebuffer(GL_FRAMEBUFFER, one);
+  }
+  glDisable(GL_FRAMEBUFFER_SRGB);
+}
+
+}  // namespace trephine

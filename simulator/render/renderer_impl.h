@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <map>
+
+#include "render/renderer.h"
+#include "render/shaders.h"
+#include "render/surface_buffer.h"
+
+namespace trephine {
+
+// Shared by the sources of the renderer alone.
+struct Renderer::Impl {
+  Impl(const SceneData& scene, const RenderQuality& quality);
+
+  // renderer.cpp
+  void make_targets(int width, int height);
+  void make_noise();
+  void upload_ct(const Grid<std::int16_t>& ct);
+
+  // renderer_draw.cpp
+  void draw(const EyeView& eye, const SceneState& state, int width, int height);
+  void begin_surface(const GlProgram& program, const EyeView& eye, const SceneState& state) const;
+  void draw_surface(std::size_t n) const;
+  void use_surface(std::size_t n, const SceneState& state, double opacity);
+  void draw_opaque(const SceneState& state);
+  void draw_walls(const SceneState& state);
+  void draw_caps(const EyeView& eye, const SceneState& state);
+  void draw_ct_planes(const EyeView& eye, const SceneState& state);
+  void draw_solids(const SceneState& state);
+  void draw_ghost(const SceneState& state);
+  void draw_transparent(const SceneState& state);
+  void darken(const EyeView& eye);
+  void set_balls(const GlProgram& program, bool any) const;
+  void set_plane(const EyeView& eye) const;
+  void draw_plane(Vec3 middle, Vec3 across, Vec3 along) const;
+  void draw_solid_at(const SurfaceBuffer& solid, Vec3 place_mm, const Mat3& axes, double opacity);
+  Vec3 relative(Vec3 world_mm) const { return world_mm - centre_mm; }
+
+  struct Item {
+    std::array<float, 3> colour_rgb;
+    bool live, incised;
+    SurfaceBuffer fixed;
+    BrickBuffer bricks;
+  };
+  Vec3 centre_mm;
+  double radius_mm;  // of a ball about the scene's centre that holds all of it
+  RenderQuality quality;
+  int samples = 1;
+  std::vector<Item> items;
+  SurfaceBuffer tool, ball;
+  GlProgram surface, plane, openness, darkening, presenting;
+  GlObject plane_array, plane_corners, empty_array, noise, ct;
+  bool has_ct = false;
+  Mat4 to_ct;
+  Lattice ct_lattice;
+  struct Wall {
+    IncisionWall is;
+    GlObject occupancy;
+    Mat4 to_occupancy;
+  };
+  std::vector<Wall> walls;
+  std::array<float, 3> background{0.012f, 0.016f, 0.022f};
+
+  // The picture: `many` where a pixel has several samples, `one` with its colour and depth as textures, `half` for the
+  // darkening.
+  int width = 0, height = 0;
+  GlObject many, many_colour, many_depth, one, one_colour, one_depth, half, half_open;
+};
+
+/// From mm about the scene's centre to coordinates of a texture on that lattice.
+Mat4 to_texture(const Lattice& lattice, Vec3 centre_mm);
+
+}  // namespace trephine

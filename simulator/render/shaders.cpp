@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/shaders.h"
+
+namespace trephine::shaders {
+
+const char* const surface_vertex = R"(#version 430 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec3 colour_srgb;
+uniform mat4 model, to_camera, projection;
+uniform vec4 clip;  // removed where dot(clip.xyz, p) > clip.w
+out vec3 place, seen_from_eye, facing, albedo;
+void main() {
+  vec4 p = model * vec4(position, 1);
+  vec4 c = to_camera * p;
+  place = p.xyz;
+  seen_from_eye = c.xyz;
+  facing = mat3(to_camera) * (mat3(model) * normal);
+  albedo = pow(colour_srgb, vec3(2.2));
+  gl_ClipDistance[0] = clip.w - dot(clip.xyz, p.xyz);
+  gl_Position = projection * c;
+}
+)";
+
+// The lights are those of the toolchain's pictures: a key light from the upper left, a weak one from the right, a rim
+// light from behind, and a sky that is a little brighter than the ground; they stand still relative to the viewer.
+const char* const surface_fragment = R"(#version 430 core
+in vec3 place, seen_from_eye, facing, albedo;
+uniform float opacity, grain, glow;
+uniform vec3 glow_place, glow_colour;
+uniform int balls;
+uniform vec4 ball[16];
+uniform int wall;                 // 1: the inside of an incision's ball, where the surface's occupancy is 1/2 or more
+uniform int wall_ball;
+uniform mat4 to_occupancy;
+uniform sampler3D occupancy, noise;
+out vec4 colour;
+void main() {
+  for (int n = 0; n < balls; ++n)
+    if (!(wall == 1 && n == wall_ball) && distance(place, ball[n].xyz) < ball[n].w) discard;
+  if (wall == 1) {
+    vec3 at = (to_occupancy * vec4(place, 1)).xyz;
+    if (any(lessThan(at, vec3(0))) || any(greaterThan(at, vec3(1))) || texture(occupancy, at).r < 0.5) discard;
+  }
+  vec3 n = normalize(facing), to_eye = normalize(-seen_from_eye);
+  bool inner = dot(n, to_eye) < 0;
+  if (inner) n = -n;
+  vec3 base = albedo;
+  if (grain > 0) {
+    float g = texture(noise, place * 0.045).r * 0.6 + texture(noise, place * 0.21).r * 0.4 - 0.5;
+    base *= 1 + grain * g;
+  }
+  if (inner) base *= vec3(0.62, 0.5, 0.5);
+  const vec3 key = normalize(vec3(-0.45, 0.62, 0.64)), fill = normalize(vec3(0.80, 0.05, 0.45)),
+             rim = normalize(vec3(0.25, 0.55, -0.80));
+  float light = 0.70 * max(0.0, dot(n, key)) + 0.30 * max(0.0, dot(n, fill)) + 0.12 * max(0.0, dot(n, rim)) + 0.26 +
+                0.08 * n.y;
+  float shine = pow(max(0.0, dot(n, normalize(key + to_eye))), 32);
+  vec3 lit = base * light + 0.10 * shine;
+  if (glow > 0) {
+    float d = distance(place, glow_place);
+    float ring = exp(-(d - 2.2) * (d - 2.2) * 8) + exp(-d * d * 6);
+    lit = mix(lit, glow_colour, min(1.0, ring * glow));
+  }
+  float grazing = 1 - abs(dot(n, to_eye));
+  float a = opacity >= 1 ? 1 : opacity + (1 - opacity) * 0.7 * grazing * grazing * grazing;
+  colour = vec4(lit, a);
+}
+)";
+
+const char* const plane_vertex = R"(#version 430 core
+layout(location = 0) in vec2 corner;  // -1 to 1
+uniform vec3 middle, across, along;
+uniform mat4 to_camera, projection;
+out vec3 place;
+void main() {
+  place = middle + across * corner.x + along * corner.y;
+  gl_Position = projection * (to_camera * vec4(place, 1));
+}
+)";
+
+const char* const plane_fragment = R"(#version 430 core
+in vec3 place;
+uniform vec3 tint;       // linear
+uniform float ct_share;  // 0: the tint alone
+uniform int only_ct;     // 1: nothing where no CT is
+uniform float light, low, high;
+uniform mat4 to_ct;
+uniform sampler3D ct;
+uniform int balls;
+uniform vec4 ball[16];
+out vec4 colour;
+void main() {
+  for (int n = 0; n < balls; ++n)
+    if (distance(place, ball[n].xyz) < ball[n].w) discard;
+  vec3 c = tint * light;
+  if (ct_share > 0) {
+    vec3 at = (to_ct * vec4(place, 1)).xyz;
+    bool inside = all(greaterThanEqual(at, vec3(0))) && all(lessThanEqual(at, vec3(1)));
+    if (only_ct == 1 && !inside) discard;
+    if (inside) {
+      float grey = clamp((texture(ct, at).r * 32767 - low) / (high - low), 0, 1);
+      c = mix(c, vec3(pow(grey, 2.2)), ct_share);
+    }
+  }
+  colour = vec4(c, 1);
+}
+)";
+
+const char* const screen_vertex = R"(#version 430 core
+out vec2 at;
+void main() {
+  at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2;
+  gl_Position = vec4(at * 2 - 1, 0, 1);
+}
+)";
+
+// Obscurance by McGuire et al. 2011, from the depth alone: the normal is that of the nearer neighbours.
+const char* const openness_fragment = R"(#version 430 core
+in vec2 at;
+uniform sampler2D depth;
+uniform vec4 frustum;  // left, right, bottom, top at distance 1
+uniform vec2 planes;   // near, far
+uniform float radius_mm;
+uniform float px_per_tan;  // of the depth's picture
+out float open;
+float away(float d) { return 2 * planes.x * planes.y / (planes.y + planes.x - (2 * d - 1) * (planes.y - planes.x)); }
+vec3 position(ivec2 p, vec2 size) {
+  float z = away(texelFetch(depth, p, 0).r);
+  vec2 t = (vec2(p) + 0.5) / size;
+  return vec3(mix(frustum.xz, frustum.yw, t) * z, -z);
+}
+void main() {
+  ivec2 size = textureSize(depth, 0);
+  ivec2 p = min(ivec2(gl_FragCoord.xy) * 2, size - 1);
+  if (texelFetch(depth, p, 0).r >= 1) {
+    open = 1;
+    return;
+  }
+  vec3 c = position(p, vec2(size));
+  vec3 l = position(max(p - ivec2(1, 0), ivec2(0)), vec2(size)), r = position(min(p + ivec2(1, 0), size - 1), vec2(size));
+  vec3 b = position(max(p - ivec2(0, 1), ivec2(0)), vec2(size)), t = position(min(p + ivec2(0, 1), size - 1), vec2(size));
+  vec3 dx = abs(l.z - c.z) < abs(r.z - c.z) ? c - l : r - c;
+  vec3 dy = abs(b.z - c.z) < abs(t.z - c.z) ? c - b : t - c;
+  vec3 n = normalize(cross(dx, dy));
+  float reach = clamp(radius_mm * px_per_tan / -c.z, 2.0, 200.0);
+  ivec2 cell = ivec2(gl_FragCoord.xy) & 3;
+  float turn = 0.3927 * float((cell.x * 7 + cell.y * 13 + cell.x * cell.y * 5) & 15);
+  float sum = 0;
+  const int samples = 9;
+  for (int i = 0; i < samples; ++i) {
+    float k = (float(i) + 0.5) / samples, angle = turn + 2.39996 * float(i) * 1.7;
+    ivec2 q = p + ivec2(vec2(cos(angle), sin(angle)) * reach * k);
+    if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, size))) continue;
+    vec3 v = position(q, vec2(size)) - c;
+    float vv = dot(v, v);
+    float f = max(0.0, radius_mm * radius_mm - vv) / (radius_mm * radius_mm);
+    sum += f * f * f * max(0.0, (dot(v, n) + 0.002 * c.z) / (vv + 0.05)) * radius_mm;
+  }
+  open = clamp(1 - 0.55 * sum / samples, 0.25, 1.0);
+}
+)";
+
+const char* const darken_fragment = R"(#version 430 core
+in vec2 at;
+uniform sampler2D open;
+out vec4 colour;
+void main() {
+  // The 4 x 4 cells of the pattern are averaged.
+  ivec2 size = textureSize(open, 0), p = ivec2(gl_FragCoord.xy) / 2;
+  float sum = 0;
+  for (int y = -1; y <= 2; ++y)
+    for (int x = -1; x <= 2; ++x) sum += texelFetch(open, clamp(p + ivec2(x, y), ivec2(0), size - 1), 0).r;
+  colour = vec4(vec3(sum / 16), 1);
+}
+)";
+
+const char* const present_fragment = R"(#version 430 core
+in vec2 at;
+uniform sampler2D picture;
+out vec4 colour;
+void main() {
+  vec3 c = texture(picture, at).rgb;
+  colour = vec4(mix(12.92 * c, 1.055 * pow(c, vec3(1 / 2.4)) - 0.055, step(0.0031308, c)), 1);
+}
+)";
+
+}  // namespace trephine::shaders

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxel/decode.h"
+
+namespace trephine {
+namespace {
+
+constexpr double full_glow_n = 2;  // force at which the contact is lit most
+
+Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+Stage::Stage(const LoadedCase& loaded, const ViewParams& params)
+    : loaded_(loaded), params_(params), driver_(driver_facts()), scene_(scene_of(loaded)) {
+  renderer_ = std::make_unique<Renderer>(scene_, quality_of(params));
+  bool incised = false;
+  for (std::size_t n = 0; n < scene_.surfaces.size(); ++n) {
+    const SceneSurface& s = scene_.surfaces[n];
+    incised = incised || s.incised;
+    if (!s.live) continue;
+    live_.push_back({int(n), std::make_unique<LiveSurface>(loaded.haptic, s.shape)});
+    renderer_->set_live(int(n), *live_.back().is, loaded.haptic.voxels);
+  }
+  if (loaded.has_ct()) renderer_->set_ct(loaded.ct);
+  if (incised && loaded.haptic.encoding == HapticEncoding::occupancy) {
+    before_.voxels = loaded.haptic.voxels;
+    before_.shapes = loaded.haptic.shapes;
+  }
+  state.opacity = opacities_of(scene_, params.opacity);
+  set_view(params);
+}
+
+RenderQuality Stage::quality_of(const ViewParams& p) const {
+  return {p.samples > 0 ? p.samples : driver_.software ? 1 : 4, p.occlusion, p.occlusion_mm, p.grain};
+}
+
+void Stage::set_view(const ViewParams& params) {
+  params_ = params;
+  renderer_->set_quality(quality_of(params));
+  state.cut = cut_of(params, scene_);
+  state.cut_shows_ct = params.cut_ct;
+  state.ct_low_hu = params.ct_low_hu;
+  state.ct_high_hu = params.ct_high_hu;
+  state.markers = params.places ? places_of(loaded_.manifest) : std::vector<Marker>();
+}
+
+void Stage::set_tool(const ToolParams& own_tool) { renderer_->set_tool(solid_of(own_tool)); }
+
+std::size_t Stage::follow(DirtyBricks& marks) {
+  marked_.clear();
+  marks.take(marked_);
+  if (marked_.empty()) return 0;
+  std::size_t count = 0;
+  for (Live& live : live_) {
+    const std::vector<std::size_t>& made = live.is->update(marked_);
+    renderer_->update_live(live.surface, *live.is, made);
+    count += made.size();
+  }
+  return count;
+}
+
+void Stage::show_incisions(const std::vector<IncisionMark>& all, std::size_t count) {
+  if (count == shown_incisions_ || before_.voxels.voxels.empty()) return;
+  shown_incisions_ = count;
+  const HapticDecoder decoder(before_);
+  walls_.clear();
+  for (std::size_t n = 0; n < scene_.surfaces.size(); ++n) {
+    if (!scene_.surfaces[n].incised) continue;
+    for (std::size_t i = 0; i < count; ++i) {
+      IncisionWall wall;
+      wall.ball = {all[i].point_mm, all[i].radius_mm};
+      wall.surface = int(n);
+      Box box;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const double at = before_.voxels.to_index(all[i].point_mm)[int(a)],
+                     reach = all[i].radius_mm / before_.voxels.spacing_mm[int(a)] + 2;
+        const double size = before_.voxels.size[a];
+        box.begin[a] = int(std::clamp(std::floor(at - reach), 0.0, size - 1));
+        box.end[a] = int(std::clamp(std::ceil(at + reach) + 1, box.begin[a] + 1.0, size));
+      }
+      wall.lattice = cropped(before_.voxels, box);
+      wall.occupancy.reserve(wall.lattice.count());
+      for (int k = box.begin[2]; k < box.end[2]; ++k)
+        for (int j = box.begin[1]; j < box.end[1]; ++j)
+          for (int i2 = box.begin[0]; i2 < box.end[0]; ++i2)
+            wall.occupancy.push_back(
+                std::uint8_t(std::lround(255 * decoder.occupancy(scene_.surfaces[n].shape, i2, j, k))));
+      walls_.push_back(std::move(wall));
+    }
+  }
+  renderer_->set_incisions(walls_);
+}
+
+void Stage::show_frame(const ServoFrame& f) {
+  state.tool_shown = true;
+  state.tip_mm = vec(f.proxy_mm);
+  state.axis = normalized(vec(f.axis));
+  const Vec3 device = vec(f.tip_mm);
+  state.device_mm = norm(device - state.tip_mm) > 0.3 ? std::optional<Vec3>(device) : std::nullopt;
+  state.contact_mm = f.touched != 0 ? std::optional<Vec3>(state.tip_mm) : std::nullopt;
+  state.contact_strength = std::min(1.0, norm(vec(f.force_n)) / full_glow_n);
+}
+
+void Stage::draw(const OrbitCamera& camera, int width, int height, const std::function<void()>& bind, Vec3 head_mm) {
+  const auto one = [&](int x, int y, int w, int h, double offset_mm, int mask) {
+    EyeView eye = camera.eye(w, h, scene_.bounds, offset_mm + head_mm.x, params_.convergence_mm);
+    if (head_mm.y != 0) {  // as OrbitCamera::eye does to the side
+      eye.eye_mm += eye.up * head_mm.y;
+      const double shift = -head_mm.y / (params_.convergence_mm > 0 ? params_.convergence_mm : camera.distance_mm);
+      eye.bottom += shift;
+      eye.top += shift;
+    }
+    renderer_->draw(eye, state, w, h);
+    bind();
+    renderer_->present(x, y, w, h, mask);
+  };
+  const double half = 0.5 * params_.eye_distance_mm;
+  switch (params_.stereo) {
+    case ViewParams::Stereo::none:
+      one(0, 0, width, height, 0, 7);
+      break;
+    case ViewParams::Stereo::side_by_side:
+      one(0, 0, width / 2, height, -half, 7);
+      one(width / 2, 0, width - width / 2, height, half, 7);
+      break;
+    case ViewParams::Stereo::top_bottom:
+      one(0, height / 2, width, height - height / 2, -half, 7);
+      one(0, 0, width, height / 2, half, 7);
+      break;
+    case ViewParams::Stereo::anaglyph:
+      one(0, 0, width, height, -half, 1);
+      one(0, 0, width, height, half, 6);
+      break;
+  }
+}
+
+std::size_t Stage::live_triangles() const {
+  std::size_t n = 0;
+  for (const Live& live : live_) n += live.is->triangles();
+  return n;
+}
+
+}  // namespace trephine

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "render/renderer.h"
+#include "scene/view_params.h"
+#include "session/playback.h"
+
+namespace trephine {
+
+/// A case on stage: the scene, its live surfaces and the renderer, as a window and the pictures of a recording use
+/// them. In the thread of the current context.
+class Stage {
+ public:
+  /// `loaded` must outlive it; where voxels are cut meanwhile, they are not yet when it is made.
+  Stage(const LoadedCase& loaded, const ViewParams& params);
+
+  /// The parameters of pictures from now on; not those of the camera.
+  void set_view(const ViewParams& params);
+  const ViewParams& view() const { return params_; }
+  void set_tool(const ToolParams& own_tool);
+  /// Makes the live surfaces follow the marked bricks; returns how many were made anew.
+  std::size_t follow(DirtyBricks& marks);
+  /// The incisions that are shown: `count` of them, from the first.
+  void show_incisions(const std::vector<IncisionMark>& all, std::size_t count);
+  /// Tool, hand and contact as they are in that frame.
+  void show_frame(const ServoFrame& frame);
+
+  /// Draws, and copies the picture into the framebuffer that `bind` binds, from its lower left corner; with two eyes
+  /// as the parameters say. `head_mm` moves the eyes from where the camera stands (right, up, towards the viewer).
+  void draw(const OrbitCamera& camera, int width, int height, const std::function<void()>& bind, Vec3 head_mm = {});
+
+  SceneState state;
+  const SceneData& scene() const { return scene_; }
+  const LoadedCase& loaded() const { return loaded_; }
+  Renderer& renderer() { return *renderer_; }
+  const DriverFacts& driver() const { return driver_; }
+  std::size_t live_triangles() const;
+
+ private:
+  RenderQuality quality_of(const ViewParams& params) const;
+
+  const LoadedCase& loaded_;
+  ViewParams params_;
+  DriverFacts driver_;
+  SceneData scene_;
+  struct Live {
+    int surface;
+    std::unique_ptr<LiveSurface> is;
+  };
+  std::vector<Live> live_;
+  HapticVolume before_;  ///< as it was, for the walls of incisions; empty where nothing is incised
+  std::unique_ptr<Renderer> renderer_;
+  std::vector<std::size_t> marked_;
+  std::vector<IncisionWall> walls_;
+  std::size_t shown_incisions_ = 0;
+};
+
+}  // namespace trephine

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace trephine {
+
+/// A picture of the renderer: 8-bit sRGB, row by row from the top, three bytes a pixel.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+/// The picture as PNG, without time, text or any chunk beyond what the pixels need.
+std::string png_of(const Picture& picture);
+
+}  // namespace trephine

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/tool_solid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trephine {
+namespace {
+
+using Colour = std::array<float, 3>;
+using Tip = ToolParams::Tip;
+constexpr Colour steel{0.78f, 0.80f, 0.83f}, dark_steel{0.45f, 0.47f, 0.51f}, grip{0.16f, 0.24f, 0.36f},
+    silicone{0.93f, 0.93f, 0.88f}, ink{0.05f, 0.06f, 0.10f};
+constexpr double pi = 3.14159265358979323846;
+
+// A place on the outline, from the tip to the tail. Where two have the same place and other normals, there is an edge.
+struct Station {
+  double z, r;
+  Colour colour;
+};
+
+class Turned {
+ public:
+  explicit Turned(int sides) : sides_(sides) {}
+
+  // A part of the outline that is smooth along it; the next part begins with an edge.
+  void part(const std::vector<Station>& s, bool smooth) {
+    if (smooth) {
+      add(s, 0, s.size());
+      return;
+    }
+    for (std::size_t n = 0; n + 1 < s.size(); ++n) add(s, n, n + 2);
+  }
+  Solid take() { return std::move(out_); }
+
+ private:
+  void add(const std::vector<Station>& s, std::size_t begin, std::size_t end) {
+    const auto first = std::uint32_t(out_.vertices.size());
+    for (std::size_t n = begin; n < end; ++n) {
+      const Station &before = s[n > begin ? n - 1 : n], &after = s[n + 1 < end ? n + 1 : n];
+      const double dz = after.z - before.z, dr = after.r - before.r, length = std::max(1e-9, std::hypot(dz, dr));
+      for (int k = 0; k <= sides_; ++k) {
+        const double a = 2 * pi * (k % sides_) / sides_, c = std::cos(a), d = std::sin(a);
+        out_.vertices.push_back({{float(s[n].r * c), float(s[n].r * d), float(s[n].z)},
+                                 {float(dz / length * c), float(dz / length * d), float(-dr / length)},
+                                 {s[n].colour[0], s[n].colour[1], s[n].colour[2]}});
+      }
+    }
+    const auto ring = std::uint32_t(sides_ + 1);
+    for (std::uint32_t n = 0; n + 1 < end - begin; ++n)
+      for (std::uint32_t k = 0; k < std::uint32_t(sides_); ++k) {
+        const std::uint32_t a = first + n * ring + k, b = a + 1, c = a + ring, d = c + 1;
+        out_.indices.insert(out_.indices.end(), {a, b, d, a, d, c});
+      }
+  }
+  int sides_;
+  Solid out_;
+};
+
+std::vector<Station> arc(double centre_z, double radius, double from_rad, double to_rad, int steps, Colour colour) {
+  std::vector<Station> s;
+  for (int n = 0; n <= steps; ++n) {
+    const double a = from_rad + (to_rad - from_rad) * n / steps;
+    s.push_back({centre_z - radius * std::cos(a), std::max(0.0, radius * std::sin(a)), colour});
+  }
+  return s;
+}
+
+// The shaft from z on: in one colour, or with a ring at each cm.
+void shaft(Turned& t, double z, double end, double r, Colour colour, bool marks) {
+  if (!marks) {
+    t.part({{z, r, colour}, {end, r, colour}}, true);
+    return;
+  }
+  for (int cm = 1; cm * 10 < end; ++cm) {
+    const double half = cm % 10 == 0 ? 1.2 : cm % 5 == 0 ? 0.8 : 0.35;
+    if (cm * 10 - half <= z) continue;
+    t.part({{z, r, colour}, {cm * 10 - half, r, colour}}, true);
+    t.part({{cm * 10 - half, r, ink}, {std::min(end, cm * 10 + half), r, ink}}, true);
+    z = cm * 10 + half;
+  }
+  if (z < end) t.part({{z, r, colour}, {end, r, colour}}, true);
+}
+
+void handle(Turned& t, double z, double neck_r, double length, double r) {
+  t.part({{z, neck_r, dark_steel}, {z + 2, r * 0.6, dark_steel}, {z + 10, r, grip}, {z + length, r, grip}}, false);
+  auto end = arc(z + length, r, pi / 2, pi, 6, grip);
+  t.part(end, true);
+}
+
+}  // namespace
+
+Solid solid_of(const ToolParams& tool) {
+  const double r = 0.5 * tool.tool_diameter_mm, length = tool.tool_length_mm;
+  if (!(length > 0) || !(r > 0)) {  // a point: a stylus whose very tip is felt
+    Turned t(24);
+    t.part({{0, 0, steel}, {6, 1, steel}, {40, 1, steel}}, false);
+    handle(t, 40, 1, 70, 3.5);
+    return t.take();
+  }
+  const bool catheter = tool.tool == "catheter", ball = tool.tool == "ball" || tool.tool_tip == Tip::ball;
+  const Colour colour = catheter ? silicone : steel;
+  Turned t(32);
+  double z = 0, neck = r;
+  if (ball) {
+    neck = 0.5 * r;
+    // To where the neck leaves the ball.
+    const double last = pi - std::asin(std::min(1.0, neck / r));
+    t.part(arc(r, r, 0, last, 20, dark_steel), true);
+    z = r - r * std::cos(last);
+  } else if (tool.tool_tip == Tip::cone) {
+    z = 4 * r;
+    t.part({{0, 0, colour}, {z, r, colour}}, true);
+  } else if (tool.tool_tip == Tip::round) {
+    z = r;
+    t.part(arc(r, r, 0, pi / 2, 10, colour), true);
+  } else {
+    t.part({{0, 0, dark_steel}, {0, r, dark_steel}}, true);
+  }
+  const double end = std::max({length, z + 1, ball ? 35.0 : 0.0});
+  shaft(t, z, end, neck, colour, catheter);
+  if (catheter) {  // the rest of it, up to its whole length; its end is flat
+    shaft(t, end, end + 60, neck, colour, false);
+    t.part({{end + 60, neck, colour}, {end + 60, 0, colour}}, true);
+  } else {
+    handle(t, end, neck, ball || tool.tool == "craniotome" ? 90 : 40, ball || tool.tool == "craniotome" ? 4.5 : 4);
+  }
+  return t.take();
+}
+
+Solid ball_solid(double radius_mm, std::array<float, 3> colour_rgb, int rings) {
+  Turned t(2 * rings);
+  t.part(arc(0, radius_mm, 0, pi, rings, colour_rgb), true);
+  return t.take();
+}
+
+}  // namespace trephine

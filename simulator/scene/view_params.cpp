@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/view_params.h"
+
+#include <cstdlib>
+
+#include "base/error.h"
+
+namespace trephine {
+
+std::vector<double> opacities_of(const SceneData& scene, const std::string& text) {
+  std::vector<double> all;
+  for (const SceneSurface& s : scene.surfaces) all.push_back(s.opacity);
+  const auto refuse = [](const std::string& item, const std::string& what) {
+    throw Error(ExitCode::usage, "", "--opacity", item + ": " + what);
+  };
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const std::string item = text.substr(at, end - at);
+    at = end + 1;
+    const std::size_t equals = item.find('=');
+    if (equals == std::string::npos) refuse(item, "must be NAME=NUMBER");
+    const int n = scene.find(item.substr(0, equals));
+    if (n < 0) {
+      std::string names;
+      for (const SceneSurface& s : scene.surfaces) names += (names.empty() ? "" : ", ") + s.name;
+      refuse(item, "the case shows " + (names.empty() ? "nothing" : names));
+    }
+    char* rest = nullptr;
+    const std::string number = item.substr(equals + 1);
+    const double value = std::strtod(number.c_str(), &rest);
+    if (number.empty() || *rest != 0 || !(value >= 0 && value <= 1)) refuse(item, "must be a number from 0 to 1");
+    all[std::size_t(n)] = value;
+  }
+  return all;
+}
+
+std::optional<CutPlane> cut_of(const ViewParams& params, const SceneData& scene) {
+  Vec3 normal;
+  switch (params.cut) {
+    case ViewParams::Cut::none:
+      return std::nullopt;
+    case ViewParams::Cut::axial:
+      normal = {0, 0, 1};
+      break;
+    case ViewParams::Cut::coronal:
+      normal = {0, -1, 0};
+      break;
+    case ViewParams::Cut::sagittal:
+      normal = {1, 0, 0};
+      break;
+  }
+  const Vec3 middle = (scene.bounds.min_mm + scene.bounds.max_mm) / 2;
+  return CutPlane{middle + normal * params.cut_mm, normal};
+}
+
+std::vector<Marker> places_of(const CaseManifest& m) {
+  std::vector<Marker> all;
+  for (const CaseLandmark& l : m.landmarks) all.push_back({l.position_mm, 1.3, {0.98f, 0.72f, 0.10f}});
+  for (const CaseBurrHole& b : m.burr_holes) all.push_back({b.position_mm, 1.3, {0.20f, 0.75f, 0.45f}});
+  for (const CaseTarget& t : m.targets) all.push_back({t.position_mm, 2, {0.20f, 0.55f, 0.95f}});
+  return all;
+}
+
+OrbitCamera camera_of(const ViewParams& params, const CaseManifest& manifest, const SceneData& scene) {
+  OrbitCamera camera;
+  camera.field_of_view_deg = params.field_of_view_deg;
+  const std::optional<Approach> a = approach_of(manifest, scene, params.view_site);
+  camera.look(params.view, scene.bounds, a ? std::optional<Vec3>(a->site_mm) : std::nullopt, a ? a->direction : Vec3{});
+  return camera;
+}
+
+}  // namespace trephine

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "base/params.h"
+#include "scene/scene.h"
+
+namespace trephine {
+
+/// How a case is looked at: the declared settings of a window and of pictures.
+struct ViewParams {
+  enum class Stereo { none, side_by_side, top_bottom, anaglyph };
+  enum class Cut { none, axial, coronal, sagittal };
+  ViewPreset view = ViewPreset::surgeon;
+  std::string view_site = "kocher_right", opacity;
+  double field_of_view_deg = 25;
+  Stereo stereo = Stereo::none;
+  double eye_distance_mm = 30, convergence_mm = 0;
+  Cut cut = Cut::none;
+  double cut_mm = 0;
+  bool cut_ct = true, places = true;
+  double ct_low_hu = -160, ct_high_hu = 240;
+  int samples = 0;
+  bool occlusion = true, grain = true;
+  double occlusion_mm = 9;
+  template <class V>
+  static void describe(V& v) {
+    using P = ViewParams;
+    v.choice(&P::view, "view", view_presets(),
+             "From where the patient is seen. surgeon: at the site, along the way to the target.");
+    v.text(&P::view_site, "view_site",
+           "Landmark or burr hole of the surgeon's view; where the case has none of that name, the view is oblique.");
+    v.text(&P::opacity, "opacity", "Opacities of anatomies from 0 (hidden) to 1, such as skin=0.3,brain=0.");
+    v.number(&P::field_of_view_deg, "field_of_view_deg", Range{5, 90}, "Angle of view of the picture's shorter side.");
+    v.choice(&P::stereo, "stereo",
+             {{"none", Stereo::none},
+              {"side_by_side", Stereo::side_by_side},
+              {"top_bottom", Stereo::top_bottom},
+              {"anaglyph", Stereo::anaglyph}},
+             "Two eyes: side by side, one above the other (left on top), or red for the left and cyan for the right.");
+    v.number(&P::eye_distance_mm, "eye_distance_mm", Range{0, 200}, "Distance between the two eyes, in the scene.");
+    v.number(&P::convergence_mm, "convergence_mm", Range{0, 5000},
+             "Distance of the plane that both eyes see at the same place; 0: that of what is looked at.");
+    v.choice(&P::cut, "cut",
+             {{"none", Cut::none}, {"axial", Cut::axial}, {"coronal", Cut::coronal}, {"sagittal", Cut::sagittal}},
+             "A plane before which everything is cut away: above, before, or to the patient's left of it.");
+    v.number(&P::cut_mm, "cut_mm", Range{-1000, 1000}, "Where that plane lies, mm from the scene's middle.");
+    v.flag(&P::cut_ct, "cut_ct", "Show the CT on the cut, where the case has one.");
+    v.flag(&P::places, "places", "Show landmarks and targets.");
+    v.number(&P::ct_low_hu, "ct_low_hu", Range{-1024, 3000}, "HU shown as black.");
+    v.number(&P::ct_high_hu, "ct_high_hu", Range{-1023, 4000}, "HU shown as white.");
+    v.integer(&P::samples, "samples", Range{0, 16},
+              "Samples a pixel for smooth edges; 0: 4, or 1 where the processor draws.");
+    v.flag(&P::occlusion, "occlusion", "Darken creases and what lies close behind something.");
+    v.number(&P::occlusion_mm, "occlusion_mm", Range{0.1, 100}, "Within that distance.");
+    v.flag(&P::grain, "grain", "A fine texture on what only an incision cuts.");
+  }
+  std::string fault() const { return ct_high_hu > ct_low_hu ? "" : "ct_high_hu: must be above ct_low_hu"; }
+};
+
+/// One opacity for each surface: the case's own, and over them those of the text. Throws Error 64 where the text names
+/// no anatomy of the scene, or a number is missing.
+std::vector<double> opacities_of(const SceneData& scene, const std::string& text);
+/// The plane of the parameters; none where they want none.
+std::optional<CutPlane> cut_of(const ViewParams& params, const SceneData& scene);
+/// Landmarks (amber), burr holes (green) and targets (blue).
+std::vector<Marker> places_of(const CaseManifest& manifest);
+OrbitCamera camera_of(const ViewParams& params, const CaseManifest& manifest, const SceneData& scene);
+
+}  // namespace trephine

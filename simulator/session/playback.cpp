@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "session/playback.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace trephine {
+namespace {
+
+constexpr double step_s = 1.0 / 60;  // voxels are kept at that interval
+
+}  // namespace
+
+void IncisionWatch::look(const ServoFrame& f, std::vector<IncisionMark>& out) {
+  const bool pressed = (f.buttons & Drilling::mark) && !(buttons_ & Drilling::mark);
+  buttons_ = f.buttons;
+  if (drilling_.drill && pressed && f.faults == 0)
+    out.push_back({f.time_s, {f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]}, drilling_.incision_radius_mm});
+}
+
+Playback::Playback(const std::filesystem::path& folder, const std::filesystem::path& file, LoadParts parts,
+                   const Progress& progress)
+    : recording_(read_recording(file)) {
+  const RecordingHeader& h = recording_.header;
+  if (recording_.frames.empty()) throw Error(ExitCode::bad_input, file.string(), "frames", "there are none to show");
+  patient_ = std::make_shared<Patient>(felt_again(folder, file.string(), h, parts), h.contact);
+  IncisionWatch watch(h.drilling);
+  for (const ServoFrame& f : recording_.frames) watch.look(f, incisions_);
+  if (h.drilling.drill) run_through(file, progress);
+  go_to(begin_s());
+}
+
+void Playback::run_through(const std::filesystem::path& file, const Progress& progress) {
+  const RecordingHeader& h = recording_.header;
+  const std::vector<ServoFrame>& frames = recording_.frames;
+
+  HapticVolume& volume = patient_->felt.loaded.haptic;
+  std::vector<std::int16_t> mirror = volume.voxels.voxels;
+  Proxy proxy(patient_->contact, patient_->felt.feels, h.force, h.shaft, tool_again(file.string(), h.tool));
+  const auto drilling = patient_->felt.drilling_of(h, patient_->contact, &patient_->marks);
+  double next_s = frames.front().time_s + step_s;
+  for (std::size_t first = 0; first < frames.size();) {
+    std::size_t end = first;
+    while (end < frames.size() && frames[end].time_s < next_s) ++end;
+    replay_frames({frames.begin() + std::ptrdiff_t(first), frames.begin() + std::ptrdiff_t(end)}, h.rate_hz, proxy,
+                  drilling.get());
+    if (end > first) note_changes(frames[end - 1].time_s, mirror);
+    first = end;
+    next_s += step_s;
+    progress.report(double(first) / double(frames.size()));
+  }
+  if (h.outcome && volume_digest(volume) != h.outcome->volume_sha256)
+    throw Error(ExitCode::quality, file.string(), "volume_sha256", "the volume differs when replayed");
+  shown_steps_ = steps_.size();
+}
+
+double Playback::begin_s() const { return recording_.frames.front().time_s; }
+double Playback::end_s() const { return recording_.frames.back().time_s; }
+
+// Compares the marked bricks with the mirror, and keeps what differs.
+void Playback::note_changes(double time_s, std::vector<std::int16_t>& mirror) {
+  taken_.clear();
+  patient_->marks.take(taken_);
+  if (taken_.empty()) return;
+  const Grid<std::int16_t>& g = patient_->felt.loaded.haptic.voxels;
+  const BrickLayout& layout = patient_->marks.layout();
+  const std::size_t first = changes_.size();
+  for (const std::size_t b : taken_) {
+    const std::array<int, 3> at = layout.place(b);
+    int low[3], high[3];
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::max(0, BrickLayout::side * at[a] - 1);
+      high[a] = std::min(g.size[a], BrickLayout::side * (at[a] + 1));
+    }
+    for (int k = low[2]; k < high[2]; ++k)
+      for (int j = low[1]; j < high[1]; ++j)
+        for (int i = low[0]; i < high[0]; ++i) {
+          const std::size_t n = g.index(i, j, k);
+          if (g.voxels[n] == mirror[n]) continue;
+          changes_.push_back({std::uint32_t(n), mirror[n], g.voxels[n]});
+          mirror[n] = g.voxels[n];
+        }
+  }
+  if (changes_.size() > first) steps_.push_back({time_s, first, changes_.size()});
+}
+
+void Playback::apply(std::size_t n, bool forwards) {
+  const Change& c = changes_[n];
+  Grid<std::int16_t>& g = patient_->felt.loaded.haptic.voxels;
+  g.voxels[c.at] = forwards ? c.after : c.before;
+  const std::size_t row = std::size_t(g.size[0]), rest = c.at / row;
+  patient_->marks.mark_voxel(int(c.at % row), int(rest % std::size_t(g.size[1])), int(rest / std::size_t(g.size[1])));
+}
+
+void Playback::go_to(double time_s) {
+  const std::vector<ServoFrame>& frames = recording_.frames;
+  time_s_ = std::clamp(time_s, begin_s(), end_s());
+  const auto after = std::upper_bound(frames.begin(), frames.end(), time_s_,
+                                      [](double t, const ServoFrame& f) { return t < f.time_s; });
+  frame_ = after == frames.begin() ? 0 : std::size_t(after - frames.begin()) - 1;
+  while (shown_steps_ < steps_.size() && steps_[shown_steps_].end_s <= time_s_) {
+    for (std::size_t n = steps_[shown_steps_].first; n < steps_[shown_steps_].last; ++n) apply(n, true);
+    ++shown_steps_;
+  }
+  while (shown_steps_ > 0 && steps_[shown_steps_ - 1].end_s > time_s_) {
+    --shown_steps_;
+    for (std::size_t n = steps_[shown_steps_].last; n-- > steps_[shown_steps_].first;) apply(n, false);
+  }
+}
+
+}  // namespace trephine

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "base/progress.h"
+#include "haptics/recording.h"
+#include "session/session.h"
+
+namespace trephine {
+
+/// An incision of a recording, or of a session that runs.
+struct IncisionMark {
+  double time_s = 0;
+  Vec3 point_mm;
+  double radius_mm = 0;
+};
+/// Finds incisions in frames as they come: where the button goes down while a tool may cut.
+class IncisionWatch {
+ public:
+  explicit IncisionWatch(const DrillingParams& drilling) : drilling_(drilling) {}
+  void look(const ServoFrame& frame, std::vector<IncisionMark>& out);
+
+ private:
+  DrillingParams drilling_;
+  std::uint32_t buttons_ = 0;
+};
+
+/// A recording that can be shown at any of its times, with the voxels as they were then. The constructor runs it once;
+/// then going to another time, forwards or backwards, changes only the voxels that differ.
+class Playback {
+ public:
+  /// Throws as read_recording and felt_again do; 80 where the replay gives other voxels than the recording says;
+  /// Cancelled.
+  Playback(const std::filesystem::path& case_folder, const std::filesystem::path& recording, LoadParts parts,
+           const Progress& progress = {});
+
+  const LoadedCase& loaded() const { return patient_->felt.loaded; }  ///< its voxels are those at time_s()
+  const RecordingHeader& header() const { return recording_.header; }
+  const std::vector<ServoFrame>& frames() const { return recording_.frames; }
+  double begin_s() const;
+  double end_s() const;
+  const std::vector<IncisionMark>& incisions() const { return incisions_; }
+
+  /// Shows that time; times beyond the recording are its ends.
+  void go_to(double time_s);
+  double time_s() const { return time_s_; }
+  const ServoFrame& frame() const { return recording_.frames[frame_]; }
+  /// What changed since marks were last taken.
+  DirtyBricks& marks() { return patient_->marks; }
+
+ private:
+  struct Change {
+    std::uint32_t at;
+    std::int16_t before, after;
+  };
+  struct Step {
+    double end_s;             ///< the voxels have these values from then on
+    std::size_t first, last;  ///< of changes_
+  };
+  void run_through(const std::filesystem::path& file, const Progress& progress);
+  void note_changes(double time_s, std::vector<std::int16_t>& mirror);
+  void apply(std::size_t change, bool forwards);
+
+  Recording recording_;
+  std::shared_ptr<Patient> patient_;
+  std::vector<Change> changes_;
+  std::vector<Step> steps_;
+  std::vector<std::size_t> taken_;
+  std::vector<IncisionMark> incisions_;
+  std::size_t shown_steps_ = 0, frame_ = 0;
+  double time_s_ = 0;
+};
+
+}  // namespace trephine

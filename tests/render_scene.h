@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// A context and scenes to draw.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include "base/error.h"
+#include "case_samples.h"
+#include "picture/camera.h"
+#include "render/renderer.h"
+
+namespace trephine::drawing {
+
+/// A test of pictures has a context, or is skipped where the machine has none (in ./check it fails then).
+class Picture : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ::setenv("LP_NUM_THREADS", "1", 1);
+    try {
+      context_ = std::make_unique<OffscreenContext>();
+    } catch (const Error& e) {
+      const char* check = std::getenv("TREPHINE_CHECK");
+      if (check && std::string(check) == "1") FAIL() << e.what();
+      GTEST_SKIP() << e.what();
+    }
+  }
+  std::unique_ptr<OffscreenContext> context_;
+};
+
+constexpr int width = 320, height = 240;
+
+inline SceneSurface surface_of(const TriMesh& mesh, const std::string& name, std::array<double, 3> colour) {
+  SceneSurface s;
+  s.name = name;
+  s.colour_rgb = colour;
+  const std::vector<Vec3> normals = mesh.normals;
+  for (std::size_t n = 0; n < mesh.points_mm.size(); ++n) {
+    const Vec3 p = mesh.world_mm(n), normal = normals.empty() ? normalized(mesh.points_mm[n]) : normals[n];
+    SceneVertex v{{float(p.x), float(p.y), float(p.z)}, {0, 0, 0, 0}};
+    for (int a = 0; a < 3; ++a) v.normal[a] = std::int8_t(127 * normal[a]);
+    s.vertices.push_back(v);
+  }
+  for (std::size_t n = 0; n < mesh.triangles.size(); ++n)
+    for (const std::uint32_t corner : mesh.triangles[n]) s.indices.push_back(corner);
+  return s;
+}
+
+/// The eye of the toolchain's pictures.
+inline EyeView eye_of(const detail::Camera& c) {
+  EyeView e;
+  e.eye_mm = c.target_mm + c.toward * c.distance_mm;
+  e.right = c.right;
+  e.up = c.up;
+  e.toward = c.toward;
+  const double k = 1 / (c.px_per_mm * c.distance_mm);
+  e.left = -c.center_x * k;
+  e.right_edge = (width - c.center_x) * k;
+  e.top = c.center_y * k;
+  e.bottom = (c.center_y - height) * k;
+  e.near_mm = c.distance_mm * 0.2;
+  e.far_mm = c.distance_mm * 3;
+  return e;
+}
+
+inline trephine::Picture drawn(Renderer& renderer, const EyeView& eye, const SceneState& state) {
+  renderer.draw(eye, state, width, height);
+  OffscreenPicture out(width, height);
+  out.bind();
+  renderer.present(0, 0, width, height);
+  return out.read();
+}
+
+}  // namespace trephine::drawing

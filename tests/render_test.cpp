@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/renderer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "picture/render.h"
+#include "render_scene.h"
+
+namespace trephine::drawing {
+namespace {
+
+constexpr Rgb key{0, 0, 1};  // of the background: no surface here is blue
+
+std::vector<std::uint8_t> covered(const std::uint8_t* rgb) {
+  std::vector<std::uint8_t> mask(std::size_t(width) * height);
+  for (std::size_t n = 0; n < mask.size(); ++n)
+    mask[n] = !(rgb[3 * n] < 8 && rgb[3 * n + 1] < 8 && rgb[3 * n + 2] > 247);
+  return mask;
+}
+
+// Pixels of `a` that have no pixel of `b` within one pixel of them.
+int outside(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
+  int count = 0;
+  for (int y = 1; y + 1 < height; ++y)
+    for (int x = 1; x + 1 < width; ++x) {
+      if (!a[std::size_t(y * width + x)]) continue;
+      bool near = false;
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) near = near || b[std::size_t((y + dy) * width + x + dx)];
+      count += !near;
+    }
+  return count;
+}
+
+std::size_t sum(const std::vector<std::uint8_t>& mask) {
+  std::size_t n = 0;
+  for (const std::uint8_t m : mask) n += m;
+  return n;
+}
+
+struct Compared {
+  std::size_t ours = 0, theirs = 0;
+  int out_of_one = 0;
+};
+
+Compared compare(const TriMesh& mesh, const RenderParams& params) {
+  SceneData scene;
+  scene.bounds = bounds_of(mesh);
+  scene.surfaces = {surface_of(mesh, "bone", {0.9, 0.8, 0.7})};
+  RenderQuality quality;
+  quality.samples = 1;
+  Renderer renderer(scene, quality);
+  renderer.set_background({0, 0, 1});
+  SceneState state;
+  state.opacity = {1};
+  if (params.clip) state.cut = CutPlane{params.clip->point_mm, params.clip->normal};
+  const std::vector<SurfaceView> views = {{&mesh, {0.9, 0.8, 0.7}, 1}};
+  const Image image = render_surfaces(views, params);
+  const trephine::Picture picture = drawn(renderer, eye_of(detail::camera_for(views, params)), state);
+  const auto a = covered(picture.rgb.data()), b = covered(image.rgb.data());
+  return {sum(a), sum(b), outside(a, b) + outside(b, a)};
+}
+
+RenderParams plain(View view) {
+  RenderParams p;
+  p.view = view;
+  p.width = width;
+  p.height = height;
+  p.supersampling = 1;
+  p.marks = p.occlusion = false;
+  p.background_top = p.background_bottom = key;
+  return p;
+}
+
+using RenderPicture = Picture;
+
+// The same silhouettes as the toolchain's rasteriser draws, from every side, whole and cut.
+TEST_F(RenderPicture, SilhouettesAreThoseOfTheToolchainWithinAPixel) {
+  const TriMesh mesh = case_samples::ball(60, 60);
+  for (const View view : {View::front, View::left, View::top, View::oblique_left, View::oblique_right}) {
+    RenderParams params = plain(view);
+    Compared c = compare(mesh, params);
+    EXPECT_GT(c.theirs, 10000u);
+    EXPECT_EQ(c.out_of_one, 0);
+    EXPECT_LT(std::abs(double(c.ours) - double(c.theirs)), 0.005 * double(c.theirs));
+    params.clip = ClipPlane{{5, -10, 3}, {0.3, -0.8, 0.5}};
+    c = compare(mesh, params);
+    EXPECT_EQ(c.out_of_one, 0) << "cut";
+    EXPECT_LT(std::abs(double(c.ours) - double(c.theirs)), 0.005 * double(c.theirs));
+  }
+}
+
+// A point before, at and behind the plane of convergence, seen by two eyes.
+TEST_F(RenderPicture, StereoHasTheDisparityOfTheDepth) {
+  for (const double depth : {350.0, 500.0, 700.0}) {
+    OrbitCamera camera;
+    camera.distance_mm = 500;
+    const Bounds bounds{{-200, -200, -200}, {200, 200, 200}};
+    SceneData scene;
+    scene.bounds = bounds;
+    Renderer renderer(scene, {1, false, 9, false});
+    SceneState state;
+    Marker marker;
+    marker.position_mm = camera.eye_mm() - camera.toward * depth;
+    marker.radius_mm = 4;
+    state.markers = {marker};
+    double middle[2];
+    for (const int side : {-1, 1}) {
+      const EyeView eye = camera.eye(width, height, bounds, 32.0 * side, 500);
+      const trephine::Picture p = drawn(renderer, eye, state);
+      double weight = 0, x = 0;
+      for (int n = 0; n < width * height; ++n) {
+        const bool lit = p.rgb[std::size_t(3 * n)] > 60;
+        weight += lit;
+        x += lit * (n % width + 0.5);
+      }
+      ASSERT_GT(weight, 20);
+      middle[side > 0] = x / weight;
+      EXPECT_NEAR(middle[side > 0], eye.project(marker.position_mm, width, height).x, 0.5);
+    }
+    const double px_per_tan = 0.5 * height / std::tan(0.5 * 25 * 3.14159265358979 / 180);
+    EXPECT_NEAR(middle[1] - middle[0], 64 * px_per_tan * (1 / 500.0 - 1 / depth), 0.5) << depth;
+  }
+}
+
+// A shell within a shell: what is seen through both is mixed in the order of depth.
+TEST_F(RenderPicture, TransparentShellsAreMixedFromTheOutermostInwards) {
+  SceneData scene;
+  const TriMesh outer = case_samples::ball(60, 40), inner = case_samples::ball(30, 30);
+  scene.bounds = bounds_of(outer);
+  scene.surfaces = {surface_of(outer, "outer", {1, 0, 0}), surface_of(inner, "inner", {0, 1, 0})};
+  Renderer renderer(scene, {1, false, 9, false});
+  SceneState state;
+  OrbitCamera camera;
+  camera.look(ViewPreset::front, scene.bounds, {}, {});
+  const EyeView eye = camera.eye(width, height, scene.bounds);
+  const auto middle = [&](double outer_opacity, double inner_opacity) {
+    state.opacity = {outer_opacity, inner_opacity};
+    const trephine::Picture p = drawn(renderer, eye, state);
+    const std::size_t at = std::size_t((height / 2) * width + width / 2) * 3;
+    return std::array<int, 3>{p.rgb[at], p.rgb[at + 1], p.rgb[at + 2]};
+  };
+  const auto solid = middle(1, 1), through = middle(0.4, 1), both = middle(0.4, 0.4), hidden = middle(0, 1);
+  EXPECT_GT(solid[0], 150);
+  EXPECT_LT(solid[1], 100);
+  EXPECT_GT(through[1], 100);  // green shows through
+  EXPECT_GT(through[0], 60);
+  EXPECT_GT(hidden[1], through[1]);
+  EXPECT_LT(hidden[0], 100);
+  EXPECT_LT(both[1], through[1]);  // the inner shell lets the red far side through
+}
+
+// The cap of a cut has the colour of what it cuts, and that of the inner solid where that is.
+TEST_F(RenderPicture, CapsShowTheInnerSolidWithinTheOuter) {
+  SceneData scene;
+  const TriMesh outer = case_samples::ball(60, 40), inner = case_samples::ball(25, 30);
+  scene.bounds = bounds_of(outer);
+  scene.surfaces = {surface_of(outer, "outer", {1, 0, 0}), surface_of(inner, "inner", {0, 1, 0})};
+  Renderer renderer(scene, {1, false, 9, false});
+  SceneState state;
+  state.opacity = {1, 1};
+  state.cut = CutPlane{{0, 0, 0}, {0, -1, 0}};
+  OrbitCamera camera;
+  camera.look(ViewPreset::front, scene.bounds, {}, {});
+  const EyeView eye = camera.eye(width, height, scene.bounds);
+  const trephine::Picture p = drawn(renderer, eye, state);
+  const auto at = [&](Vec3 place) {
+    const Vec3 px = eye.project(place, width, height);
+    const std::size_t n = std::size_t(int(px.y) * width + int(px.x)) * 3;
+    return std::array<int, 3>{p.rgb[n], p.rgb[n + 1], p.rgb[n + 2]};
+  };
+  for (const Vec3 place : {Vec3{0, 0, 0}, Vec3{20, 0, 0}, Vec3{0, 0, -20}}) EXPECT_GT(at(place)[1], 150) << place.x;
+  for (const Vec3 place : {Vec3{32, 0, 0}, Vec3{0, 0, 40}, Vec3{-50, 0, 0}}) {
+    EXPECT_GT(at(place)[0], 150) << place.x;
+    EXPECT_LT(at(place)[1], 60) << place.x;
+  }
+}
+
+}  // namespace
+}  // namespace trephine::drawing
