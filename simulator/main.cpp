@@ -13,6 +13,7 @@ Program declare() {
   program.reference_folder = "docs/reference-sim";
   program.commands = {check_command(), servo_command(), replay_command(), lesson_command(), score_command()};
 #ifdef TREPHINE_WITH_DISPLAY
+  program.commands.push_back(play_command());
   program.commands.push_back(render_command());
 #endif
   return program;

@@ -12,5 +12,6 @@ Command lesson_command();
 Command score_command();
 /// Not in a build with TREPHINE_HEADLESS.
 Command render_command();
+Command play_command();
 
 }  // namespace trephine

@@ -13,7 +13,7 @@
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "commands/commands.h"
-#include "session/session.h"
+#include "commands/session_options.h"
 
 namespace trephine {
 namespace {
@@ -174,31 +174,10 @@ void refuse_one_file_twice(const ParsedCommand& parsed) {
     throw Error(ExitCode::usage, parsed.text("json"), "--record, --json", "are the same file");
 }
 
-SessionOptions options_of(const ParsedCommand& parsed) {
-  SessionOptions o;
-  o.case_folder = parsed.path("case");
-  o.shape = parsed.text("shape");
-  if (parsed.has("device")) o.device.name = parsed.text("device");
-  o.device.params = parsed.groups;
-  for (const DeviceType& type : device_types())
-    for (const Argument& file : type.files)
-      if (parsed.has(file.name)) o.device.files[file.name] = parsed.path(file.name);
-  o.workspace = parsed.params<WorkspaceParams>();
-  o.seconds = parsed.params<RunParams>().seconds;
-  o.servo = parsed.params<ServoParams>();
-  o.contact = parsed.params<ContactParams>();
-  o.force = parsed.params<ForceParams>();
-  o.tool = parsed.params<ToolParams>();
-  o.shaft = parsed.params<ShaftParams>();
-  o.drilling = parsed.params<DrillingParams>();
-  o.law = parsed.params<DrillParams>();
-  o.record = parsed.path("record");
-  return o;
-}
-
 ExitCode run_servo(const ParsedCommand& parsed) {
   refuse_one_file_twice(parsed);
-  const SessionOptions options = options_of(parsed);
+  SessionOptions options = session_options_of(parsed);
+  options.seconds = parsed.params<RunParams>().seconds;
   Session session(options, cancel_requested(), [](const std::string& line) {
     std::cout << line << "\n" << std::flush;
   });
@@ -220,42 +199,15 @@ ExitCode run_servo(const ParsedCommand& parsed) {
   return ExitCode::ok;
 }
 
-// "a, b, or c": what --device may be, as the kinds say it themselves.
-std::string devices_text() {
-  const std::vector<DeviceType>& all = device_types();
-  std::string text;
-  for (const DeviceType& type : all) text += (text.empty() ? "" : &type == &all.back() ? ", or " : ", ") + type.help;
-  return text;
-}
-
 std::vector<Argument> servo_arguments() {
-  Argument folder = argument("case", Argument::Kind::in_folder, "Folder of the case.");
-  folder.positional = folder.required = true;
-  Argument device = argument("device", Argument::Kind::choice,
-                             "Who holds the tool; " + DeviceChoice().name + " where it is not given.");
-  std::vector<Argument> all = {folder, device};
-  for (const DeviceType& type : device_types()) {
-    all[1].choices.push_back(type.name);
-    all.insert(all.end(), type.files.begin(), type.files.end());
-  }
-  all.push_back(
-      argument("shape", Argument::Kind::text, "The only shape that is felt; without it, all shapes of the case."));
-  all.push_back(argument("record", Argument::Kind::out_file, "Write every tick to this file."));
+  std::vector<Argument> all = session_arguments(DeviceChoice().name);
   all.push_back(argument("json", Argument::Kind::out_file, "Write the statistics to this file."));
   return all;
 }
 
 std::vector<ParameterGroup> servo_groups() {
-  std::vector<ParameterGroup> all = {ParameterGroup::of<RunParams>("Parameters"),
-                                     ParameterGroup::of<ServoParams>("Servo loop"),
-                                     ParameterGroup::of<ContactParams>("Contact"),
-                                     ParameterGroup::of<ForceParams>("Force"),
-                                     ParameterGroup::of<ToolParams>("Tool"),
-                                     ParameterGroup::of<ShaftParams>("Its shaft"),
-                                     ParameterGroup::of<DrillingParams>("Drilling"),
-                                     ParameterGroup::of<DrillParams>("The law of removal"),
-                                     ParameterGroup::of<WorkspaceParams>("The device's workspace")};
-  for (const DeviceType& type : device_types()) all.insert(all.end(), type.groups.begin(), type.groups.end());
+  std::vector<ParameterGroup> all = session_groups();
+  all.insert(all.begin(), ParameterGroup::of<RunParams>("Parameters"));
   return all;
 }
 

@@ -49,6 +49,11 @@ void Stage::set_view(const ViewParams& params) {
   state.markers = params.places ? places_of(loaded_.manifest) : std::vector<Marker>();
 }
 
+void Stage::set_quality(const ViewParams& params, double scale) {
+  renderer_->set_quality(quality_of(params));
+  scale_ = scale;
+}
+
 void Stage::set_tool(const ToolParams& own_tool) { renderer_->set_tool(solid_of(own_tool)); }
 
 std::size_t Stage::follow(DirtyBricks& marks) {
@@ -115,7 +120,7 @@ void Stage::draw(const OrbitCamera& camera, int width, int height, const std::fu
       eye.bottom += shift;
       eye.top += shift;
     }
-    renderer_->draw(eye, state, w, h);
+    renderer_->draw(eye, state, std::max(1, int(w * scale_)), std::max(1, int(h * scale_)));
     bind();
     renderer_->present(x, y, w, h, mask);
   };

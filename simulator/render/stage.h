@@ -20,6 +20,8 @@ class Stage {
   /// The parameters of pictures from now on; not those of the camera.
   void set_view(const ViewParams& params);
   const ViewParams& view() const { return params_; }
+  /// How good pictures are from now on, without another view; `scale` below 1: so many pixels less in each direction.
+  void set_quality(const ViewParams& params, double scale);
   void set_tool(const ToolParams& own_tool);
   /// Makes the live surfaces follow the marked bricks; returns how many were made anew.
   std::size_t follow(DirtyBricks& marks);
@@ -56,6 +58,7 @@ class Stage {
   std::vector<std::size_t> marked_;
   std::vector<IncisionWall> walls_;
   std::size_t shown_incisions_ = 0;
+  double scale_ = 1;
 };
 
 }  // namespace trephine

@@ -64,6 +64,8 @@ FeltCase felt_again(const std::filesystem::path& folder, const std::string& file
   const auto refuse = [&](const char* field, const std::string& what) {
     throw Error(ExitCode::bad_input, file, field, what);
   };
+  if (h.cut_before)
+    refuse("cut_before", "it began with what an earlier session had cut, and cannot be run again alone");
   try {
     FeltCase felt(folder, h.felt_shape, parts);
     const RecordingHeader now = felt.header();

@@ -36,6 +36,7 @@ class Playback {
   Playback(const std::filesystem::path& case_folder, const std::filesystem::path& recording, LoadParts parts,
            const Progress& progress = {});
 
+  const std::shared_ptr<Patient>& patient() const { return patient_; }
   const LoadedCase& loaded() const { return patient_->felt.loaded; }  ///< its voxels are those at time_s()
   const RecordingHeader& header() const { return recording_.header; }
   const std::vector<ServoFrame>& frames() const { return recording_.frames; }

@@ -90,6 +90,7 @@ RecordingHeader Session::header_of(const SessionOptions& options) const {
   header.tool = own_tool(options.tool);
   header.drilling = options.drilling;
   header.law = options.law;
+  header.cut_before = options.cut_before;
   return header;
 }
 
@@ -142,10 +143,8 @@ SessionResult Session::finish() {
     result.drilled = drilling_->outcome();
     result.outcome = outcome_of(patient_->felt.loaded.haptic, drilling_->outcome());
   }
-  if (recording_) {
-    drain();
-    recording_->finish(result.outcome);
-  }
+  if (recording_ || options_.watched) drain();
+  if (recording_) recording_->finish(result.outcome);
   return result;
 }
 

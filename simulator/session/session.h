@@ -38,7 +38,8 @@ struct SessionOptions {
   DeviceChoice device;
   /// Makes the device instead, where it is given: a window is its own.
   std::function<std::unique_ptr<Device>(const DeviceScene&)> own_device;
-  bool watched = false;  ///< take_frames() gives every frame, also without a recording
+  bool cut_before = false;  ///< the patient that is given was cut already: a recording says so, and cannot be replayed
+  bool watched = false;     ///< take_frames() gives every frame, also without a recording
   WorkspaceParams workspace;
   double seconds = 10;
   ServoParams servo;
@@ -75,8 +76,7 @@ class Session {
   /// kept.
   ///
   /// `stop` ends a wait and the loop, and must outlive the session. A patient that is given is not loaded, and only
-  /// one session at a time may run on it; what was cut of it stays cut, so that no recording is allowed then unless
-  /// nothing was.
+  /// one session at a time may run on it; what was cut of it stays cut.
   Session(const SessionOptions& options, const std::atomic<bool>& stop,
           const std::function<void(const std::string&)>& say, std::shared_ptr<Patient> patient = nullptr);
   /// Waits for the loop's end. Without finish() the recording is lost.
@@ -95,6 +95,8 @@ class Session {
   /// Waits for the loop's end, and completes the recording. A session that was stopped is only shorter; its recording
   /// is kept. Throws Error 74.
   SessionResult finish();
+  /// The frames that finish() took, for a session that is watched.
+  const std::vector<ServoFrame>& last_frames() const { return frames_; }
 
   const RecordingHeader& header() const { return header_; }
   int tool_points() const;  ///< 0: a point at the tip alone

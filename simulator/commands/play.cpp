@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "window/play.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <iostream>
+
+#include "base/error.h"
+#include "base/write_file.h"
+#include "cli/argument.h"
+#include "commands/commands.h"
+#include "commands/session_options.h"
+
+namespace trephine {
+namespace {
+
+constexpr const char* screen = "mouse";
+
+struct PlayParams {
+  double seconds = 0;
+  int remote = -1;
+  template <class V>
+  static void describe(V& v) {
+    using P = PlayParams;
+    v.number(&P::seconds, "seconds", Range{0, 86400}, "End by itself after so long; 0: when the window is closed.");
+    v.integer(&P::remote, "remote", Range{-1, 65535},
+              "Port of the loopback interface on which lines of the remote are taken; 0: any that is free, which is "
+              "then printed; -1: none.");
+  }
+};
+
+ExitCode run_play(const ParsedCommand& parsed) {
+  const auto begun = std::chrono::steady_clock::now();
+  const PlayParams& params = parsed.params<PlayParams>();
+  PlayOptions o;
+  o.session = session_options_of(parsed);
+  if (!parsed.has("device") || parsed.text("device") == screen) o.session.device.name.clear();
+  o.session.seconds = params.seconds > 0 ? params.seconds : 86400;
+  if (!parsed.given.count("tool")) o.session.tool.tool = "burr";
+  if (!parsed.given.count("drill")) o.session.drilling.drill = true;
+  if (!o.session.servo.paced) throw Error(ExitCode::usage, "", "--no-paced", "a window keeps to the clock");
+  o.playback = parsed.path("playback");
+  if (!o.playback.empty() && !o.session.record.empty())
+    throw Error(ExitCode::usage, "", "--playback, --record", "a recording is shown or made, not both");
+  o.hand = parsed.params<ScreenHandParams>();
+  o.view = parsed.params<ViewParams>();
+  if (parsed.has("shots")) {
+    o.shots = parsed.path("shots");
+    make_output_folder(o.shots);
+  }
+  const PlayOutcome r = play(o, parsed.params<WindowParams>(), params.remote, begun, cancel_requested(),
+                             [](const std::string& line) { std::cout << line << "\n"
+                                                                     << std::flush; });
+  std::cout << fmt::format("{} pictures in {:.1f} s, {:.1f} ms each (median)\n", r.pictures, r.seconds, r.picture_ms);
+  Progress({}, &cancel_requested()).check();
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+Command play_command() {
+  Command c;
+  c.name = "play";
+  c.summary = "opens a window in which a case is seen, felt and cut";
+  c.description =
+      "The servo loop runs as `trephine-sim servo` runs it, and the window shows the patient, the tool, and bone as it "
+      "is drilled. Mouse and keyboard hold the tool (docs/play.md lists what they do), or --device does: " +
+      devices_text() +
+      ". With --playback a recording is shown instead, at any time and in both directions. --remote takes the same "
+      "commands as lines on a socket. Tools drill where the case can be drilled; --no-drill keeps it whole. Exit code "
+      "74 says that there is no display, no OpenGL 4.3, or that the driver lost its context; what was recorded until "
+      "then is kept.";
+  c.arguments = session_arguments(screen);
+  c.arguments.push_back(argument("playback", Argument::Kind::in_file, "A recording to be shown."));
+  c.arguments.push_back(argument("shots", Argument::Kind::out_folder,
+                                 "Folder for the pictures that F12 takes; the current folder where it is not given."));
+  c.groups = {ParameterGroup::of<PlayParams>("Parameters"), ParameterGroup::of<WindowParams>("Window"),
+              ParameterGroup::of<ViewParams>("View"), ParameterGroup::of<ScreenHandParams>("Mouse and keyboard")};
+  const std::vector<ParameterGroup> session = session_groups();
+  c.groups.insert(c.groups.end(), session.begin(), session.end());
+  c.examples = {"trephine-sim play library/sample",
+                "trephine-sim play library/sample --tool catheter --record way.servo",
+                "trephine-sim play library/sample --playback hole.servo",
+                "trephine-sim play library/sample --device udp --stereo side_by_side"};
+  c.run = run_play;
+  return c;
+}
+
+}  // namespace trephine

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "cli/command.h"
+#include "session/session.h"
+
+namespace trephine {
+
+/// What the commands that hold a tool in a case have in common. `own` is the kind of device where none is given; where
+/// it is none of device_types(), it is a further choice.
+std::vector<Argument> session_arguments(const std::string& own);
+std::vector<ParameterGroup> session_groups();
+/// Without the duration.
+SessionOptions session_options_of(const ParsedCommand& parsed);
+/// "a, b, or c": the kinds of devices as they say it themselves.
+std::string devices_text();
+
+}  // namespace trephine

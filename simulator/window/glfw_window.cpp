@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "window/glfw_window.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <epoxy/gl.h>
+
+#include "base/error.h"
+
+namespace trephine {
+namespace {
+
+std::string last_fault() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text ? text : "";
+}
+
+}  // namespace
+
+struct GlfwWindow::Library {
+  Library() {
+    if (!glfwInit())
+      throw Error(ExitCode::io, "", "display",
+                  "no window can be opened (" + last_fault() + "); `trephine-sim render` needs no display");
+  }
+  ~Library() { glfwTerminate(); }
+};
+
+GlfwWindow::GlfwWindow(const std::string& title, int width, int height, bool visible) : library_(new Library) {
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);
+  glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
+  glfwWindowHint(GLFW_DEPTH_BITS, 0);
+  glfwWindowHint(GLFW_STENCIL_BITS, 0);
+  window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  if (!window_) {
+    const std::string first = last_fault();
+    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_NO_ROBUSTNESS);
+    window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+    if (!window_) throw Error(ExitCode::io, "", "OpenGL", "the display has none of version 4.3 (core): " + first);
+  }
+  glfwMakeContextCurrent(window_);
+  glfwSwapInterval(0);  // the loop keeps its own time, and reads the hand as late as it can
+  glfwSetWindowUserPointer(window_, this);
+  static const auto keep = [](GLFWwindow* w, const InputEvent& e) {
+    static_cast<GlfwWindow*>(glfwGetWindowUserPointer(w))->waiting_.push_back(e);
+  };
+  glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int mods) {
+    if (action != GLFW_REPEAT) keep(w, {InputEvent::Kind::key, key, action == GLFW_PRESS, mods, 0, 0});
+  });
+  glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int mods) {
+    keep(w, {InputEvent::Kind::button, button, action == GLFW_PRESS, mods, 0, 0});
+  });
+  static const auto moved = [](GLFWwindow* w, double x, double y) {
+    int ww = 1, wh = 1, fw = 1, fh = 1;
+    glfwGetWindowSize(w, &ww, &wh);
+    glfwGetFramebufferSize(w, &fw, &fh);
+    if (ww > 0 && wh > 0) keep(w, {InputEvent::Kind::move, 0, false, 0, x * fw / ww, y * fh / wh});
+  };
+  glfwSetCursorPosCallback(window_, moved);
+  double x = 0, y = 0;
+  glfwGetCursorPos(window_, &x, &y);  // no event tells where the cursor is before it moves
+  moved(window_, x, y);
+  glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double y) {
+    const bool control =
+        glfwGetKey(w, GLFW_KEY_LEFT_CONTROL) == GLFW_PRESS || glfwGetKey(w, GLFW_KEY_RIGHT_CONTROL) == GLFW_PRESS;
+    keep(w, {InputEvent::Kind::wheel, 0, false, control ? GLFW_MOD_CONTROL : 0, 0, y});
+  });
+  glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int focused) {
+    if (!focused) keep(w, {InputEvent::Kind::dropped, 0, false, 0, 0, 0});  // keys that are down are let go
+  });
+}
+
+GlfwWindow::~GlfwWindow() {
+  if (window_) glfwDestroyWindow(window_);
+}
+
+const std::vector<InputEvent>& GlfwWindow::events(double wait_s) {
+  if (wait_s > 0)
+    glfwWaitEventsTimeout(wait_s);
+  else
+    glfwPollEvents();
+  given_.swap(waiting_);
+  waiting_.clear();
+  return given_;
+}
+
+bool GlfwWindow::closed() const { return glfwWindowShouldClose(window_); }
+void GlfwWindow::width_height(int& width, int& height) const { glfwGetFramebufferSize(window_, &width, &height); }
+void GlfwWindow::swap() { glfwSwapBuffers(window_); }
+
+bool GlfwWindow::reset() const { return epoxy_gl_version() >= 45 && glGetGraphicsResetStatus() != GL_NO_ERROR; }
+
+}  // namespace trephine

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+struct GLFWwindow;
+
+namespace trephine {
+
+/// What a user did, in the order in which it was done: also what was pressed and released while a picture was drawn.
+struct InputEvent {
+  enum class Kind { key, button, move, wheel, dropped };
+  Kind kind = Kind::key;
+  int code = 0;         ///< GLFW's key, or mouse button (0 left, 1 right, 2 middle)
+  bool down = false;    ///< of a key or button
+  int mods = 0;         ///< GLFW's shift (1), control (2), alt (4)
+  double x = 0, y = 0;  ///< of the cursor, in pixels of the framebuffer from the upper left corner; of the wheel: steps
+};
+
+/// A window with a current context of OpenGL 4.3 core.
+class GlfwWindow {
+ public:
+  /// Throws Error 74 where there is no display, or no such context.
+  GlfwWindow(const std::string& title, int width, int height, bool visible = true);
+  ~GlfwWindow();
+  GlfwWindow(const GlfwWindow&) = delete;
+  GlfwWindow& operator=(const GlfwWindow&) = delete;
+
+  /// Waits for events, at most that long, and returns those that came; valid until the next call.
+  const std::vector<InputEvent>& events(double wait_s);
+  bool closed() const;
+  void width_height(int& width, int& height) const;  ///< of the framebuffer
+  void swap();
+  bool reset() const;  ///< the driver lost the context
+  GLFWwindow* handle() const { return window_; }
+
+ private:
+  struct Library;
+  std::unique_ptr<Library> library_;
+  GLFWwindow* window_ = nullptr;
+  std::vector<InputEvent> waiting_, given_;
+};
+
+}  // namespace trephine

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "window/hud.h"
+
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <cmath>
+
+#include "base/error.h"
+
+namespace trephine {
+namespace {
+
+constexpr float letter_px = 13;
+// Of the colours that are told apart with any kind of colour vision (Okabe and Ito).
+const ImVec4 sky{0.34f, 0.71f, 0.91f, 1}, orange{0.90f, 0.62f, 0.00f, 1}, vermilion{0.84f, 0.37f, 0.00f, 1},
+    grey{0.65f, 0.68f, 0.72f, 1};
+
+void line(const char* what, const std::string& value, const ImVec4& colour = {1, 1, 1, 1}) {
+  ImGui::TextColored(grey, "%s", what);
+  ImGui::SameLine(ImGui::GetFontSize() * 9.5f);
+  ImGui::TextColored(colour, "%s", value.c_str());
+}
+
+}  // namespace
+
+Hud::Hud(GlfwWindow& window, double scale, Language language) : scale_(scale), language_(language) {
+  ImGui::CreateContext();
+  ImGui::GetIO().IniFilename = nullptr;  // no file beside the user's
+  ImGui::StyleColorsDark();
+  ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = 0.78f;
+  ImGui::GetStyle().WindowRounding = 4;
+  ImGui::GetStyle().ScaleAllSizes(float(scale));
+  ImFontConfig font;
+  font.SizePixels = std::round(letter_px * float(scale));
+  ImGui::GetIO().Fonts->AddFontDefault(&font);
+  if (!ImGui_ImplGlfw_InitForOpenGL(window.handle(), true) || !ImGui_ImplOpenGL3_Init("#version 430 core"))
+    throw Error(ExitCode::io, "", "OpenGL", "the panels cannot be drawn");
+}
+
+Hud::~Hud() {
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+}
+
+bool Hud::has_mouse() const { return ImGui::GetIO().WantCaptureMouse; }
+bool Hud::has_keys() const { return ImGui::GetIO().WantTextInput; }
+
+void Hud::patient_panel(Player& player) {
+  ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({ImGui::GetFontSize() * 22, 0}, ImGuiCond_FirstUseEver);
+  ImGui::Begin(player.patient().felt.loaded.manifest.case_token.c_str(), nullptr, ImGuiWindowFlags_NoFocusOnAppearing);
+  ImGui::TextColored(sky, "%s", say(Text::anatomies));
+  Stage& stage = player.stage();
+  for (std::size_t n = 0; n < stage.scene().surfaces.size(); ++n) {
+    float opacity = float(stage.state.opacity[n]);
+    if (ImGui::SliderFloat(stage.scene().surfaces[n].name.c_str(), &opacity, 0, 1, "%.2f"))
+      player.set_opacity(stage.scene().surfaces[n].name, opacity);
+  }
+  ImGui::TextColored(sky, "%s", say(Text::view));
+  int on_line = 0;
+  for (const auto& [name, value] : view_presets()) {
+    if (on_line++ % 4 != 0) ImGui::SameLine();
+    if (ImGui::SmallButton(name.c_str())) player.set_view(name);
+  }
+  bool places = !stage.state.markers.empty();
+  if (ImGui::Checkbox(say(Text::places), &places)) player.set_places(places);
+  if (stage.loaded().has_ct()) {
+    bool slices = !stage.state.ct_planes.empty();
+    if (ImGui::Checkbox(say(Text::ct_slices), &slices)) player.set_ct_slices(slices);
+  }
+  ImGui::TextColored(sky, "%s", say(Text::cut_away));
+  for (const char* how : {"none", "tool", "axial", "coronal", "sagittal"}) {
+    if (how[0] != 'n') ImGui::SameLine();
+    if (ImGui::SmallButton(how)) player.cut(how);
+  }
+  if (stage.state.cut) {
+    float moved = 0;
+    if (ImGui::SliderFloat(say(Text::move_plane), &moved, -5, 5, "%.1f")) player.move_cut(moved);
+    ImGui::Checkbox(say(Text::shows_ct), &stage.state.cut_shows_ct);
+  }
+  if (player.live()) {
+    ImGui::TextColored(sky, "%s", say(Text::tool));
+    on_line = 0;
+    for (const ToolKind& kind : all_tool_kinds()) {
+      if (on_line++ % 3 != 0) ImGui::SameLine();
+      const bool held = player.tool() == kind.name;
+      if (held) ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.1f, 0.45f, 0.65f, 1));
+      if (ImGui::SmallButton(kind.name)) player.take_tool(kind.name);
+      if (held) ImGui::PopStyleColor();
+    }
+  }
+  if (ImGui::CollapsingHeader(say(Text::keys))) ImGui::TextUnformatted(say(Text::keys_help));
+  ImGui::End();
+}
+
+void Hud::status_panel(Player& player, const Controls& controls, const PictureTimes& times, int width, int height) {
+  ImGui::SetNextWindowPos({float(width) - 8, 8}, ImGuiCond_Always, {1, 0});
+  ImGui::SetNextWindowSize({ImGui::GetFontSize() * 24, 0}, ImGuiCond_Always);
+  ImGui::Begin("##status", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoFocusOnAppearing);
+  const ServoFrame& f = player.frame();
+  line(say(Text::time), fmt::format("{:.2f} s", f.time_s));
+  line(say(Text::tool), player.tool() + (f.buttons & Drilling::pedal ? fmt::format(" [{}]", say(Text::pedal)) : ""),
+       f.buttons & Drilling::pedal ? orange : ImVec4(1, 1, 1, 1));
+  line(say(Text::inside), f.inside ? player.shape_name(f.inside) : say(Text::nothing));
+  line(say(Text::depth), fmt::format("{:.1f} mm", player.depth_mm()));
+  if (player.target_mm() >= 0) line(say(Text::to_target), fmt::format("{:.1f} mm", player.target_mm()));
+  if (player.trace_on()) line(say(Text::trace), fmt::format("{:.0f} mm", player.trace_mm()));
+  const double force =
+      std::sqrt(f.force_n[0] * f.force_n[0] + f.force_n[1] * f.force_n[1] + f.force_n[2] * f.force_n[2]);
+  line(say(Text::force), fmt::format("{:.2f} N{}", force, f.touched ? ", " + player.shape_name(f.touched) : ""),
+       force > 1 ? orange : ImVec4(1, 1, 1, 1));
+  const std::vector<float> forces(player.forces().begin(), player.forces().end());
+  ImGui::PlotLines("##forces", forces.data(), int(forces.size()), 0, nullptr, 0, 3.5f,
+                   {ImGui::GetContentRegionAvail().x, ImGui::GetFontSize() * 3});
+  line(say(Text::picture), fmt::format("{:.1f} ms, {:.0f}/s", times.ms, times.per_s));
+  if (!times.reduced.empty()) {
+    ImGui::PushTextWrapPos(0);
+    ImGui::TextColored(orange, "%s: %s", say(Text::reduced), times.reduced.c_str());
+    ImGui::PopTextWrapPos();
+  }
+  if (player.live())
+    line(say(Text::servo),
+         fmt::format("{:.0f} Hz, {} {:.1f} ms", player.servo_hz(), say(Text::late), player.late_us() / 1000));
+  if (f.faults != 0) line(say(Text::lost_device), fault_names(f.faults), vermilion);
+  const std::string under = has_mouse() ? "" : player.under(controls.cursor_x, controls.cursor_y, width, height);
+  line(say(Text::under_cursor), under.empty() ? "-" : under);
+  if (!controls.said.empty()) ImGui::TextColored(orange, "%s", controls.said.c_str());
+  if (!player.notes().empty()) ImGui::TextColored(grey, "%s", player.notes().back().c_str());
+  ImGui::End();
+}
+
+void Hud::playback_panel(Player& player, int width, int height) {
+  const Playback& p = *player.playback();
+  ImGui::SetNextWindowPos({float(width) / 2, float(height) - 8}, ImGuiCond_Always, {0.5f, 1});
+  ImGui::SetNextWindowSize({float(width) * 0.7f, 0}, ImGuiCond_Always);
+  ImGui::Begin(say(Text::playback), nullptr, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
+  if (ImGui::Button(say(player.paused() ? Text::go_on : Text::pause))) player.pause(!player.paused());
+  ImGui::SameLine();
+  float speed = float(player.speed);
+  ImGui::SetNextItemWidth(ImGui::GetFontSize() * 8);
+  if (ImGui::SliderFloat(say(Text::speed), &speed, -4, 8, "%.1f")) player.speed = speed;
+  ImGui::SameLine();
+  float at = float(p.time_s());
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderFloat("##time", &at, float(p.begin_s()), float(p.end_s()), "%.2f s")) player.go_to(at);
+  ImGui::End();
+}
+
+void Hud::draw(Player& player, Controls& controls, const PictureTimes& times, int width, int height) {
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+  if (controls.panels_shown) {
+    patient_panel(player);
+    status_panel(player, controls, times, width, height);
+    if (player.playback()) playback_panel(player, width, height);
+  }
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+}  // namespace trephine

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <memory>
+#include <string>
+
+#include "window/controls.h"
+#include "window/glfw_window.h"
+#include "window/player.h"
+#include "window/texts.h"
+
+namespace trephine {
+
+/// Times of the pictures, for the panel.
+struct PictureTimes {
+  double ms = 0, per_s = 0;
+  std::string reduced;  ///< what is left out to reach the target, or an empty text
+};
+
+/// The window's panels: anatomies, views, cut, tools, what is measured, and the recording that is shown.
+class Hud {
+ public:
+  /// `scale`: size of the letters, 1 for 13 pixels.
+  Hud(GlfwWindow& window, double scale, Language language);
+  ~Hud();
+  Hud(const Hud&) = delete;
+  Hud& operator=(const Hud&) = delete;
+
+  /// Whether mouse and keys are for a panel.
+  bool has_mouse() const;
+  bool has_keys() const;
+  void draw(Player& player, Controls& controls, const PictureTimes& times, int width, int height);
+
+ private:
+  void patient_panel(Player& player);
+  void status_panel(Player& player, const Controls& controls, const PictureTimes& times, int width, int height);
+  void playback_panel(Player& player, int width, int height);
+  const char* say(Text text) const { return text_of(language_, text); }
+  double scale_;
+  Language language_;
+};
+
+}  // namespace trephine

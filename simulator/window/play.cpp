@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "window/play.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <deque>
+#include <future>
+#include <optional>
+
+#include "base/error.h"
+#include "base/write_file.h"
+#include "window/controls.h"
+#include "window/glfw_window.h"
+#include "window/hud.h"
+#include "window/remote.h"
+
+namespace trephine {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+
+constexpr std::size_t kept_times = 200;
+
+double median(std::deque<double> values) {
+  if (values.empty()) return 0;
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+// Where pictures take longer than they should, what makes them good is left out step by step; never a surface.
+class Reduction {
+ public:
+  Reduction(double target_ms, const ViewParams& whole, const DriverFacts& driver)
+      : target_ms_(target_ms), whole_(whole) {
+    if (driver.software && target_ms > 0) level_ = 1;  // the processor draws: the picture begins without the darkening
+  }
+  /// Returns whether another level begins.
+  bool look(double ms) {
+    if (!(target_ms_ > 0)) return false;
+    times_.push_back(ms);
+    if (times_.size() < 8) return false;
+    const double typical = median(times_);
+    times_.clear();
+    if (typical > target_ms_ && level_ < most) {
+      ++level_;
+      return true;
+    }
+    return false;
+  }
+  ViewParams view() const {
+    ViewParams v = whole_;
+    if (level_ >= 1) {
+      v.samples = 1;
+      v.occlusion = false;
+    }
+    if (level_ >= 2) v.grain = false;
+    return v;
+  }
+  double scale() const { return level_ >= 3 ? 0.5 : 1; }
+  std::string text() const {
+    static const char* const dropped[] = {"", "no darkening of creases, rough edges",
+                                          "no darkening of creases, rough edges, no grain",
+                                          "no darkening of creases, rough edges, no grain, half the pixels"};
+    return dropped[level_];
+  }
+
+ private:
+  static constexpr int most = 3;
+  double target_ms_;
+  ViewParams whole_;
+  int level_ = 0;
+  std::deque<double> times_;
+};
+
+class Loop {
+ public:
+  Loop(Player& player, GlfwWindow& window, const WindowParams& params, const PlayOptions& options)
+      : player_(player),
+        window_(window),
+        params_(params),
+        controls_(options.hand),
+        hud_(window, params.letters, params.language),
+        reduction_(params.target_ms, options.view, player.stage().driver()) {
+    controls_.panels_shown = params.panels;
+    reduce();
+  }
+
+  // One picture. Returns false where the window is to be closed.
+  bool turn(double wait_s, Remote* remote) {
+    const std::vector<InputEvent>& events = window_.events(wait_s);
+    const auto begin = Clock::now();
+    const double wall_s = std::min(1.0, std::chrono::duration<double>(begin - last_).count());
+    last_ = begin;
+    int width = 0, height = 0;
+    window_.width_height(width, height);
+    controls_.apply(events, player_, width, height, hud_.has_mouse(), hud_.has_keys());
+    controls_.hold(wall_s, player_);
+    if (remote) remote->poll([&](const std::string& line) { return player_.command(line); });
+    player_.step(wall_s);
+    if (width > 0 && height > 0) picture(width, height);
+    window_.swap();
+    if (window_.reset()) throw Error(ExitCode::io, "", "OpenGL", "the graphics driver was reset");
+    const double ms = 1000 * since(begin);
+    times_.push_back(ms);
+    if (times_.size() > kept_times) times_.pop_front();
+    shown_.ms = ms;
+    shown_.per_s = wall_s > 0 ? 0.9 * shown_.per_s + 0.1 / std::max(wall_s, ms / 1000) : 0;
+    // The first pictures compile shaders.
+    if (++pictures_ > 3 && reduction_.look(ms)) reduce();
+    return !window_.closed() && !player_.quits();
+  }
+
+  double typical_ms() const { return median(times_); }
+  double last_ms() const { return times_.empty() ? 0 : times_.back(); }
+  std::uint64_t pictures() const { return pictures_; }
+
+ private:
+  void reduce() {
+    player_.stage().set_quality(reduction_.view(), reduction_.scale());
+    shown_.reduced = reduction_.text();
+  }
+
+  void picture(int width, int height) {
+    player_.stage().draw(player_.camera, width, height, [] { bind_screen(); });
+    if (player_.takes_shot()) {
+      const std::filesystem::path file = player_.next_shot();
+      write_file(file, png_of(read_picture(width, height)));
+      controls_.said = file.string();
+    }
+    const ViewParams::Stereo stereo = player_.stage().view().stereo;
+    if (stereo == ViewParams::Stereo::none || stereo == ViewParams::Stereo::anaglyph)
+      hud_.draw(player_, controls_, shown_, width, height);
+  }
+
+  Player& player_;
+  GlfwWindow& window_;
+  const WindowParams params_;
+  Controls controls_;
+  Hud hud_;
+  Reduction reduction_;
+  PictureTimes shown_;
+  std::deque<double> times_;
+  std::uint64_t pictures_ = 0;
+  Clock::time_point last_ = Clock::now();
+};
+
+}  // namespace
+
+PlayOutcome play(const PlayOptions& options, const WindowParams& params, int remote_port, Clock::time_point begun,
+                 const std::atomic<bool>& stop, const std::function<void(const std::string& line)>& say) {
+  // The case is loaded while the window opens.
+  auto loading = std::async(std::launch::async, [&] { return std::make_unique<Player>(options, stop); });
+  std::optional<GlfwWindow> window;
+  std::optional<Remote> remote;
+  try {
+    if (remote_port >= 0) {
+      remote.emplace(remote_port);
+      say(fmt::format("remote on port {}", remote->port()));
+    }
+    window.emplace("trephine-sim", params.window_width, params.window_height);
+    driver_facts();
+  } catch (...) {
+    loading.wait();
+    throw;
+  }
+  const std::unique_ptr<Player> player = loading.get();
+  player->set_stage();
+  PlayOutcome outcome;
+  outcome.driver = player->stage().driver().renderer;
+  Loop loop(*player, *window, params, options);
+  std::size_t told = 0;
+  try {
+    double wait_s = 0;
+    while (!stop.load(std::memory_order_relaxed) && loop.turn(wait_s, remote ? &*remote : nullptr)) {
+      if (loop.pictures() == 1) {
+        outcome.first_picture_s = since(begun);
+        say(fmt::format("first picture after {:.2f} s, drawn by {}", outcome.first_picture_s, outcome.driver));
+      }
+      for (; told < player->notes().size(); ++told) say(player->notes()[told]);
+      wait_s = std::max(0.0, 1 / params.frames_per_s - loop.last_ms() / 1000);
+    }
+  } catch (...) {
+    player->finish();  // what was recorded until then is kept
+    throw;
+  }
+  player->finish();
+  for (; told < player->notes().size(); ++told) say(player->notes()[told]);
+  outcome.seconds = since(begun);
+  outcome.pictures = loop.pictures();
+  outcome.picture_ms = loop.typical_ms();
+  return outcome;
+}
+
+}  // namespace trephine

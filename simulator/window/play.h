@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "base/params.h"
+#include "window/player.h"
+#include "window/texts.h"
+
+namespace trephine {
+
+/// The window itself.
+struct WindowParams {
+  int window_width = 1280, window_height = 720;
+  double frames_per_s = 60, target_ms = 100, letters = 1;
+  Language language = Language::english;
+  bool panels = true;
+  template <class V>
+  static void describe(V& v) {
+    using P = WindowParams;
+    v.integer(&P::window_width, "window_width", Range{200, 7680}, "Width of the window.");
+    v.integer(&P::window_height, "window_height", Range{150, 4320}, "Height of the window.");
+    v.number(&P::frames_per_s, "frames_per_s", Range{1, 500}, "Pictures a second, at most.");
+    v.number(&P::target_ms, "target_ms", Range{0, 10000},
+             "Time for a picture; where pictures take longer, some of what makes them good is left out, and the window "
+             "says what. 0: nothing is left out.");
+    v.number(&P::letters, "letters", Range{0.5, 5}, "Size of the letters; 1: 13 pixels.");
+    v.choice(&P::language, "language", languages(), "Language of the panels.");
+    v.flag(&P::panels, "panels", "Show the panels at the start; the key H shows and hides them.");
+  }
+};
+
+struct PlayOutcome {
+  double first_picture_s = 0, seconds = 0, picture_ms = 0;  ///< picture_ms: the median of the last 200
+  std::uint64_t pictures = 0;
+  std::string driver;
+};
+
+/// Opens a window and runs until the user ends it, `stop` is set, or the session ends. `begun`: when the program was
+/// asked for it. `remote_port`: below 0, no remote. Throws Error 74 without a display or OpenGL 4.3, and where the
+/// driver loses the context, after the session was finished and its recording written; else what Player throws.
+PlayOutcome play(const PlayOptions& options, const WindowParams& window, int remote_port,
+                 std::chrono::steady_clock::time_point begun, const std::atomic<bool>& stop,
+                 const std::function<void(const std::string& line)>& say);
+
+}  // namespace trephine

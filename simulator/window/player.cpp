@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "window/player.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "surface/bounds.h"
+
+namespace trephine {
+namespace {
+
+constexpr double begin_mm = 15;    // before the site, where the tool waits
+constexpr double beyond_mm = 150;  // from where the depth of the tip is measured
+constexpr double drop_mm = 60;     // within which the place is lit where the tool would land
+constexpr std::size_t most_forces = 240, most_trace = 4000;
+
+Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
+
+bool can_cut(const Patient& p) {
+  if (p.felt.loaded.haptic.encoding != HapticEncoding::occupancy) return false;
+  const auto& shapes = p.felt.loaded.manifest.haptic.shapes;
+  return std::any_of(shapes.begin(), shapes.end(), [](const CaseShape& s) { return s.cuttable; });
+}
+
+bool rotates(const std::string& tool) { return tool == "burr" || tool == "ball" || tool == "craniotome"; }
+
+// "a.servo", "a-2.servo", ...: one recording for each tool that is taken.
+std::filesystem::path numbered(const std::filesystem::path& file, int n) {
+  if (n <= 1) return file;
+  return file.parent_path() / (file.stem().string() + "-" + std::to_string(n) + file.extension().string());
+}
+
+}  // namespace
+
+Player::Player(const PlayOptions& options, const std::atomic<bool>& stop) : options_(options), stop_(stop) {
+  SessionOptions& o = options_.session;
+  if (!options_.playback.empty()) {
+    playback_ = std::make_unique<Playback>(o.case_folder, options_.playback, LoadParts{true}, Progress({}, &stop));
+    patient_ = playback_->patient();
+  } else {
+    patient_ = std::make_shared<Patient>(o.case_folder, o.shape, o.contact, LoadParts{true});
+  }
+}
+
+void Player::set_stage() {
+  const LoadedCase& loaded = patient_->felt.loaded;
+  stage_ = std::make_unique<Stage>(loaded, options_.view);
+  camera = camera_of(options_.view, loaded.manifest, stage_->scene());
+  for (const CaseShape& s : loaded.manifest.haptic.shapes) shapes_[s.number] = s.name;
+  tool_name_ = options_.session.tool.tool;
+  if (playback_) {
+    tool_name_ = playback_->header().tool.tool;
+    stage_->set_tool(playback_->header().tool);
+    look_at(playback_->frame());
+    return;
+  }
+  const Bounds& b = stage_->scene().bounds;
+  goal_.tip_mm = {(b.min_mm.x + b.max_mm.x) / 2, (b.min_mm.y + b.max_mm.y) / 2, b.max_mm.z + begin_mm};
+  if (const auto a = approach_of(loaded.manifest, stage_->scene(), options_.view.view_site)) {
+    goal_.axis = -a->direction;
+    goal_.tip_mm = a->site_mm + goal_.axis * begin_mm;
+  }
+  begin_session();
+}
+
+Player::~Player() {
+  end_ = true;
+  session_.reset();
+}
+
+void Player::begin_session() {
+  SessionOptions o = options_.session;
+  o.watched = true;
+  if (!o.record.empty()) o.record = numbered(o.record, ++sessions_);
+  o.drilling.drill = options_.session.drilling.drill && rotates(o.tool.tool) && can_cut(*patient_);
+  screen_hand_ = nullptr;
+  if (o.device.name.empty()) {
+    o.device.name = "screen";
+    o.own_device = [this](const DeviceScene&) {
+      auto hand = std::make_unique<ScreenHand>(options_.hand, goal_);
+      screen_hand_ = hand.get();
+      return hand;
+    };
+  }
+  o.cut_before = cut_before_;
+  stage_->set_tool(own_tool(o.tool));
+  end_ = false;
+  session_ = std::make_unique<Session>(
+      o, end_, [this](const std::string& line) { notes_.push_back(line); }, patient_);
+  watch_ = std::make_unique<IncisionWatch>(o.drilling);
+  session_->start();
+  rate_ticks_ = 0;
+}
+
+void Player::end_session() {
+  if (!session_) return;
+  end_ = true;
+  const SessionResult r = session_->finish();
+  for (const ServoFrame& f : session_->last_frames()) watch_->look(f, incisions_);
+  session_.reset();
+  screen_hand_ = nullptr;
+  if (!r.outcome) return;
+  std::string removed;
+  for (const auto& [name, mm3] : r.outcome->removed_mm3)
+    removed += fmt::format("{}{} {:.1f} mm3", removed.empty() ? "" : ", ", name, mm3);
+  cut_before_ = cut_before_ || !removed.empty();
+  if (!removed.empty()) notes_.push_back(fmt::format("{} removed {}", r.header.tool.tool, removed));
+}
+
+void Player::finish() { end_session(); }
+
+void Player::aim() {
+  if (screen_hand_) screen_hand_->aim(goal_);
+}
+
+void Player::look_at(const ServoFrame& frame) {
+  frame_ = frame;
+  stage_->show_frame(frame);
+}
+
+void Player::step(double wall_s) {
+  wall_s_ += wall_s;
+  if (playback_) {
+    if (!paused_) playback_->go_to(playback_->time_s() + wall_s * speed);
+    std::size_t count = 0;
+    for (const IncisionMark& m : playback_->incisions()) count += m.time_s <= playback_->time_s();
+    stage_->show_incisions(playback_->incisions(), count);
+    look_at(playback_->frame());
+  } else if (session_) {
+    const std::vector<ServoFrame>& frames = session_->take_frames();
+    late_us_ = 0;
+    bool marked = false;
+    for (const ServoFrame& f : frames) {
+      watch_->look(f, incisions_);
+      late_us_ = std::max(late_us_, double(f.late_us));
+      marked = marked || (f.buttons & Drilling::mark);
+    }
+    if (marked && (goal_.buttons & Drilling::mark)) {  // the servo saw it: it is let go
+      goal_.buttons &= ~Drilling::mark;
+      aim();
+    }
+    if (!frames.empty()) look_at(frames.back());
+    stage_->show_incisions(incisions_, incisions_.size());
+    if (wall_s_ - rate_wall_s_ > 0.5) {
+      servo_hz_ = rate_ticks_ > 0 ? double(frame_.tick - rate_ticks_) / (wall_s_ - rate_wall_s_) : 0;
+      rate_ticks_ = frame_.tick;
+      rate_wall_s_ = wall_s_;
+    }
+    if (!session_->running()) quit_ = true;
+  }
+  stage_->follow(patient_->marks);
+  measure();
+}
+
+// What the panel says of the tool, and the place where it would land.
+void Player::measure() {
+  const Vec3 tip = vec(frame_.proxy_mm), axis = normalized(vec(frame_.axis));
+  forces_.push_back(float(norm(vec(frame_.force_n))));
+  if (forces_.size() > most_forces) forces_.pop_front();
+  const TouchableFaces faces = visible_faces();
+  const Contact first = patient_->contact.intersect(tip + axis * beyond_mm, tip, faces);
+  depth_mm_ = first.hit ? norm(first.point_mm - tip) : 0;
+  if (!stage_->state.contact_mm) {
+    const Contact below = patient_->contact.intersect(tip, tip - axis * drop_mm, faces);
+    if (below.hit) {
+      stage_->state.contact_mm = below.point_mm;
+      stage_->state.contact_strength = 0;
+    }
+  }
+  target_mm_ = -1;
+  for (const CaseTarget& t : patient_->felt.loaded.manifest.targets) {
+    const double away = norm(t.position_mm - tip);
+    if (target_mm_ < 0 || away < target_mm_) target_mm_ = away;
+  }
+  std::vector<Vec3>& trace = stage_->state.trace_mm;
+  if (tracing_ && trace.size() < most_trace && (trace.empty() || norm(trace.back() - tip) >= 1)) {
+    if (!trace.empty()) trace_mm_ += norm(trace.back() - tip);
+    trace.push_back(tip);
+  }
+}
+
+TouchableFaces Player::visible_faces() const {
+  TouchableFaces faces{0, 0};
+  for (std::size_t n = 0; n < stage_->scene().surfaces.size(); ++n)
+    if (const int shape = stage_->scene().surfaces[n].shape; shape > 0 && stage_->state.opacity[n] >= 0.5)
+      faces.front |= std::uint64_t{1} << shape;
+  return faces;
+}
+
+Contact Player::seen(double x, double y, int width, int height) const {
+  const Bounds& b = stage_->scene().bounds;
+  const EyeView eye = camera.eye(width, height, b);
+  const Vec3 ray = eye.ray(x, y, width, height);
+  Vec3 from = eye.eye_mm;
+  const Vec3 to = from + ray * (eye.far_mm + norm(b.max_mm - b.min_mm));
+  if (stage_->state.cut) {
+    // What is cut away is not seen: the way begins where it comes out of that half.
+    const CutPlane& c = *stage_->state.cut;
+    const double before = dot(c.normal, from - c.point_mm), slope = dot(c.normal, ray);
+    if (before > 0) {
+      if (slope >= 0) return {};
+      from += ray * (-before / slope);
+    }
+    // The cut itself is seen where it lies within a shape.
+    const int at = patient_->contact.shape_at(from);
+    if (before > 0 && at != 0 && (visible_faces().front >> at & 1)) {
+      Contact c2;
+      c2.hit = true;
+      c2.point_mm = from;
+      c2.normal = c.normal;
+      c2.shape = at;
+      return c2;
+    }
+  }
+  return patient_->contact.intersect(from, to, visible_faces());
+}
+
+const std::string& Player::shape_name(int number) const {
+  const auto found = shapes_.find(number);
+  return found != shapes_.end() ? found->second : no_name_;
+}
+
+std::filesystem::path Player::next_shot() {
+  std::filesystem::path file;
+  do file = options_.shots / fmt::format("picture-{:03}.png", ++shots_);
+  while (std::filesystem::exists(file));
+  return file;
+}
+
+}  // namespace trephine

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "render/stage.h"
+#include "session/session.h"
+#include "window/screen_hand.h"
+
+namespace trephine {
+
+struct PlayOptions {
+  SessionOptions session;  ///< case, device (empty name: mouse and keyboard), tool, ...
+  ScreenHandParams hand;
+  ViewParams view;
+  std::filesystem::path playback;     ///< a recording to be shown, in place of a session
+  std::filesystem::path shots = ".";  ///< folder of pictures that the user takes
+};
+
+/// A case that somebody works on, or a recording that is shown: all that the window's keys, its panels and the remote
+/// may ask for, without any of them. Calls come from the thread of the OpenGL context.
+class Player {
+ public:
+  /// Loads the case; no context is needed yet. Throws as Patient and Playback do.
+  Player(const PlayOptions& options, const std::atomic<bool>& stop);
+  ~Player();
+  /// Makes the scene in the current context and begins the session. Throws as Stage and Session do.
+  void set_stage();
+
+  /// Takes what the servo did since the last call (or shows the recording's next moment), and makes the scene follow.
+  /// `wall_s`: time since the last call.
+  void step(double wall_s);
+  /// Ends the session: its recording is complete then. What was said by sessions is in notes().
+  void finish();
+
+  // What a user does. Each returns an empty text, or what is wrong with it.
+  std::string take_tool(const std::string& name);  ///< puts the other away; the recording goes on in a further file
+  std::string set_view(const std::string& preset);
+  std::string set_opacity(const std::string& anatomy, double opacity);
+  std::string cut(const std::string& how);  ///< none, tool, axial, coronal, sagittal
+  void move_cut(double mm);
+  void set_pedal(bool down);
+  void incise();
+  void move_tool(Vec3 by_mm);
+  void place_tool(Vec3 tip_mm, const std::optional<Vec3>& axis);  ///< takes it away and to that place
+  void turn_tool(double right_rad, double up_rad);
+  void aim_at_viewer();
+  std::string aim_at_target();
+  std::string to_surface(double x, double y, int width, int height);
+  void pause(bool on);
+  void go_to(double time_s);
+  void set_places(bool shown);
+  void set_ct_slices(bool shown);
+  void set_trace(bool on);
+  /// "skull, 12.3, ...", or an empty text.
+  std::string under(double x, double y, int width, int height) const;
+  /// One line of the remote's protocol; returns the answer, "ok" or "error: ..." or what was asked for. `quit` and
+  /// `shot` are for the caller: they set what quits() and takes_shot() return.
+  std::string command(const std::string& line);
+
+  OrbitCamera camera;
+  Stage& stage() { return *stage_; }
+  const Patient& patient() const { return *patient_; }
+  bool live() const { return !playback_; }
+  const Playback* playback() const { return playback_.get(); }
+  const ServoFrame& frame() const { return frame_; }
+  const std::string& tool() const { return tool_name_; }
+  bool pedal() const { return goal_.buttons & Drilling::pedal; }
+  bool by_screen() const { return screen_hand_ != nullptr; }
+  bool paused() const { return paused_; }
+  double speed = 1;                                ///< of a recording that is shown
+  double depth_mm() const { return depth_mm_; }    ///< of the tip behind the first surface along the tool; 0 in air
+  double target_mm() const { return target_mm_; }  ///< to the nearest target; negative where there is none
+  double trace_mm() const { return trace_mm_; }
+  bool trace_on() const { return tracing_; }
+  const std::string& shape_name(int number) const;
+  const std::deque<float>& forces() const { return forces_; }  ///< N, one a picture
+  double servo_hz() const { return servo_hz_; }
+  double late_us() const { return late_us_; }  ///< the worst since the last picture
+  std::uint32_t faults() const { return frame_.faults; }
+  const std::vector<std::string>& notes() const { return notes_; }
+  bool quits() const { return quit_; }
+  bool takes_shot() { return std::exchange(shot_, false); }
+  void ask_shot() { shot_ = true; }
+  void quit() { quit_ = true; }
+  std::filesystem::path next_shot();
+
+ private:
+  void begin_session();
+  void end_session();
+  void look_at(const ServoFrame& frame);
+  void measure();
+  void aim();
+  double start_depth_mm() const;
+  TouchableFaces visible_faces() const;
+  Contact seen(double x, double y, int width, int height) const;
+
+  PlayOptions options_;
+  const std::atomic<bool>& stop_;
+  std::atomic<bool> end_{false};
+  std::shared_ptr<Patient> patient_;
+  std::unique_ptr<Playback> playback_;
+  std::unique_ptr<Stage> stage_;
+  std::unique_ptr<Session> session_;
+  ScreenHand* screen_hand_ = nullptr;  // the session's
+  std::unique_ptr<IncisionWatch> watch_;
+  std::vector<IncisionMark> incisions_;
+  HandGoal goal_;
+  ServoFrame frame_{};
+  std::string tool_name_, no_name_;
+  std::map<int, std::string> shapes_;
+  std::deque<float> forces_;
+  double depth_mm_ = 0, target_mm_ = -1, trace_mm_ = 0, servo_hz_ = 0, late_us_ = 0, rate_wall_s_ = 0;
+  double wall_s_ = 0;
+  std::uint64_t rate_ticks_ = 0;
+  int sessions_ = 0, shots_ = 0;
+  bool paused_ = false, tracing_ = false, quit_ = false, shot_ = false, cut_before_ = false, ct_slices_ = false;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace trephine

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "window/remote.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "base/error.h"
+
+namespace trephine {
+namespace {
+
+constexpr std::size_t most_clients = 8, longest_line = 1024;
+
+}  // namespace
+
+Remote::Remote(int port) {
+  const auto refuse = [&](const char* what) {
+    throw Error(ExitCode::io, "", "--remote", std::to_string(port) + ": " + what + ": " + std::strerror(errno));
+  };
+  socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (socket_ < 0) refuse("no socket");
+  const int yes = 1;
+  ::setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  sockaddr_in at{};
+  at.sin_family = AF_INET;
+  at.sin_port = htons(std::uint16_t(port));
+  at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (::bind(socket_, reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0 || ::listen(socket_, 4) != 0) {
+    const int fault = errno;
+    ::close(socket_);
+    errno = fault;
+    refuse("the port cannot be used");
+  }
+  socklen_t size = sizeof at;
+  ::getsockname(socket_, reinterpret_cast<sockaddr*>(&at), &size);
+  port_ = ntohs(at.sin_port);
+}
+
+Remote::~Remote() {
+  for (const Client& c : clients_) ::close(c.socket);
+  ::close(socket_);
+}
+
+bool Remote::serve(Client& c, const std::function<std::string(const std::string& line)>& answer) {
+  char bytes[512];
+  for (;;) {
+    const ssize_t n = ::recv(c.socket, bytes, sizeof bytes, 0);
+    if (n == 0) return false;
+    if (n < 0) {
+      if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) return false;
+      break;
+    }
+    c.received.append(bytes, std::size_t(n));
+    if (c.received.size() > 64 * longest_line) return false;  // it sends faster than it is answered
+  }
+  for (std::size_t end; (end = c.received.find('\n')) != std::string::npos;) {
+    std::string line = c.received.substr(0, end);
+    c.received.erase(0, end + 1);
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    const std::string said = answer(line) + "\n";
+    // An answer is short; who does not take it is let go.
+    if (::send(c.socket, said.data(), said.size(), MSG_NOSIGNAL) != ssize_t(said.size())) return false;
+  }
+  return c.received.size() <= longest_line;
+}
+
+void Remote::poll(const std::function<std::string(const std::string& line)>& answer) {
+  for (int s; (s = ::accept4(socket_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC)) >= 0;) {
+    if (clients_.size() < most_clients)
+      clients_.push_back({s, ""});
+    else
+      ::close(s);
+  }
+  clients_.erase(std::remove_if(clients_.begin(), clients_.end(),
+                                [&](Client& c) {
+                                  if (serve(c, answer)) return false;
+                                  ::close(c.socket);
+                                  return true;
+                                }),
+                 clients_.end());
+}
+
+}  // namespace trephine

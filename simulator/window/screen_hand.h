@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/params.h"
+#include "device/device.h"
+#include "device/mailbox.h"
+
+namespace trephine {
+
+/// How mouse and keyboard hold the tool.
+struct ScreenHandParams {
+  double hand_mass_kg = 0.2, hand_stiffness_n_per_mm = 0.4, hand_damping_n_s_per_mm = 0.006;
+  double wheel_mm = 0.5, advance_mm_per_s = 4, turn_deg_per_s = 45;
+  template <class V>
+  static void describe(V& v) {
+    using P = ScreenHandParams;
+    v.number(&P::hand_mass_kg, "hand_mass_kg", Range{0.02, 5}, "Mass of the hand that follows the mouse.");
+    v.number(&P::hand_stiffness_n_per_mm, "hand_stiffness_n_per_mm", Range{0.01, 5},
+             "How firmly that hand follows: surfaces and bone hold it back by this force for each mm.");
+    v.number(&P::hand_damping_n_s_per_mm, "hand_damping_n_s_per_mm", Range{0.0005, 0.1}, "Its damping.");
+    v.number(&P::wheel_mm, "wheel_mm", Range{0.01, 20}, "Way along the tool for a step of the wheel.");
+    v.number(&P::advance_mm_per_s, "advance_mm_per_s", Range{0.01, 100},
+             "Speed along the tool while W (forwards) or S (back) is down.");
+    v.number(&P::turn_deg_per_s, "turn_deg_per_s", Range{1, 360}, "Speed of turning while an arrow key is down.");
+  }
+};
+
+/// Where the window wants the hand.
+struct HandGoal {
+  Vec3 tip_mm, axis{0, 0, 1};
+  std::uint32_t buttons = 0;
+  std::uint32_t lifts = 0;  ///< another number: the hand takes the tool away, and is there at once
+};
+
+/// A hand that follows a goal as a mass on a spring, and feels the force: so a tool that is pushed into bone presses
+/// no harder than a hand would. The goal comes from another thread.
+class ScreenHand : public Device {
+ public:
+  ScreenHand(const ScreenHandParams& params, const HandGoal& begin);
+  void aim(const HandGoal& goal) { goals_.write(goal); }
+  double damping_n_s_per_mm() const override { return 0.002; }
+  bool read(double dt_s, DeviceReading& out) override;
+  void send(Vec3 force_n) override;
+
+ private:
+  ScreenHandParams params_;
+  Mailbox<HandGoal> goals_;
+  HandGoal goal_;
+  Vec3 position_mm_, velocity_, force_n_, axis_;
+};
+
+}  // namespace trephine

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The window's words. A further language is a further column, and an entry in languages().
+#include "window/texts.h"
+
+namespace trephine {
+namespace {
+
+struct Row {
+  Text text;
+  const char* in[2];
+};
+
+constexpr Row table[] = {
+    {Text::anatomies, {"Anatomies", "Anatomie"}},
+    {Text::view, {"View", "Ansicht"}},
+    {Text::cut_away, {"Cut away", "Schnittebene"}},
+    {Text::shows_ct, {"CT on the cut", "CT im Schnitt"}},
+    {Text::move_plane, {"Move, mm", "Verschieben, mm"}},
+    {Text::tool, {"Tool", "Instrument"}},
+    {Text::hand, {"Hand", "Hand"}},
+    {Text::step, {"Step", "Schritt"}},
+    {Text::time, {"Time", "Zeit"}},
+    {Text::inside, {"The tip is in", "Die Spitze ist in"}},
+    {Text::nothing, {"air", "Luft"}},
+    {Text::depth, {"Depth", "Tiefe"}},
+    {Text::force, {"Force", "Kraft"}},
+    {Text::to_target, {"To the target", "Zum Ziel"}},
+    {Text::picture, {"Picture", "Bild"}},
+    {Text::servo, {"Servo", "Servo"}},
+    {Text::late, {"woken late", "verspätet"}},
+    {Text::under_cursor, {"Under the cursor", "Unter dem Zeiger"}},
+    {Text::pedal, {"Pedal", "Pedal"}},
+    {Text::incise, {"Incise", "Inzision"}},
+    {Text::playback, {"Recording", "Aufnahme"}},
+    {Text::speed, {"Speed", "Tempo"}},
+    {Text::pause, {"Pause", "Anhalten"}},
+    {Text::go_on, {"Go on", "Weiter"}},
+    {Text::keys, {"Keys", "Tasten"}},
+    {Text::keys_help,
+     {"Mouse: moves the tool in the picture's plane\nLeft button, space: pedal\nWheel, W, S: along the tool\n"
+      "Right button: turn   Middle: shift\nCtrl + wheel, + and -: nearer, farther\nArrows: tilt the tool   Home: "
+      "towards you\nT: aim at the target\nG: tool to the surface under the cursor\nM: incise   X: cut away at the tool"
+      "\n[ and ]: move the cut\n1 to 9: tools   F1 to F8: views\nC: CT slices   K: trace   P: pause\nF12: picture to a "
+      "file   H: hide "
+      "this   Esc: end",
+      "Maus: bewegt das Instrument in der Bildebene\nLinke Taste, Leertaste: Pedal\nRad, W, S: längs des Instruments\n"
+      "Rechte Taste: drehen   Mitte: schieben\nStrg + Rad, + und -: näher, weiter\nPfeile: kippen   Pos1: zum "
+      "Betrachter\nT: auf das Ziel "
+      "richten\nG: an die Fläche unter dem Zeiger\nM: Inzision   X: Schnitt am Instrument\n[ und ]: Schnitt "
+      "verschieben\n1 bis 9: Instrumente   F1 bis F8: Ansichten\nC: CT-Schichten   K: Spur   P: Pause\nF12: Bild in "
+      "eine Datei   H: "
+      "ausblenden   Esc: Ende"}},
+    {Text::lost_device, {"FAULT: the force is zero", "FEHLER: die Kraft ist null"}},
+    {Text::trace, {"Trace", "Spur"}},
+    {Text::reduced, {"Reduced", "Vereinfacht"}},
+    {Text::places, {"Landmarks and targets", "Landmarken und Ziele"}},
+    {Text::ct_slices, {"CT slices at the tip", "CT-Schichten an der Spitze"}},
+};
+
+constexpr bool complete() {
+  for (int n = 0; n < int(Text::count); ++n)
+    if (n >= int(sizeof table / sizeof *table) || table[n].text != Text(n)) return false;
+  return true;
+}
+static_assert(complete(), "one row for each word, in the order of Text");
+
+}  // namespace
+
+const std::vector<std::pair<std::string, Language>>& languages() {
+  static const std::vector<std::pair<std::string, Language>> all = {{"en", Language::english},
+                                                                    {"de", Language::german}};
+  return all;
+}
+
+const char* text_of(Language language, Text text) { return table[std::size_t(text)].in[std::size_t(language)]; }
+
+}  // namespace trephine
