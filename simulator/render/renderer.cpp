@@ -42,6 +42,7 @@ Renderer::Impl::Impl(const SceneData& scene, const RenderQuality& q)
       quality(q),
       surface(shaders::surface_vertex, shaders::surface_fragment),
       plane(shaders::plane_vertex, shaders::plane_fragment),
+      box(shaders::box_vertex, shaders::box_fragment),
       openness(shaders::screen_vertex, shaders::openness_fragment),
       darkening(shaders::screen_vertex, shaders::darken_fragment),
       presenting(shaders::screen_vertex, shaders::present_fragment) {
@@ -49,11 +50,11 @@ Renderer::Impl::Impl(const SceneData& scene, const RenderQuality& q)
   radius_mm = norm(b.max_mm - b.min_mm) / 2 + norm((b.max_mm + b.min_mm) / 2 - centre_mm);
   samples = std::clamp(q.samples, 1, driver_facts().most_samples);
   for (const SceneSurface& s : scene.surfaces) {
-    Item item{{float(s.colour_rgb[0]), float(s.colour_rgb[1]), float(s.colour_rgb[2])}, s.live, s.incised, {}, {}};
-    if (!s.live) item.fixed = SurfaceBuffer(s);
+    Item item{{float(s.colour_rgb[0]), float(s.colour_rgb[1]), float(s.colour_rgb[2])}, s.live, s.incised, {}, {}, {}};
+    if (!s.live) item.buffer = SurfaceBuffer(s);
     items.push_back(std::move(item));
   }
-  ball = SurfaceBuffer(ball_solid(1, {1, 1, 1}, 16), false);
+  ball = SolidBuffer(ball_solid(1, {1, 1, 1}, 16), false);
   plane_array = make_vertex_array();
   plane_corners = make_buffer();
   const float corners[] = {-1, -1, 1, -1, -1, 1, 1, 1};
@@ -65,6 +66,10 @@ Renderer::Impl::Impl(const SceneData& scene, const RenderQuality& q)
   empty_array = make_vertex_array();
   make_noise();
   check_gl("the renderer");
+}
+
+Renderer::Impl::~Impl() {
+  for (Item& item : items) glDeleteQueries(GLsizei(item.queries.size()), item.queries.data());
 }
 
 // Smooth noise that repeats: the grain of a surface without a texture of its own.
@@ -146,12 +151,12 @@ void Renderer::set_quality(const RenderQuality& quality) {
 }
 
 void Renderer::set_live(int n, const LiveSurface& live, const Lattice& lattice) {
-  impl_->items[std::size_t(n)].bricks = BrickBuffer(live, lattice.direction, lattice.origin_mm - impl_->centre_mm);
+  impl_->items[std::size_t(n)].buffer = SurfaceBuffer(live, lattice.direction, lattice.origin_mm - impl_->centre_mm);
 }
 void Renderer::update_live(int n, const LiveSurface& live, const std::vector<std::size_t>& bricks) {
-  if (!bricks.empty()) impl_->items[std::size_t(n)].bricks.update(live, bricks);
+  if (!bricks.empty()) impl_->items[std::size_t(n)].buffer.update(live, bricks);
 }
-void Renderer::set_tool(const Solid& solid) { impl_->tool = SurfaceBuffer(solid, true); }
+void Renderer::set_tool(const Solid& solid) { impl_->tool = SolidBuffer(solid, true); }
 void Renderer::set_ct(const Grid<std::int16_t>& ct) { impl_->upload_ct(ct); }
 void Renderer::set_background(std::array<float, 3> linear_rgb) { impl_->background = linear_rgb; }
 
@@ -191,17 +196,11 @@ void Renderer::present(int x, int y, int width, int height, int mask) {
   check_gl("the picture's copy");
 }
 
-std::size_t Renderer::triangles(const SceneState& state) const {
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < impl_->items.size() && i < state.opacity.size(); ++i)
-    if (state.opacity[i] > 0)
-      n += impl_->items[i].live ? impl_->items[i].bricks.triangles() : impl_->items[i].fixed.triangles();
-  return n;
-}
+std::size_t Renderer::drawn_triangles() const { return impl_->drawn; }
 
 std::size_t Renderer::graphics_bytes() const {
   std::size_t n = impl_->has_ct ? impl_->ct_lattice.count() * 2 : 0;
-  for (const Impl::Item& item : impl_->items) n += item.live ? item.bricks.bytes() : item.fixed.bytes();
+  for (const Impl::Item& item : impl_->items) n += item.buffer.bytes();
   for (const Impl::Wall& wall : impl_->walls) n += wall.is.occupancy.size();
   return n;
 }

@@ -19,6 +19,8 @@ struct RenderQuality {
   bool occlusion = true;    ///< darkens creases and what is near behind something
   double occlusion_mm = 9;  ///< within that distance
   bool grain = true;        ///< a texture on what only an incision cuts
+  /// Ask first what is hidden behind the outermost opaque surface, and do not draw it: pays where triangles are dear.
+  bool ask_hidden = false;
 };
 
 /// The wall of an incision: what is seen of the surface's own thickness where a ball was taken out of it.
@@ -60,8 +62,8 @@ class Renderer {
   /// channels of the mask (1 red, 2 green, 4 blue).
   void present(int x, int y, int width, int height, int mask = 7);
 
-  std::size_t triangles(const SceneState& state) const;  ///< that such a picture draws
-  std::size_t graphics_bytes() const;                    ///< of vertices, triangles and textures; without pictures
+  std::size_t drawn_triangles() const;  ///< in the last picture, once each for all its passes
+  std::size_t graphics_bytes() const;   ///< of vertices, triangles and textures; without pictures
 
  private:
   struct Impl;

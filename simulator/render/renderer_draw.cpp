@@ -50,17 +50,63 @@ void Renderer::Impl::begin_surface(const GlProgram& p, const EyeView& eye, const
   if (state.contact_mm) p.set("glow_place", relative(*state.contact_mm));
 }
 
-void Renderer::Impl::draw_surface(std::size_t n) const {
-  const Item& item = items[n];
-  if (item.live)
-    item.bricks.draw();
-  else
-    item.fixed.draw();
+void Renderer::Impl::draw_surface(std::size_t n, Sight::Faces faces, const std::vector<std::uint8_t>* seen) {
+  sight.faces = faces;
+  items[n].buffer.list(sight, seen, list);
+  items[n].buffer.draw(list);
+  drawn += list.triangles();
+}
+
+// Which chunks of a surface are hidden behind what was drawn: the driver tests their boxes against the depth.
+void Renderer::Impl::ask_hidden(std::size_t n, const EyeView& eye) {
+  Item& item = items[n];
+  const std::vector<Chunk>& chunks = item.buffer.chunks();
+  item.seen.assign(chunks.size(), 0);
+  if (item.queries.size() < chunks.size()) {
+    const std::size_t had = item.queries.size();
+    item.queries.resize(chunks.size());
+    glGenQueries(GLsizei(chunks.size() - had), item.queries.data() + had);
+  }
+  const Sight s = item.buffer.sight(sight);
+  box.use();
+  box.set("model", item.buffer.model());
+  box.set("to_camera", eye.to_camera(centre_mm));
+  box.set("projection", eye.projection());
+  glBindVertexArray(empty_array);
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  glDepthMask(GL_FALSE);
+  glDisable(GL_CLIP_DISTANCE0);
+  glDisable(GL_CULL_FACE);
+  std::vector<std::size_t> asked;
+  for (std::size_t c = 0; c < chunks.size(); ++c) {
+    if (!may_be_seen(chunks[c], s)) continue;
+    const Vec3 room{0.5, 0.5, 0.5}, low = chunks[c].low - room, high = chunks[c].high + room;
+    double away = 0;  // of the eye from the box, per axis; what the near plane may cut is not asked for
+    for (int a = 0; a < 3; ++a) away = std::max({away, low[a] - s.eye[a], s.eye[a] - high[a]});
+    if (away < 2 * eye.near_mm) {
+      item.seen[c] = 1;
+      continue;
+    }
+    asked.push_back(c);
+    box.set("low", low);
+    box.set("high", high);
+    glBeginQuery(GL_ANY_SAMPLES_PASSED, item.queries[c]);
+    glDrawArrays(GL_TRIANGLES, 0, 36);
+    glEndQuery(GL_ANY_SAMPLES_PASSED);
+  }
+  for (const std::size_t c : asked) {
+    GLuint any = 1;
+    glGetQueryObjectuiv(item.queries[c], GL_QUERY_RESULT, &any);
+    item.seen[c] = any != 0;
+  }
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDepthMask(GL_TRUE);
+  surface.use();
 }
 
 void Renderer::Impl::use_surface(std::size_t n, const SceneState& state, double opacity) {
   const Item& item = items[n];
-  surface.set("model", item.live ? item.bricks.model() : Mat4());
+  surface.set("model", item.buffer.model());
   surface.set("opacity", float(opacity));
   surface.set("grain", item.incised && quality.grain ? grain_of_surface : 0.f);
   set_balls(surface, item.incised);
@@ -68,16 +114,22 @@ void Renderer::Impl::use_surface(std::size_t n, const SceneState& state, double 
   (void)state;
 }
 
-void Renderer::Impl::draw_opaque(const SceneState& state) {
-  for (std::size_t n = items.size(); n-- > 0;) {
-    if (n >= state.opacity.size() || state.opacity[n] < 1) continue;
+void Renderer::Impl::draw_opaque(const EyeView& eye, const SceneState& state) {
+  bool first = true;
+  for (std::size_t n = 0; n < items.size() && n < state.opacity.size(); ++n) {
+    if (state.opacity[n] < 1) continue;
     // Inner sides are seen only through a cut or an incision.
-    if (state.cut || (items[n].incised && !walls.empty()))
+    const bool both = state.cut || (items[n].incised && !walls.empty());
+    const bool ask = !first && quality.ask_hidden;
+    if (ask) ask_hidden(n, eye);
+    first = false;
+    if (state.cut) glEnable(GL_CLIP_DISTANCE0);
+    if (both)
       glDisable(GL_CULL_FACE);
     else
       glEnable(GL_CULL_FACE);
     use_surface(n, state, 1);
-    draw_surface(n);
+    draw_surface(n, both ? Sight::Faces::both : Sight::Faces::front, ask ? &items[n].seen : nullptr);
   }
   glDisable(GL_CULL_FACE);
 }
@@ -147,7 +199,7 @@ void Renderer::Impl::draw_caps(const EyeView& eye, const SceneState& state) {
     glStencilFunc(GL_ALWAYS, 0, 255);
     glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
     glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
-    draw_surface(n);
+    draw_surface(n, Sight::Faces::both);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthMask(GL_TRUE);
     glEnable(GL_DEPTH_TEST);
@@ -189,7 +241,7 @@ void Renderer::Impl::draw_ct_planes(const EyeView& eye, const SceneState& state)
   }
 }
 
-void Renderer::Impl::draw_solid_at(const SurfaceBuffer& solid, Vec3 place_mm, const Mat3& axes, double opacity) {
+void Renderer::Impl::draw_solid_at(const SolidBuffer& solid, Vec3 place_mm, const Mat3& axes, double opacity) {
   surface.set("model", affine(axes, relative(place_mm)));
   surface.set("opacity", float(opacity));
   surface.set("grain", 0.f);
@@ -252,7 +304,7 @@ void Renderer::Impl::draw_transparent(const SceneState& state) {
     if (n >= state.opacity.size() || state.opacity[n] <= 0 || state.opacity[n] >= 1) return;
     glCullFace(hidden);
     use_surface(n, state, state.opacity[n]);
-    draw_surface(n);
+    draw_surface(n, hidden == GL_FRONT ? Sight::Faces::back : Sight::Faces::front);
   };
   for (std::size_t n = 0; n < items.size(); ++n) one(n, GL_FRONT);
   for (std::size_t n = items.size(); n-- > 0;) one(n, GL_BACK);
@@ -315,8 +367,10 @@ void Renderer::Impl::draw(const EyeView& eye, const SceneState& state, int w, in
   glClearStencil(0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
   if (state.cut) glEnable(GL_CLIP_DISTANCE0);
+  sight = sight_of(eye, state, centre_mm);
+  drawn = 0;
   begin_surface(surface, eye, state);
-  draw_opaque(state);
+  draw_opaque(eye, state);
   draw_walls(state);
   if (state.cut) draw_caps(eye, state);
   glDisable(GL_CLIP_DISTANCE0);

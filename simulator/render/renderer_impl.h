@@ -20,9 +20,11 @@ struct Renderer::Impl {
   // renderer_draw.cpp
   void draw(const EyeView& eye, const SceneState& state, int width, int height);
   void begin_surface(const GlProgram& program, const EyeView& eye, const SceneState& state) const;
-  void draw_surface(std::size_t n) const;
+  void draw_surface(std::size_t n, Sight::Faces faces, const std::vector<std::uint8_t>* seen = nullptr);
+  void ask_hidden(std::size_t n, const EyeView& eye);
+  ~Impl();
   void use_surface(std::size_t n, const SceneState& state, double opacity);
-  void draw_opaque(const SceneState& state);
+  void draw_opaque(const EyeView& eye, const SceneState& state);
   void draw_walls(const SceneState& state);
   void draw_caps(const EyeView& eye, const SceneState& state);
   void draw_ct_planes(const EyeView& eye, const SceneState& state);
@@ -33,22 +35,23 @@ struct Renderer::Impl {
   void set_balls(const GlProgram& program, bool any) const;
   void set_plane(const EyeView& eye) const;
   void draw_plane(Vec3 middle, Vec3 across, Vec3 along) const;
-  void draw_solid_at(const SurfaceBuffer& solid, Vec3 place_mm, const Mat3& axes, double opacity);
+  void draw_solid_at(const SolidBuffer& solid, Vec3 place_mm, const Mat3& axes, double opacity);
   Vec3 relative(Vec3 world_mm) const { return world_mm - centre_mm; }
 
   struct Item {
     std::array<float, 3> colour_rgb;
     bool live, incised;
-    SurfaceBuffer fixed;
-    BrickBuffer bricks;
+    SurfaceBuffer buffer;
+    std::vector<GLuint> queries;  // by chunk
+    std::vector<std::uint8_t> seen;
   };
   Vec3 centre_mm;
   double radius_mm;  // of a ball about the scene's centre that holds all of it
   RenderQuality quality;
   int samples = 1;
   std::vector<Item> items;
-  SurfaceBuffer tool, ball;
-  GlProgram surface, plane, openness, darkening, presenting;
+  SolidBuffer tool, ball;
+  GlProgram surface, plane, box, openness, darkening, presenting;
   GlObject plane_array, plane_corners, empty_array, noise, ct;
   bool has_ct = false;
   Mat4 to_ct;
@@ -60,6 +63,11 @@ struct Renderer::Impl {
   };
   std::vector<Wall> walls;
   std::array<float, 3> background{0.012f, 0.016f, 0.022f};
+
+  // Of the picture that is drawn.
+  Sight sight;
+  DrawList list;
+  std::size_t drawn = 0;
 
   // The picture: `many` where a pixel has several samples, `one` with its colour and depth as textures, `half` for the
   // darkening.

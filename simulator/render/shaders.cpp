@@ -107,6 +107,22 @@ void main() {
 }
 )";
 
+const char* const box_vertex = R"(#version 430 core
+uniform mat4 model, to_camera, projection;
+uniform vec3 low, high;
+void main() {
+  const int corner[36] = int[36](0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4,
+                                 6, 1, 3, 5, 3, 7, 5);
+  int c = corner[gl_VertexID];
+  vec3 p = mix(low, high, vec3(c & 1, c >> 1 & 1, c >> 2 & 1));
+  gl_Position = projection * (to_camera * (model * vec4(p, 1)));
+}
+)";
+
+const char* const box_fragment = R"(#version 430 core
+void main() {}
+)";
+
 const char* const screen_vertex = R"(#version 430 core
 out vec2 at;
 void main() {

@@ -7,7 +7,8 @@ namespace trephine::shaders {
 extern const char* const surface_vertex;
 extern const char* const surface_fragment;  ///< surfaces, tools, markers, and the walls of incisions
 extern const char* const plane_vertex;
-extern const char* const plane_fragment;  ///< caps of a cut, and slices of the CT
+extern const char* const plane_fragment;                   ///< caps of a cut, and slices of the CT
+extern const char *const box_vertex, *const box_fragment;  ///< asks whether a box is seen
 extern const char* const screen_vertex;
 extern const char* const openness_fragment;  ///< how much light reaches a pixel past its surroundings
 extern const char* const darken_fragment;

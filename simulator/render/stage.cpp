@@ -36,7 +36,7 @@ Stage::Stage(const LoadedCase& loaded, const ViewParams& params)
 }
 
 RenderQuality Stage::quality_of(const ViewParams& p) const {
-  return {p.samples > 0 ? p.samples : driver_.software ? 1 : 4, p.occlusion, p.occlusion_mm, p.grain};
+  return {p.samples > 0 ? p.samples : driver_.software ? 1 : 4, p.occlusion, p.occlusion_mm, p.grain, driver_.software};
 }
 
 void Stage::set_view(const ViewParams& params) {

@@ -4,18 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <unordered_map>
 
 namespace trephine {
 namespace {
 
-const void* offset(std::size_t bytes) { return reinterpret_cast<const void*>(bytes); }
+constexpr double chunk_mm = 25;
+constexpr int chunk_bricks = 4;
 
-void describe_scene_vertex() {
-  glEnableVertexAttribArray(0);
-  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(SceneVertex), offset(0));
-  glEnableVertexAttribArray(1);
-  glVertexAttribPointer(1, 3, GL_BYTE, GL_TRUE, sizeof(SceneVertex), offset(offsetof(SceneVertex, normal)));
-}
+const void* offset(std::size_t bytes) { return reinterpret_cast<const void*>(bytes); }
 
 SceneVertex packed(const LiveVertex& v) {
   SceneVertex out;
@@ -30,26 +27,30 @@ SceneVertex packed(const LiveVertex& v) {
 // Room to grow for a brick that is cut: its surface becomes larger before it vanishes.
 std::uint32_t with_room(std::size_t n) { return std::uint32_t(n + n / 2 + 16); }
 
+Vec3 vec(const float* p) { return {p[0], p[1], p[2]}; }
+
 }  // namespace
 
-SurfaceBuffer::SurfaceBuffer(const SceneSurface& s)
-    : array_(make_vertex_array()),
-      vertices_(make_buffer()),
-      indices_(make_buffer()),
-      count_(GLsizei(s.indices.size())) {
-  glBindVertexArray(array_);
-  glBindBuffer(GL_ARRAY_BUFFER, vertices_);
-  glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(s.vertices.size() * sizeof s.vertices[0]), s.vertices.data(),
-               GL_STATIC_DRAW);
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
-  glBufferData(GL_ELEMENT_ARRAY_BUFFER, GLsizeiptr(s.indices.size() * sizeof s.indices[0]), s.indices.data(),
-               GL_STATIC_DRAW);
-  describe_scene_vertex();
-  bytes_ = s.vertices.size() * sizeof s.vertices[0] + s.indices.size() * sizeof s.indices[0];
-  check_gl("a surface");
+void DrawList::add(std::uint32_t first, std::uint32_t count) {
+  if (count == 0) return;
+  indices_ += count;
+  // Ranges that follow each other are one.
+  const void* at = offset(first * sizeof(std::uint32_t));
+  if (!first_.empty() && static_cast<const char*>(first_.back()) + std::size_t(count_.back()) * sizeof(std::uint32_t) ==
+                             static_cast<const char*>(at)) {
+    count_.back() += GLsizei(count);
+    return;
+  }
+  first_.push_back(at);
+  count_.push_back(GLsizei(count));
 }
 
-SurfaceBuffer::SurfaceBuffer(const Solid& s, bool coloured)
+void DrawList::draw() const {
+  if (!count_.empty())
+    glMultiDrawElements(GL_TRIANGLES, count_.data(), GL_UNSIGNED_INT, first_.data(), GLsizei(count_.size()));
+}
+
+SolidBuffer::SolidBuffer(const Solid& s, bool coloured)
     : array_(make_vertex_array()),
       vertices_(make_buffer()),
       indices_(make_buffer()),
@@ -68,66 +69,114 @@ SurfaceBuffer::SurfaceBuffer(const Solid& s, bool coloured)
   check_gl("a tool");
 }
 
-void SurfaceBuffer::draw() const {
+void SolidBuffer::draw() const {
   if (count_ == 0) return;
   glBindVertexArray(array_);
   glDrawElements(GL_TRIANGLES, count_, GL_UNSIGNED_INT, nullptr);
 }
 
-BrickBuffer::BrickBuffer(const LiveSurface& surface, const Mat3& axes, Vec3 offset_mm)
-    : array_(make_vertex_array()),
-      vertices_(make_buffer()),
-      indices_(make_buffer()),
-      model_(affine(axes, offset_mm)),
-      mirrored_(determinant(axes) < 0) {
+SurfaceBuffer::SurfaceBuffer(const SceneSurface& s) {
+  vertex_work_ = s.vertices;
+  index_work_ = s.indices;
+  std::unordered_map<std::uint64_t, std::uint32_t> numbers;
+  std::vector<std::uint32_t> box_of(s.indices.size() / 3);
+  for (std::size_t t = 0; t < box_of.size(); ++t) {
+    std::uint64_t key = 0;
+    for (int a = 0; a < 3; ++a)
+      key = key << 20 |
+            (std::uint64_t(std::floor(s.vertices[s.indices[3 * t]].position_mm[a] / chunk_mm) + 524288) & 0xfffff);
+    box_of[t] = numbers.emplace(key, std::uint32_t(numbers.size())).first->second;
+  }
+  chunks_ = make_chunks(
+      index_work_, box_of, numbers.size(), [&](std::uint32_t v) { return vec(vertex_work_[v].position_mm); }, nullptr);
+  upload(0, 0);
+}
+
+SurfaceBuffer::SurfaceBuffer(const LiveSurface& surface, const Mat3& axes, Vec3 offset_mm)
+    : model_(affine(axes, offset_mm)), axes_(axes), offset_mm_(offset_mm), mirrored_(determinant(axes) < 0) {
+  upload_bricks(surface);
+}
+
+// What is in the two work lists, with room behind it.
+void SurfaceBuffer::upload(std::size_t spare_vertices, std::size_t spare_indices) {
+  array_ = make_vertex_array();
+  vertices_ = make_buffer();
+  indices_ = make_buffer();
+  vertex_end_ = vertex_work_.size();
+  index_end_ = chunk_end_ = index_work_.size();
+  vertex_room_ = vertex_end_ + spare_vertices;
+  index_room_ = index_end_ + spare_indices;
+  const GLenum use = spare_indices > 0 ? GL_DYNAMIC_DRAW : GL_STATIC_DRAW;
   glBindVertexArray(array_);
   glBindBuffer(GL_ARRAY_BUFFER, vertices_);
+  glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(vertex_room_ * sizeof(SceneVertex)), nullptr, use);
+  glBufferSubData(GL_ARRAY_BUFFER, 0, GLsizeiptr(vertex_end_ * sizeof(SceneVertex)), vertex_work_.data());
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
-  describe_scene_vertex();
-  upload_all(surface);
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, GLsizeiptr(index_room_ * sizeof(std::uint32_t)), nullptr, use);
+  glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, 0, GLsizeiptr(index_end_ * sizeof(std::uint32_t)), index_work_.data());
+  glEnableVertexAttribArray(0);
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(SceneVertex), offset(0));
+  glEnableVertexAttribArray(1);
+  glVertexAttribPointer(1, 3, GL_BYTE, GL_TRUE, sizeof(SceneVertex), offset(offsetof(SceneVertex, normal)));
+  check_gl("a surface");
 }
 
 // In a left-handed lattice a triangle that is counter-clockwise along its axes is clockwise in the world.
-void BrickBuffer::append_indices(const BrickMesh& mesh, std::uint32_t first_vertex) {
+void SurfaceBuffer::append(const BrickMesh& mesh, std::uint32_t first_vertex) {
+  for (const LiveVertex& v : mesh.vertices) vertex_work_.push_back(packed(v));
   const std::size_t begin = index_work_.size();
   for (const std::uint16_t i : mesh.indices) index_work_.push_back(first_vertex + i);
   if (mirrored_)
     for (std::size_t n = begin; n + 2 < index_work_.size(); n += 3) std::swap(index_work_[n + 1], index_work_[n + 2]);
 }
 
-// All bricks anew and close together, with half as much room again behind them for those that outgrow their place.
-void BrickBuffer::upload_all(const LiveSurface& surface) {
-  const std::size_t count = surface.layout().count();
+void SurfaceBuffer::upload_bricks(const LiveSurface& surface) {
+  const BrickLayout& layout = surface.layout();
+  const std::size_t count = layout.count();
+  int boxes[3];
+  for (std::size_t a = 0; a < 3; ++a) boxes[a] = (layout.bricks[a] + chunk_bricks - 1) / chunk_bricks;
   places_.assign(count, {});
+  brick_first_.assign(count + 1, 0);
   vertex_work_.clear();
   index_work_.clear();
+  std::vector<std::uint32_t> box_of;
   for (std::size_t b = 0; b < count; ++b) {
-    const BrickMesh& mesh = surface.brick(b);
-    Place& p = places_[b];
-    p = {std::uint32_t(vertex_work_.size()), std::uint32_t(mesh.vertices.size()), std::uint32_t(index_work_.size()),
-         std::uint32_t(mesh.indices.size())};
-    for (const LiveVertex& v : mesh.vertices) vertex_work_.push_back(packed(v));
-    append_indices(mesh, p.first_vertex);
+    append(surface.brick(b), std::uint32_t(vertex_work_.size()));
+    brick_first_[b + 1] = std::uint32_t(index_work_.size() / 3);
+    const std::array<int, 3> at = layout.place(b);
+    const int box = (at[2] / chunk_bricks * boxes[1] + at[1] / chunk_bricks) * boxes[0] + at[0] / chunk_bricks;
+    box_of.resize(index_work_.size() / 3, std::uint32_t(box));
   }
-  vertex_end_ = vertex_work_.size();
-  index_end_ = index_work_.size();
-  vertex_room_ = vertex_end_ + vertex_end_ / 2 + 65536;
-  index_room_ = index_end_ + index_end_ / 2 + 6 * 65536;
-  wasted_ = 0;
-  glBindVertexArray(array_);
-  glBindBuffer(GL_ARRAY_BUFFER, vertices_);
-  glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(vertex_room_ * sizeof(SceneVertex)), nullptr, GL_DYNAMIC_DRAW);
-  glBufferSubData(GL_ARRAY_BUFFER, 0, GLsizeiptr(vertex_end_ * sizeof(SceneVertex)), vertex_work_.data());
-  glBufferData(GL_ELEMENT_ARRAY_BUFFER, GLsizeiptr(index_room_ * sizeof(std::uint32_t)), nullptr, GL_DYNAMIC_DRAW);
-  glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, 0, GLsizeiptr(index_end_ * sizeof(std::uint32_t)), index_work_.data());
-  check_gl("the bricks of a surface");
+  // The normals of mirrored triangles point the right way after the model's mirroring: chunks know them as they are in
+  // the lattice.
+  const double sign = mirrored_ ? -1 : 1;
+  chunks_ = make_chunks(
+      index_work_, box_of, std::size_t(boxes[0] * boxes[1] * boxes[2]),
+      [&](std::uint32_t v) { return vec(vertex_work_[v].position_mm); }, &where_);
+  for (Chunk& chunk : chunks_)
+    for (Chunk::Range& r : chunk.range) r.axis = r.axis * sign;
+  upload(vertex_work_.size() / 4 + 65536, index_work_.size() / 4 + 6 * 65536);
 }
 
-void BrickBuffer::put(const BrickMesh& mesh, const Place& p) {
+void SurfaceBuffer::leave_chunk(std::size_t b) {
+  // The triangles of a brick that face one way follow each other.
+  std::vector<std::uint32_t>& at = index_work_;
+  at.assign(where_.begin() + brick_first_[b], where_.begin() + brick_first_[b + 1]);
+  std::sort(at.begin(), at.end());
+  const std::vector<std::uint32_t> none(3 * at.size(), 0);
+  for (std::size_t n = 0; n < at.size();) {
+    std::size_t end = n + 1;
+    while (end < at.size() && at[end] == at[end - 1] + 3) ++end;
+    glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, GLintptr(at[n] * sizeof(std::uint32_t)),
+                    GLsizeiptr(3 * (end - n) * sizeof(std::uint32_t)), none.data());
+    n = end;
+  }
+}
+
+void SurfaceBuffer::put(const BrickMesh& mesh, const Place& p) {
   vertex_work_.clear();
   index_work_.clear();
-  for (const LiveVertex& v : mesh.vertices) vertex_work_.push_back(packed(v));
-  append_indices(mesh, p.first_vertex);
+  append(mesh, p.first_vertex);
   index_work_.resize(p.index_room, p.first_vertex);
   if (!vertex_work_.empty())
     glBufferSubData(GL_ARRAY_BUFFER, GLintptr(p.first_vertex * sizeof(SceneVertex)),
@@ -137,35 +186,52 @@ void BrickBuffer::put(const BrickMesh& mesh, const Place& p) {
                     GLsizeiptr(index_work_.size() * sizeof(std::uint32_t)), index_work_.data());
 }
 
-void BrickBuffer::update(const LiveSurface& surface, const std::vector<std::size_t>& bricks) {
+void SurfaceBuffer::update(const LiveSurface& surface, const std::vector<std::size_t>& bricks) {
   glBindVertexArray(array_);
   glBindBuffer(GL_ARRAY_BUFFER, vertices_);
   for (const std::size_t b : bricks) {
     const BrickMesh& mesh = surface.brick(b);
     Place& p = places_[b];
+    if (p.index_room == 0) leave_chunk(b);
     if (mesh.vertices.size() > p.vertex_room || mesh.indices.size() > p.index_room) {
-      put({}, p);
-      wasted_ += p.index_room;
+      if (p.index_room > 0) put({}, p);
       const Place next{std::uint32_t(vertex_end_), with_room(mesh.vertices.size()), std::uint32_t(index_end_),
                        with_room(mesh.indices.size()) / 3 * 3};
       if (next.first_vertex + next.vertex_room > vertex_room_ || next.first_index + next.index_room > index_room_) {
-        upload_all(surface);  // it holds every other brick of this call as well
+        upload_bricks(surface);  // with every other brick of this call as well
         return;
       }
       p = next;
       vertex_end_ += p.vertex_room;
       index_end_ += p.index_room;
+    } else if (p.index_room == 0) {
+      p = {0, 0, 0, 3};  // a brick that is empty now: it has left its chunk, and has no place
+      p.first_index = std::uint32_t(index_end_);
+      if (index_end_ + 3 > index_room_) {
+        upload_bricks(surface);
+        return;
+      }
+      index_end_ += 3;
     }
     put(mesh, p);
   }
-  if (wasted_ > index_end_ / 2) upload_all(surface);
   check_gl("bricks that were cut");
 }
 
-void BrickBuffer::draw() const {
-  if (index_end_ == 0) return;
+void SurfaceBuffer::list(const Sight& scene, const std::vector<std::uint8_t>* seen, DrawList& out) const {
+  out.clear();
+  const Sight s = sight(scene);
+  for (std::size_t n = 0; n < chunks_.size(); ++n) {
+    if ((seen && !(*seen)[n]) || !may_be_seen(chunks_[n], s)) continue;
+    for (const Chunk::Range& r : chunks_[n].range)
+      if (r.count > 0 && may_face(chunks_[n], r, s)) out.add(r.first, r.count);
+  }
+  out.add(std::uint32_t(chunk_end_), std::uint32_t(index_end_ - chunk_end_));
+}
+
+void SurfaceBuffer::draw(const DrawList& list) const {
   glBindVertexArray(array_);
-  glDrawElements(GL_TRIANGLES, GLsizei(index_end_), GL_UNSIGNED_INT, nullptr);
+  list.draw();
 }
 
 }  // namespace trephine

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/chunks.h"
 #include "render/gl_object.h"
 #include "scene/scene.h"
 #include "scene/tool_solid.h"
@@ -10,34 +11,51 @@
 
 namespace trephine {
 
-/// Vertices and triangles in the graphics memory, drawn by one call.
-class SurfaceBuffer {
+/// The ranges of indices that one call draws.
+class DrawList {
  public:
-  SurfaceBuffer() = default;
-  explicit SurfaceBuffer(const SceneSurface& surface);
-  /// With the colours of its vertices, or in one that is set before it is drawn.
-  SurfaceBuffer(const Solid& solid, bool coloured);
+  void clear() { count_.clear(), first_.clear(), indices_ = 0; }
+  void add(std::uint32_t first, std::uint32_t count);
   void draw() const;
-  std::size_t triangles() const { return std::size_t(count_) / 3; }
-  std::size_t bytes() const { return bytes_; }
+  std::size_t triangles() const { return indices_ / 3; }
+
+ private:
+  std::vector<GLsizei> count_;
+  std::vector<const void*> first_;
+  std::size_t indices_ = 0;
+};
+
+/// A solid in the graphics memory.
+class SolidBuffer {
+ public:
+  SolidBuffer() = default;
+  /// With the colours of its vertices, or in one that is set before it is drawn.
+  SolidBuffer(const Solid& solid, bool coloured);
+  void draw() const;
 
  private:
   GlObject array_, vertices_, indices_;
   GLsizei count_ = 0;
-  std::size_t bytes_ = 0;
 };
 
-/// The bricks of a LiveSurface in two buffers, each with a place of its own, drawn by one call. A brick that is made
-/// anew is written into its place, and what it no longer needs there becomes triangles without an area; if it has
-/// outgrown its place it moves to the end.
-class BrickBuffer {
+/// Vertices and triangles of an anatomy in the graphics memory, in chunks. Of the chunks that lie outside of what is
+/// looked at, and of the ranges that face away, nothing is drawn.
+class SurfaceBuffer {
  public:
-  BrickBuffer() = default;
-  /// The lattice's axes, and where its first voxel lies from the scene's centre.
-  BrickBuffer(const LiveSurface& surface, const Mat3& axes, Vec3 offset_mm);
+  SurfaceBuffer() = default;
+  explicit SurfaceBuffer(const SceneSurface& surface);
+  /// The bricks of a live surface, along the lattice's axes; its first voxel lies at `offset_mm` from the scene's
+  /// centre. A brick that is made anew leaves its chunk (its triangles there lose their area) and goes to a place
+  /// behind all chunks, which it keeps.
+  SurfaceBuffer(const LiveSurface& surface, const Mat3& axes, Vec3 offset_mm);
   /// Writes the bricks anew: what LiveSurface::update returned.
   void update(const LiveSurface& surface, const std::vector<std::size_t>& bricks);
-  void draw() const;
+
+  /// `seen` (by chunk; may be null): 0 where something hides the chunk.
+  void list(const Sight& sight, const std::vector<std::uint8_t>* seen, DrawList& out) const;
+  void draw(const DrawList& list) const;
+  const std::vector<Chunk>& chunks() const { return chunks_; }
+  Sight sight(const Sight& scene) const { return sight_in(scene, axes_, offset_mm_); }
   const Mat4& model() const { return model_; }
   std::size_t triangles() const { return std::size_t(index_end_) / 3; }
   std::size_t bytes() const { return vertex_room_ * sizeof(SceneVertex) + index_room_ * sizeof(std::uint32_t); }
@@ -46,15 +64,22 @@ class BrickBuffer {
   struct Place {
     std::uint32_t first_vertex = 0, vertex_room = 0, first_index = 0, index_room = 0;
   };
-  void upload_all(const LiveSurface& surface);
-  void append_indices(const BrickMesh& mesh, std::uint32_t first_vertex);
+  void upload_bricks(const LiveSurface& surface);
+  void upload(std::size_t spare_vertices, std::size_t spare_indices);
+  void leave_chunk(std::size_t brick);
   void put(const BrickMesh& mesh, const Place& place);
+  void append(const BrickMesh& mesh, std::uint32_t first_vertex);
 
   GlObject array_, vertices_, indices_;
   Mat4 model_;
+  Mat3 axes_;
+  Vec3 offset_mm_;
   bool mirrored_ = false;
-  std::vector<Place> places_;
-  std::size_t vertex_end_ = 0, index_end_ = 0, vertex_room_ = 0, index_room_ = 0, wasted_ = 0;
+  std::vector<Chunk> chunks_;
+  std::size_t chunk_end_ = 0;                       ///< of indices; behind it lie bricks that were cut
+  std::vector<Place> places_;                       ///< by brick, behind the chunks; without room: it is in its chunk
+  std::vector<std::uint32_t> brick_first_, where_;  ///< by brick its first triangle; by triangle its indices' place
+  std::size_t vertex_end_ = 0, index_end_ = 0, vertex_room_ = 0, index_room_ = 0;
   std::vector<SceneVertex> vertex_work_;
   std::vector<std::uint32_t> index_work_;
 };
