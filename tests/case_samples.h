@@ -201,6 +201,25 @@ inline MemoryCase drill_case() {
   return c;
 }
 
+/// Scalp that an incision takes away, a skull that is drilled and shown from its voxels of 1.2 mm, and a brain.
+inline MemoryCase play_case() {
+  MemoryCase c = make_case({{"scalp", 40, 40}, {"skull", 35, 30}, {"brain", 28, 24}}, 72);
+  CaseManifest& m = c.manifest;
+  CaseShape &scalp = m.haptic.shapes[0], &skull = m.haptic.shapes[1];
+  scalp.cuttable = skull.cuttable = true;
+  skull.displayed = "haptic";
+  skull.mismatch = {};
+  skull.material.removal_energy_j_per_mm3 = 0.1;
+  skull.material.front.pop_through_n = 0;
+  skull.material.colour_rgb = {0.93, 0.89, 0.78};
+  m.anatomies[0].colour_rgb = {0.87, 0.68, 0.56};
+  m.anatomies[2].colour_rgb = {0.5, 0.3, 0.8};
+  m.burr_holes.clear();
+  m.landmarks.push_back({"kocher_right", {1, -20, 340.5}, 1, "given"});
+  c.seal();
+  return c;
+}
+
 /// Four anatomies, 210,000 triangles, 256^3 voxels.
 inline MemoryCase full_size_case() {
   return make_case({{"skin", 100, 142}, {"skull", 92, 136}, {"brain", 80, 98}, {"ventricles", 30, 72}}, 256);

@@ -3,3 +3,10 @@
 if(TARGET trephine_render)
 trephine_test(render render picture)
 endif()
+if(TARGET trephine_window)
+foreach(script render play)
+  add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
+  set_tests_properties(program.${script} PROPERTIES TIMEOUT 300 SKIP_RETURN_CODE 77
+    ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case")
+endforeach()
+endif()

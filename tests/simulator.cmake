@@ -7,6 +7,9 @@ set(scripts simulator case_schema)
 if(NOT TREPHINE_SANITIZE AND NOT TREPHINE_HEADLESS)  # whose libraries and flags somebody else's program lacks
   list(APPEND scripts simulator_links case_consumer)
 endif()
+if(NOT TREPHINE_SANITIZE AND TREPHINE_HEADLESS)
+  list(APPEND scripts simulator_headless)
+endif()
 foreach(script ${scripts})
   add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
   set_tests_properties(program.${script} PROPERTIES TIMEOUT 600

@@ -1,0 +1,117 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# A real window on a screen of Xvfb, worked by real events of mouse and keyboard, and by the remote's lines.
+. "$(dirname "$0")/common.sh"
+command -v Xvfb >/dev/null || skip "no Xvfb"
+command -v xdotool >/dev/null || skip "no xdotool"
+export LP_NUM_THREADS=1
+"$WRITE_CASE" "$work/sample" play
+
+Xvfb -displayfd 3 -screen 0 480x360x24 3>"$work/display" >/dev/null 2>&1 &
+screen=$!
+sim=
+trap '[[ -z $sim ]] || kill $sim 2>/dev/null || true; kill $screen 2>/dev/null || true; chmod -R u+w "$work"; rm -rf "$work"' EXIT
+for try in {1..100}; do [[ -s $work/display ]] && break; sleep 0.1; done
+[[ -s $work/display ]] || fail "Xvfb does not start"
+DISPLAY=:$(cat "$work/display")
+export DISPLAY
+window=(--window-width 480 --window-height 360 --no-realtime --no-panels)
+
+# begin ARGUMENTS...: opens a window and waits for its first picture.
+begin() {
+  "$TREPHINE" play "$work/sample" "${window[@]}" --remote 0 "$@" >"$work/said" 2>"$work/fault" &
+  sim=$!
+  for try in {1..300}; do
+    grep -q '^first picture' "$work/said" && break
+    kill -0 $sim 2>/dev/null || { cat "$work/said" "$work/fault" >&2; fail "it ends at once"; }
+    sleep 0.1
+  done
+  port=$(sed -n 's/^remote on port //p' "$work/said")
+  exec 4<>"/dev/tcp/127.0.0.1/$port"
+}
+# ask LINE: what the remote answers, into `answer`.
+ask() {
+  echo "$1" >&4
+  IFS= read -r -t 20 -u 4 answer || fail "no answer to: $1"
+}
+ok() { ask "$1"; [[ $answer == ok ]] || fail "$1: $answer"; }
+# until PATTERN: waits until the state matches.
+until_state() {
+  for try in {1..100}; do
+    ask state
+    [[ $answer =~ $1 ]] && return 0
+    sleep 0.1
+  done
+  fail "the state never matches $1: $answer"
+}
+field() { sed -E "s/.*\b$1 ([^ ]+).*/\1/" <<<"$answer"; }
+finish() {
+  exec 4>&-
+  local code=0
+  wait $sim || code=$?
+  sim=
+  [[ $code == "$1" ]] || { cat "$work/said" "$work/fault" >&2; fail "exit code $code instead of $1"; }
+}
+
+begin --record "$work/play.servo" --shots "$work/shots" --incision-radius-mm 12
+until_state 'time [1-9]|time 0\.[1-9]'
+before=$(field tip)
+
+# The mouse moves the tool; G puts it to the surface under the cursor; M incises; W and the space bar drill.
+xdotool mousemove 240 180 mousemove 260 180
+for try in {1..50}; do ask state; [[ $(field tip) != "$before" ]] && break; sleep 0.1; done
+[[ $(field tip) != "$before" ]] || fail "the mouse does not move the tool"
+xdotool mousemove 240 150 key g
+sleep 0.5
+xdotool key m
+until_state 'incisions 1'
+ok 'place 1 -20 338'
+xdotool keydown space keydown w
+until_state 'touching skull'
+sleep 2
+xdotool keyup w keyup space
+# Turn, shift, come nearer, cut away and back, a picture, another tool.
+xdotool mousemove 240 180 mousedown 3 mousemove 300 200 mouseup 3 mousedown 2 mousemove 280 190 mouseup 2
+xdotool keydown ctrl click 4 click 4 keyup ctrl key x key bracketright key x key F7 key F1 key c key c key k key F12
+for try in {1..50}; do [[ -s $work/shots/picture-001.png ]] && break; sleep 0.1; done
+[[ -s $work/shots/picture-001.png ]] || fail "F12 took no picture"
+xdotool key 3
+until_state 'tool catheter'
+ok 'view left'; ok 'opacity scalp 0.3'; ok 'hide brain'; ok 'show brain'; ok 'cut coronal'; ok 'move_cut 2'; ok 'cut none'
+ok 'orbit 10 -5'; ok 'zoom 0.9'; ok 'pedal on'; ok 'pedal off'; ok 'aim'; ok 'trace on'; ok 'slices on'; ok 'places off'
+for wrong in 'tool hammer' 'view inside' 'opacity hair 1' 'opacity scalp 2' 'opacity scalp' 'cut along' 'move 1 2' 'pedal maybe' 'zoom 0' nonsense; do
+  ask "$wrong"
+  [[ $answer == error:* ]] || fail "$wrong: $answer"
+done
+xdotool key Escape
+finish 0
+grep -q '^burr removed .*skull' "$work/said" || { cat "$work/said"; fail "nothing was drilled"; }
+"$TREPHINE" replay "$work/sample" "$work/play.servo" >"$work/text" || { cat "$work/text"; fail "what was played is not replayed"; }
+grep -q '^replayed bit for bit$' "$work/text" || fail "not bit for bit"
+expect 65 'cut_before' "$TREPHINE" replay "$work/sample" "$work/play-2.servo"
+
+# The recording is shown, forwards and backwards.
+begin --playback "$work/play.servo"
+ok 'pause on'; ok 'go_to 0'
+until_state 'time 0\.0'
+ok 'go_to 1000'
+until_state 'incisions 1'
+last=$(field time)
+ok 'go_to 1'
+until_state 'time (1\.0|0\.99)'
+[[ $last != "$(field time)" ]] || fail "it does not go back"
+ask 'tool burr'
+[[ $answer == error:* ]] || fail "a tool in a recording"
+ok quit
+finish 0
+
+# Ctrl-C ends a session and keeps its recording.
+begin --record "$work/short.servo" --device hand --tool ball --device-damping-n-s-per-mm 0.002
+until_state 'time [0-9.]*[1-9]'
+kill -INT $sim
+finish 130
+"$TREPHINE" replay "$work/sample" "$work/short.servo" >/dev/null || fail "the recording of an ended session"
+
+MESA_GL_VERSION_OVERRIDE=3.3 expect 74 'OpenGL: .*4\.3' "$TREPHINE" play "$work/sample" "${window[@]}"
+DISPLAY=:999 expect 74 'display: no window' "$TREPHINE" play "$work/sample"
+expect 64 'is shown or made' "$TREPHINE" play "$work/sample" --playback "$work/play.servo" --record "$work/z.servo"
