@@ -80,7 +80,7 @@ ViewParams plain_view() {
 // After each step the picture of the bricks that followed is that of a stage made anew.
 TEST_F(RenderStage, WhatFollowsTheDrillIsWhatIsMadeAnew) {
   record();
-  Playback playback(folder_ / "case", folder_ / "hole.servo", {});
+  Playback playback(folder_ / "case", folder_ / "hole.servo", {}, {});
   Stage stage(playback.loaded(), plain_view());
   const OrbitCamera camera = camera_of(plain_view(), playback.loaded().manifest, stage.scene());
   stage.state.opacity = opacities_of(stage.scene(), "scalp=0");
@@ -104,7 +104,7 @@ TEST_F(RenderStage, WhatFollowsTheDrillIsWhatIsMadeAnew) {
 // The voxels at a time are those of a replay up to it, whichever way one came there.
 TEST_F(RenderStage, ARecordingHasTheVoxelsOfEachOfItsTimes) {
   record();
-  Playback playback(folder_ / "case", folder_ / "hole.servo", {});
+  Playback playback(folder_ / "case", folder_ / "hole.servo", {}, {});
   const auto at = [&](double t) {
     playback.go_to(t);
     return volume_digest(playback.loaded().haptic);

@@ -11,6 +11,7 @@
 #include "cli/argument.h"
 #include "commands/commands.h"
 #include "commands/drilled_case.h"
+#include "commands/session_options.h"
 #include "surface/bounds.h"
 
 namespace trephine {
@@ -204,7 +205,7 @@ Command check_command() {
   Argument after = argument("after", Argument::Kind::in_file,
                             "A recording in which the tool cut: write the case as it was at its end to --out.");
   Argument out = argument("out", Argument::Kind::out_folder, "Folder of the case that --after writes.");
-  c.arguments = {folder, after, out};
+  c.arguments = {folder, after, before_argument(), out};
   c.groups = {ParameterGroup::of<CheckParams>("Parameters")};
   c.examples = {"trephine-sim check library/sample", "trephine-sim check library/sample --json",
                 "trephine-sim check library/sample --after hole.servo --out library/sample-drilled"};
@@ -213,7 +214,9 @@ Command check_command() {
     if (parsed.has("after") != parsed.has("out"))
       throw Error(ExitCode::usage, "", "--after, --out", "are given together or not at all");
     const bool drilled = parsed.has("after");
-    if (drilled) write_drilled_case(parsed.path("case"), parsed.path("after"), parsed.path("out"));
+    const std::vector<std::string> named = parsed.all("before");
+    if (drilled)
+      write_drilled_case(parsed.path("case"), parsed.path("after"), parsed.path("out"), {named.begin(), named.end()});
     const LoadedCase loaded = load_case(parsed.path(drilled ? "out" : "case"));
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (parsed.params<CheckParams>().json)

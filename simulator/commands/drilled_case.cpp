@@ -7,7 +7,7 @@
 #include "base/hash.h"
 #include "base/refusal.h"
 #include "haptics/recording.h"
-#include "session/felt_case.h"
+#include "session/playback.h"
 #include "voxel/cut.h"
 #include "voxel/haptic_file.h"
 
@@ -25,13 +25,13 @@ CaseFile copy_file(const std::filesystem::path& from, const CaseFile& file, cons
 }  // namespace
 
 std::string write_drilled_case(const std::filesystem::path& case_folder, const std::filesystem::path& file,
-                               const std::filesystem::path& out) {
+                               const std::filesystem::path& out, const std::vector<std::filesystem::path>& before) {
   const Recording recording = read_recording(file);
   const RecordingHeader& h = recording.header;
   if (!h.drilling.drill) throw Error(ExitCode::bad_input, file.string(), "drilling", "nothing was cut in this session");
-  FeltCase felt = felt_again(case_folder, file.string(), h);
-  ContactVolume contact(felt.loaded.haptic, h.contact);
-  Rerun(felt, contact, file.string(), h).run(recording.frames);
+  const std::shared_ptr<Patient> patient = patient_again(case_folder, file, h, h.contact, before);
+  FeltCase& felt = patient->felt;
+  Rerun(felt, patient->contact, file.string(), h).run(recording.frames);
   const HapticVolume& volume = felt.loaded.haptic;
   if (h.outcome && volume_digest(volume) != h.outcome->volume_sha256)
     throw refusal("volume_sha256", "the volume differs when replayed",
@@ -39,10 +39,10 @@ std::string write_drilled_case(const std::filesystem::path& case_folder, const s
         .in_file(file.string());
 
   CaseManifest m = felt.loaded.manifest;
-  const std::string before = m.haptic.file;
+  const std::string whole = m.haptic.file;
   m.case_token = m.case_token.substr(0, 56) + "-drilled";
   for (CaseFile& f : m.files) {
-    if (f.name != before) {
+    if (f.name != whole) {
       f = copy_file(case_folder, f, out);
       continue;
     }

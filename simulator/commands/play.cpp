@@ -41,6 +41,8 @@ ExitCode run_play(const ParsedCommand& parsed) {
   if (!parsed.given.count("drill")) o.session.drilling.drill = true;
   if (!o.session.servo.paced) throw Error(ExitCode::usage, "", "--no-paced", "a window keeps to the clock");
   o.playback = parsed.path("playback");
+  const std::vector<std::string> named = parsed.all("before");
+  o.before.assign(named.begin(), named.end());
   if (!o.playback.empty() && !o.session.record.empty())
     throw Error(ExitCode::usage, "", "--playback, --record", "a recording is shown or made, not both");
   o.hand = parsed.params<ScreenHandParams>();
@@ -73,6 +75,7 @@ Command play_command() {
       "then is kept.";
   c.arguments = session_arguments(screen);
   c.arguments.push_back(argument("playback", Argument::Kind::in_file, "A recording to be shown."));
+  c.arguments.push_back(before_argument());
   c.arguments.push_back(argument("shots", Argument::Kind::out_folder,
                                  "Folder for the pictures that F12 takes; the current folder where it is not given."));
   c.groups = {ParameterGroup::of<PlayParams>("Parameters"), ParameterGroup::of<WindowParams>("Window"),

@@ -9,6 +9,7 @@
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "commands/commands.h"
+#include "commands/session_options.h"
 #include "render/stage.h"
 
 namespace trephine {
@@ -66,7 +67,8 @@ class Pictures {
 
 void render_recording(const ParsedCommand& parsed) {
   const Progress progress({}, &cancel_requested());
-  Playback playback(parsed.path("case"), parsed.path("recording"), {true}, progress);
+  const std::vector<std::string> named = parsed.all("before");
+  Playback playback(parsed.path("case"), parsed.path("recording"), {named.begin(), named.end()}, {true}, progress);
   Pictures pictures(parsed, playback.loaded());
   pictures.stage().set_tool(playback.header().tool);
   const PictureParams& p = pictures.params();
@@ -121,7 +123,7 @@ Command render_command() {
   recording.positional = true;
   Argument out = argument("out", Argument::Kind::out_folder, "Folder for the pictures.");
   out.required = true;
-  c.arguments = {folder, recording, out};
+  c.arguments = {folder, recording, before_argument(), out};
   c.groups = {ParameterGroup::of<PictureParams>("Pictures"), ParameterGroup::of<ViewParams>("View")};
   c.examples = {"trephine-sim render library/sample --out pictures",
                 "trephine-sim render library/sample --out pictures --cut sagittal --opacity skin=0.3",

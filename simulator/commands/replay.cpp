@@ -9,8 +9,9 @@
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "commands/commands.h"
+#include "commands/session_options.h"
 #include "haptics/recording.h"
-#include "session/felt_case.h"
+#include "session/playback.h"
 
 namespace trephine {
 namespace {
@@ -49,7 +50,6 @@ void print(const char* what, const ForceFigures& f) {
 ExitCode run_replay(const ParsedCommand& parsed) {
   const Recording recording = read_recording(parsed.path("recording"));
   const RecordingHeader& h = recording.header;
-  FeltCase felt = felt_again(parsed.path("case"), parsed.text("recording"), h);
   ContactParams contact_params = h.contact;
   const ContactParams& asked = parsed.params<ContactParams>();
   if (parsed.given.count("walk")) contact_params.walk = asked.walk;
@@ -58,7 +58,11 @@ ExitCode run_replay(const ParsedCommand& parsed) {
   const bool other = contact_params.walk != h.contact.walk || contact_params.surface != h.contact.surface ||
                      contact_params.step_ratio != h.contact.step_ratio;
 
-  ContactVolume contact(felt.loaded.haptic, contact_params);
+  const std::vector<std::string> named = parsed.all("before");
+  const std::shared_ptr<Patient> patient =
+      patient_again(parsed.path("case"), parsed.path("recording"), h, contact_params, {named.begin(), named.end()});
+  FeltCase& felt = patient->felt;
+  ContactVolume& contact = patient->contact;
   Rerun rerun(felt, contact, parsed.text("recording"), h);
   const Drilling* drilling = rerun.drilling();
   const std::vector<ServoFrame> replayed = rerun.run(recording.frames);
@@ -113,7 +117,7 @@ Command replay_command() {
       argument("recording", Argument::Kind::in_file, "The file that `trephine-sim servo --record` wrote.");
   recording.positional = recording.required = true;
   Argument json = argument("json", Argument::Kind::out_file, "Write the figures to this file.");
-  c.arguments = {folder, recording, json};
+  c.arguments = {folder, recording, before_argument(), json};
   c.groups = {ParameterGroup::of<ContactParams>("Contact, where it is to be another than recorded")};
   c.examples = {"trephine-sim replay library/sample skull.servo",
                 "trephine-sim replay library/sample skull.servo --surface nearest --walk stepped"};

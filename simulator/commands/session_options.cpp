@@ -54,6 +54,14 @@ std::vector<Argument> session_arguments(const std::string& own) {
   return all;
 }
 
+Argument before_argument() {
+  Argument before = argument("before", Argument::Kind::in_file,
+                             "A recording that came before on the same patient, in their order; needed where another "
+                             "tool was taken after something had been cut.");
+  before.repeated = true;
+  return before;
+}
+
 std::vector<ParameterGroup> session_groups() {
   std::vector<ParameterGroup> all = {ParameterGroup::of<ServoParams>("Servo loop"),
                                      ParameterGroup::of<ContactParams>("Contact"),

@@ -12,6 +12,8 @@ namespace trephine {
 /// it is none of device_types(), it is a further choice.
 std::vector<Argument> session_arguments(const std::string& own);
 std::vector<ParameterGroup> session_groups();
+/// --before: recordings that came before the one that is run again. parsed.all("before") gives their paths.
+Argument before_argument();
 /// Without the duration.
 SessionOptions session_options_of(const ParsedCommand& parsed);
 /// "a, b, or c": the kinds of devices as they say it themselves.

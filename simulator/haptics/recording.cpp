@@ -63,7 +63,7 @@ std::string header_text(const RecordingHeader& h, std::optional<std::uint64_t> f
     j["lesson"] = {{"module", h.lesson}, {"participant", h.participant}, {"tools", Json::array()}};
     for (const BeltToolParams& t : h.tools) j["lesson"]["tools"].push_back(to_json(t));
   }
-  if (h.cut_before) j["cut_before"] = true;
+  if (!h.begins_sha256.empty()) j["begins_sha256"] = h.begins_sha256;
   if (h.outcome) {
     const RecordingHeader::Outcome& o = *h.outcome;
     j["outcome"] = {{"volume_sha256", o.volume_sha256}, {"removed_mm3", o.removed_mm3}, {"breached", o.breached}};
@@ -171,7 +171,7 @@ Recording read_recording(const std::filesystem::path& file) {
         h.participant = j.at("lesson").at("participant").get<std::string>();
         for (const Json& tool : j.at("lesson").at("tools")) from_json(tool, h.tools.emplace_back());
       }
-      h.cut_before = j.value("cut_before", false);
+      h.begins_sha256 = j.value("begins_sha256", "");
       if (j.contains("outcome")) h.outcome = read_outcome(j.at("outcome"));
       if (j.contains("frames")) frames = j.at("frames").get<std::uint64_t>();
     } catch (const Json::parse_error&) {

@@ -32,7 +32,8 @@ struct RecordingHeader {
   DrillParams law;
   std::vector<BeltToolParams> tools;  ///< since version 3: of a lesson; empty: `tool` alone
   std::string lesson, participant;    ///< the module, and an anonymous token; with tools only
-  bool cut_before = false;  ///< it began with voxels that an earlier session had cut, so that it cannot be run again
+  /// Of the voxels at its begin, where an earlier session had cut some; else empty.
+  std::string begins_sha256;
   /// What was cut, where the tool cut; not in a recording that was not finished.
   struct Outcome {
     std::string volume_sha256;  ///< of the voxels at the end

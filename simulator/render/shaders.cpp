@@ -97,7 +97,7 @@ void main() {
   if (ct_share > 0) {
     vec3 at = (to_ct * vec4(place, 1)).xyz;
     bool inside = all(greaterThanEqual(at, vec3(0))) && all(lessThanEqual(at, vec3(1)));
-    if (only_ct == 1 && !inside) discard;
+    if (only_ct == 1 && (!inside || texture(ct, at).r * 32767 < -500)) discard;  // nothing where air is
     if (inside) {
       float grey = clamp((texture(ct, at).r * 32767 - low) / (high - low), 0, 1);
       c = mix(c, vec3(pow(grey, 2.2)), ct_share);

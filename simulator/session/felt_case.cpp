@@ -44,8 +44,9 @@ RecordingHeader FeltCase::header() const {
   return h;
 }
 
-Rerun::Rerun(FeltCase& felt, ContactVolume& contact, const std::string& file, const RecordingHeader& h)
-    : rate_hz_(h.rate_hz), drilling_(felt.drilling_of(h, contact)) {
+Rerun::Rerun(FeltCase& felt, ContactVolume& contact, const std::string& file, const RecordingHeader& h,
+             DirtyBricks* marks)
+    : rate_hz_(h.rate_hz), drilling_(felt.drilling_of(h, contact, marks)) {
   if (h.tools.empty())
     proxy_ = std::make_unique<Proxy>(contact, felt.feels, h.force, h.shaft, tool_again(file, h.tool));
   else
@@ -60,12 +61,12 @@ std::vector<ServoFrame> Rerun::run(const std::vector<ServoFrame>& recorded) {
 }
 
 FeltCase felt_again(const std::filesystem::path& folder, const std::string& file, const RecordingHeader& h,
-                    LoadParts parts) {
+                    LoadParts parts, bool after_others) {
   const auto refuse = [&](const char* field, const std::string& what) {
     throw Error(ExitCode::bad_input, file, field, what);
   };
-  if (h.cut_before)
-    refuse("cut_before", "it began with what an earlier session had cut, and cannot be run again alone");
+  if (!h.begins_sha256.empty() && !after_others)
+    refuse("begins_sha256", "it began with what an earlier session had cut: give that session's recording as well");
   try {
     FeltCase felt(folder, h.felt_shape, parts);
     const RecordingHeader now = felt.header();

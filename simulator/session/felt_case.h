@@ -31,7 +31,9 @@ struct FeltCase {
 class Rerun {
  public:
   /// `felt` and `contact` must outlive it; `file` names the recording in errors. Throws as tool_again does.
-  Rerun(FeltCase& felt, ContactVolume& contact, const std::string& file, const RecordingHeader& header);
+  /// `marks`, where given, notes what is cut.
+  Rerun(FeltCase& felt, ContactVolume& contact, const std::string& file, const RecordingHeader& header,
+        DirtyBricks* marks = nullptr);
   std::vector<ServoFrame> run(const std::vector<ServoFrame>& recorded);
   const Drilling* drilling() const { return drilling_.get(); }
   ToolBelt* belt() { return belt_.get(); }  ///< null for one tool
@@ -43,9 +45,10 @@ class Rerun {
   std::unique_ptr<ToolBelt> belt_;
 };
 
-/// The case and the tool as a recording has them. Throws Error 65, naming the file, where they are others.
+/// The case and the tool as a recording has them. Throws Error 65, naming the file, where they are others, and where
+/// the recording began with a volume that was cut, unless the caller sees to that (patient_again).
 FeltCase felt_again(const std::filesystem::path& folder, const std::string& file, const RecordingHeader& header,
-                    LoadParts parts = {});
+                    LoadParts parts = {}, bool after_others = false);
 Tool tool_again(const std::string& file, const ToolParams& params);
 
 }  // namespace trephine

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/refusal.h"
 
 namespace trephine {
 namespace {
@@ -19,12 +20,45 @@ void IncisionWatch::look(const ServoFrame& f, std::vector<IncisionMark>& out) {
     out.push_back({f.time_s, {f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]}, drilling_.incision_radius_mm});
 }
 
-Playback::Playback(const std::filesystem::path& folder, const std::filesystem::path& file, LoadParts parts,
-                   const Progress& progress)
+std::shared_ptr<Patient> patient_again(const std::filesystem::path& folder, const std::filesystem::path& file,
+                                       const RecordingHeader& header, const ContactParams& contact,
+                                       const std::vector<std::filesystem::path>& before, LoadParts parts,
+                                       const Progress& progress) {
+  auto patient = std::make_shared<Patient>(felt_again(folder, file.string(), header, parts, !before.empty()), contact);
+  HapticVolume& volume = patient->felt.loaded.haptic;
+  const auto must_begin = [&](const RecordingHeader& h, const std::filesystem::path& name) {
+    if (!h.begins_sha256.empty() && volume_digest(volume) != h.begins_sha256)
+      throw Error(ExitCode::bad_input, name.string(), "begins_sha256",
+                  "the recordings given before it lead to another volume than it begins with");
+  };
+  for (const std::filesystem::path& earlier : before) {
+    const Recording r = read_recording(earlier);
+    felt_again(folder, earlier.string(), r.header, {}, true);
+    must_begin(r.header, earlier);
+    Rerun rerun(patient->felt, patient->contact, earlier.string(), r.header, &patient->marks);
+    for (std::size_t first = 0; first < r.frames.size() && rerun.drilling();) {
+      progress.check();
+      const std::size_t end = std::min(r.frames.size(), first + 1000);
+      rerun.run({r.frames.begin() + std::ptrdiff_t(first), r.frames.begin() + std::ptrdiff_t(end)});
+      first = end;
+    }
+  }
+  must_begin(header, file);
+  return patient;
+}
+
+Playback::Playback(const std::filesystem::path& folder, const std::filesystem::path& file,
+                   const std::vector<std::filesystem::path>& before, LoadParts parts, const Progress& progress)
     : recording_(read_recording(file)) {
   const RecordingHeader& h = recording_.header;
   if (recording_.frames.empty()) throw Error(ExitCode::bad_input, file.string(), "frames", "there are none to show");
-  patient_ = std::make_shared<Patient>(felt_again(folder, file.string(), h, parts), h.contact);
+  patient_ = patient_again(folder, file, h, h.contact, before, parts, progress);
+  for (const std::filesystem::path& earlier : before) {
+    const Recording r = read_recording(earlier);
+    IncisionWatch watch(r.header.drilling);
+    for (const ServoFrame& f : r.frames) watch.look(f, incisions_);
+  }
+  for (IncisionMark& mark : incisions_) mark.time_s = begin_s();  // what was there from the begin
   IncisionWatch watch(h.drilling);
   for (const ServoFrame& f : recording_.frames) watch.look(f, incisions_);
   if (h.drilling.drill) run_through(file, progress);
@@ -37,21 +71,22 @@ void Playback::run_through(const std::filesystem::path& file, const Progress& pr
 
   HapticVolume& volume = patient_->felt.loaded.haptic;
   std::vector<std::int16_t> mirror = volume.voxels.voxels;
-  Proxy proxy(patient_->contact, patient_->felt.feels, h.force, h.shaft, tool_again(file.string(), h.tool));
-  const auto drilling = patient_->felt.drilling_of(h, patient_->contact, &patient_->marks);
+  patient_->marks.take(taken_);  // what earlier recordings cut is in the mirror
+  Rerun rerun(patient_->felt, patient_->contact, file.string(), h, &patient_->marks);
   double next_s = frames.front().time_s + step_s;
   for (std::size_t first = 0; first < frames.size();) {
     std::size_t end = first;
     while (end < frames.size() && frames[end].time_s < next_s) ++end;
-    replay_frames({frames.begin() + std::ptrdiff_t(first), frames.begin() + std::ptrdiff_t(end)}, h.rate_hz, proxy,
-                  drilling.get());
+    rerun.run({frames.begin() + std::ptrdiff_t(first), frames.begin() + std::ptrdiff_t(end)});
     if (end > first) note_changes(frames[end - 1].time_s, mirror);
     first = end;
     next_s += step_s;
     progress.report(double(first) / double(frames.size()));
   }
   if (h.outcome && volume_digest(volume) != h.outcome->volume_sha256)
-    throw Error(ExitCode::quality, file.string(), "volume_sha256", "the volume differs when replayed");
+    throw refusal("volume_sha256", "the volume differs when replayed",
+                  {"replay it with the version of the program that recorded it, or record it anew with `servo`"})
+        .in_file(file.string());
   shown_steps_ = steps_.size();
 }
 

@@ -27,14 +27,22 @@ class IncisionWatch {
   std::uint32_t buttons_ = 0;
 };
 
+/// The patient as a recording finds it: the case, and what the recordings before it cut, which are run again in their
+/// order. `contact`: how the recording itself is felt. Throws as read_recording and felt_again do; 65 where the volume
+/// is not the one with which the recording begins.
+std::shared_ptr<Patient> patient_again(const std::filesystem::path& case_folder, const std::filesystem::path& file,
+                                       const RecordingHeader& header, const ContactParams& contact,
+                                       const std::vector<std::filesystem::path>& before, LoadParts parts = {},
+                                       const Progress& progress = {});
+
 /// A recording that can be shown at any of its times, with the voxels as they were then. The constructor runs it once;
 /// then going to another time, forwards or backwards, changes only the voxels that differ.
 class Playback {
  public:
-  /// Throws as read_recording and felt_again do; 80 where the replay gives other voxels than the recording says;
-  /// Cancelled.
-  Playback(const std::filesystem::path& case_folder, const std::filesystem::path& recording, LoadParts parts,
-           const Progress& progress = {});
+  /// `before`: the recordings that it follows. Throws as patient_again does; 80 where the replay gives other voxels
+  /// than the recording says; Cancelled.
+  Playback(const std::filesystem::path& case_folder, const std::filesystem::path& recording,
+           const std::vector<std::filesystem::path>& before, LoadParts parts, const Progress& progress = {});
 
   const std::shared_ptr<Patient>& patient() const { return patient_; }
   const LoadedCase& loaded() const { return patient_->felt.loaded; }  ///< its voxels are those at time_s()

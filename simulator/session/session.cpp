@@ -90,7 +90,7 @@ RecordingHeader Session::header_of(const SessionOptions& options) const {
   header.tool = own_tool(options.tool);
   header.drilling = options.drilling;
   header.law = options.law;
-  header.cut_before = options.cut_before;
+  header.begins_sha256 = options.begins_sha256;
   return header;
 }
 

@@ -38,8 +38,8 @@ struct SessionOptions {
   DeviceChoice device;
   /// Makes the device instead, where it is given: a window is its own.
   std::function<std::unique_ptr<Device>(const DeviceScene&)> own_device;
-  bool cut_before = false;  ///< the patient that is given was cut already: a recording says so, and cannot be replayed
-  bool watched = false;     ///< take_frames() gives every frame, also without a recording
+  std::string begins_sha256;  ///< of the voxels of the patient that is given, where it was cut before; else empty
+  bool watched = false;       ///< take_frames() gives every frame, also without a recording
   WorkspaceParams workspace;
   double seconds = 10;
   ServoParams servo;

@@ -44,7 +44,7 @@ void Controls::apply(const std::vector<InputEvent>& events, Player& player, int 
         if (e.mods & GLFW_MOD_CONTROL)
           player.camera.zoom(std::pow(zoom_step, e.y));
         else
-          player.move_tool(-normalized(vec(player.frame().axis)) * (e.y * params_.wheel_mm));
+          player.advance_tool(e.y * params_.wheel_mm);
         break;
       case InputEvent::Kind::dropped:
         keys_.clear();
@@ -141,7 +141,7 @@ void Controls::press(int key, int, Player& player, int width, int height) {
 void Controls::hold(double wall_s, Player& player) {
   const auto down = [&](int key) { return keys_.count(key) ? 1.0 : 0.0; };
   const double ahead = down(GLFW_KEY_W) - down(GLFW_KEY_S);
-  if (ahead != 0) player.move_tool(-normalized(vec(player.frame().axis)) * (ahead * params_.advance_mm_per_s * wall_s));
+  if (ahead != 0) player.advance_tool(ahead * params_.advance_mm_per_s * wall_s);
   const double turn = params_.turn_deg_per_s * M_PI / 180 * wall_s;
   const double across = down(GLFW_KEY_RIGHT) - down(GLFW_KEY_LEFT), up = down(GLFW_KEY_UP) - down(GLFW_KEY_DOWN);
   if (across != 0 || up != 0) player.turn_tool(across * turn, up * turn);

@@ -131,7 +131,9 @@ void Hud::status_panel(Player& player, const Controls& controls, const PictureTi
   const std::string under = has_mouse() ? "" : player.under(controls.cursor_x, controls.cursor_y, width, height);
   line(say(Text::under_cursor), under.empty() ? "-" : under);
   if (!controls.said.empty()) ImGui::TextColored(orange, "%s", controls.said.c_str());
+  ImGui::PushTextWrapPos(0);
   if (!player.notes().empty()) ImGui::TextColored(grey, "%s", player.notes().back().c_str());
+  ImGui::PopTextWrapPos();
   ImGui::End();
 }
 

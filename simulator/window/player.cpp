@@ -38,7 +38,8 @@ std::filesystem::path numbered(const std::filesystem::path& file, int n) {
 Player::Player(const PlayOptions& options, const std::atomic<bool>& stop) : options_(options), stop_(stop) {
   SessionOptions& o = options_.session;
   if (!options_.playback.empty()) {
-    playback_ = std::make_unique<Playback>(o.case_folder, options_.playback, LoadParts{true}, Progress({}, &stop));
+    playback_ = std::make_unique<Playback>(o.case_folder, options_.playback, options_.before, LoadParts{true},
+                                           Progress({}, &stop));
     patient_ = playback_->patient();
   } else {
     patient_ = std::make_shared<Patient>(o.case_folder, o.shape, o.contact, LoadParts{true});
@@ -85,7 +86,7 @@ void Player::begin_session() {
       return hand;
     };
   }
-  o.cut_before = cut_before_;
+  o.begins_sha256 = begins_sha256_;
   stage_->set_tool(own_tool(o.tool));
   end_ = false;
   session_ = std::make_unique<Session>(
@@ -106,7 +107,7 @@ void Player::end_session() {
   std::string removed;
   for (const auto& [name, mm3] : r.outcome->removed_mm3)
     removed += fmt::format("{}{} {:.1f} mm3", removed.empty() ? "" : ", ", name, mm3);
-  cut_before_ = cut_before_ || !removed.empty();
+  if (!removed.empty()) begins_sha256_ = r.outcome->volume_sha256;
   if (!removed.empty()) notes_.push_back(fmt::format("{} removed {}", r.header.tool.tool, removed));
 }
 

@@ -20,8 +20,9 @@ struct PlayOptions {
   SessionOptions session;  ///< case, device (empty name: mouse and keyboard), tool, ...
   ScreenHandParams hand;
   ViewParams view;
-  std::filesystem::path playback;     ///< a recording to be shown, in place of a session
-  std::filesystem::path shots = ".";  ///< folder of pictures that the user takes
+  std::filesystem::path playback;             ///< a recording to be shown, in place of a session
+  std::vector<std::filesystem::path> before;  ///< the recordings that it follows, in their order
+  std::filesystem::path shots = ".";          ///< folder of pictures that the user takes
 };
 
 /// A case that somebody works on, or a recording that is shown: all that the window's keys, its panels and the remote
@@ -49,6 +50,7 @@ class Player {
   void set_pedal(bool down);
   void incise();
   void move_tool(Vec3 by_mm);
+  void advance_tool(double mm);  ///< along its axis; not where the hand is held back far behind
   void place_tool(Vec3 tip_mm, const std::optional<Vec3>& axis);  ///< takes it away and to that place
   void turn_tool(double right_rad, double up_rad);
   void aim_at_viewer();
@@ -114,14 +116,14 @@ class Player {
   std::vector<IncisionMark> incisions_;
   HandGoal goal_;
   ServoFrame frame_{};
-  std::string tool_name_, no_name_;
+  std::string tool_name_, no_name_, begins_sha256_;
   std::map<int, std::string> shapes_;
   std::deque<float> forces_;
   double depth_mm_ = 0, target_mm_ = -1, trace_mm_ = 0, servo_hz_ = 0, late_us_ = 0, rate_wall_s_ = 0;
   double wall_s_ = 0;
   std::uint64_t rate_ticks_ = 0;
   int sessions_ = 0, shots_ = 0;
-  bool paused_ = false, tracing_ = false, quit_ = false, shot_ = false, cut_before_ = false, ct_slices_ = false;
+  bool paused_ = false, tracing_ = false, quit_ = false, shot_ = false, ct_slices_ = false;
   std::vector<std::string> notes_;
 };
 

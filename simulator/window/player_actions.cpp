@@ -14,7 +14,7 @@ namespace trephine {
 namespace {
 
 constexpr double above_surface_mm = 2;  // where a tool is put that goes to a surface
-constexpr double most_mm = 1e5;
+constexpr double most_mm = 1e5, most_ahead_mm = 8;
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -93,6 +93,12 @@ void Player::move_tool(Vec3 by_mm) {
   if (!is_finite(next) || norm(next) > most_mm) return;
   goal_.tip_mm = next;
   aim();
+}
+
+void Player::advance_tool(double mm) {
+  const Vec3 ahead = -normalized(vec(frame_.axis));
+  const double behind = dot(goal_.tip_mm - vec(frame_.tip_mm), ahead);
+  if (mm > 0 ? behind < most_ahead_mm : behind > -most_ahead_mm) move_tool(ahead * mm);
 }
 
 void Player::place_tool(Vec3 tip_mm, const std::optional<Vec3>& axis) {

@@ -33,7 +33,9 @@ bool ScreenHand::read(double dt_s, DeviceReading& out) {
   const int steps = std::max(1, int(std::ceil(span / most_step_s)));
   const double h = span / steps;
   for (int n = 0; n < steps; ++n) {
-    const Vec3 force = force_n_ + (goal_.tip_mm - position_mm_) * params_.hand_stiffness_n_per_mm - velocity_ * damping;
+    Vec3 pull = (goal_.tip_mm - position_mm_) * params_.hand_stiffness_n_per_mm;
+    if (const double size = norm(pull); size > params_.hand_most_n) pull = pull * (params_.hand_most_n / size);
+    const Vec3 force = force_n_ + pull - velocity_ * damping;
     velocity_ += force * (1000 * h / params_.hand_mass_kg);  // N / kg are m / s^2
     position_mm_ += velocity_ * h;
   }

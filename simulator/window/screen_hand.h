@@ -9,6 +9,7 @@ namespace trephine {
 /// How mouse and keyboard hold the tool.
 struct ScreenHandParams {
   double hand_mass_kg = 0.2, hand_stiffness_n_per_mm = 0.4, hand_damping_n_s_per_mm = 0.006;
+  double hand_most_n = 2.2;
   double wheel_mm = 0.5, advance_mm_per_s = 4, turn_deg_per_s = 45;
   template <class V>
   static void describe(V& v) {
@@ -17,6 +18,8 @@ struct ScreenHandParams {
     v.number(&P::hand_stiffness_n_per_mm, "hand_stiffness_n_per_mm", Range{0.01, 5},
              "How firmly that hand follows: surfaces and bone hold it back by this force for each mm.");
     v.number(&P::hand_damping_n_s_per_mm, "hand_damping_n_s_per_mm", Range{0.0005, 0.1}, "Its damping.");
+    v.number(&P::hand_most_n, "hand_most_n", Range{0.1, 50},
+             "It never pulls harder, so that a burr is not pressed until it stalls.");
     v.number(&P::wheel_mm, "wheel_mm", Range{0.01, 20}, "Way along the tool for a step of the wheel.");
     v.number(&P::advance_mm_per_s, "advance_mm_per_s", Range{0.01, 100},
              "Speed along the tool while W (forwards) or S (back) is down.");

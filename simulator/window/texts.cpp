@@ -20,7 +20,7 @@ constexpr Row table[] = {
     {Text::hand, {"Hand", "Hand"}},
     {Text::step, {"Step", "Schritt"}},
     {Text::time, {"Time", "Zeit"}},
-    {Text::inside, {"The tip is in", "Die Spitze ist in"}},
+    {Text::inside, {"The tip is in", "Spitze in"}},
     {Text::nothing, {"air", "Luft"}},
     {Text::depth, {"Depth", "Tiefe"}},
     {Text::force, {"Force", "Kraft"}},

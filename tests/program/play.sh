@@ -88,7 +88,10 @@ finish 0
 grep -q '^burr removed .*skull' "$work/said" || { cat "$work/said"; fail "nothing was drilled"; }
 "$TREPHINE" replay "$work/sample" "$work/play.servo" >"$work/text" || { cat "$work/text"; fail "what was played is not replayed"; }
 grep -q '^replayed bit for bit$' "$work/text" || fail "not bit for bit"
-expect 65 'cut_before' "$TREPHINE" replay "$work/sample" "$work/play-2.servo"
+expect 65 'begins_sha256: it began with' "$TREPHINE" replay "$work/sample" "$work/play-2.servo"
+expect 65 'begins_sha256: the recordings given before' "$TREPHINE" replay "$work/sample" "$work/play-2.servo" --before "$work/play-2.servo"
+"$TREPHINE" replay "$work/sample" "$work/play-2.servo" --before "$work/play.servo" >"$work/text" || { cat "$work/text"; fail "the second tool is not replayed"; }
+grep -q '^replayed bit for bit$' "$work/text" || fail "the second tool: not bit for bit"
 
 # The recording is shown, forwards and backwards.
 begin --playback "$work/play.servo"
