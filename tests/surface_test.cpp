@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The plain mesh: what topology_of says of meshes whose faults are known, and the component helpers.
+#include "surface/arc.h"
 #include "surface/trimesh.h"
 
 #include <gtest/gtest.h>
@@ -154,6 +155,30 @@ TEST(Surface, BoundsAreOfTheWorld) {
   m.origin_mm = {100, 200, 300};
   EXPECT_EQ(bounds_of(m).min_mm, (Vec3{100, 200, 300}));
   EXPECT_EQ(bounds_of(m).max_mm, (Vec3{101, 201, 301}));
+}
+
+// An outline of rays every 0.1 degrees with strands of 2 mm height and 4 mm width, every 15 mm, from `from_mm` on.
+Arc with_strands(double radius_mm, double from_mm, double height_mm) {
+  Arc arc;
+  for (int i = 0; i <= 1800; ++i) {
+    const double angle = i * 0.1 * std::acos(-1.0) / 180, along = radius_mm * angle;
+    const bool strand = along > from_mm && std::fmod(along, 15) < 4;
+    const double r = radius_mm + (strand ? height_mm : 0);
+    arc.points_mm.push_back({r * std::cos(angle), r * std::sin(angle), 0});
+  }
+  return arc;
+}
+
+TEST(Arc, StrandsOnTheSkinDoNotLengthenAWay) {
+  const Arc smooth = with_strands(80, 0, 0), masked = with_strands(80, 45, 2);
+  const Vec3 right = *point_along(smooth, 110);
+  EXPECT_GT(norm(*point_along(masked, 110) - right), 6);
+  EXPECT_LT(norm(*point_along(without_ridges(masked, {}, brow_mm), 110) - right), 0.1);
+  // What is smooth stays to the bit, and so does what is spared: the brow.
+  const Arc same = without_ridges(smooth, {}, brow_mm), brow = without_ridges(with_strands(80, 0, 2), {}, brow_mm);
+  for (std::size_t i = 0; i < smooth.points_mm.size(); ++i) EXPECT_EQ(norm(same.points_mm[i] - smooth.points_mm[i]), 0);
+  EXPECT_EQ(norm(brow.points_mm[190]), norm(with_strands(80, 0, 2).points_mm[190]));
+  EXPECT_TRUE(without_ridges({}, {}, brow_mm).points_mm.empty());
 }
 
 }  // namespace

@@ -145,7 +145,7 @@ Entry kocher_point(const BurrHoleRequest& r, const Midline& m, const TriMesh& su
                    const std::vector<CutFace>& faces, const char* surface_name, Report& report) {
   const Vec3 front = normalized(m.nasion - m.centre_mm);
   const Vec3 onwards = normalized(m.up - front * dot(m.up, front));
-  const OuterCurve midline = outer_curve(surface, {m.centre_mm, front, onwards});
+  const OuterCurve midline = without_ridges(outer_curve(surface, {m.centre_mm, front, onwards}), m.centre_mm, brow_mm);
   const auto along = [&](const OuterCurve& curve, double length, const char* which) {
     const auto p = point_along(curve, length);
     if (!p)
@@ -165,7 +165,7 @@ Entry kocher_point(const BurrHoleRequest& r, const Midline& m, const TriMesh& su
   const Vec3 tangent = normalized(behind - ahead), outwards = cross(m.left, tangent);
   const Vec3 side = r.side == BurrHoleRequest::Side::left ? m.left : -m.left;
   const Vec3 middle = top - outwards * skull_depth_mm;
-  const OuterCurve lateral = outer_curve(surface, {middle, outwards, side, 5, 120});
+  const OuterCurve lateral = without_ridges(outer_curve(surface, {middle, outwards, side, 5, 120}), middle, 0);
   const Vec3 point = along(lateral, r.lateral_mm, "arc to the side");
   check_walk(lateral, point, faces, "arc to the side", report);
   report.add("midline_from", m.source);

@@ -306,9 +306,10 @@ class Finder {
   void find_kocher(const FieldView& skin, const FieldView& skull) {
     if (!arc_) return;
     const double base = confidence_of("nasion") * ramp(arc_->nasion_gap_mm, 10, 4);
-    const auto top = point_along(arc_->skin, params_.along_mm);
-    const auto behind = point_along(arc_->skin, params_.along_mm + tangent_mm);
-    const auto ahead = point_along(arc_->skin, std::max(0.0, params_.along_mm - tangent_mm));
+    const Outline midline = without_ridges(arc_->skin, arc_->centre_mm, brow_mm);
+    const auto top = point_along(midline, params_.along_mm);
+    const auto behind = point_along(midline, params_.along_mm + tangent_mm);
+    const auto ahead = point_along(midline, std::max(0.0, params_.along_mm - tangent_mm));
     if (!top || !behind || !ahead || runs_over_edge(skin, arc_->skin, *top)) {
       report_.warn("kocher_left and kocher_right not found: the midline's skin ends before, at the scan's edge");
       return;
@@ -317,7 +318,7 @@ class Finder {
     const CaseLandmark* bregma = out_.find("bregma");
     for (const int side : {1, -1}) {
       const Vec3 sideways = head_.left * side, middle = *top - outwards * middle_depth_mm;
-      const Outline lateral = outline(skin, {middle, outwards, sideways, 5, 120});
+      const Outline lateral = without_ridges(outline(skin, {middle, outwards, sideways, 5, 120}), middle, 0);
       const std::string name = side > 0 ? "kocher_left" : "kocher_right";
       if (out_.find(name)) continue;
       const auto p = point_along(lateral, params_.lateral_mm);

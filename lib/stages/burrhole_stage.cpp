@@ -77,7 +77,7 @@ void check_suture(const BurrHoleParams& params, const BurrHole& hole, const std:
 StageType burrhole_stage() {
   StageType s;
   s.name = "burrhole";
-  s.version = 5;
+  s.version = 6;
   s.place = StagePlace::scene;
   s.role = StageRole::burr_hole;
   s.summary = "places a burr hole on a head";

@@ -35,4 +35,33 @@ std::optional<Vec3> point_along(const Arc& arc, double length_mm) {
   return p;
 }
 
+Arc without_ridges(const Arc& arc, Vec3 centre, double spared_mm, double width_mm, double least_mm) {
+  const std::size_t n = arc.points_mm.size();
+  std::vector<double> radius(n), along(n), lowest(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 from = arc.points_mm[i] - centre;
+    radius[i] = norm(from);
+    if (i == 0) continue;
+    const Vec3 before = arc.points_mm[i - 1] - centre;
+    const double turned = std::atan2(norm(cross(before, from)), dot(before, from));
+    along[i] = along[i - 1] + turned * std::min(radius[i], radius[i - 1]);
+  }
+  // An opening of the radius: the least within the width, then the most of that.
+  const auto over_width = [&](const std::vector<double>& values, std::size_t i, auto better) {
+    double best = values[i];
+    for (std::size_t k = i; k-- > 0 && along[i] - along[k] <= 0.5 * width_mm;) best = better(best, values[k]);
+    for (std::size_t k = i + 1; k < n && along[k] - along[i] <= 0.5 * width_mm; ++k) best = better(best, values[k]);
+    return best;
+  };
+  for (std::size_t i = 0; i < n; ++i)
+    lowest[i] = over_width(radius, i, [](double a, double b) { return std::min(a, b); });
+  Arc out = arc;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (arc.start < n && std::abs(along[i] - along[arc.start]) < spared_mm) continue;
+    const double opened = over_width(lowest, i, [](double a, double b) { return std::max(a, b); });
+    if (radius[i] - opened > least_mm) out.points_mm[i] = centre + (arc.points_mm[i] - centre) * (opened / radius[i]);
+  }
+  return out;
+}
+
 }  // namespace trephine
