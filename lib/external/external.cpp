@@ -18,6 +18,7 @@
 #include "base/log.h"
 #include "base/open_beneath.h"
 #include "base/parallel.h"
+#include "base/refusal.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "external/confined.h"
@@ -271,10 +272,11 @@ void require_same_grid(const Lattice& map, const Lattice& volume) {
   const auto size = [](const Lattice& l) {
     return std::to_string(l.size[0]) + " x " + std::to_string(l.size[1]) + " x " + std::to_string(l.size[2]);
   };
-  throw Error(ExitCode::quality, "", "labels_file",
-              map.size == volume.size
-                  ? "its voxels lie up to " + to_text(std::round(off * 100) / 100) + " voxels off the scan's"
-                  : size(map) + " voxels, the scan has " + size(volume) + "; same_grid: false resamples it");
+  throw refusal("labels_file",
+                map.size == volume.size
+                    ? "its voxels lie up to " + to_text(std::round(off * 100) / 100) + " voxels off the scan's"
+                    : size(map) + " voxels, the scan has " + size(volume),
+                {"set `same_grid` to false, and it is resampled"});
 }
 
 void report_labels(const LabelFile& map, Report& report) {
@@ -289,7 +291,10 @@ void report_labels(const LabelFile& map, Report& report) {
           }
       },
       map.samples);
-  if (values.empty()) throw Error(ExitCode::quality, "", "labels_file", "holds no label: every voxel is 0");
+  if (values.empty())
+    throw refusal("labels_file", "holds no label: every voxel is 0",
+                  {"look at what the program says of this series when it is run by hand, or paint the labels and bring "
+                   "them back by the stage `labels`"});
   report.add("labels_count", values.size());
   report.add("labelled_ml", double(voxels) * map.lattice.voxel_volume_mm3() / 1000);
 }

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "itk/denoise_message.h"
 #include "itk/itk_child.h"
 
@@ -93,7 +94,8 @@ HuVolume denoise(const HuVolume& volume, const Field* within, const DenoiseParam
             for (int i = box.begin[0]; i < box.end[0]; ++i, from += sizeof(float)) {
               float v;
               std::memcpy(&v, from, sizeof v);
-              if (!std::isfinite(v)) throw Error(ExitCode::quality, "", "method", "diverged: a voxel is not finite");
+              if (!std::isfinite(v))
+                throw refusal("method", "diverged: a voxel is not finite", {"choose another `method`"});
               T& to = grid.at(i, j, k);
               const double taken = double(to) - double(v);
               if (v > -100 && v < 100) sum += taken, square += taken * taken, ++soft;

@@ -6,6 +6,7 @@
 #include <list>
 
 #include "base/error.h"
+#include "base/refusal.h"
 #include "base/text.h"
 #include "dicom/import.h"
 #include "meshing/contour.h"
@@ -207,7 +208,9 @@ Preview draw_preview(const std::string& name, const StageData& data, const HuVol
     views.push_back({s.mesh, s.colour_rgb, shapes.size() > 1 && &s == &shapes.front() ? 0.4 : 1.0});
     out.report.add(s.name + ".volume_ml", std::abs(volume_mm3(*s.mesh)) / 1000);
   }
-  if (views.empty()) throw Error(ExitCode::quality, "", name, "there is nothing to be seen: it is empty, or too thin");
+  if (views.empty())
+    throw refusal(name, "there is nothing to be seen: it is empty, or too thin",
+                  {"set a smaller `cell_mm`, or other values of the stage"});
   const Bounds bounds = bounds_of_shapes(shapes);
   const bool given = params.at_mm != std::array<double, 3>{0, 0, 0};
   const Vec3 at = given ? Vec3{params.at_mm[0], params.at_mm[1], params.at_mm[2]} : (bounds.min_mm + bounds.max_mm) / 2;

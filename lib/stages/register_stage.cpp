@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/error.h"
+#include "base/refusal.h"
 #include "itk/registration.h"
 #include "stages/stage.h"
 
@@ -30,7 +31,10 @@ StageType register_stage() {
     const HuVolume &fixed = *in.get<HuVolume>("volume"), &moving = *in.get<HuVolume>("moving");
     const Registration r =
         register_scans(fixed, moving, in.get<Field>("within"), initial, params, report, progress.part(0, 0.9));
-    if (!r.doubts.empty()) throw Error(ExitCode::quality, "", "", "the registration is doubtful: " + r.doubts);
+    if (!r.doubts.empty())
+      throw refusal("", "the registration is doubtful: " + r.doubts,
+                    {"look at its picture; give an `initial` transform from another program to begin with, or `within` "
+                     "an anatomy that both scans show"});
     const float outside = params.moving == MovingValues::hu ? -1000.0f : 0.0f;
     return std::make_shared<const HuVolume>(
         resample_onto(moving, lattice_of(fixed), r.map, outside, progress.part(0.9, 1)));

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "base/refusal.h"
 
 namespace trephine {
 namespace {
@@ -102,7 +103,9 @@ VentriculostomyFacts facts_of_recording(FeltCase& felt, const std::string& file,
   }
   lesson.close();
   if (h.outcome && rerun.drilling() && volume_digest(felt.loaded.haptic) != h.outcome->volume_sha256)
-    throw Error(ExitCode::quality, file, "volume_sha256", "the volume differs when the session is followed");
+    throw refusal("volume_sha256", "the volume differs when the session is followed",
+                  {"follow it with the version of the program that recorded it, or do the `lesson` anew"})
+        .in_file(file);
   return lesson.facts();
 }
 
