@@ -90,7 +90,9 @@ TEST(Denoise, LeavesWhatIsBeyondTheBox) {
     for (int j = 0; j < g.size[1]; ++j)
       for (int i = 0; i < g.size[0]; ++i) {
         const bool inside = std::abs(i - 20) <= 4 && std::abs(j - 20) <= 4 && std::abs(k - 18) <= 4;
-        if (!inside) ASSERT_EQ(out.at(i, j, k), g.at(i, j, k));
+        if (!inside) {
+          ASSERT_EQ(out.at(i, j, k), g.at(i, j, k));
+        }
       }
   EXPECT_NE(out.at(20, 20, 18), g.at(20, 20, 18));
   within.at(20, 20, 18) = -1;

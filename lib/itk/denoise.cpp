@@ -8,11 +8,14 @@
 
 #include "base/error.h"
 #include "base/refusal.h"
+#include "base/text.h"
 #include "itk/denoise_message.h"
 #include "itk/itk_child.h"
 
 namespace trephine {
 namespace {
+
+constexpr double most_effort = 5000;
 
 // The box of the volume's voxels about where the field is positive.
 Box box_of(const Lattice& volume, const Field* within, double margin_mm) {
@@ -51,6 +54,16 @@ Grid<float> floats_in(const Grid<T>& grid, const Box& box) {
   return out;
 }
 
+// How many values each voxel is made of (median, bilateral), or how often the volume is gone through (curvature).
+double effort_of(const DenoiseParams& p, const Lattice& l, int iterations) {
+  if (p.method == DenoiseMethod::gaussian) return 1;
+  if (p.method == DenoiseMethod::curvature) return iterations;
+  double count = 1;
+  for (int a = 0; a < 3; ++a)
+    count *= 1 + 2 * std::ceil((p.method == DenoiseMethod::median ? 1 : 2.5) * p.sigma_mm / l.spacing_mm[a]);
+  return count;
+}
+
 }  // namespace
 
 HuVolume denoise(const HuVolume& volume, const Field* within, const DenoiseParams& params, Report& report,
@@ -67,17 +80,18 @@ HuVolume denoise(const HuVolume& volume, const Field* within, const DenoiseParam
   const double time = params.sigma_mm * params.sigma_mm / 2;
   task.iterations = std::max(1, static_cast<int>(std::ceil(time / most)));
   task.step = time / task.iterations;
+  const double effort = effort_of(params, lattice, task.iterations);
+  if (effort > most_effort)
+    throw Error(ExitCode::usage, "", "sigma_mm",
+                "needs " + to_text(effort) + " steps a voxel of this size, at most " + to_text(most_effort) +
+                    ": take less, or method gaussian");
   MessageWriter request = itk_child::request();
   request.value(task);
   itk_child::put(request, before);
   ChildLimits limits;
   const std::uint64_t bytes = before.voxels.size() * sizeof(float);
   limits.memory_bytes = (std::uint64_t{4} << 30) + 10 * bytes;
-  const double effort = params.method == DenoiseMethod::curvature ? task.iterations
-                        : params.method == DenoiseMethod::gaussian
-                            ? 1
-                            : std::pow(8 * params.sigma_mm, 3) / lattice.voxel_volume_mm3() / 10;
-  limits.cpu_s = 120 + 1e-5 * std::max(1.0, effort) * static_cast<double>(before.voxels.size());
+  limits.cpu_s = 120 + 2e-6 * effort * static_cast<double>(before.voxels.size());
   limits.wall_s = 2 * limits.cpu_s;
   const ChildResult result = itk_child::run(denoise_worker_name, request, limits, progress.part(0.1, 0.9));
   if (result.bytes().size() != bytes)

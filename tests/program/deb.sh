@@ -29,7 +29,7 @@ version=$(dpkg-deb -f "$deb" Version)
 [[ $("$TREPHINE" --version) == "trephine $version" ]] || fail "version $version"
 [[ $(head -1 "$SOURCE/cmake/debian/changelog") == "trephine ($version) "* ]] || fail "cmake/debian/changelog is not of $version"
 dpkg-deb -f "$deb" Depends >"$work/depends"
-for library in ninja-build gnuplot-nox libc6 libstdc++6 libfmt libssl libvtk libgdcm libyaml-cpp; do
+for library in ninja-build gnuplot-nox libc6 libstdc++6 libfmt libssl libvtk libgdcm libyaml-cpp libinsighttoolkit; do
   grep -q "$library" "$work/depends" || { cat "$work/depends"; fail "does not depend on $library"; }
 done
 [[ $(dpkg-deb -f "$dev" Depends) == *libfmt-dev* ]] || fail "trephine-dev does not depend on libfmt-dev"
@@ -38,7 +38,7 @@ done
 # Every file has a place that is known, everybody may read it, and nobody but root owns it.
 dpkg-deb -c "$deb" >"$work/list"
 ! awk '$2 != "root/root" || $1 !~ /^(-rw-r--r--|[-d]rwxr-xr-x)$/' "$work/list" | grep . || fail "owner or mode"
-! awk '!/\/$/ { print $6 }' "$work/list" | grep -vxE -e '\./usr/bin/trephine(-sim)?' \
+! awk '!/\/$/ { print $6 }' "$work/list" | grep -vxE -e '\./usr/bin/trephine(-sim|-itk)?' \
   -e '\./usr/share/trephine/(trephine\.root|(pipelines|configs|configs/scenes|configs/trade)/[a-z_]+\.(yaml|json)|sample_dicom/slice_[0-9]{4}\.dcm)' \
   -e '\./usr/share/doc/trephine/docs/(reference|reference-sim)/[a-z_.-]+\.(md|json)' \
   -e '\./usr/share/doc/trephine/((README|CONTRIBUTING|CHANGELOG)\.md|CITATION\.cff|LICENSE|copyright|changelog\.gz|docs/[a-z-]+\.(md|schema\.json|svg)|docs/pictures/[a-z_]+\.png)' \
@@ -51,7 +51,7 @@ dpkg-deb -c "$deb" >"$work/list"
 for file in "$SOURCE"/{pipelines,configs,sample_dicom}; do
   diff -r "$file" "$root/usr/share/trephine/${file##*/}" || fail "$file"
 done
-for program in trephine trephine-sim; do
+for program in trephine trephine-sim trephine-itk; do
   ! readelf -d "$root/usr/bin/$program" | grep -E 'RPATH|RUNPATH' || fail "$program looks for libraries there"
   ! grep -aoE "($SOURCE|$BUILD)[ -~]*" "$root/usr/bin/$program" || fail "$program knows where it was built"
 done
