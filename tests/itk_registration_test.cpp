@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "grid/resample.h"
 #include "itk_scans.h"
 
 using namespace trephine;
@@ -158,4 +159,52 @@ TEST(Registration, LongOverFortyOffsets) {
   EXPECT_LT(mean, 0.5);
   EXPECT_LT(worst, 1.0);
   EXPECT_EQ(doubtful, 0);
+}
+
+// Scans as nobody wants them: thick slices, much noise, a slab of the head, an offset beyond what is promised, a strong
+// bias. Right or refused, never wrong and published.
+TEST(Registration, LongHardScansAreRightOrRefused) {
+  const Head head = clinical_head(21);
+  const HuVolume ct = quick_ct(head, 2);
+  const std::vector<Vec3> places = targets(head);
+  phantom::SecondScanParams usual;
+  usual.contrast = phantom::SecondScan::mr;
+  usual.voxel_mm = 2;
+  usual.noise_ratio = 0.04;
+  phantom::SecondScanParams noisy = usual, biased = usual;
+  noisy.noise_ratio = 0.25;
+  biased.bias_ratio = 0.85;
+  const phantom::Second scans[] = {phantom::second_scan(head, usual), phantom::second_scan(head, noisy),
+                                   phantom::second_scan(head, biased)};
+  RegistrationParams quick;
+  quick.finest_mm = 2;
+  quick.samples_count = 20000;
+  int published = 0, right = 0, all = 0;
+  double worst = 0;
+  for (std::uint64_t n = 0; n < 60; ++n) {
+    const int kind = static_cast<int>(n % 6);
+    const bool far = kind == 3;
+    phantom::Second second = moved(scans[kind == 1   ? 1
+                                         : kind == 2 ? 2
+                                                     : 0],
+                                   random_offset(n, far ? 90 : 30, far ? 80 : 20));
+    HuVolume moving(second.volume);
+    Report report;
+    const auto& size = second.volume.size;
+    if (kind == 4) moving = resample(HuVolume(second.volume), {{2, 2, 7}}, report);
+    if (kind == 5) {  // a slab across the body's axis, which is the second one of its lattice
+      const int from = static_cast<int>(n) / 6 * 9, to = std::min(size[1], from + 30);
+      moving = crop(second.volume, {{0, from, 0}, {size[0], to, size[2]}});
+    }
+    const Registration r = register_scans(ct, moving, nullptr, {}, quick, report);
+    const double error = target_error_mm(r.map, second.truth, places);
+    std::printf("%2d kind %d: %.2f mm %s\n", static_cast<int>(n), kind, error, r.doubts.c_str());
+    ++all;
+    published += r.doubts.empty();
+    right += error < 1;
+    if (r.doubts.empty()) worst = std::max(worst, error);
+  }
+  std::printf("%d scans, %d right, %d published, of these the worst %.2f mm\n", all, right, published, worst);
+  EXPECT_LT(worst, 2);
+  EXPECT_GT(published, all / 2);
 }

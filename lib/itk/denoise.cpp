@@ -71,6 +71,9 @@ HuVolume denoise(const HuVolume& volume, const Field* within, const DenoiseParam
   const Lattice& lattice = lattice_of(volume);
   const Box box = box_of(lattice, within, 4 * params.sigma_mm);
   const Grid<float> before = std::visit([&](const auto& grid) { return floats_in(grid, box); }, volume);
+  if (params.method == DenoiseMethod::gaussian && *std::min_element(before.size.begin(), before.size.end()) < 4)
+    throw Error(ExitCode::bad_input, "", "volume",
+                "has fewer than 4 voxels along an axis, which method gaussian needs");
   DenoiseTask task;
   task.method = static_cast<std::int32_t>(params.method);
   task.sigma_mm = params.sigma_mm;

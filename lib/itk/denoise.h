@@ -40,7 +40,8 @@ struct DenoiseParams {
 /// Curvature: [Whitaker2001] diffusion until a Gaussian of sigma_mm would be reached, in steps that are stable for the
 /// smallest voxel side. Reports voxels_count, iterations_count, and removed_hu, the standard deviation of what was
 /// taken away within soft tissue (-100 to 100 HU). Throws 64 where sigma_mm is too
-/// much for the voxels (5,000 steps each), 65 where a voxel is not finite or `within` is nowhere
+/// much for the voxels (5,000 steps each), 65 where a voxel is not finite, the Gaussian has fewer than
+/// 4 voxels along an axis, or `within` is nowhere
 /// positive; as itk_child::run.
 HuVolume denoise(const HuVolume& volume, const Field* within, const DenoiseParams& params, Report& report,
                  const Progress& progress = {});
