@@ -237,8 +237,8 @@ TEST(DicomFiles, ImplicitVrIsReadAlike) {
 
 TEST(DicomParams, AreDeclared) {
   const ParameterSet& set = parameters_of<ImportParams>();
-  EXPECT_EQ(set.names(), (std::vector<std::string>{"series", "modality", "units", "gaps", "max_gap_mm", "clamp_low_hu",
-                                                   "clamp_high_hu", "burned_in_reason"}));
+  EXPECT_EQ(set.names(), (std::vector<std::string>{"series", "modality", "units", "volume_values", "gaps", "max_gap_mm",
+                                                   "clamp_low_hu", "clamp_high_hu", "burned_in_reason"}));
 }
 
 TEST(DicomCancel, IsHeard) {

@@ -47,7 +47,7 @@ struct RegistrationParams {
              "How far apart registrations may end that begin 8 mm and 8 degrees off the result.");
     v.number(&P::largest_inverse_mm, "largest_inverse_mm", Range{0.01, 100},
              "How far the registration of the CT onto the second scan may be from the inverse.");
-    v.number(&P::least_overlap_ratio, "least_overlap_ratio", Range{0.05, 1},
+    v.number(&P::least_overlap_ratio, "least_overlap_ratio", Range{0.3, 1},
              "Share of the head's samples in the CT that must lie within the second scan.");
     v.number(&P::least_margin_ratio, "least_margin_ratio", Range{0, 1},
              "By how much of itself the mutual information must exceed that of places 20 mm off.");
