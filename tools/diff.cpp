@@ -8,8 +8,34 @@
 #include "cli/progress_display.h"
 #include "commands.h"
 #include "compare/compare_cases.h"
+#include "compare/compare_libraries.h"
 
 namespace trephine {
+namespace {
+
+struct Compared {
+  std::string text, json;
+  std::vector<std::string> warnings, beyond;
+  ExitCode code = ExitCode::quality;
+};
+
+Compared compare_two_cases(const ParsedCommand& parsed, const CompareParams& params, const Progress& progress) {
+  const LoadedCase old_case = load_case(parsed.path("old")), new_case = load_case(parsed.path("new"));
+  const CaseComparison made = compare_cases(old_case, new_case, params, progress);
+  return {comparison_text(made), comparison_json(made), made.warnings, beyond_limits(made, params), ExitCode::quality};
+}
+
+Compared compare_two_libraries(const ParsedCommand& parsed, const CompareParams& params, const Progress& progress) {
+  const auto made = compare_libraries(parsed.path("old"), parsed.path("new"), params, progress);
+  Compared out{libraries_text(made), libraries_json(made), {}, beyond_limits(made, params), ExitCode::quality};
+  for (const LibraryCaseChange& c : made) {
+    if (!c.fault.empty()) out.code = ExitCode::bad_input;
+    for (const std::string& w : c.comparison.warnings) out.warnings.push_back(c.token + ": " + w);
+  }
+  return out;
+}
+
+}  // namespace
 
 Command diff_command() {
   using Kind = Argument::Kind;
@@ -22,32 +48,35 @@ Command diff_command() {
       "its volume changed, how far landmarks, targets and burr holes moved, and which figures, materials and effective "
       "parameters are others. A shape that is displayed from the haptic volume is compared by the surface that is "
       "felt. The cases may hold different anatomies.\n\n"
+      "Of two libraries (folders of cases): a line for each case with what changed most in it.\n\n"
       "The exit code is 0 whatever differs, and 80 where a limit is given and something exceeds it, or cannot be "
-      "judged because only one of the cases holds it; 65 or 66 where a case is damaged or missing.";
+      "judged because only one of the cases holds it; 65 or 66 where a case is damaged or missing (of libraries: 65, "
+      "after all cases have been compared).";
   c.examples = {"trephine diff library/head-01 trial/head-01",
                 "trephine diff library/head-01 trial/head-01 --json changes.json --max-deviation-mm 0.5",
+                "trephine diff library trial --json changes.json",
                 "trephine diff old/head-01 new/head-01 --quiet --max-deviation-mm 0.3 --max-point-mm 1"};
-  Argument old_case = argument("old", Kind::in_folder, "The older case's folder.");
-  Argument new_case = argument("new", Kind::in_folder, "The newer case's folder.");
+  Argument old_case = argument("old", Kind::in_folder, "The older case's folder, or the older library.");
+  Argument new_case = argument("new", Kind::in_folder, "The newer case's folder, or the newer library.");
   old_case.positional = new_case.positional = old_case.required = new_case.required = true;
   c.arguments = {old_case, new_case, argument("json", Kind::out_file, "Write everything that was compared as JSON.")};
   c.groups = {ParameterGroup::of<CompareParams>("Parameters")};
   c.run = [](const ParsedCommand& parsed) {
     const auto& params = parsed.params<CompareParams>();
-    CaseComparison comparison;
+    const bool libraries = is_library(parsed.path("old")) && is_library(parsed.path("new"));
+    Compared made;
     {
       ProgressDisplay display(parsed.quiet);
       const Progress progress = display.start("diff");
-      const LoadedCase old_loaded = load_case(parsed.path("old")), new_loaded = load_case(parsed.path("new"));
-      comparison = compare_cases(old_loaded, new_loaded, params, progress);
+      made = libraries ? compare_two_libraries(parsed, params, progress) : compare_two_cases(parsed, params, progress);
       display.finish("diff", "");
     }
-    for (const std::string& w : comparison.warnings) log_warning(w);
-    if (parsed.has("json")) write_file(parsed.path("json"), comparison_json(comparison));
-    if (!parsed.quiet) std::fputs(comparison_text(comparison).c_str(), stdout);
-    const std::vector<std::string> beyond = beyond_limits(comparison, params);
+    for (const std::string& w : made.warnings) log_warning(w);
+    if (parsed.has("json")) write_file(parsed.path("json"), made.json);
+    if (!parsed.quiet) std::fputs(made.text.c_str(), stdout);
+    const std::vector<std::string>& beyond = made.beyond;
     if (!beyond.empty())
-      throw Error(ExitCode::quality, parsed.text("new"), "",
+      throw Error(made.code, parsed.text("new"), "",
                   beyond[0] + (beyond.size() > 1 ? " (and " + std::to_string(beyond.size() - 1) + " more)" : ""));
     return ExitCode::ok;
   };

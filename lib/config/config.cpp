@@ -33,7 +33,10 @@ class Reader {
     if (!said.landmarks_file.empty()) read_points(file_of(said.landmarks_file), false);
     if (!r_.overrides.landmarks.empty()) read_points(r_.overrides.landmarks, true);
     if (const fs::path file = file_of(said.pipeline); !file.empty()) read_recipe(r_, file);
-    add_corrections(r_, said.corrections, [this](const std::string& where, const std::string& what) {
+    std::vector<std::string> set;
+    for (const auto& [path, value] : said.set) set.push_back(path);
+    for (const std::string& text : r_.overrides.set) set.push_back(text.substr(0, text.find('=')));
+    add_corrections(r_, said.corrections, set, [this](const std::string& where, const std::string& what) {
       r_.faults.add(r_.file, at_.key(where), where, what);
     });
     if (const fs::path file = file_of(said.scene); !file.empty()) read_scene(r_, file);

@@ -34,9 +34,31 @@ int corrected_step(CaseConfig& config, const RecipeAnatomy& anatomy) {
   return read >= 0 ? read : last;
 }
 
+/// Makes the step, right after the one whose field it corrects. Returns a fault, or "".
+std::string add_step(CaseConfig& config, RecipeAnatomy& anatomy, const std::string& file) {
+  const int at = corrected_step(config, anatomy);
+  if (at < 0) return "it has no field that could be corrected";
+  const std::string before = anatomy.name + "." + anatomy.steps[std::size_t(at)].type->name,
+                    now = anatomy.name + "." + correct_step;
+  for_each_source(config, [&](std::string& source) {
+    if (source == before) source = now;
+  });
+  CorrectParams params;
+  params.file = file;
+  anatomy.steps.insert(anatomy.steps.begin() + at + 1,
+                       RecipeStep{&stage_named(correct_step), AnyParams::make(params), {}});
+  return "";
+}
+
+RecipeAnatomy* find_anatomy(CaseConfig& config, const std::string& name) {
+  for (RecipeAnatomy& a : config.anatomies)
+    if (a.name == name) return &a;
+  return nullptr;
+}
+
 }  // namespace
 
-void add_corrections(ConfigReading& reading, const Named<SaidPath>& corrections,
+void add_corrections(ConfigReading& reading, const Named<SaidPath>& corrections, const std::vector<std::string>& set,
                      const std::function<void(const std::string& where, const std::string& what)>& fault) {
   CaseConfig& config = reading.out;
   if (config.anatomies.empty()) return;
@@ -45,29 +67,19 @@ void add_corrections(ConfigReading& reading, const Named<SaidPath>& corrections,
     std::string reported;
     reading.in_root(reading.file, said.path, reported);
     if (!reported.empty()) continue;
-    const auto anatomy = std::find_if(config.anatomies.begin(), config.anatomies.end(),
-                                      [&n = name](const RecipeAnatomy& a) { return a.name == n; });
-    if (anatomy == config.anatomies.end()) {
-      fault(where, reading.fault_of_anatomy(name));
-      continue;
-    }
-    if (anatomy->find_step(correct_step)) {
-      fault(where, "the recipe corrects it already: set " + name + "." + correct_step + ".file");
-      continue;
-    }
-    const int at = corrected_step(config, *anatomy);
-    if (at < 0) {
-      fault(where, "it has no field that could be corrected");
-      continue;
-    }
-    const std::string before = name + "." + anatomy->steps[std::size_t(at)].type->name, now = name + "." + correct_step;
-    for_each_source(config, [&](std::string& source) {
-      if (source == before) source = now;
-    });
-    CorrectParams params;
-    params.file = said.path;
-    anatomy->steps.insert(anatomy->steps.begin() + at + 1,
-                          RecipeStep{&stage_named(correct_step), AnyParams::make(params), {}});
+    RecipeAnatomy* anatomy = find_anatomy(config, name);
+    const std::string what = !anatomy ? reading.fault_of_anatomy(name)
+                             : anatomy->find_step(correct_step)
+                                 ? "the recipe corrects it already: set " + name + "." + correct_step + ".file"
+                                 : add_step(config, *anatomy, said.path);
+    if (!what.empty()) fault(where, what);
+  }
+  // A value that is set makes the step, too; its file comes with the other values.
+  const std::string ending = std::string(".") + correct_step + ".file";
+  for (const std::string& path : set) {
+    if (path.size() <= ending.size() || path.compare(path.size() - ending.size(), ending.size(), ending) != 0) continue;
+    RecipeAnatomy* anatomy = find_anatomy(config, path.substr(0, path.size() - ending.size()));
+    if (anatomy && !anatomy->find_step(correct_step)) add_step(config, *anatomy, "");
   }
 }
 

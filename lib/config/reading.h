@@ -42,8 +42,9 @@ struct ConfigReading {
 void read_recipe(ConfigReading& reading, const std::filesystem::path& file);
 
 /// Makes the case's corrections, files by anatomy, steps of their anatomies: each right after the step whose field it
-/// was made for, and who reads that field by its name gets the corrected one. Needs the recipe.
-void add_corrections(ConfigReading& reading, const Named<SaidPath>& corrections,
+/// was made for, and who reads that field by its name gets the corrected one. A path in `set` such as
+/// skull.correct.file makes the step too. Needs the recipe.
+void add_corrections(ConfigReading& reading, const Named<SaidPath>& corrections, const std::vector<std::string>& set,
                      const std::function<void(const std::string& where, const std::string& what)>& fault);
 
 /// Reads the scene and the materials that it names. Needs the recipe.

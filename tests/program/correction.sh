@@ -126,6 +126,27 @@ python3 "$work/held.py" "$work/root/configs/skull_by_hand.nrrd" "$work/labels4/l
   --set "resample.spacing_mm=[3,3,3]" 2>"$work/said" || { cat "$work/said"; fail "no case on other voxels"; }
 grep -q 'skull\.correct: the correction was made on other voxels' "$work/said" || fail "other voxels are not said"
 
+# The same by --set, and by a library for one of its cases.
+sed -i '/^corrections:/d' "$work/root/configs/head.yaml"
+run "$work/root/configs/head.yaml" --out "$work/out6" --set skull.correct.file="$work/root/configs/skull_by_hand.nrrd"
+[[ $(case_digest "$work/out6/head") == "$digest" ]] || fail "--set gives another case than the configuration"
+cat >"$work/root/configs/many.yaml" <<'YAML'
+trephine: 1
+config: head.yaml
+cases:
+  - {case: corrected, series: series, set: {skull.correct.file: skull_by_hand.nrrd}}
+  - {case: plain, series: series}
+YAML
+ln -s "$SOURCE/sample_dicom" "$work/root/configs/series"
+"$TREPHINE" library build "$work/root/configs/many.yaml" --out "$work/library" --quiet --no-pictures --root "$SOURCE" >"$work/said" 2>&1 ||
+  { cat "$work/said"; fail "no library with a correction"; }
+python3 - "$work/library" <<'PY'
+import json, pathlib, sys
+made = {c: json.loads((pathlib.Path(sys.argv[1]) / c / "case.json").read_bytes())["provenance"]["parameters"] for c in ("corrected", "plain")}
+assert "skull.correct.added_ml" in made["corrected"] and not any(".correct." in k for k in made["plain"]), made
+PY
+echo 'corrections: {skull: skull_by_hand.nrrd}' >>"$work/root/configs/head.yaml"
+
 # What cannot be meant.
 config="$work/root/configs/wrong.yaml"
 wrong() { sed "s|^corrections:.*|corrections: $1|" "$work/root/configs/head.yaml" >"$config"; }

@@ -29,6 +29,29 @@ PY
 expect 80 'diff: .*drill: outer is not in the new case \(and 3 more\)' \
   "$TREPHINE" diff --quiet "$work/a" "$work/drill" --max-deviation-mm 0.5
 expect 80 'kocher_right is not in the old case' "$TREPHINE" diff --quiet "$work/a" "$work/drill" --max-point-mm 5
+
+# Two libraries: a line for each case; one that is damaged does not stop the others.
+mkdir -p "$work/old" "$work/new"
+cp -r "$work/a" "$work/old/sample"
+cp -r "$work/a" "$work/old/gone"
+cp -r "$work/a" "$work/old/torn"
+cp -r "$work/drill" "$work/new/sample"
+cp -r "$work/a" "$work/new/torn"
+"$TREPHINE" diff "$work/old" "$work/old" --max-deviation-mm 0.001 2>/dev/null | grep -c ' the same$' | grep -qx 3 || fail "equal libraries"
+expect 80 'gone: is not in the new library \(and 4 more\)' "$TREPHINE" diff --quiet "$work/old" "$work/new" --max-deviation-mm 1
+truncate -s -1 "$work/new/torn/$(cd "$work/new/torn" && ls meshes/inner*.glb)"
+got=0
+"$TREPHINE" diff "$work/old" "$work/new" --json "$work/libraries.json" >"$work/said" 2>"$work/stderr" || got=$?
+[[ $got == 65 ]] && grep -Eq '^gone .*only in the old library$' "$work/said" && grep -Eq '^torn .*meshes/inner' "$work/said" &&
+  grep -Eq '^sample .*skull is not in the old case' "$work/said" || { cat "$work/said" "$work/stderr"; fail "two libraries ($got)"; }
+python3 - "$work/libraries.json" <<'PY'
+import json, sys
+cases = json.load(open(sys.argv[1]))["cases"]
+assert [c["case"] for c in cases] == ["gone", "sample", "torn"], cases
+assert cases[0]["in"] == "only_old" and "meshes/inner" in cases[2]["fault"]
+assert cases[1]["comparison"]["anatomies"][0]["name"] == "outer"
+PY
+
 expect 66 'nowhere' "$TREPHINE" diff --quiet "$work/a" "$work/nowhere"
 printf 'x' | dd of="$work/same/$(cd "$work/same" && ls meshes/outer*.glb)" bs=1 seek=700 conv=notrunc status=none
 expect 65 'meshes/outer' "$TREPHINE" diff --quiet "$work/a" "$work/same"
