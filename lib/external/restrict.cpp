@@ -73,7 +73,7 @@ Separation separate() {
   } else if (const int why = errno; unshare(CLONE_NEWNET) == 0) {
     bring_up_loopback();
   } else {
-    made.network_open = std::strerror(why);
+    made.network_open = std::string("no user namespace: ") + std::strerror(why);
   }
   return made;
 }
@@ -81,7 +81,7 @@ Separation separate() {
 Restriction::Restriction(const std::vector<std::string>& may_write) {
   const long version = syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
   if (version < 1) {
-    open_ = std::strerror(errno);
+    open_ = std::string("no Landlock: ") + std::strerror(errno);
     return;
   }
   std::uint64_t handled = access_write | access_make;
@@ -91,7 +91,7 @@ Restriction::Restriction(const std::vector<std::string>& may_write) {
   rules.handled_access_fs = handled;
   rules_ = int(syscall(SYS_landlock_create_ruleset, &rules, sizeof rules.handled_access_fs, 0));
   if (rules_ < 0) {
-    open_ = std::strerror(errno);
+    open_ = std::string("no Landlock: ") + std::strerror(errno);
     return;
   }
   fcntl(rules_, F_SETFD, FD_CLOEXEC);

@@ -71,6 +71,8 @@ std::string why_needed(const Graph& graph, int node, bool pictured) {
       if (source == node && std::find(readers.begin(), readers.end(), reader.name) == readers.end())
         readers.push_back(reader.name);
   if (!readers.empty()) why.push_back("read by " + joined(readers, ", "));
+  if (graph.nodes[std::size_t(node)].type->runs_program)
+    why.emplace_back("runs a program, which --allow-external must allow");
   return joined(why, "; ");
 }
 

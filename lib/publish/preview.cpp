@@ -179,6 +179,18 @@ Graph needed_part(const Graph& graph, std::vector<int>& wanted) {
   return out;
 }
 
+/// A scene computes what it shows; so it shows the anatomy of this stage, too.
+void show_anatomy_of(const std::string& stage, CaseConfig& config) {
+  const std::string name = stage.substr(0, stage.find('.'));
+  const RecipeAnatomy* anatomy = config.find_anatomy(name);
+  if (!anatomy || anatomy->steps.empty() || anatomy->steps.back().type->output != DataKind::mesh) return;
+  for (const SceneAnatomy& shown : config.scene)
+    if (shown.name == name) return;
+  SceneAnatomy more;
+  more.name = name;
+  config.scene.push_back(more);
+}
+
 int find_stage_node(const Graph& graph, const std::string& stage) {
   if (const int found = graph.find(stage); found >= 0) return found;
   std::vector<std::string> known;
@@ -236,7 +248,8 @@ Preview preview_stage(const PreviewRequest& request, RunObserver& observer) {
     const std::string cell = to_text(request.params.cell_mm);
     overrides.set.insert(overrides.set.begin(), "resample.spacing_mm=[" + cell + "," + cell + "," + cell + "]");
   }
-  const CaseConfig config = read_case_config(request.config, overrides);
+  CaseConfig config = read_case_config(request.config, overrides);
+  show_anatomy_of(request.params.stage, config);
   if (config.series.empty())
     throw Error(ExitCode::usage, request.config.string(), "series",
                 "the configuration names none, give --series FOLDER");

@@ -58,7 +58,8 @@ struct PreviewRequest {
 
 /// Computes one stage of a case and what it needs, nothing else, on cells of cell_mm, and draws it on the scan: the
 /// original one, or the one without its face where the scene takes the face away. Publishes nothing. Throws what
-/// read_case_config, the stages and draw_preview throw; 64 where the scene needs no such stage, naming the nearest.
+/// read_case_config, the stages and draw_preview throw; 64 where neither the scene nor that anatomy has such a stage,
+/// naming the nearest. An anatomy that the scene does not show is computed as if it did.
 Preview preview_stage(const PreviewRequest& request, RunObserver& observer);
 
 }  // namespace trephine

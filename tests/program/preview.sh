@@ -19,7 +19,7 @@ cmp "$work/skull.png" "$work/again.png" || fail "the same preview is another pic
 preview "$config" --stage skull.segment --set skull.segment.lower_hu=900 --cache "$work/cache" --output "$work/other.png"
 ! cmp -s "$work/skull.png" "$work/other.png" || fail "another threshold is the same picture"
 
-for stage in import head_region skin.contour ventricles.ventricles haptic.voxelize landmarks; do
+for stage in import head_region skin.contour skull.normals ventricles.ventricles haptic.voxelize landmarks; do
   preview "$config" --stage $stage --cell-mm 3 --size-px 200 --cache "$work/cache" --output "$work/$stage.png"
   [[ $(size_of "$work/$stage.png") == "412 412" ]] || fail "$stage: $(size_of "$work/$stage.png")"
 done
