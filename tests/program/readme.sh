@@ -33,6 +33,11 @@ while read -r line; do
     'trephine phantom head') eval "$line ${small[*]} --quiet" ;;
     'trephine measure skull.vtp --truth '*) ;;  # after the loop: it needs the phantom
     'trephine import --list FOLDER') trephine import --list sample_dicom --quiet | grep -q usable ;;
+    'trephine export LIBRARY/head-01 --format mrk.json '*)
+      eval "${line/LIBRARY/library} --quiet" && [[ -s exported/landmarks.mrk.json ]] ;;
+    'trephine diff OLD'*)
+      said=${line//OLD/library}
+      eval "${said//NEW/library}" 2>/dev/null | grep -q 'same' ;;
     'trephine export LIBRARY/head-01 '*)
       mkdir -p exported
       eval "${line/LIBRARY/library} --quiet" && [[ -s exported/brain.stl && -s exported/skin.x3d ]] ;;
@@ -46,7 +51,7 @@ while read -r line; do
   esac
   seen=$((seen + 1))
 done <inline.txt
-[[ $seen == 6 ]] || { cat inline.txt; fail "$seen commands in the text of the pages"; }
+[[ $seen == 9 ]] || { cat inline.txt; fail "$seen commands in the text of the pages"; }
 cp head/truth/skull.vtp skull.vtp
 eval "$(grep '^trephine measure' inline.txt) --quiet"
 echo ok
