@@ -9,3 +9,8 @@ if(TARGET trephine)
   set_tests_properties(program.external PROPERTIES TIMEOUT 600
     ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};LABELLER=$<TARGET_FILE:external_program>")
 endif()
+if(TARGET trephine)
+  add_test(NAME program.external_recipes COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/external_recipes.sh)
+  set_tests_properties(program.external_recipes PROPERTIES TIMEOUT 600
+    ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR}")
+endif()

@@ -97,6 +97,14 @@ TEST(External, TakesTheLabelsThatTheProgramWrote) {
   EXPECT_EQ(pick_label(map, "bone").voxels, pick_label(map, "2").voxels);
   EXPECT_EQ(pick_label(map, "soft, bone").voxels, labelled);
 
+  // Of several labels one may be missing in a scan, but not all; a name must be known.
+  LabelFile unnamed = map;
+  unnamed.segments.clear();
+  EXPECT_EQ(pick_label(unnamed, "1, 2, 17").voxels, labelled);
+  EXPECT_THROW(pick_label(unnamed, "17, 18"), Error);
+  EXPECT_THROW(pick_label(map, "bone, bnoe"), Error);
+  EXPECT_THROW(pick_label(map, "bone,,soft"), Error);
+
   // As a file between single tools, or in a cache, it stays the same.
   const LabelFile back = decode_labels(encode_labels(map));
   EXPECT_EQ(std::get<Mask>(back.samples).voxels, labels.voxels);

@@ -335,5 +335,29 @@ TEST(LabelField, TheSameBitsWithOneThread) {
   }
 }
 
+// Smoothing takes a third of a rod of two voxels: its surface is moved between voxels until it holds what it held.
+TEST(LabelField, ThinLabelsOnTheVolumesVoxelsKeepTheirVolume) {
+  const Lattice l = around(centre, {2.5, 2.5, 2.5}, 30);
+  const HuVolume volume = body(l);
+  for (const int width : {2, 3}) {
+    SCOPED_TRACE(width);
+    TestLabels rod{l, 1, std::vector<int>(l.count(), 0)};
+    for (int k = 4; k < l.size[2] - 4; ++k)
+      for (int j = 0; j < width; ++j)
+        for (int i = 0; i < width; ++i) rod.values[l.index(l.size[0] / 2 + i, l.size[1] / 2 + j, k)] = 3;
+    Report report;
+    const Field f = taken(volume, nrrd_bytes(rod, {}), report);
+    const auto figure = [&](const char* name) { return std::get<double>(*report.find(name)); };
+    EXPECT_FALSE(flag(report, "resampled"));
+    EXPECT_GT(figure("balanced_ratio"), 1);
+    EXPECT_NEAR(figure("volume_ml") / figure("label_ml"), 1, 0.01);
+    EXPECT_NEAR(held_ml(f) / figure("label_ml"), 1, 0.12);  // 0.65 without
+    EXPECT_TRUE(report.warnings.empty());
+    std::size_t inside = 0;
+    for (const float v : f.voxels) inside += v > 0;
+    EXPECT_EQ(inside, std::size_t(std::get<std::int64_t>(*report.find("label_voxels_count"))));
+  }
+}
+
 }  // namespace
 }  // namespace trephine

@@ -62,7 +62,11 @@ class RecipeReader {
     if (path.rfind(anatomies, 0) != 0) return path;
     const std::size_t end = path.find(stages);
     if (end == std::string::npos) return path.substr(anatomies.size());
-    return path.substr(anatomies.size(), end - anatomies.size()) + "." + path.substr(end + stages.size());
+    std::string value = path.substr(anatomies.size(), end - anatomies.size()) + "." + path.substr(end + stages.size());
+    // An item of a list: arguments[0] is set as arguments.0.
+    value.erase(std::remove(value.begin(), value.end(), ']'), value.end());
+    std::replace(value.begin(), value.end(), '[', '.');
+    return value;
   }
 
   std::string fault_of_anatomy(const std::string& name) const {

@@ -235,26 +235,39 @@ std::string encode_labels(const LabelFile& map) {
                : encode_nrrd(HuVolume(*shorts), keys, NrrdEncoding::gzip);
 }
 
-PickedLabel pick_label(const LabelFile& map, const std::string& label) {
+namespace {
+
+PickedLabel pick_one(const LabelFile& map, const std::string& label) {
   PickedLabel out;
-  if (label.find(',') != std::string::npos && segments_called(map, label).empty()) {
-    for (const std::string& part : split_at(label, ',')) {
-      const std::size_t from = part.find_first_not_of(' ');
-      if (from == std::string::npos) refuse("label", "'" + label + "' names nothing between two commas");
-      const PickedLabel one = pick_label(map, part.substr(from, part.find_last_not_of(' ') - from + 1));
-      if (out.name.empty()) out.mask = Mask(map.lattice);
-      out.name += (out.name.empty() ? "" : ", ") + one.name;
-      for (std::size_t v = 0; v < out.mask.voxels.size(); ++v) {
-        out.voxels += one.mask.voxels[v] && !out.mask.voxels[v];
-        out.mask.voxels[v] |= one.mask.voxels[v];
-      }
-    }
-    return out;
-  }
   const Wanted wanted = wanted_of(map, label, out);
   out.mask = Mask(map.lattice);
   out.voxels = std::visit([&](const auto& g) { return take(g, map, wanted, out.mask); }, map.samples);
-  if (!out.voxels && wanted.value && map.segments.empty())
+  return out;
+}
+
+/// The labels of a list together. A part that this scan does not show may be missing, but not all.
+PickedLabel pick_several(const LabelFile& map, const std::string& labels) {
+  PickedLabel out;
+  out.mask = Mask(map.lattice);
+  for (const std::string& part : split_at(labels, ',')) {
+    const std::size_t from = part.find_first_not_of(' ');
+    if (from == std::string::npos) refuse("label", "'" + labels + "' names nothing between two commas");
+    const PickedLabel one = pick_one(map, part.substr(from, part.find_last_not_of(' ') - from + 1));
+    out.name += (out.name.empty() ? "" : ", ") + one.name;
+    for (std::size_t v = 0; v < out.mask.voxels.size(); ++v) {
+      out.voxels += one.mask.voxels[v] && !out.mask.voxels[v];
+      out.mask.voxels[v] |= one.mask.voxels[v];
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+PickedLabel pick_label(const LabelFile& map, const std::string& label) {
+  const bool several = label.find(',') != std::string::npos && segments_called(map, label).empty();
+  PickedLabel out = several ? pick_several(map, label) : pick_one(map, label);
+  if (!out.voxels && !label.empty() && map.segments.empty())
     refuse("label", "no voxel is " + label + ", but " + names_of(map));
   return out;
 }

@@ -35,17 +35,19 @@ struct LabelParams {
 
 /// A label as a field on the volume's raster, positive inside, cropped to the label and a margin where the volume has
 /// room. Where the label's grid is the volume's raster (its axes may be flipped or swapped, it may cover a part, or
-/// reach beyond), voxels keep their side and the surface lies within half a voxel of theirs. Otherwise the mask is
+/// reach beyond), voxels keep their side and the surface lies within half a voxel of theirs; where smoothing would
+/// change a thin label's volume by more than 0.02, it is moved between the voxels to keep it. Otherwise the mask is
 /// smoothed in the same way on its own grid and becomes a signed distance in mm, which is interpolated linearly at the
 /// volume's voxels (shape-based interpolation [Raya1990]) and moved by up to half a voxel of the label, so that it
 /// holds as many ml as before. Parts thinner than a voxel of the volume may vanish.
 ///
 /// Report: label (its name), format, label_voxels_count, label_ml, resampled, offset_max_ratio (how far the label's
 /// voxels lie off the volume's, as a share of a voxel; not where resampled), outside_ratio (share of the label outside
-/// of the volume), air_ratio, moved_mm (how far the surface was moved outwards, where resampled), volume_ml (within the
-/// surface, where resampled), volume_change_ratio (compared with the label's part in the volume). Warns where that
-/// change is beyond 0.02; where some of the label lies outside, or much of it in air; where the label ends at its own
-/// grid's edge within the volume (cut off there); and of anything suspicious in the file itself.
+/// of the volume), air_ratio, moved_mm (how far the surface was moved outwards, where resampled), balanced_ratio (the
+/// factor of the values inside, where a thin label kept its volume), volume_ml (within the surface, between voxels
+/// too), volume_change_ratio (compared with the label's part in the volume). Warns where that change is beyond 0.02;
+/// where some of the label lies outside, or much of it in air; where the label ends at its own grid's edge within the
+/// volume (cut off there); and of anything suspicious in the file itself.
 ///
 /// Throws Error 80 where the label is empty, lies outside of the volume or in air by more than is allowed (saying
 /// whether it would fit with x and y negated, because RAS was taken for LPS or the reverse), or nothing of it is left;
