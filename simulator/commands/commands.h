@@ -10,6 +10,7 @@ Command servo_command();
 Command replay_command();
 Command lesson_command();
 Command score_command();
+Command fluoro_command();
 /// Not in a build with TREPHINE_HEADLESS.
 Command render_command();
 Command play_command();

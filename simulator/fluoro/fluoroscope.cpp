@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fluoro/fluoroscope.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+
+namespace trephine {
+namespace {
+
+constexpr std::size_t most_kept = 4;
+constexpr float least_of_patient = 0.05f;  // less is air
+constexpr double bright_quantile = 0.995;
+constexpr double bright_grey = 200;  // of that share of the patient: metal must stand out before dense bone
+
+}  // namespace
+
+FluoroVolume::FluoroVolume(const Grid<std::int16_t>& ct) : lattice_(ct), water_(ct.voxels.size()) {
+  if (ct.voxels.empty())
+    throw Error(ExitCode::bad_input, "", "ct", "the case has no CT: its scene must ask for it (ct: {})");
+  for (std::size_t n = 0; n < water_.size(); ++n) water_[n] = std::uint16_t(std::max(0, int(ct.voxels[n]) + 1000));
+}
+
+Vec3 FluoroVolume::centre_mm() const {
+  const auto& s = lattice_.size;
+  return lattice_.to_world_mm({0.5 * (s[0] - 1), 0.5 * (s[1] - 1), 0.5 * (s[2] - 1)});
+}
+
+double FluoroVolume::along(const CArm::Ray& ray) const {
+  const Vec3 from = lattice_.to_index(ray.from_mm), way = lattice_.to_index(ray.from_mm + ray.direction) - from;
+  int main = 0;
+  for (int a = 1; a < 3; ++a)
+    if (std::abs(way[a]) > std::abs(way[main])) main = a;
+  const int first = main == 0 ? 1 : 0, second = main == 2 ? 1 : 2;
+  const std::size_t stride[3] = {1, std::size_t(lattice_.size[0]),
+                                 std::size_t(lattice_.size[0]) * std::size_t(lattice_.size[1])};
+  const int slices = lattice_.size[std::size_t(main)];
+  const int nu = lattice_.size[std::size_t(first)], nv = lattice_.size[std::size_t(second)];
+  // Position in each slice: u0 + k du, v0 + k dv. Slice k stands for what lies from k - 1/2 to k + 1/2.
+  const double du = way[first] / way[main], dv = way[second] / way[main];
+  const double u0 = from[first] - from[main] * du, v0 = from[second] - from[main] * dv;
+  double low = 0, high = slices - 1;
+  const auto clip = [&](double p, double d, int n) {
+    if (std::abs(d) < 1e-12) {
+      if (p < -0.5 || p > n - 0.5) high = -1;
+      return;
+    }
+    const double a = (-0.5 - p) / d, b = (n - 0.5 - p) / d;
+    low = std::max(low, std::min(a, b));
+    high = std::min(high, std::max(a, b));
+  };
+  clip(u0, du, nu);
+  clip(v0, dv, nv);
+  double sum = 0;
+  const int end = int(std::floor(high + 1e-9));
+  for (int k = int(std::ceil(low - 1e-9)); k <= end; ++k) {
+    const float u = float(std::clamp(u0 + k * du, 0.0, double(nu - 1)));
+    const float v = float(std::clamp(v0 + k * dv, 0.0, double(nv - 1)));
+    const int i = std::min(int(u), std::max(0, nu - 2)), j = std::min(int(v), std::max(0, nv - 2));
+    const float fu = u - float(i), fv = v - float(j);
+    const std::uint16_t* p = water_.data() + std::size_t(k) * stride[main] + std::size_t(i) * stride[first] +
+                             std::size_t(j) * stride[second];
+    const std::size_t nu1 = nu > 1 ? stride[first] : 0, nv1 = nv > 1 ? stride[second] : 0;
+    const float a = float(p[0]) + (float(p[nu1]) - float(p[0])) * fu;
+    const float b = float(p[nv1]) + (float(p[nv1 + nu1]) - float(p[nv1])) * fu;
+    sum += double(a + (b - a) * fv);
+  }
+  // The length of the ray from slice to slice.
+  return sum * 1e-3 * water_per_mm / std::abs(way[main]);
+}
+
+FluoroIntegrals FluoroVolume::integrals(const CArm& arm) const {
+  FluoroIntegrals out;
+  out.size = arm.size();
+  out.integral.resize(std::size_t(out.size) * std::size_t(out.size));
+  parallel_for(0, out.size, 1, [&](std::int64_t y, std::int64_t) {
+    for (int x = 0; x < out.size; ++x)
+      out.integral[std::size_t(y) * std::size_t(out.size) + std::size_t(x)] =
+          float(along(arm.ray(x + 0.5, double(y) + 0.5)));
+  });
+  return out;
+}
+
+const Fluoroscope::Kept& Fluoroscope::patient(const CArmParams& arm, int size) {
+  const AnyParams key = AnyParams::make<CArmParams>(arm);
+  for (const Kept& k : kept_)
+    if (k.integrals.size == size && to_text(k.arm) == to_text(key)) return k;
+  if (kept_.size() >= most_kept) kept_.erase(kept_.begin());
+  Kept k{key, volume_.integrals(CArm(arm, size)), 1};
+  std::vector<float> body;
+  for (const float v : k.integrals.integral)
+    if (v > least_of_patient) body.push_back(v);
+  if (!body.empty()) {
+    const auto at = body.begin() + std::ptrdiff_t(bright_quantile * double(body.size() - 1));
+    std::nth_element(body.begin(), at, body.end());
+    k.bright = double(*at);
+  }
+  kept_.push_back(std::move(k));
+  return kept_.back();
+}
+
+FluoroPicture Fluoroscope::picture(const CArmParams& params, int size, const std::vector<MetalRod>& metal) {
+  const Kept& k = patient(params, size);
+  const CArm arm(params, size);
+  FluoroPicture out;
+  out.size = size;
+  out.grey.resize(k.integrals.integral.size());
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const std::size_t n = std::size_t(y) * std::size_t(size) + std::size_t(x);
+      double v = double(k.integrals.integral[n]);
+      for (const MetalRod& rod : metal) v += metal_per_mm * chord_mm(rod, arm.ray(x + 0.5, y + 0.5));
+      out.grey[n] = std::uint8_t(std::lround(std::clamp(bright_grey * v / k.bright, 0.0, 255.0)));
+    }
+  return out;
+}
+
+}  // namespace trephine

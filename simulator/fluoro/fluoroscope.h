@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "fluoro/carm.h"
+#include "grid/grid.h"
+
+namespace trephine {
+
+/// A picture of attenuation: line integrals of the linear attenuation coefficient, without a unit.
+struct FluoroIntegrals {
+  int size = 0;
+  std::vector<float> integral;  ///< row by row
+};
+
+struct FluoroPicture {
+  int size = 0;
+  std::vector<std::uint8_t> grey;  ///< row by row; bone and metal bright, as on a radiograph
+};
+
+/// Attenuation of water and of the metal, at about 60 keV.
+constexpr double water_per_mm = 0.0206;  ///< 0.206 / cm
+constexpr double metal_per_mm = 0.95;    ///< steel: 1.2 cm^2/g at 7.9 g/cm^3
+
+/// A CT as X-rays see it: mu = mu_water (1 + HU / 1000), at least 0. Each ray is followed slice by slice along the axis
+/// that it follows most, with bilinear interpolation in each [Joseph1982]. Rows are computed in parallel; the result
+/// does not depend on the number of threads.
+class FluoroVolume {
+ public:
+  explicit FluoroVolume(const Grid<std::int16_t>& ct);
+  FluoroIntegrals integrals(const CArm& arm) const;
+  double along(const CArm::Ray& ray) const;
+  Vec3 centre_mm() const;
+
+ private:
+  Lattice lattice_;
+  std::vector<std::uint16_t> water_;  ///< HU + 1000, at least 0: thousandths of water
+};
+
+/// While the arm stands still only the needle moves: the patient's integrals are kept for each place of the arm, and
+/// the metal is added as the length of each ray in it. Grey is linear in the integral: 0 is air, 200 the patient's
+/// 99.5th percentile of what is not air, so that metal stands out before dense bone.
+class Fluoroscope {
+ public:
+  explicit Fluoroscope(const Grid<std::int16_t>& ct) : volume_(ct) {}
+  FluoroPicture picture(const CArmParams& arm, int size, const std::vector<MetalRod>& metal);
+  const FluoroVolume& volume() const { return volume_; }
+
+ private:
+  struct Kept {
+    AnyParams arm;
+    FluoroIntegrals integrals;
+    double bright = 1;
+  };
+  const Kept& patient(const CArmParams& arm, int size);
+  FluoroVolume volume_;
+  std::vector<Kept> kept_;  ///< the last few
+};
+
+/// A grey PNG.
+std::string grey_png(int width, int height, const std::vector<std::uint8_t>& grey);
+
+}  // namespace trephine

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pictures of bodies whose line integrals are known.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+
+#include "base/parallel.h"
+#include "fluoro/fluoroscope.h"
+
+using namespace trephine;
+
+namespace {
+
+constexpr int bone_hu = 800;
+constexpr double bone_per_mm = water_per_mm * (1 + bone_hu / 1000.0);
+
+// n^3 voxels about the origin, possibly oblique; HU by how much of the voxel the body fills.
+template <class F>
+Grid<std::int16_t> ct_of(int n, double side_mm, F inside_mm, bool oblique = false) {
+  Lattice l;
+  l.size = {n, n, n};
+  l.spacing_mm = {side_mm, side_mm, side_mm};
+  if (oblique) {
+    const Vec3 z = normalized(Vec3{0.1, -0.2, 0.9}), x = normalized(cross(Vec3{0.1, 1, 0.2}, z));
+    l.direction.column = {x, cross(z, x), z};
+  }
+  const double half = 0.5 * (n - 1);
+  l.origin_mm = l.direction * Vec3{-half * side_mm, -half * side_mm, -half * side_mm};
+  Grid<std::int16_t> ct(l, -1000);
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const double share =
+            std::clamp(0.5 + inside_mm(l.to_world_mm({double(i), double(j), double(k)})) / side_mm, 0.0, 1.0);
+        ct.at(i, j, k) = std::int16_t(std::lround(-1000 + share * (1000 + bone_hu)));
+      }
+  return ct;
+}
+
+CArmParams free_arm(double orbit, double tilt, bool parallel = false) {
+  CArmParams a;
+  a.view = CArmParams::View::free;
+  a.orbit_deg = orbit;
+  a.tilt_deg = tilt;
+  if (parallel) a.source_to_centre_mm = 0;
+  a.detector_mm = parallel ? 160 : 260;
+  return a;
+}
+
+// The share of the ray within the ball.
+double ball_chord(const CArm::Ray& r, Vec3 c, double radius) {
+  const Vec3 d = c - r.from_mm;
+  const double off2 = dot(d, d) - dot(d, r.direction) * dot(d, r.direction);
+  return off2 < radius * radius ? 2 * std::sqrt(radius * radius - off2) : 0;
+}
+
+}  // namespace
+
+TEST(Fluoro, ABallWithinOnePercentOfItsChordsInEveryPose) {
+  const Vec3 centre{4, -7, 9};
+  const double radius = 40;
+  for (const bool oblique : {false, true}) {
+    const FluoroVolume volume(ct_of(
+        128, 1, [&](Vec3 p) { return radius - norm(p - centre); }, oblique));
+    for (const auto& [orbit, tilt] :
+         std::vector<std::pair<double, double>>{{0, 0}, {90, 0}, {33, 20}, {-71, -40}, {200, 75}}) {
+      const CArm arm(free_arm(orbit, tilt), 64);
+      const FluoroIntegrals picture = volume.integrals(arm);
+      double worst = 0, most = 0;
+      int seen = 0;
+      double sum = 0, sum_truth = 0;
+      for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 64; ++x) {
+          const double truth = bone_per_mm * ball_chord(arm.ray(x + 0.5, y + 0.5), centre, radius);
+          const double is = double(picture.integral[std::size_t(y * 64 + x)]);
+          most = std::max(most, truth);
+          // At the rim a chord changes within a voxel: there in parts of the whole.
+          if (truth > 0.4 * bone_per_mm * 2 * radius) {
+            worst = std::max(worst, std::abs(is - truth) / (bone_per_mm * 2 * radius));
+            ++seen;
+          } else {
+            EXPECT_LT(std::abs(is - truth), 0.08 * bone_per_mm * 2 * radius);
+          }
+          sum += is;
+          sum_truth += truth;
+        }
+      EXPECT_GT(seen, 250);
+      EXPECT_LT(worst, 0.01) << orbit << " " << tilt;
+      EXPECT_NEAR(sum / sum_truth, 1, 0.002);
+      EXPECT_NEAR(most, bone_per_mm * 2 * radius, 0.02 * most);
+    }
+  }
+}
+
+TEST(Fluoro, ASlabWithinOnePercentOfItsLengths) {
+  // 20 mm thick across y; rays cross it at any slant.
+  const FluoroVolume volume(ct_of(128, 1, [](Vec3 p) { return 10 - std::abs(p.y); }));
+  for (const auto& [orbit, tilt] : std::vector<std::pair<double, double>>{{0, 0}, {25, 0}, {-40, 15}, {0, 35}}) {
+    const CArm arm(free_arm(orbit, tilt), 32);
+    int seen = 0;
+    for (int y = 0; y < 32; ++y)
+      for (int x = 0; x < 32; ++x) {
+        const CArm::Ray r = arm.ray(x + 0.5, y + 0.5);
+        const double enter = (-10 - r.from_mm.y) / r.direction.y, leave = (10 - r.from_mm.y) / r.direction.y;
+        bool within = true;  // of the volume, both times
+        for (const double t : {enter, leave}) {
+          const Vec3 p = r.from_mm + r.direction * t;
+          within = within && std::abs(p.x) < 62 && std::abs(p.z) < 62;
+        }
+        if (!within) continue;
+        ++seen;
+        EXPECT_NEAR(volume.along(r), bone_per_mm * std::abs(leave - enter),
+                    0.01 * bone_per_mm * std::abs(leave - enter));
+      }
+    EXPECT_GT(seen, 100);
+  }
+  // A slab that fills the volume to its border.
+  const FluoroVolume full(ct_of(64, 1, [](Vec3) { return 10.0; }));
+  EXPECT_NEAR(full.along({{0, -500, 0}, {0, 1, 0}}), bone_per_mm * 64, 1e-6);
+  EXPECT_EQ(full.along({{0, -500, 40}, {0, 1, 0}}), 0);
+}
+
+TEST(Fluoro, TurnedByHalfATurnTheParallelPictureIsItsMirrorImage) {
+  const FluoroVolume volume(ct_of(96, 1.1, [](Vec3 p) {
+    return std::max(25 - norm(p - Vec3{20, 5, -8}), 9 - norm(p - Vec3{-30, -20, 25}));
+  }));
+  const FluoroIntegrals a = volume.integrals(CArm(free_arm(40, 0, true), 96));
+  const FluoroIntegrals b = volume.integrals(CArm(free_arm(220, 0, true), 96));
+  double worst = 0, most = 0, unlike = 0;
+  for (std::size_t y = 0; y < 96; ++y)
+    for (std::size_t x = 0; x < 96; ++x) {
+      most = std::max(most, double(a.integral[y * 96 + x]));
+      worst = std::max(worst, std::abs(double(a.integral[y * 96 + x]) - double(b.integral[y * 96 + 95 - x])));
+      unlike = std::max(unlike, std::abs(double(a.integral[y * 96 + x]) - double(b.integral[y * 96 + x])));
+    }
+  EXPECT_LT(worst, 1e-4 * most);
+  EXPECT_GT(unlike, 0.5 * most);
+}
+
+TEST(Fluoro, TheNeedlesTipIsWhereItIsProjected) {
+  const Grid<std::int16_t> ct = ct_of(96, 1, [](Vec3 p) { return 30 - norm(p); });
+  Fluoroscope scope(ct);
+  for (const auto& [orbit, tilt] : std::vector<std::pair<double, double>>{{0, 0}, {90, 0}, {30, 25}, {150, -30}}) {
+    CArmParams params = free_arm(orbit, tilt);
+    constexpr int size = 256;
+    const CArm arm(params, size);
+    const MetalRod needle{{3, 4, -5}, {45, 30, 60}, 2.5};
+    const FluoroPicture without = scope.picture(params, size, {}), with = scope.picture(params, size, {needle});
+    // Half of the brightest change, nearest to the tip along the needle's picture.
+    const auto tip = arm.project(needle.tip_mm), tail = arm.project(needle.tail_mm);
+    const double length = std::hypot(tail[0] - tip[0], tail[1] - tip[1]);
+    ASSERT_GT(length, 20);
+    const double ux = (tail[0] - tip[0]) / length, uy = (tail[1] - tip[1]) / length;
+    double inner = 1e9;
+    int changed = 0;
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) {
+        if (with.grey[std::size_t(y * size + x)] < without.grey[std::size_t(y * size + x)] + 20) continue;
+        ++changed;
+        const double dx = x + 0.5 - tip[0], dy = y + 0.5 - tip[1];
+        EXPECT_LT(std::abs(dx * uy - dy * ux), 3.2);  // beside the needle nothing changes
+        if (std::abs(dx * uy - dy * ux) < 0.5) inner = std::min(inner, dx * ux + dy * uy);
+      }
+    EXPECT_GT(changed, 60);
+    // A needle that comes towards the eye has a round end: its flat end is seen slantwise, by its radius at most.
+    const double slant = std::abs(dot(normalized(needle.tail_mm - needle.tip_mm), arm.beam()));
+    EXPECT_LT(inner, 0.5 + 1e-9) << orbit;
+    EXPECT_GT(inner, -0.5 - slant * 1.25 * length / norm(needle.tail_mm - needle.tip_mm) * 2) << orbit;
+  }
+}
+
+TEST(Fluoro, ChordsOfARod) {
+  const MetalRod rod{{0, 0, 0}, {0, 0, 10}, 4};
+  EXPECT_NEAR(chord_mm(rod, {{-50, 0, 5}, {1, 0, 0}}), 4, 1e-12);
+  EXPECT_NEAR(chord_mm(rod, {{-50, 1, 5}, {1, 0, 0}}), 2 * std::sqrt(3.0), 1e-12);
+  EXPECT_EQ(chord_mm(rod, {{-50, 2.1, 5}, {1, 0, 0}}), 0);
+  EXPECT_EQ(chord_mm(rod, {{-50, 0, 10.5}, {1, 0, 0}}), 0);
+  EXPECT_NEAR(chord_mm(rod, {{0.5, 0.5, -50}, {0, 0, 1}}), 10, 1e-12);
+  EXPECT_EQ(chord_mm(rod, {{3, 0, -50}, {0, 0, 1}}), 0);
+  EXPECT_NEAR(chord_mm(rod, {{0, 0, 5}, normalized(Vec3{1, 0, 1})}), 2 * 2 * std::sqrt(2.0), 1e-12);
+  EXPECT_EQ(chord_mm({{1, 1, 1}, {1, 1, 1}, 3}, {{0, 1, 1}, {1, 0, 0}}), 0);
+}
+
+TEST(Fluoro, TheSamePictureWhateverTheThreadCountAndFromWhatIsKept) {
+  const Grid<std::int16_t> ct = ct_of(64, 1.5, [](Vec3 p) { return 30 - norm(p - Vec3{5, 3, 1}); });
+  Fluoroscope scope(ct);
+  set_thread_count(1);
+  const FluoroPicture one = scope.picture(free_arm(20, 10), 100, {});
+  set_thread_count(0);
+  Fluoroscope other(ct);
+  EXPECT_EQ(one.grey, other.picture(free_arm(20, 10), 100, {}).grey);
+  EXPECT_NE(one.grey, scope.picture(free_arm(25, 10), 100, {}).grey);
+  EXPECT_EQ(one.grey, scope.picture(free_arm(20, 10), 100, {}).grey);
+}
+
+// Printed, and bounded loosely: the machine's load is not the program's.
+TEST(Fluoro, TimesOfAPicture) {
+  Grid<std::int16_t> ct = ct_of(256, 1, [](Vec3 p) { return 100 - norm(p); });
+  const auto seconds = [&](int size, const CArmParams& params) {
+    const FluoroVolume volume(ct);
+    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t before = std::clock();
+    const FluoroIntegrals picture = volume.integrals(CArm(params, size));
+    EXPECT_GT(picture.integral[std::size_t(size * size / 2 + size / 2)], 1);
+    return std::array<double, 2>{std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(),
+                                 double(std::clock() - before) / CLOCKS_PER_SEC};
+  };
+  for (const double orbit : {0.0, 90.0, 37.0})
+    for (const int size : {256, 512}) {
+      CArmParams arm = free_arm(orbit, 10);
+      arm.detector_mm = 400;
+      const auto [wall, cpu] = seconds(size, arm);
+      std::printf("through 256^3, orbit %g, %d x %d: %.3f s, of all cores %.3f s\n", orbit, size, size, wall, cpu);
+      EXPECT_LT(cpu, size > 256 ? 3 : 0.8);
+    }
+}
