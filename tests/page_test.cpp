@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "base/base64.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/write_file.h"

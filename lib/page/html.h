@@ -23,6 +23,4 @@ struct PageBlock {
 std::string html_page(std::string_view html, std::string_view style, std::string_view script, const std::string& json,
                       const std::vector<PageBlock>& blocks);
 
-std::string base64(std::string_view bytes);
-
 }  // namespace trephine

@@ -7,7 +7,8 @@
 #include "cli/argument.h"
 #include "commands/commands.h"
 #include "modules/lesson_run.h"
-#include "scoring/score_report.h"
+#include "scoring/attempts.h"
+#include "scoring/report_page.h"
 
 namespace trephine {
 namespace {
@@ -30,6 +31,10 @@ ExitCode run_score(const ParsedCommand& parsed) {
   const RecordingHeader& h = recording.header;
   const ReportHead head{h.case_token, h.lesson, h.participant, sha256_of_file(file), rubric.sha256, h.haptic_sha256};
   if (parsed.has("json")) write_file(parsed.path("json"), score_json(head, facts, score));
+  if (parsed.has("page"))
+    write_file(parsed.path("page"),
+               report_page(head, facts, score, recording, load_case(parsed.path("case"), LoadParts{true})));
+  if (parsed.has("log")) log_attempt(parsed.path("log"), head, facts, score);
   std::cout << score_text(facts, score);
   return ExitCode::ok;
 }
@@ -52,9 +57,15 @@ Command score_command() {
   Argument folder = argument("case", Kind::in_folder, "Folder of the case in which it was done.");
   Argument rubric = argument("rubric", Kind::in_file, "The rubric, as `trephine rubric` compiled it (.json).");
   folder.required = rubric.required = true;
-  c.arguments = {recording, folder, rubric, argument("json", Kind::out_file, "Write the report to this file.")};
+  c.arguments = {recording,
+                 folder,
+                 rubric,
+                 argument("json", Kind::out_file, "Write the report to this file."),
+                 argument("page", Kind::out_file, "Write the report as a page (.html) that a person reads."),
+                 argument("log", Kind::out_file, "Add the attempt to this log (.csv), for statistics.")};
   c.examples = {
-      "trephine-sim score one.lesson --case library/sample --rubric ventriculostomy.rubric.json --json one.json"};
+      "trephine-sim score one.lesson --case library/sample --rubric ventriculostomy.rubric.json --json one.json "
+      "--page one.html --log attempts.csv"};
   c.run = run_score;
   return c;
 }

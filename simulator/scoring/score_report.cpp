@@ -116,7 +116,7 @@ std::string score_text(const VentriculostomyFacts& facts, const LessonScore& sco
     text += "\n";
   }
   const ScoreSum sum = sum_of(score);
-  text += fmt::format("{} of {} points; {}, {} catheter passes, {}\n", sum.points, sum.most, name_of(facts.end),
+  text += fmt::format("{} of {} points; {}, catheter passes: {}, {}\n", sum.points, sum.most, name_of(facts.end),
                       score.figures.passes_count,
                       score.figures.first_pass     ? "success at the first pass"
                       : score.figures.in_ventricle ? "the catheter lies in a ventricle"

@@ -13,10 +13,28 @@ lesson=("$TREPHINE" lesson "$work/head" --script "$work/script.json")
 "${lesson[@]}" --record "$work/one.lesson" --participant r-01 >"$work/text" || { cat "$work/text"; fail "no lesson"; }
 score=("$TREPHINE" score "$work/one.lesson" --case "$work/head" --rubric "$work/rubric.json")
 "${score[@]}" --json "$work/one.json" >"$work/text" || { cat "$work/text"; fail "no score"; }
-grep -q '^20 of 20 points; finished, 1 catheter passes, success at the first pass$' "$work/text" || { cat "$work/text"; fail "other points"; }
+grep -q '^20 of 20 points; finished, catheter passes: 1, success at the first pass$' "$work/text" || { cat "$work/text"; fail "other points"; }
 grep -Eq '^Burr hole placement +not judged  the hole was there beforehand$' "$work/text" || fail "the case's own hole is judged"
 "${score[@]}" --json "$work/two.json" >/dev/null
 cmp "$work/one.json" "$work/two.json" || fail "scored again it is not the same"
+# The page has neither script nor foreign address; the log holds a recording once, and counts attempts.
+"${score[@]}" --page "$work/one.html" --log "$work/log.csv" >/dev/null
+"${score[@]}" --page "$work/two.html" --log "$work/log.csv" >/dev/null
+cmp "$work/one.html" "$work/two.html" || fail "another page"
+! grep -Eqi '<script|javascript:|https?://' "$work/one.html" || fail "the page does more than show"
+grep -q "default-src 'none'" "$work/one.html" || fail "the page has no policy"
+[[ $(wc -l <"$work/log.csv") == 2 ]] || fail "the log holds it twice"
+"${lesson[@]}" --record "$work/other.lesson" --participant r-01 --aim-noise-mm 2 --seed 5 >/dev/null
+"$TREPHINE" score "$work/other.lesson" --case "$work/head" --rubric "$work/rubric.json" --log "$work/log.csv" >/dev/null
+python3 - "$work/log.csv" <<'PY'
+import csv, sys
+rows = list(csv.DictReader(open(sys.argv[1])))
+assert [(r["participant"], r["attempt"], r["case"]) for r in rows] == [("r-01", "1", "head-drilled"), ("r-01", "2", "head-drilled")], rows
+assert rows[0]["points"] == "20" and rows[0]["landmarks_score"] == "" and rows[0]["tip_score"] == "5", rows[0]
+assert rows[0]["first_pass"] == "1" and abs(float(rows[0]["depth_mm"]) - 55.7) < 2, rows[0]
+PY
+echo 'name,score' >"$work/foreign.csv"
+expect 65 'foreign.csv: columns: are not those' "${score[@]}" --log "$work/foreign.csv"
 "${lesson[@]}" --record "$work/two.lesson" --participant r-01 >/dev/null
 cmp "$work/one.lesson" "$work/two.lesson" || fail "done again it is not the same"
 "$TREPHINE" replay "$work/head" "$work/one.lesson" | grep -q '^replayed bit for bit$' || fail "replays otherwise"

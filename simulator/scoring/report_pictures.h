@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "cases/load_case.h"
+
+namespace trephine::detail {
+
+/// A way, a ring or a dot in a picture.
+struct PictureMark {
+  std::vector<Vec3> points_mm;  ///< one: a ring around it
+  std::string kind;             ///< class of the style: way, expert, target, hole, tip
+};
+
+/// Three slices of the CT through the point, 160 mm wide, with the marks projected onto them, as HTML.
+std::string slices_html(const LoadedCase& loaded, Vec3 through_mm, const std::vector<PictureMark>& marks);
+
+/// Text without what HTML takes for its own.
+std::string escaped(const std::string& text);
+
+}  // namespace trephine::detail
