@@ -99,6 +99,7 @@ inline case_samples::MemoryCase head_case(Kind kind, double suture_confidence = 
   m.case_token = kind == Kind::drilled ? "head-drilled" : "head";
   m.program_version = "trephine 0.1.0";
   m.input_sha256 = sha256_of_bytes("input");
+  m.figures = {{"class", std::string("normal")}};
   const HapticVolume volume = volume_of(kind);
   m.files.push_back(describe_case_file("haptic", ".nrrd", encode_haptic(volume)));
   m.haptic.file = m.files.back().name;

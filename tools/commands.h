@@ -28,5 +28,6 @@ Command library_show_command();
 Command library_verify_command();
 Command library_gc_command();
 Command library_job_command();
+Command library_approve_command();
 
 }  // namespace trephine

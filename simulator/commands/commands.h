@@ -11,6 +11,7 @@ Command replay_command();
 Command lesson_command();
 Command score_command();
 Command fluoro_command();
+Command exercise_command();
 /// Not in a build with TREPHINE_HEADLESS.
 Command render_command();
 Command play_command();

@@ -7,6 +7,7 @@
 #include "base/progress.h"
 #include "cli/argument.h"
 #include "commands/commands.h"
+#include "lesson/approval.h"
 #include "modules/lesson_run.h"
 
 namespace trephine {
@@ -37,7 +38,7 @@ ExitCode run_lesson_command(const ParsedCommand& parsed) {
   o.participant = p.participant;
   o.most_s = p.most_s;
   o.servo.rate_hz = p.rate_hz;
-  validate_participant(o.participant);
+  validate_token(o.participant, "--participant");
   o.script = read_lesson_script(parsed.path("script"));
   if (o.script.module != p.module)
     throw Error(ExitCode::usage, parsed.text("script"), "module", o.script.module + ", but --module is " + p.module);

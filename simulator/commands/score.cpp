@@ -1,41 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <iostream>
 
-#include "base/error.h"
-#include "base/hash.h"
-#include "base/write_file.h"
 #include "cli/argument.h"
 #include "commands/commands.h"
-#include "modules/lesson_run.h"
-#include "scoring/attempts.h"
-#include "scoring/report_page.h"
+#include "scoring/score_recording.h"
 
 namespace trephine {
 namespace {
 
-CompiledRubric rubric_of(const std::string& file) {
-  return with_file(file, [&] {
-    const std::vector<char> bytes = read_file(file, 1 << 20);
-    return read_rubric({bytes.data(), bytes.size()});
-  });
-}
-
 ExitCode run_score(const ParsedCommand& parsed) {
-  const std::string file = parsed.text("recording");
-  const CompiledRubric rubric = rubric_of(parsed.text("rubric"));
-  const Recording recording = read_recording(file);
-  FeltCase felt = felt_again(parsed.path("case"), file, recording.header);
-  const HapticVolume before = felt.loaded.haptic;
-  const VentriculostomyFacts facts = facts_of_recording(felt, file, recording);
-  const LessonScore score = score_ventriculostomy(facts, felt.loaded.manifest, before, rubric.rubric);
-  const RecordingHeader& h = recording.header;
-  const ReportHead head{h.case_token, h.lesson, h.participant, sha256_of_file(file), rubric.sha256, h.haptic_sha256};
-  if (parsed.has("json")) write_file(parsed.path("json"), score_json(head, facts, score));
-  if (parsed.has("page"))
-    write_file(parsed.path("page"),
-               report_page(head, facts, score, recording, load_case(parsed.path("case"), LoadParts{true})));
-  if (parsed.has("log")) log_attempt(parsed.path("log"), head, facts, score);
-  std::cout << score_text(facts, score);
+  const CompiledRubric rubric = read_rubric_file(parsed.path("rubric"));
+  const ScoredLesson lesson = score_recording(parsed.path("recording"), parsed.path("case"), rubric);
+  write_report(lesson, parsed.path("case"), {parsed.path("json"), parsed.path("page"), parsed.path("log")});
+  std::cout << score_text(lesson.facts, lesson.score);
   return ExitCode::ok;
 }
 

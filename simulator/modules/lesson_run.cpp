@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/progress.h"
 #include "base/refusal.h"
+#include "lesson/approval.h"
 
 namespace trephine {
 namespace {
@@ -41,17 +42,8 @@ RecordingHeader header_of(const FeltCase& felt, const LessonOptions& o) {
 
 }  // namespace
 
-void validate_participant(const std::string& token) {
-  const bool plain = std::all_of(token.begin(), token.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-  });
-  if (!plain || token.empty() || token.size() > 32)
-    throw Error(ExitCode::usage, "", "--participant",
-                "must be 1 to 32 characters of a-z, 0-9, _ and -: a token, never a name");
-}
-
 LessonResult run_lesson(FeltCase& felt, const LessonOptions& o, const std::atomic<bool>& stop) {
-  validate_participant(o.participant);
+  validate_token(o.participant, "--participant");
   const CaseManifest& manifest = felt.loaded.manifest;
   head_shapes_of(manifest);  // refused here rather than by the scorer
   const HeadFrame frame = head_frame_of(manifest);

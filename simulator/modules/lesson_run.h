@@ -32,9 +32,6 @@ struct LessonResult {
   double wall_s = 0;
 };
 
-/// Throws Error 64 unless it is 1 to 32 characters of a-z, 0-9, _ and -: never a person's name.
-void validate_participant(const std::string& token);
-
 /// Does the script in the case, through the servo loop as fast as it goes, and returns the recording as it would be
 /// read from a file. The case's haptic volume is drilled. Throws as plan_moves, ToolBelt and Ventriculostomy do;
 /// Cancelled through `stop`: what was done until then is lost.

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace trephine {
+
+/// Throws Error 64 naming the flag unless the text is 1 to 32 characters of a-z, 0-9, _ and -: a token, never a name.
+void validate_token(const std::string& token, const std::string& flag);
+
+/// What a reviewer said of a case: that lessons may use it, and how difficult it is. It lies beside the case
+/// (approved.json) and holds the SHA-256 of case.json, so it is void when the case changes.
+struct CaseApproval {
+  std::string by;            ///< the reviewer's token
+  int difficulty_level = 3;  ///< 1 easy to 5 hard
+  bool holds = false;        ///< the case is as it was approved
+};
+
+/// Throws Error 66 where the folder has no case.json, 73 and 74.
+void write_approval(const std::filesystem::path& case_folder, const std::string& by, int difficulty_level);
+/// Nothing where the case was never approved. Throws Error 65 where the file is damaged.
+std::optional<CaseApproval> read_approval(const std::filesystem::path& case_folder);
+/// Whether there was one.
+bool remove_approval(const std::filesystem::path& case_folder);
+
+}  // namespace trephine

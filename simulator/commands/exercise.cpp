@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/progress.h"
+#include "base/text.h"
+#include "base/write_file.h"
+#include "cli/argument.h"
+#include "commands/commands.h"
+#include "lesson/approval.h"
+#include "lesson/declared_json.h"
+#include "modules/curriculum.h"
+#include "modules/lesson_run.h"
+#include "scoring/score_recording.h"
+
+namespace trephine {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ExerciseParams {
+  std::string module = "ventriculostomy", participant;
+  bool all = true;
+  template <class V>
+  static void describe(V& v) {
+    using P = ExerciseParams;
+    v.word(&P::module, "module", {"ventriculostomy"}, "Which lesson.");
+    v.text(&P::participant, "participant", "Anonymous token of who does it: a-z, 0-9, _ and -; never a name.");
+    v.flag(&P::all, "all", "With a script, do every case that is left; without it, one.");
+  }
+};
+
+// The plan as it lies in the participant's folder, so that it stays the same when the library grows.
+struct PlannedCase {
+  std::string token, patient_class;
+  int difficulty_level = 3;
+  template <class V>
+  static void describe(V& v) {
+    using P = PlannedCase;
+    v.text(&P::token, "case", "The case's token.").is_required();
+    v.text(&P::patient_class, "class", "The patient's class.").is_required();
+    v.integer(&P::difficulty_level, "difficulty_level", Range{1, 5}, "How difficult.").is_required();
+  }
+};
+struct PlanFile {
+  int trephine_exercise = 1;
+  std::string participant, module;
+  CurriculumParams curriculum;
+  std::vector<PlannedCase> cases;
+  template <class V>
+  static void describe(V& v) {
+    using P = PlanFile;
+    v.integer(&P::trephine_exercise, "trephine_exercise", Range{1, 1}, "The version of the format: 1.").is_required();
+    v.text(&P::participant, "participant", "Who does it.").is_required();
+    v.text(&P::module, "module", "Which lesson.").is_required();
+    v.group(&P::curriculum, "curriculum", "By what the cases were chosen.").is_required();
+    v.list(&P::cases, "cases", "The cases in their order.").is_required();
+  }
+};
+
+std::string text_of(const CurriculumParams& p) { return to_text(AnyParams::make<CurriculumParams>(p)); }
+
+class Exercise {
+ public:
+  explicit Exercise(const ParsedCommand& parsed)
+      : parsed_(parsed), params_(parsed.params<ExerciseParams>()), out_(parsed.path("out")) {
+    validate_token(params_.participant, "--participant");
+    if (parsed.has("script") != parsed.has("rubric"))
+      throw Error(ExitCode::usage, "", "--script, --rubric", "are given together or not at all");
+  }
+
+  ExitCode run() {
+    cases_ = cases_for_lessons(parsed_.path("library"));
+    make_output_folder(out_);
+    take_plan();
+    if (parsed_.has("script")) do_cases();
+    print_table();
+    return ExitCode::ok;
+  }
+
+ private:
+  fs::path file_of(const std::string& rest) const { return out_ / (params_.participant + "-" + params_.module + rest); }
+  fs::path file_of(std::size_t n, const char* extension) const {
+    return file_of(fmt::format("-{:02}-{}{}", n + 1, plan_.cases[n].token, extension));
+  }
+
+  // The plan that is there, or a new one.
+  void take_plan() {
+    const fs::path file = file_of(".plan.json");
+    const CurriculumParams& asked = parsed_.params<CurriculumParams>();
+    if (fs::exists(file)) {
+      with_file(file.string(), [&] {
+        const std::vector<char> bytes = read_file(file, 1 << 20);
+        read_declared_json({bytes.data(), bytes.size()}, parameters_of<PlanFile>(), &plan_);
+        // They become parts of file names.
+        for (const PlannedCase& c : plan_.cases) validate_case_token(c.token, ExitCode::bad_input);
+      });
+      bool other = false;
+      for (const Parameter& p : parameters_of<CurriculumParams>().parameters) other |= parsed_.given.count(p.name) > 0;
+      if (other && text_of(asked) != text_of(plan_.curriculum))
+        throw Error(ExitCode::usage, file.string(), "curriculum",
+                    "the participant has a plan by other parameters; leave them out to go on with it");
+      std::cout << "goes on with " << file.string() << "\n";
+      return;
+    }
+    plan_.participant = params_.participant;
+    plan_.module = params_.module;
+    plan_.curriculum = asked;
+    for (const CurriculumCase& c : plan_curriculum(cases_.approved, asked))
+      plan_.cases.push_back({c.token, c.patient_class, c.difficulty_level});
+    for (const auto& [folder, why] : cases_.left_out) std::cout << fmt::format("left out: {}: {}\n", folder, why);
+    if (plan_.cases.empty())
+      throw Error(ExitCode::no_input, parsed_.text("library"), "",
+                  "holds no approved case of these classes and difficulties: trephine library approve CASE --by TOKEN");
+    write_file(file, declared_json(AnyParams::make<PlanFile>(plan_)) + "\n");
+  }
+
+  const CurriculumCase* find(const std::string& token) const {
+    for (const CurriculumCase& c : cases_.approved)
+      if (c.token == token) return &c;
+    return nullptr;
+  }
+
+  void do_cases() {
+    const LessonScript script = read_lesson_script(parsed_.path("script"));
+    const CompiledRubric rubric = read_rubric_file(parsed_.path("rubric"));
+    for (std::size_t n = 0; n < plan_.cases.size(); ++n) {
+      const fs::path recording = file_of(n, ".lesson"), report = file_of(n, ".json");
+      if (fs::exists(report)) continue;
+      const CurriculumCase* c = find(plan_.cases[n].token);
+      if (!c) {
+        std::cout << fmt::format("{}: is no longer in the library, or no longer approved: left out\n",
+                                 plan_.cases[n].token);
+        continue;
+      }
+      if (!fs::exists(recording)) do_case(*c, script, recording);
+      // The report is last: what is there is done.
+      const ScoredLesson scored = score_recording(recording, c->folder, rubric);
+      write_report(scored, c->folder, {{}, file_of(n, ".html"), out_ / "attempts.csv"});
+      write_report(scored, c->folder, {report, {}, {}});
+      if (!params_.all) return;
+    }
+  }
+
+  void do_case(const CurriculumCase& c, const LessonScript& script, const fs::path& recording) {
+    LessonOptions o;
+    o.script = script;
+    o.participant = params_.participant;
+    o.hand = parsed_.params<HandParams>();
+    o.aim = parsed_.params<ScriptAim>();
+    FeltCase felt(c.folder, "");
+    const LessonResult r = with_file(c.token, [&] { return run_lesson(felt, o, cancel_requested()); });
+    RecordingWriter writer(recording, r.recording.header);
+    writer.add(r.recording.frames);
+    writer.finish(r.recording.header.outcome);
+  }
+
+  void print_table() const {
+    std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{}\n", "", "case", "class", "difficulty", "result");
+    for (std::size_t n = 0; n < plan_.cases.size(); ++n) {
+      const PlannedCase& c = plan_.cases[n];
+      std::string result = "to do";
+      if (const fs::path log = out_ / "attempts.csv"; fs::exists(log) && fs::exists(file_of(n, ".json")))
+        result = result_of(log, file_of(n, ".lesson"));
+      std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{}\n", n + 1, c.token, c.patient_class, c.difficulty_level,
+                               result);
+    }
+  }
+
+  static std::string result_of(const fs::path& log, const fs::path& recording) {
+    const std::string sha256 = sha256_of_file(recording);
+    const std::vector<char> bytes = read_file(log, 1 << 28);
+    std::string result = "done";
+    for (const std::string& line : split_at({bytes.data(), bytes.size()}, '\n')) {
+      const std::vector<std::string> cells = split_at(line, ',');
+      if (cells.size() < 15 || cells[4] != sha256) continue;
+      result = cells[7] + " of " + cells[8] + " points:";
+      for (std::size_t n = 9; n < 15; ++n) result += " " + (cells[n].empty() ? "-" : cells[n]);
+    }
+    return result;
+  }
+
+  const ParsedCommand& parsed_;
+  const ExerciseParams& params_;
+  const fs::path out_;
+  LibraryCases cases_;
+  PlanFile plan_;
+};
+
+}  // namespace
+
+Command exercise_command() {
+  using Kind = Argument::Kind;
+  Command c;
+  c.name = "exercise";
+  c.summary = "leads a participant through a library's approved cases, and goes on where that ended";
+  c.description =
+      "Chooses cases by class and difficulty, in an order that the seed decides and that is kept in the folder, so "
+      "that "
+      "it stays the same when the library grows. Cases that no reviewer approved (`trephine library approve`), that "
+      "changed since, or whose class is uncertain, are left out, and it says why. With a script and a rubric each case "
+      "is done, scored and reported; what was done before is not done again. Without them it says what is to be done.";
+  Argument library = argument("library", Kind::in_folder, "The library's folder.");
+  library.positional = library.required = true;
+  Argument out = argument("out", Kind::out_folder, "Folder of the participant's recordings and reports.");
+  out.required = true;
+  c.arguments = {library, out, argument("script", Kind::in_file, "What the simulated hand does (.json)."),
+                 argument("rubric", Kind::in_file, "The compiled rubric (.json).")};
+  c.groups = {
+      ParameterGroup::of<ExerciseParams>("Parameters"), ParameterGroup::of<CurriculumParams>("The choice of cases"),
+      ParameterGroup::of<ScriptAim>("How well the hand aims"), ParameterGroup::of<HandParams>("Simulated hand")};
+  c.examples = {"trephine-sim exercise library --participant r-01 --out results",
+                "trephine-sim exercise library --participant r-01 --out results --script "
+                "examples/lessons/ventriculostomy.json --rubric ventriculostomy.rubric.json"};
+  c.run = [](const ParsedCommand& parsed) { return Exercise(parsed).run(); };
+  return c;
+}
+
+}  // namespace trephine

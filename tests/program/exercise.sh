@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# A participant is led through a library: only approved cases, in a kept order, resumed, with a table of results.
+. "$(dirname "$0")/common.sh"
+: "${OFFLINE:?}" "${WRITE_CASE:?}"
+library=$work/library
+mkdir "$library"
+"$WRITE_CASE" "$library/head-drilled" head_drilled
+cp -r "$library/head-drilled" "$library/copy"
+"$WRITE_CASE" "$library/head" head
+"$OFFLINE" rubric "$SOURCE/configs/rubrics/ventriculostomy.yaml" --output "$work/rubric.json" >/dev/null
+cat >"$work/script.json" <<'JSON'
+{"module": "ventriculostomy", "steps": [{"take": {"tool": "marker"}},
+  {"trace": {"from": {"at": "nasion"}, "to": {"at": "nasion", "along_mm": 110}}}, {"take": {"tool": "catheter"}},
+  {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}}, "finish"]}
+JSON
+exercise=("$TREPHINE" exercise "$library" --participant r-01 --out "$work/results")
+
+expect 66 'holds no approved case' "${exercise[@]}"
+"$OFFLINE" library approve "$library/head" --by prof-1 --difficulty-level 4 >/dev/null
+"$OFFLINE" library approve "$library/head-drilled" --by prof-1 --difficulty-level 2 >/dev/null
+cp "$library/head-drilled/approved.json" "$library/copy"
+expect 64 '[-]-by: must be' "$OFFLINE" library approve "$library/head" --by "Prof. A"
+expect 64 '[-]-participant: must be' "$TREPHINE" exercise "$library" --participant "A B" --out "$work/results"
+expect 64 'uncertain is no class' "${exercise[@]}" --classes normal,uncertain
+expect 64 'given together' "${exercise[@]}" --script "$work/script.json"
+
+"${exercise[@]}" >"$work/text"
+grep -Eq '^left out: copy: its folder has another name' "$work/text" || { cat "$work/text"; fail "a copy is taken for a case"; }
+grep -Eq '^1 +head-drilled +normal +2 +to do$' "$work/text" || { cat "$work/text"; fail "the easier case is not first"; }
+grep -Eq '^2 +head +normal +4 +to do$' "$work/text" || { cat "$work/text"; fail "the harder case is not second"; }
+expect 64 'has a plan by other parameters' "${exercise[@]}" --cases-count 1
+
+# One case, then the others; what is done stays as it is.
+"${exercise[@]}" --script "$work/script.json" --rubric "$work/rubric.json" --no-all >"$work/text"
+grep -Eq '^1 +head-drilled .* 20 of 20 points: - - 5 5 5 5$' "$work/text" || { cat "$work/text"; fail "the first case is not done"; }
+grep -Eq '^2 +head .* to do$' "$work/text" || fail "the second is done already"
+first=$(sha256sum "$work"/results/r-01-ventriculostomy-01-*)
+"${exercise[@]}" --script "$work/script.json" --rubric "$work/rubric.json" >"$work/text"
+grep -Eq '^goes on with ' "$work/text" || fail "it begins again"
+grep -Eq '^2 +head .* [0-9]+ of 30 points: 3 1 1 1 1 5$' "$work/text" || { cat "$work/text"; fail "the second case is not done"; }
+[[ $first == "$(sha256sum "$work"/results/r-01-ventriculostomy-01-*)" ]] || fail "what was done is changed"
+[[ $(wc -l <"$work/results/attempts.csv") == 3 ]] || fail "the log does not hold two attempts"
+[[ -s $work/results/r-01-ventriculostomy-02-head.html ]] || fail "no page"
+
+# A report that was lost is made again of the recording; an approval is void once the case is another.
+rm "$work/results/r-01-ventriculostomy-02-head.json"
+"${exercise[@]}" --script "$work/script.json" --rubric "$work/rubric.json" >/dev/null
+[[ $(wc -l <"$work/results/attempts.csv") == 3 ]] || fail "scored again it is another attempt"
+"$WRITE_CASE" "$library/head-drilled" head
+"$TREPHINE" exercise "$library" --participant r-02 --out "$work/results" >"$work/text"
+grep -Eq '^left out: head-drilled: changed since prof-1 approved it$' "$work/text" || { cat "$work/text"; fail "a void approval holds"; }
+"$OFFLINE" library approve "$library/head" --by prof-1 --withdraw >/dev/null
+expect 66 'holds no approved case' "$TREPHINE" exercise "$library" --participant r-03 --out "$work/results"

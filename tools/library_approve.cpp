@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdio>
+
+#include "cases/load_case.h"
+#include "cli/argument.h"
+#include "commands.h"
+#include "lesson/approval.h"
+
+namespace trephine {
+namespace {
+
+struct ApproveParams {
+  int difficulty_level = 3;
+  bool withdraw = false;
+  template <class V>
+  static void describe(V& v) {
+    using P = ApproveParams;
+    v.integer(&P::difficulty_level, "difficulty_level", Range{1, 5}, "How difficult the case is: 1 easy to 5 hard.");
+    v.flag(&P::withdraw, "withdraw", "Take the approval back.");
+  }
+};
+
+}  // namespace
+
+Command library_approve_command() {
+  using Kind = Argument::Kind;
+  Command c;
+  c.name = "library approve";
+  c.summary = "says that lessons may use a case, after a person has looked at it";
+  c.description =
+      "Writes approved.json beside the case, with the reviewer's token, the case's difficulty and the SHA-256 of "
+      "case.json: when the case changes, the approval is void. `trephine-sim exercise` uses approved cases only. The "
+      "case is checked as a simulator checks it.";
+  c.examples = {"trephine library approve library/normal-1 --by reviewer-2 --difficulty-level 2",
+                "trephine library approve library/normal-1 --by reviewer-2 --withdraw"};
+  Argument folder = argument("case", Kind::in_folder, "The case's folder.");
+  folder.positional = folder.required = true;
+  Argument by = argument("by", Kind::text, "Token of the reviewer: a-z, 0-9, _ and -; never a name.");
+  by.required = true;
+  c.arguments = {folder, by};
+  c.groups = {ParameterGroup::of<ApproveParams>("Parameters")};
+  c.run = [](const ParsedCommand& parsed) {
+    const ApproveParams& p = parsed.params<ApproveParams>();
+    const std::filesystem::path folder = parsed.path("case");
+    validate_token(parsed.text("by"), "--by");
+    if (p.withdraw) {
+      const bool was = remove_approval(folder);
+      if (!parsed.quiet) std::printf("%s: %s\n", folder.c_str(), was ? "no longer approved" : "was not approved");
+      return ExitCode::ok;
+    }
+    const LoadedCase loaded = load_case(folder, LoadParts{true});
+    write_approval(folder, parsed.text("by"), p.difficulty_level);
+    if (!parsed.quiet)
+      std::printf("%s: approved by %s, difficulty %d\n", loaded.manifest.case_token.c_str(), parsed.text("by").c_str(),
+                  p.difficulty_level);
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+}  // namespace trephine
