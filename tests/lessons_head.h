@@ -90,6 +90,7 @@ inline VentriculostomyRubric Head::rubric() {
   is(r.depth.least_mm, 30), is(r.depth.low_mm, 40), is(r.depth.ideal_low_mm, 50);
   is(r.depth.ideal_high_mm, 60), is(r.depth.high_mm, 70), is(r.depth.most_mm, 90);
   is(r.tip.foramen_mm, 5), is(r.tip.near_mm, 10), is(r.tip.missed_mm, 3);
+  is(r.tip.least_confidence_ratio, 0.5);
   is(r.time.ideal_s, 300), is(r.time.good_s, 450), is(r.time.acceptable_s, 600), is(r.time.allotted_s, 900);
   return r;
 }

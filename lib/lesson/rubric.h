@@ -121,13 +121,16 @@ struct DepthRubric {
 
 /// "Final location of catheter tip".
 struct TipRubric {
-  RubricLimit foramen_mm, near_mm, missed_mm;
+  RubricLimit foramen_mm, near_mm, missed_mm, least_confidence_ratio;
   template <class V>
   static void describe(V& v) {
     using P = TipRubric;
     v.group(&P::foramen_mm, "foramen_mm", "Farthest from the foramen of the hole's side for a score of 5.")
         .is_required();
     v.group(&P::near_mm, "near_mm", "The same for a score of 4.").is_required();
+    v.group(&P::least_confidence_ratio, "least_confidence_ratio",
+            "A foramen of less confidence is doubtful: what is measured from it is not judged.")
+        .is_required();
     v.group(&P::missed_mm, "missed_mm", "A tip that missed the ventricles by no more than this scores 2.")
         .is_required();
   }

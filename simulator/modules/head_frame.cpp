@@ -47,20 +47,22 @@ HeadFrame head_frame_of(const CaseManifest& manifest) {
   if (!nasion || midline.size() < 3)
     throw Error(ExitCode::bad_input, "", "landmarks",
                 "the lesson needs a nasion and two more of bregma, vertex and inion, by which the midline is known");
-  double best = 0;
+  double best = 0, best_area = 0;
   const CaseLandmark* three[3] = {};
   for (std::size_t a = 0; a < midline.size(); ++a)
     for (std::size_t b = a + 1; b < midline.size(); ++b)
       for (std::size_t c = b + 1; c < midline.size(); ++c) {
         const Vec3 at = midline[a]->position_mm;
         const double area = 0.5 * norm(cross(midline[b]->position_mm - at, midline[c]->position_mm - at));
-        if (!(area > best)) continue;
-        best = area;
+        const double worth = area * std::min({midline[a]->confidence, midline[b]->confidence, midline[c]->confidence});
+        if (!(worth > best)) continue;
+        best = worth;
+        best_area = area;
         three[0] = midline[a];
         three[1] = midline[b];
         three[2] = midline[c];
       }
-  if (best < least_area_mm2)
+  if (best_area < least_area_mm2)
     throw Error(ExitCode::bad_input, "", "landmarks", "those of the midline lie on a line, so it is not known");
 
   HeadFrame f;

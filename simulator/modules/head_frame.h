@@ -25,7 +25,8 @@ struct HeadFrame {
   double before_suture_mm(Vec3 p) const { return bregma_mm ? dot(p - *bregma_mm, forwards) : 0; }
 };
 
-/// The frame, from those three of nasion, bregma, vertex and inion that span the largest triangle. Throws Error 65
+/// The frame, from those three of nasion, bregma, vertex and inion that span the largest triangle, counted by the least
+/// of their confidences. Throws Error 65
 /// where the case has no nasion, or fewer than three of them, or these lie on a line: such a case holds no such lesson.
 HeadFrame head_frame_of(const CaseManifest& manifest);
 

@@ -22,6 +22,12 @@ bool Scoring::on_left() const {
   return frame.left_of_midline_mm(at) > 0;
 }
 
+std::string Scoring::foramen_doubt() const {
+  double confidence = 0;
+  if (!foramen_of(manifest, on_left(), &confidence)) return "the case has no foramen of Monro on that side";
+  return confidence < rubric.tip.least_confidence_ratio.limit ? "the foramen of Monro of this case is doubtful" : "";
+}
+
 std::string Scoring::critical_at(const CatheterPass& pass, const PassPoint& p) const {
   for (const CaseShape& shape : manifest.haptic.shapes)
     if (shape.number == p.inside)
@@ -94,11 +100,9 @@ ScoreRow score_trajectory(const Scoring& s) {
         return decide(1, "passes through the " + said, p.time_s);
       }
     }
+  row.why = s.foramen_doubt();
+  if (!row.why.empty()) return row;
   const std::optional<Vec3> target = s.foramen();
-  if (!target) {
-    row.why = "the case has no foramen of Monro on that side";
-    return row;
-  }
   const CatheterPass& pass = s.facts.passes.back();
   Vec3 way = normalized(tip_of(pass) - pass.entry_mm);
   if (way == Vec3{}) way = -pass.out;
@@ -149,19 +153,19 @@ ScoreRow score_tip(const Scoring& s) {
   };
   if (!pass) return decide(1, no_catheter);
   const Vec3 tip = tip_of(*pass);
-  const std::optional<Vec3> target = s.foramen();
-  if (!target) {
-    row.why = "the case has no foramen of Monro on that side";
-    return row;
-  }
-  const double off = norm(tip - *target), missed = distance_to_ventricles_mm(s, tip, r.missed_mm.limit + 1);
+  const double missed = distance_to_ventricles_mm(s, tip, r.missed_mm.limit + 1);
   const bool inside = pass->path.back().inside == s.shapes.ventricles;
-  row.measured = {{"foramen_off_mm", off}, {"outside_ventricles_mm", inside ? 0 : missed}};
+  row.measured = {{"outside_ventricles_mm", inside ? 0 : missed}};
+  const std::optional<Vec3> target = s.foramen();
+  const double off = target ? norm(tip - *target) : 0;
+  if (target) row.measured.emplace_back("foramen_off_mm", off);
   if (!inside)
     return missed <= r.missed_mm.limit ? decide(2, "narrowly not in the ventricle") : decide(1, "not in the ventricle");
   if (s.critical_at(*pass, pass->path.back()) == "third_ventricle") return decide(2, "in the third ventricle");
   const double own_side = s.on_left() ? 1 : -1;
   if (own_side * s.frame.left_of_midline_mm(tip) < 0) return decide(3, "in the contralateral ventricle");
+  row.why = s.foramen_doubt();
+  if (!row.why.empty()) return row;
   if (off <= r.foramen_mm.limit) return decide(5, "at the ipsilateral foramen of Monro");
   if (off <= r.near_mm.limit) return decide(4, "near the ipsilateral foramen of Monro");
   return decide(3, "in the ipsilateral ventricle");

@@ -19,6 +19,8 @@ struct Scoring {
   /// The side of the hole, or of the catheter where there is none.
   bool on_left() const;
   std::optional<Vec3> foramen() const { return foramen_of(manifest, on_left()); }
+  /// Why nothing can be measured from the foramen; empty where it can.
+  std::string foramen_doubt() const;
   /// "sagittal sinus", "third ventricle", "brainstem" or "" for a point of a catheter's way.
   std::string critical_at(const CatheterPass& pass, const PassPoint& p) const;
 };
