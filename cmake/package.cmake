@@ -4,6 +4,7 @@
 
 # The configurations find each other, and the sample, below the installed trephine.root as they do below the source's.
 install(DIRECTORY pipelines configs sample_dicom DESTINATION ${CMAKE_INSTALL_DATADIR}/trephine COMPONENT programs)
+install(DIRECTORY examples/lessons DESTINATION ${CMAKE_INSTALL_DATADIR}/trephine/examples COMPONENT programs)
 install(FILES trephine.root DESTINATION ${CMAKE_INSTALL_DATADIR}/trephine COMPONENT programs)
 install(FILES README.md LICENSE CONTRIBUTING.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs PATTERN "*.sh" EXCLUDE)

@@ -124,8 +124,8 @@ grep -q '^500 frames are missing' "$work/stdout" || fail "does not say that fram
 cp "$work/a.servo" "$work/v1.servo"
 printf '\x01' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
 "$TREPHINE" replay "$work/sample" "$work/v1.servo" | grep -q '^replayed bit for bit$' || fail "version 1 is not read"
-printf '\x03' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
-expect 65 'version: 3, this program reads 1 to 2' "$TREPHINE" replay "$work/sample" "$work/v1.servo"
+printf '\x04' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
+expect 65 'version: 4, this program reads 1 to 3' "$TREPHINE" replay "$work/sample" "$work/v1.servo"
 # A recording of before there were tools is of a point.
 python3 - "$work/a.servo" "$work/old.servo" <<'PY'
 import json, sys
