@@ -9,4 +9,7 @@ foreach(script render play)
   set_tests_properties(program.${script} PROPERTIES TIMEOUT 300 SKIP_RETURN_CODE 77
     ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case")
 endforeach()
+add_test(NAME program.LongPlay COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/play_long.sh)
+set_tests_properties(program.LongPlay PROPERTIES TIMEOUT 4500 SKIP_RETURN_CODE 77
+  ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case")
 endif()

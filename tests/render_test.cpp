@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "picture/render.h"
+#include "render/stage.h"
 #include "render_scene.h"
 
 namespace trephine::drawing {
@@ -176,6 +177,109 @@ TEST_F(RenderPicture, CapsShowTheInnerSolidWithinTheOuter) {
     EXPECT_GT(at(place)[0], 150) << place.x;
     EXPECT_LT(at(place)[1], 60) << place.x;
   }
+}
+
+// A CT whose left, posterior and superior eighth differs from the rest: on a cut, on a slice in the scene and in an
+// inset.
+class RenderCt : public Picture {
+ protected:
+  static Grid<std::int16_t> ct() {
+    Lattice l;
+    l.size = {40, 36, 20};
+    l.spacing_mm = {1.5, 1.5, 3};
+    l.origin_mm = {-29.25, -26.25, -28.5};
+    Grid<std::int16_t> g(l, std::int16_t(0));
+    for (int k = 0; k < 20; ++k)
+      for (int j = 0; j < 36; ++j)
+        for (int i = 0; i < 40; ++i)
+          if (i >= 20 && j >= 18 && k >= 10) g.at(i, j, k) = 1000;
+    return g;
+  }
+  SceneData scene_ = [] {
+    SceneData s;
+    const TriMesh outer = case_samples::ball(24, 40);
+    s.bounds = bounds_of(outer);
+    s.surfaces = {surface_of(outer, "outer", {0.9, 0.8, 0.7})};
+    return s;
+  }();
+  SceneState state_ = [] {
+    SceneState s;
+    s.opacity = {1};
+    s.ct_low_hu = -100;
+    s.ct_high_hu = 900;
+    return s;
+  }();
+  static int grey(const trephine::Picture& p, Vec3 px) {
+    return p.rgb[std::size_t(int(px.y) * width + int(px.x)) * 3 + 1];
+  }
+};
+
+TEST_F(RenderCt, ACutShowsTheCtWhereItIs) {
+  Renderer renderer(scene_, {1, false, 9, false});
+  renderer.set_ct(ct());
+  OrbitCamera camera;
+  camera.look(ViewPreset::front, scene_.bounds, {}, {});
+  const EyeView eye = camera.eye(width, height, scene_.bounds);
+  const auto at = [&](const trephine::Picture& p, Vec3 place) { return grey(p, eye.project(place, width, height)); };
+  state_.cut = CutPlane{{0, 4, 0}, {0, -1, 0}};  // behind the middle: the bright eighth is in it
+  const trephine::Picture cut = drawn(renderer, eye, state_);
+  EXPECT_GT(at(cut, {8, 4, 8}), at(cut, {-8, 4, 8}) + 60);
+  EXPECT_GT(at(cut, {8, 4, 8}), at(cut, {8, 4, -8}) + 60);
+  state_.cut_shows_ct = false;
+  const trephine::Picture plain = drawn(renderer, eye, state_);
+  EXPECT_EQ(at(plain, {8, 4, 8}), at(plain, {-8, 4, 8}));
+  state_.cut.reset();
+  state_.opacity = {0};
+  state_.ct_planes = {{1, {0, 4, 0}}};
+  const trephine::Picture slice = drawn(renderer, eye, state_);
+  EXPECT_GT(at(slice, {8, 4, 8}), 200);
+  EXPECT_LT(at(slice, {-8, 4, 8}), 120);
+}
+
+TEST_F(RenderCt, InsetsHaveThePatientsLeftOnTheRight) {
+  Renderer renderer(scene_, {1, false, 9, false});
+  renderer.set_ct(ct());
+  OffscreenPicture out(width, height);
+  const auto inset = [&](int axis) {
+    renderer.draw(OrbitCamera().eye(width, height, scene_.bounds), state_, width, height);
+    out.bind();
+    renderer.present(0, 0, width, height);
+    renderer.draw_inset({axis, {6, 6, 6}}, state_, 100, 20, 120, 20);
+    return out.read();
+  };
+  // 3 px a mm, the cross at (160, 160) from the upper left corner; the bright eighth begins 6 mm before the point.
+  const auto at = [&](const trephine::Picture& p, int right_mm, int up_mm) {
+    return grey(p, {160.0 + 3 * right_mm + 1, 160.0 - 3 * up_mm + 1, 0});
+  };
+  const trephine::Picture axial = inset(2), coronal = inset(1), sagittal = inset(0);
+  EXPECT_GT(at(axial, 4, 0), 240);    // left
+  EXPECT_LT(at(axial, -10, 0), 120);  // right
+  EXPECT_GT(at(axial, 0, -4), 240);   // back is down
+  EXPECT_LT(at(axial, 0, 10), 120);
+  EXPECT_GT(at(coronal, 4, 4), 240);
+  EXPECT_LT(at(coronal, -10, 4), 120);
+  EXPECT_LT(at(coronal, 4, -10), 120);
+  EXPECT_GT(at(sagittal, -4, 4), 240);  // seen from the left: back is on the left
+  EXPECT_LT(at(sagittal, 10, 4), 120);
+  EXPECT_LT(at(sagittal, -4, -10), 120);
+}
+
+// Where the head goes, what lies in the window's plane stays, and what lies behind it moves with the head.
+TEST(RenderHead, TheWindowsPlaneStands) {
+  OrbitCamera camera;
+  camera.target_mm = {3, -5, 7};
+  camera.distance_mm = 400;
+  const Bounds bounds{{-100, -100, -100}, {100, 100, 100}};
+  const EyeView still = camera.eye(width, height, bounds);
+  const EyeView moved = Stage::beside(still, camera.distance_mm, {60, -40, 90});
+  for (const Vec3 in_plane : {Vec3{0, 0, 0}, Vec3{30, 0, 20}, Vec3{-50, 0, 35}}) {
+    const Vec3 a = still.project(camera.target_mm + in_plane, width, height),
+               b = moved.project(camera.target_mm + in_plane, width, height);
+    EXPECT_NEAR(a.x, b.x, 1e-6);
+    EXPECT_NEAR(a.y, b.y, 1e-6);
+  }
+  const Vec3 behind = camera.target_mm - camera.toward * 50;
+  EXPECT_GT(moved.project(behind, width, height).x, still.project(behind, width, height).x + 2);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ constexpr const char* screen = "mouse";
 
 struct PlayParams {
   double seconds = 0;
-  int remote = -1;
+  int remote = -1, head_port = -1;
   template <class V>
   static void describe(V& v) {
     using P = PlayParams;
@@ -27,6 +27,9 @@ struct PlayParams {
     v.integer(&P::remote, "remote", Range{-1, 65535},
               "Port of the loopback interface on which lines of the remote are taken; 0: any that is free, which is "
               "then printed; -1: none.");
+    v.integer(&P::head_port, "head_port", Range{-1, 65535},
+              "Port of the loopback interface on which a tracker says where the user's head is; 0: any that is free; "
+              "-1: none.");
   }
 };
 
@@ -45,6 +48,8 @@ ExitCode run_play(const ParsedCommand& parsed) {
   o.before.assign(named.begin(), named.end());
   if (!o.playback.empty() && !o.session.record.empty())
     throw Error(ExitCode::usage, "", "--playback, --record", "a recording is shown or made, not both");
+  o.ghost = parsed.path("ghost");
+  o.head_port = params.head_port;
   o.hand = parsed.params<ScreenHandParams>();
   o.view = parsed.params<ViewParams>();
   if (parsed.has("shots")) {
@@ -76,6 +81,8 @@ Command play_command() {
   c.arguments = session_arguments(screen);
   c.arguments.push_back(argument("playback", Argument::Kind::in_file, "A recording to be shown."));
   c.arguments.push_back(before_argument());
+  c.arguments.push_back(
+      argument("ghost", Argument::Kind::in_file, "A recording whose way is shown as green dots, such as an expert's."));
   c.arguments.push_back(argument("shots", Argument::Kind::out_folder,
                                  "Folder for the pictures that F12 takes; the current folder where it is not given."));
   c.groups = {ParameterGroup::of<PlayParams>("Parameters"), ParameterGroup::of<WindowParams>("Window"),

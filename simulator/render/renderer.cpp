@@ -55,6 +55,7 @@ Renderer::Impl::Impl(const SceneData& scene, const RenderQuality& q)
     items.push_back(std::move(item));
   }
   ball = SolidBuffer(ball_solid(1, {1, 1, 1}, 16), false);
+  dot_solid = SolidBuffer(ball_solid(1, {1, 1, 1}, 3), false);
   plane_array = make_vertex_array();
   plane_corners = make_buffer();
   const float corners[] = {-1, -1, 1, -1, -1, 1, 1, 1};
@@ -160,19 +161,17 @@ void Renderer::set_tool(const Solid& solid) { impl_->tool = SolidBuffer(solid, t
 void Renderer::set_ct(const Grid<std::int16_t>& ct) { impl_->upload_ct(ct); }
 void Renderer::set_background(std::array<float, 3> linear_rgb) { impl_->background = linear_rgb; }
 
-void Renderer::set_incisions(const std::vector<IncisionWall>& walls) {
-  constexpr std::size_t most = 16;
-  impl_->walls.clear();
-  for (std::size_t n = walls.size() > most ? walls.size() - most : 0; n < walls.size(); ++n) {
-    const IncisionWall& w = walls[n];
-    Impl::Wall wall{w, make_texture(), to_texture(w.lattice, impl_->centre_mm)};
-    glBindTexture(GL_TEXTURE_3D, wall.occupancy);
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    glTexImage3D(GL_TEXTURE_3D, 0, GL_R8, w.lattice.size[0], w.lattice.size[1], w.lattice.size[2], 0, GL_RED,
-                 GL_UNSIGNED_BYTE, w.occupancy.data());
-    filter(GL_TEXTURE_3D, GL_LINEAR, GL_CLAMP_TO_EDGE);
-    impl_->walls.push_back(std::move(wall));
-  }
+void Renderer::clear_incisions() { impl_->walls.clear(); }
+
+void Renderer::add_incision(const IncisionWall& w) {
+  if (impl_->walls.size() == most_incisions) impl_->walls.erase(impl_->walls.begin());
+  Impl::Wall wall{w.ball, w.surface, make_texture(), to_texture(w.lattice, impl_->centre_mm), w.occupancy.size()};
+  glBindTexture(GL_TEXTURE_3D, wall.occupancy);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage3D(GL_TEXTURE_3D, 0, GL_R8, w.lattice.size[0], w.lattice.size[1], w.lattice.size[2], 0, GL_RED,
+               GL_UNSIGNED_BYTE, w.occupancy.data());
+  filter(GL_TEXTURE_3D, GL_LINEAR, GL_CLAMP_TO_EDGE);
+  impl_->walls.push_back(std::move(wall));
   check_gl("an incision");
 }
 
@@ -201,7 +200,7 @@ std::size_t Renderer::drawn_triangles() const { return impl_->drawn; }
 std::size_t Renderer::graphics_bytes() const {
   std::size_t n = impl_->has_ct ? impl_->ct_lattice.count() * 2 : 0;
   for (const Impl::Item& item : impl_->items) n += item.buffer.bytes();
-  for (const Impl::Wall& wall : impl_->walls) n += wall.is.occupancy.size();
+  for (const Impl::Wall& wall : impl_->walls) n += wall.bytes;
   return n;
 }
 

@@ -52,8 +52,10 @@ class Renderer {
   void update_live(int surface, const LiveSurface& live, const std::vector<std::size_t>& bricks);
   void set_tool(const Solid& solid);
   void set_ct(const Grid<std::int16_t>& ct);
-  /// At most 16 are drawn: the newest.
-  void set_incisions(const std::vector<IncisionWall>& walls);
+  /// Of more than most_incisions the oldest are no longer drawn.
+  void add_incision(const IncisionWall& wall);
+  void clear_incisions();
+  static constexpr std::size_t most_incisions = 48;
   void set_background(std::array<float, 3> linear_rgb);
 
   /// Draws into the renderer's own picture.
@@ -61,6 +63,11 @@ class Renderer {
   /// Copies that picture into a rectangle (from the lower left corner) of the framebuffer that is bound; only the
   /// channels of the mask (1 red, 2 green, 4 blue).
   void present(int x, int y, int width, int height, int mask = 7);
+
+  /// Draws a slice of the CT, if there is one, into a square of the framebuffer that is bound (from its lower left
+  /// corner): `half_mm` around the plane's point, which a cross marks. As radiologists look at it: the patient's left
+  /// is on the right, front or head up; a sagittal slice is seen from the left.
+  void draw_inset(const CtPlane& plane, const SceneState& state, int x, int y, int size, double half_mm);
 
   std::size_t drawn_triangles() const;  ///< in the last picture, once each for all its passes
   std::size_t graphics_bytes() const;   ///< of vertices, triangles and textures; without pictures

@@ -10,8 +10,6 @@ namespace {
 
 constexpr float grain_of_surface = 0.35f;
 
-float linear(double srgb) { return float(std::pow(std::clamp(srgb, 0.0, 1.0), 2.2)); }
-
 void set_colour(const std::array<float, 3>& srgb) { glVertexAttrib3f(2, srgb[0], srgb[1], srgb[2]); }
 
 }  // namespace
@@ -20,7 +18,7 @@ void Renderer::Impl::set_balls(const GlProgram& program, bool any) const {
   const int count = any ? int(walls.size()) : 0;
   program.set("balls", count);
   for (int n = 0; n < count; ++n) {
-    const CutBall& b = walls[std::size_t(n)].is.ball;
+    const CutBall& b = walls[std::size_t(n)].ball;
     const Vec3 p = relative(b.centre_mm);
     const std::string name = "ball[" + std::to_string(n) + "]";
     program.set(name.c_str(), float(p.x), float(p.y), float(p.z), float(b.radius_mm));
@@ -139,11 +137,11 @@ void Renderer::Impl::draw_walls(const SceneState& state) {
   glCullFace(GL_FRONT);
   for (std::size_t n = 0; n < walls.size(); ++n) {
     const Wall& wall = walls[n];
-    const std::size_t s = std::size_t(wall.is.surface);
+    const std::size_t s = std::size_t(wall.surface);
     if (s >= state.opacity.size() || state.opacity[s] <= 0) continue;
     Mat3 axes;
-    for (int a = 0; a < 3; ++a) axes.column[std::size_t(a)] = axes.column[std::size_t(a)] * wall.is.ball.radius_mm;
-    surface.set("model", affine(axes, relative(wall.is.ball.centre_mm)));
+    for (int a = 0; a < 3; ++a) axes.column[std::size_t(a)] = axes.column[std::size_t(a)] * wall.ball.radius_mm;
+    surface.set("model", affine(axes, relative(wall.ball.centre_mm)));
     surface.set("opacity", 1.f);
     surface.set("grain", quality.grain ? grain_of_surface : 0.f);
     surface.set("wall", 1);
@@ -159,86 +157,6 @@ void Renderer::Impl::draw_walls(const SceneState& state) {
   surface.set("wall", 0);
   glCullFace(GL_BACK);
   glDisable(GL_CULL_FACE);
-}
-
-void Renderer::Impl::set_plane(const EyeView& eye) const {
-  plane.use();
-  plane.set("to_camera", eye.to_camera(centre_mm));
-  plane.set("projection", eye.projection());
-  plane.set("to_ct", to_ct);
-  plane.set("ct", 0);
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_3D, has_ct ? ct : noise);
-}
-
-void Renderer::Impl::draw_plane(Vec3 middle, Vec3 across, Vec3 along) const {
-  plane.set("middle", middle);
-  plane.set("across", across);
-  plane.set("along", along);
-  glBindVertexArray(plane_array);
-  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
-}
-
-// Where more back than front faces are passed on the way to the eye, the plane lies within the solid. Shapes within
-// others come later, at the same depth.
-void Renderer::Impl::draw_caps(const EyeView& eye, const SceneState& state) {
-  const Mat3 frame = frame_along(normalized(state.cut->normal));
-  const Vec3 normal = frame.column[2], at = relative(state.cut->point_mm);
-  const Vec3 middle = normal * dot(normal, at), across = frame.column[0] * radius_mm,
-             along = frame.column[1] * radius_mm;
-  const float light = 0.35f + 0.6f * float(std::abs(dot(normal, eye.toward)));
-  glEnable(GL_STENCIL_TEST);
-  for (std::size_t n = 0; n < items.size() && n < state.opacity.size(); ++n) {
-    if (state.opacity[n] <= 0) continue;
-    begin_surface(surface, eye, state);
-    use_surface(n, state, 1);
-    set_balls(surface, false);
-    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    glDepthMask(GL_FALSE);
-    glDisable(GL_DEPTH_TEST);
-    glStencilFunc(GL_ALWAYS, 0, 255);
-    glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
-    glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
-    draw_surface(n, Sight::Faces::both);
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    glDepthMask(GL_TRUE);
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_LEQUAL);
-    glDisable(GL_CLIP_DISTANCE0);
-    glStencilFunc(GL_NOTEQUAL, 0, 255);
-    glStencilOp(GL_ZERO, GL_ZERO, GL_ZERO);
-    set_plane(eye);
-    const std::array<float, 3>& c = items[n].colour_rgb;
-    plane.set("tint", linear(c[0]), linear(c[1]), linear(c[2]));
-    plane.set("ct_share", has_ct && state.cut_shows_ct ? 0.8f : 0.f);
-    plane.set("only_ct", 0);
-    plane.set("light", light);
-    plane.set("low", float(state.ct_low_hu));
-    plane.set("high", float(state.ct_high_hu));
-    set_balls(plane, items[n].incised);
-    draw_plane(middle, across, along);
-    glDepthFunc(GL_LESS);
-    glEnable(GL_CLIP_DISTANCE0);
-  }
-  glDisable(GL_STENCIL_TEST);
-}
-
-void Renderer::Impl::draw_ct_planes(const EyeView& eye, const SceneState& state) {
-  if (!has_ct || state.ct_planes.empty()) return;
-  set_plane(eye);
-  plane.set("tint", 0.f, 0.f, 0.f);
-  plane.set("ct_share", 1.f);
-  plane.set("only_ct", 1);
-  plane.set("light", 1.f);
-  plane.set("low", float(state.ct_low_hu));
-  plane.set("high", float(state.ct_high_hu));
-  set_balls(plane, false);
-  const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  for (const CtPlane& p : state.ct_planes) {
-    const Vec3 normal = axes[p.axis];
-    draw_plane(normal * dot(normal, relative(p.point_mm)), axes[(p.axis + 1) % 3] * radius_mm,
-               axes[(p.axis + 2) % 3] * radius_mm);
-  }
 }
 
 void Renderer::Impl::draw_solid_at(const SolidBuffer& solid, Vec3 place_mm, const Mat3& axes, double opacity) {
@@ -258,12 +176,14 @@ void Renderer::Impl::draw_solids(const SceneState& state) {
     set_colour(m.colour_rgb);
     draw_solid_at(ball, m.position_mm, axes, 1);
   }
-  for (const Vec3 p : state.trace_mm) {
+  const auto dots = [&](const std::vector<Vec3>& places, const std::array<float, 3>& colour) {
     Mat3 axes;
     for (int a = 0; a < 3; ++a) axes.column[std::size_t(a)] = axes.column[std::size_t(a)] * 0.35;
-    set_colour({0.95f, 0.35f, 0.1f});
-    draw_solid_at(ball, p, axes, 1);
-  }
+    set_colour(colour);
+    for (const Vec3 p : places) draw_solid_at(dot_solid, p, axes, 1);
+  };
+  dots(state.trace_mm, {0.95f, 0.35f, 0.1f});
+  dots(state.ghost_mm, {0.1f, 0.85f, 0.55f});
   if (state.tool_shown) draw_solid_at(tool, state.tip_mm, frame_along(state.axis), 1);
   glDisable(GL_CULL_FACE);
 }

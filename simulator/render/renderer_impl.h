@@ -50,16 +50,18 @@ struct Renderer::Impl {
   RenderQuality quality;
   int samples = 1;
   std::vector<Item> items;
-  SolidBuffer tool, ball;
+  SolidBuffer tool, ball, dot_solid;
   GlProgram surface, plane, box, openness, darkening, presenting;
   GlObject plane_array, plane_corners, empty_array, noise, ct;
   bool has_ct = false;
   Mat4 to_ct;
   Lattice ct_lattice;
   struct Wall {
-    IncisionWall is;
+    CutBall ball;
+    int surface;
     GlObject occupancy;
     Mat4 to_occupancy;
+    std::size_t bytes;
   };
   std::vector<Wall> walls;
   std::array<float, 3> background{0.012f, 0.016f, 0.022f};

@@ -29,7 +29,7 @@ in vec3 place, seen_from_eye, facing, albedo;
 uniform float opacity, grain, glow;
 uniform vec3 glow_place, glow_colour;
 uniform int balls;
-uniform vec4 ball[16];
+uniform vec4 ball[48];
 uniform int wall;                 // 1: the inside of an incision's ball, where the surface's occupancy is 1/2 or more
 uniform int wall_ball;
 uniform mat4 to_occupancy;
@@ -85,10 +85,11 @@ uniform vec3 tint;       // linear
 uniform float ct_share;  // 0: the tint alone
 uniform int only_ct;     // 1: nothing where no CT is
 uniform float light, low, high;
+uniform int encode;  // 1: for a framebuffer that takes sRGB as it is
 uniform mat4 to_ct;
 uniform sampler3D ct;
 uniform int balls;
-uniform vec4 ball[16];
+uniform vec4 ball[48];
 out vec4 colour;
 void main() {
   for (int n = 0; n < balls; ++n)
@@ -103,6 +104,7 @@ void main() {
       c = mix(c, vec3(pow(grey, 2.2)), ct_share);
     }
   }
+  if (encode == 1) c = pow(c, vec3(1 / 2.2));
   colour = vec4(c, 1);
 }
 )";

@@ -9,6 +9,7 @@
 namespace trephine {
 namespace {
 
+constexpr double inset_mm = 60;    // half of what an inset shows
 constexpr double full_glow_n = 2;  // force at which the contact is lit most
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
@@ -43,6 +44,7 @@ void Stage::set_view(const ViewParams& params) {
   params_ = params;
   renderer_->set_quality(quality_of(params));
   state.cut = cut_of(params, scene_);
+  state.insets = params.insets;
   state.cut_shows_ct = params.cut_ct;
   state.ct_low_hu = params.ct_low_hu;
   state.ct_high_hu = params.ct_high_hu;
@@ -71,34 +73,36 @@ std::size_t Stage::follow(DirtyBricks& marks) {
 
 void Stage::show_incisions(const std::vector<IncisionMark>& all, std::size_t count) {
   if (count == shown_incisions_ || before_.voxels.voxels.empty()) return;
-  shown_incisions_ = count;
-  const HapticDecoder decoder(before_);
-  walls_.clear();
-  for (std::size_t n = 0; n < scene_.surfaces.size(); ++n) {
-    if (!scene_.surfaces[n].incised) continue;
-    for (std::size_t i = 0; i < count; ++i) {
-      IncisionWall wall;
-      wall.ball = {all[i].point_mm, all[i].radius_mm};
-      wall.surface = int(n);
-      Box box;
-      for (std::size_t a = 0; a < 3; ++a) {
-        const double at = before_.voxels.to_index(all[i].point_mm)[int(a)],
-                     reach = all[i].radius_mm / before_.voxels.spacing_mm[int(a)] + 2;
-        const double size = before_.voxels.size[a];
-        box.begin[a] = int(std::clamp(std::floor(at - reach), 0.0, size - 1));
-        box.end[a] = int(std::clamp(std::ceil(at + reach) + 1, box.begin[a] + 1.0, size));
-      }
-      wall.lattice = cropped(before_.voxels, box);
-      wall.occupancy.reserve(wall.lattice.count());
-      for (int k = box.begin[2]; k < box.end[2]; ++k)
-        for (int j = box.begin[1]; j < box.end[1]; ++j)
-          for (int i2 = box.begin[0]; i2 < box.end[0]; ++i2)
-            wall.occupancy.push_back(
-                std::uint8_t(std::lround(255 * decoder.occupancy(scene_.surfaces[n].shape, i2, j, k))));
-      walls_.push_back(std::move(wall));
-    }
+  if (count < shown_incisions_) {
+    renderer_->clear_incisions();
+    shown_incisions_ = 0;
   }
-  renderer_->set_incisions(walls_);
+  const HapticDecoder decoder(before_);
+  for (; shown_incisions_ < count; ++shown_incisions_)
+    for (std::size_t n = 0; n < scene_.surfaces.size(); ++n)
+      if (scene_.surfaces[n].incised) renderer_->add_incision(wall_of(all[shown_incisions_], int(n), decoder));
+}
+
+IncisionWall Stage::wall_of(const IncisionMark& mark, int surface, const HapticDecoder& decoder) const {
+  IncisionWall wall;
+  wall.ball = {mark.point_mm, mark.radius_mm};
+  wall.surface = surface;
+  Box box;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double at = before_.voxels.to_index(mark.point_mm)[int(a)],
+                 reach = mark.radius_mm / before_.voxels.spacing_mm[int(a)] + 2;
+    const double size = before_.voxels.size[a];
+    box.begin[a] = int(std::clamp(std::floor(at - reach), 0.0, size - 1));
+    box.end[a] = int(std::clamp(std::ceil(at + reach) + 1, box.begin[a] + 1.0, size));
+  }
+  wall.lattice = cropped(before_.voxels, box);
+  wall.occupancy.reserve(wall.lattice.count());
+  const int shape = scene_.surfaces[std::size_t(surface)].shape;
+  for (int k = box.begin[2]; k < box.end[2]; ++k)
+    for (int j = box.begin[1]; j < box.end[1]; ++j)
+      for (int i = box.begin[0]; i < box.end[0]; ++i)
+        wall.occupancy.push_back(std::uint8_t(std::lround(255 * decoder.occupancy(shape, i, j, k))));
+  return wall;
 }
 
 void Stage::show_frame(const ServoFrame& f) {
@@ -111,15 +115,23 @@ void Stage::show_frame(const ServoFrame& f) {
   state.contact_strength = std::min(1.0, norm(vec(f.force_n)) / full_glow_n);
 }
 
+// The picture as a window at `screen_mm` before the camera, seen by an eye that is beside the camera.
+EyeView Stage::beside(EyeView e, double screen_mm, Vec3 by_mm) {
+  e.eye_mm += e.right * by_mm.x + e.up * by_mm.y + e.toward * by_mm.z;
+  const double k = 1 / std::max(1.0, screen_mm + by_mm.z);
+  e.left = (e.left * screen_mm - by_mm.x) * k;
+  e.right_edge = (e.right_edge * screen_mm - by_mm.x) * k;
+  e.bottom = (e.bottom * screen_mm - by_mm.y) * k;
+  e.top = (e.top * screen_mm - by_mm.y) * k;
+  e.near_mm = std::max(1.0, e.near_mm + by_mm.z);
+  e.far_mm += std::max(0.0, by_mm.z);
+  return e;
+}
+
 void Stage::draw(const OrbitCamera& camera, int width, int height, const std::function<void()>& bind, Vec3 head_mm) {
+  const double screen_mm = params_.convergence_mm > 0 ? params_.convergence_mm : camera.distance_mm;
   const auto one = [&](int x, int y, int w, int h, double offset_mm, int mask) {
-    EyeView eye = camera.eye(w, h, scene_.bounds, offset_mm + head_mm.x, params_.convergence_mm);
-    if (head_mm.y != 0) {  // as OrbitCamera::eye does to the side
-      eye.eye_mm += eye.up * head_mm.y;
-      const double shift = -head_mm.y / (params_.convergence_mm > 0 ? params_.convergence_mm : camera.distance_mm);
-      eye.bottom += shift;
-      eye.top += shift;
-    }
+    const EyeView eye = beside(camera.eye(w, h, scene_.bounds), screen_mm, head_mm + Vec3{offset_mm, 0, 0});
     renderer_->draw(eye, state, std::max(1, int(w * scale_)), std::max(1, int(h * scale_)));
     bind();
     renderer_->present(x, y, w, h, mask);
@@ -128,6 +140,7 @@ void Stage::draw(const OrbitCamera& camera, int width, int height, const std::fu
   switch (params_.stereo) {
     case ViewParams::Stereo::none:
       one(0, 0, width, height, 0, 7);
+      draw_insets(width, height);
       break;
     case ViewParams::Stereo::side_by_side:
       one(0, 0, width / 2, height, -half, 7);
@@ -142,6 +155,14 @@ void Stage::draw(const OrbitCamera& camera, int width, int height, const std::fu
       one(0, 0, width, height, half, 6);
       break;
   }
+}
+
+// Sagittal, coronal and axial, from the lower right corner to the left.
+void Stage::draw_insets(int width, int height) {
+  if (!state.insets || !state.tool_shown) return;
+  const int size = std::min(width / 5, height / 4), gap = std::max(2, size / 30);
+  for (int axis = 0; axis < 3; ++axis)
+    renderer_->draw_inset({axis, state.tip_mm}, state, width - (axis + 1) * (size + gap), gap, size, inset_mm);
 }
 
 std::size_t Stage::live_triangles() const {

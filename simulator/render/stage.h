@@ -7,6 +7,7 @@
 #include "render/renderer.h"
 #include "scene/view_params.h"
 #include "session/playback.h"
+#include "voxel/decode.h"
 
 namespace trephine {
 
@@ -25,7 +26,8 @@ class Stage {
   void set_tool(const ToolParams& own_tool);
   /// Makes the live surfaces follow the marked bricks; returns how many were made anew.
   std::size_t follow(DirtyBricks& marks);
-  /// The incisions that are shown: `count` of them, from the first.
+  /// The incisions that are shown: `count` of them, from the first. Of more than Renderer::most_incisions the oldest
+  /// look closed.
   void show_incisions(const std::vector<IncisionMark>& all, std::size_t count);
   /// Tool, hand and contact as they are in that frame.
   void show_frame(const ServoFrame& frame);
@@ -41,8 +43,14 @@ class Stage {
   const DriverFacts& driver() const { return driver_; }
   std::size_t live_triangles() const;
 
+  /// What an eye sees that is beside (right, up, towards the viewer) the one given, through the same window at that
+  /// distance.
+  static EyeView beside(EyeView eye, double screen_mm, Vec3 by_mm);
+
  private:
+  void draw_insets(int width, int height);
   RenderQuality quality_of(const ViewParams& params) const;
+  IncisionWall wall_of(const IncisionMark& mark, int surface, const HapticDecoder& decoder) const;
 
   const LoadedCase& loaded_;
   ViewParams params_;
@@ -56,7 +64,6 @@ class Stage {
   HapticVolume before_;  ///< as it was, for the walls of incisions; empty where nothing is incised
   std::unique_ptr<Renderer> renderer_;
   std::vector<std::size_t> marked_;
-  std::vector<IncisionWall> walls_;
   std::size_t shown_incisions_ = 0;
   double scale_ = 1;
 };

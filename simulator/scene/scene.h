@@ -78,6 +78,8 @@ struct SceneState {
   std::optional<Vec3> contact_mm;  ///< lit up
   double contact_strength = 0;     ///< 0 to 1
   std::vector<Marker> markers;     ///< landmarks, targets
+  std::vector<Vec3> ghost_mm;      ///< the way that somebody else went
+  bool insets = false;             ///< three slices of the CT through the tip, in a corner
   std::vector<Vec3> trace_mm;      ///< a line
   std::vector<CtPlane> ct_planes;
   double ct_low_hu = -160, ct_high_hu = 240;

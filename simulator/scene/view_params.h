@@ -19,7 +19,7 @@ struct ViewParams {
   double eye_distance_mm = 30, convergence_mm = 0;
   Cut cut = Cut::none;
   double cut_mm = 0;
-  bool cut_ct = true, places = true;
+  bool cut_ct = true, places = true, insets = false;
   double ct_low_hu = -160, ct_high_hu = 240;
   int samples = 0;
   bool occlusion = true, grain = true;
@@ -47,6 +47,7 @@ struct ViewParams {
              "A plane before which everything is cut away: above, before, or to the patient's left of it.");
     v.number(&P::cut_mm, "cut_mm", Range{-1000, 1000}, "Where that plane lies, mm from the scene's middle.");
     v.flag(&P::cut_ct, "cut_ct", "Show the CT on the cut, where the case has one.");
+    v.flag(&P::insets, "insets", "Show three slices of the CT through the tip in a corner, where the case has one.");
     v.flag(&P::places, "places", "Show landmarks and targets.");
     v.number(&P::ct_low_hu, "ct_low_hu", Range{-1024, 3000}, "HU shown as black.");
     v.number(&P::ct_high_hu, "ct_high_hu", Range{-1023, 4000}, "HU shown as white.");

@@ -113,6 +113,9 @@ void Controls::press(int key, int, Player& player, int width, int height) {
     case GLFW_KEY_C:
       player.set_ct_slices(player.stage().state.ct_planes.empty());
       break;
+    case GLFW_KEY_I:
+      player.set_insets(!player.stage().state.insets);
+      break;
     case GLFW_KEY_K:
       player.set_trace(!player.trace_on());
       break;

@@ -88,7 +88,7 @@ class Loop {
   }
 
   // One picture. Returns false where the window is to be closed.
-  bool turn(double wait_s, Remote* remote) {
+  bool turn(double wait_s, Remote* remote, HeadReceiver* head) {
     const std::vector<InputEvent>& events = window_.events(wait_s);
     const auto begin = Clock::now();
     const double wall_s = std::min(1.0, std::chrono::duration<double>(begin - last_).count());
@@ -98,6 +98,7 @@ class Loop {
     controls_.apply(events, player_, width, height, hud_.has_mouse(), hud_.has_keys());
     controls_.hold(wall_s, player_);
     if (remote) remote->poll([&](const std::string& line) { return player_.command(line); });
+    if (head) head->poll(player_.head_mm);
     player_.step(wall_s);
     if (width > 0 && height > 0) picture(width, height);
     window_.swap();
@@ -123,7 +124,8 @@ class Loop {
   }
 
   void picture(int width, int height) {
-    player_.stage().draw(player_.camera, width, height, [] { bind_screen(); });
+    player_.stage().draw(
+        player_.camera, width, height, [] { bind_screen(); }, player_.head_mm);
     if (player_.takes_shot()) {
       const std::filesystem::path file = player_.next_shot();
       write_file(file, png_of(read_picture(width, height)));
@@ -154,10 +156,15 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
   auto loading = std::async(std::launch::async, [&] { return std::make_unique<Player>(options, stop); });
   std::optional<GlfwWindow> window;
   std::optional<Remote> remote;
+  std::optional<HeadReceiver> head;
   try {
     if (remote_port >= 0) {
       remote.emplace(remote_port);
       say(fmt::format("remote on port {}", remote->port()));
+    }
+    if (options.head_port >= 0) {
+      head.emplace(options.head_port);
+      say(fmt::format("head on port {}", head->port()));
     }
     window.emplace("trephine-sim", params.window_width, params.window_height);
     driver_facts();
@@ -173,7 +180,8 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
   std::size_t told = 0;
   try {
     double wait_s = 0;
-    while (!stop.load(std::memory_order_relaxed) && loop.turn(wait_s, remote ? &*remote : nullptr)) {
+    while (!stop.load(std::memory_order_relaxed) &&
+           loop.turn(wait_s, remote ? &*remote : nullptr, head ? &*head : nullptr)) {
       if (loop.pictures() == 1) {
         outcome.first_picture_s = since(begun);
         say(fmt::format("first picture after {:.2f} s, drawn by {}", outcome.first_picture_s, outcome.driver));

@@ -14,8 +14,9 @@ namespace {
 
 constexpr double begin_mm = 15;    // before the site, where the tool waits
 constexpr double beyond_mm = 150;  // from where the depth of the tip is measured
+constexpr double dot_mm = 1;       // between the dots of a way, at least
 constexpr double drop_mm = 60;     // within which the place is lit where the tool would land
-constexpr std::size_t most_forces = 240, most_trace = 4000;
+constexpr std::size_t most_forces = 240, most_dots = 500;
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -33,6 +34,28 @@ std::filesystem::path numbered(const std::filesystem::path& file, int n) {
   return file.parent_path() / (file.stem().string() + "-" + std::to_string(n) + file.extension().string());
 }
 
+// A further dot of a way, where it is far enough from the last; of too many every second one goes, so that a long way
+// costs no more than a short one.
+void add_dot(std::vector<Vec3>& way, Vec3 at, double& apart_mm) {
+  if (!way.empty() && norm(at - way.back()) < apart_mm) return;
+  way.push_back(at);
+  if (way.size() < most_dots) return;
+  for (std::size_t n = 0; 2 * n < way.size(); ++n) way[n] = way[2 * n];
+  way.resize((way.size() + 1) / 2);
+  apart_mm *= 2;
+}
+
+// Where the tool went.
+std::vector<Vec3> way_of(const std::filesystem::path& file, const std::string& token) {
+  const Recording r = read_recording(file);
+  if (r.header.case_token != token)
+    throw Error(ExitCode::bad_input, file.string(), "case", "is " + r.header.case_token + ", not " + token);
+  std::vector<Vec3> way;
+  double apart_mm = dot_mm;
+  for (const ServoFrame& f : r.frames) add_dot(way, vec(f.proxy_mm), apart_mm);
+  return way;
+}
+
 }  // namespace
 
 Player::Player(const PlayOptions& options, const std::atomic<bool>& stop) : options_(options), stop_(stop) {
@@ -44,11 +67,13 @@ Player::Player(const PlayOptions& options, const std::atomic<bool>& stop) : opti
   } else {
     patient_ = std::make_shared<Patient>(o.case_folder, o.shape, o.contact, LoadParts{true});
   }
+  if (!options_.ghost.empty()) ghost_mm_ = way_of(options_.ghost, patient_->felt.loaded.manifest.case_token);
 }
 
 void Player::set_stage() {
   const LoadedCase& loaded = patient_->felt.loaded;
   stage_ = std::make_unique<Stage>(loaded, options_.view);
+  stage_->state.ghost_mm = ghost_mm_;
   camera = camera_of(options_.view, loaded.manifest, stage_->scene());
   for (const CaseShape& s : loaded.manifest.haptic.shapes) shapes_[s.number] = s.name;
   tool_name_ = options_.session.tool.tool;
@@ -144,6 +169,11 @@ void Player::step(double wall_s) {
       aim();
     }
     if (!frames.empty()) look_at(frames.back());
+    if (incisions_.size() > Renderer::most_incisions && !many_incisions_) {
+      many_incisions_ = true;
+      notes_.push_back(
+          fmt::format("more than {} incisions: the oldest look closed, and are not", Renderer::most_incisions));
+    }
     stage_->show_incisions(incisions_, incisions_.size());
     if (wall_s_ - rate_wall_s_ > 0.5) {
       servo_hz_ = rate_ticks_ > 0 ? double(frame_.tick - rate_ticks_) / (wall_s_ - rate_wall_s_) : 0;
@@ -153,6 +183,7 @@ void Player::step(double wall_s) {
     if (!session_->running()) quit_ = true;
   }
   stage_->follow(patient_->marks);
+  for (CtPlane& plane : stage_->state.ct_planes) plane.point_mm = vec(frame_.proxy_mm);
   measure();
 }
 
@@ -177,9 +208,10 @@ void Player::measure() {
     if (target_mm_ < 0 || away < target_mm_) target_mm_ = away;
   }
   std::vector<Vec3>& trace = stage_->state.trace_mm;
-  if (tracing_ && trace.size() < most_trace && (trace.empty() || norm(trace.back() - tip) >= 1)) {
-    if (!trace.empty()) trace_mm_ += norm(trace.back() - tip);
-    trace.push_back(tip);
+  if (tracing_) {
+    if (!trace.empty() && norm(tip - last_trace_mm_) < 1e3) trace_mm_ += norm(tip - last_trace_mm_);
+    last_trace_mm_ = tip;
+    add_dot(trace, tip, trace_apart_mm_);
   }
 }
 

@@ -21,7 +21,9 @@ struct PlayOptions {
   ScreenHandParams hand;
   ViewParams view;
   std::filesystem::path playback;             ///< a recording to be shown, in place of a session
+  std::filesystem::path ghost;                ///< a recording whose way is shown; may be empty
   std::vector<std::filesystem::path> before;  ///< the recordings that it follows, in their order
+  int head_port = -1;                         ///< of the loopback interface, for the user's head; below 0: none
   std::filesystem::path shots = ".";          ///< folder of pictures that the user takes
 };
 
@@ -60,6 +62,7 @@ class Player {
   void go_to(double time_s);
   void set_places(bool shown);
   void set_ct_slices(bool shown);
+  void set_insets(bool shown);
   void set_trace(bool on);
   /// "skull, 12.3, ...", or an empty text.
   std::string under(double x, double y, int width, int height) const;
@@ -68,6 +71,7 @@ class Player {
   std::string command(const std::string& line);
 
   OrbitCamera camera;
+  Vec3 head_mm;  ///< of the user beside the middle of the window: right, up, towards the user
   Stage& stage() { return *stage_; }
   const Patient& patient() const { return *patient_; }
   bool live() const { return !playback_; }
@@ -117,13 +121,16 @@ class Player {
   HandGoal goal_;
   ServoFrame frame_{};
   std::string tool_name_, no_name_, begins_sha256_;
+  Vec3 last_trace_mm_;
   std::map<int, std::string> shapes_;
+  std::vector<Vec3> ghost_mm_;
   std::deque<float> forces_;
-  double depth_mm_ = 0, target_mm_ = -1, trace_mm_ = 0, servo_hz_ = 0, late_us_ = 0, rate_wall_s_ = 0;
+  double depth_mm_ = 0, target_mm_ = -1, trace_mm_ = 0, trace_apart_mm_ = 1, servo_hz_ = 0, late_us_ = 0,
+         rate_wall_s_ = 0;
   double wall_s_ = 0;
   std::uint64_t rate_ticks_ = 0;
   int sessions_ = 0, shots_ = 0;
-  bool paused_ = false, tracing_ = false, quit_ = false, shot_ = false, ct_slices_ = false;
+  bool paused_ = false, tracing_ = false, quit_ = false, shot_ = false, many_incisions_ = false;
   std::vector<std::string> notes_;
 };
 

@@ -152,11 +152,14 @@ void Player::set_ct_slices(bool shown) {
     for (int axis = 0; axis < 3; ++axis) stage_->state.ct_planes.push_back({axis, vec(frame_.proxy_mm)});
 }
 
+void Player::set_insets(bool shown) { stage_->state.insets = shown; }
+
 void Player::set_trace(bool on) {
   tracing_ = on;
   if (!on) return;
   stage_->state.trace_mm.clear();
   trace_mm_ = 0;
+  trace_apart_mm_ = 1;
 }
 
 std::string Player::under(double x, double y, int width, int height) const {
@@ -221,6 +224,10 @@ std::string Player::command(const std::string& line) {
       set_places(on());
     else if (verb == "slices")
       set_ct_slices(on());
+    else if (verb == "insets")
+      set_insets(on());
+    else if (verb == "head")
+      head_mm = point();
     else if (verb == "trace")
       set_trace(on());
     else if (verb == "orbit") {

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 
 #include "base/error.h"
@@ -17,31 +18,37 @@ namespace trephine {
 namespace {
 
 constexpr std::size_t most_clients = 8, longest_line = 1024;
+constexpr double most_head_mm = 2000;
 
-}  // namespace
-
-Remote::Remote(int port) {
+// A socket of the loopback interface, and the port that it got.
+int socket_at(int kind, const char* flag, int& port) {
   const auto refuse = [&](const char* what) {
-    throw Error(ExitCode::io, "", "--remote", std::to_string(port) + ": " + what + ": " + std::strerror(errno));
+    throw Error(ExitCode::io, "", flag, std::to_string(port) + ": " + what + ": " + std::strerror(errno));
   };
-  socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (socket_ < 0) refuse("no socket");
+  const int s = ::socket(AF_INET, kind | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (s < 0) refuse("no socket");
   const int yes = 1;
-  ::setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  if (kind == SOCK_STREAM) ::setsockopt(s, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   sockaddr_in at{};
   at.sin_family = AF_INET;
   at.sin_port = htons(std::uint16_t(port));
   at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  if (::bind(socket_, reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0 || ::listen(socket_, 4) != 0) {
+  if (::bind(s, reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0 ||
+      (kind == SOCK_STREAM && ::listen(s, 4) != 0)) {
     const int fault = errno;
-    ::close(socket_);
+    ::close(s);
     errno = fault;
     refuse("the port cannot be used");
   }
   socklen_t size = sizeof at;
-  ::getsockname(socket_, reinterpret_cast<sockaddr*>(&at), &size);
-  port_ = ntohs(at.sin_port);
+  ::getsockname(s, reinterpret_cast<sockaddr*>(&at), &size);
+  port = ntohs(at.sin_port);
+  return s;
 }
+
+}  // namespace
+
+Remote::Remote(int port) : port_(port) { socket_ = socket_at(SOCK_STREAM, "--remote", port_); }
 
 Remote::~Remote() {
   for (const Client& c : clients_) ::close(c.socket);
@@ -85,6 +92,18 @@ void Remote::poll(const std::function<std::string(const std::string& line)>& ans
                                   return true;
                                 }),
                  clients_.end());
+}
+
+HeadReceiver::HeadReceiver(int port) : port_(port) { socket_ = socket_at(SOCK_DGRAM, "--head-port", port_); }
+HeadReceiver::~HeadReceiver() { ::close(socket_); }
+
+void HeadReceiver::poll(Vec3& head_mm) {
+  char bytes[129];
+  for (ssize_t n; (n = ::recv(socket_, bytes, sizeof bytes - 1, 0)) >= 0;) {
+    bytes[n] = 0;
+    Vec3 p;
+    if (std::sscanf(bytes, "%lf %lf %lf", &p.x, &p.y, &p.z) == 3 && is_finite(p) && norm(p) < most_head_mm) head_mm = p;
+  }
 }
 
 }  // namespace trephine

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "base/vec3.h"
+
 namespace trephine {
 
 /// A line protocol on the loopback interface: whoever connects sends a line and gets one line back. Nothing blocks;
@@ -27,6 +29,23 @@ class Remote {
   bool serve(Client& client, const std::function<std::string(const std::string& line)>& answer);
   int socket_ = -1, port_ = 0;
   std::vector<Client> clients_;
+};
+
+/// Where the user's head is, as a tracker sends it: a datagram of text with three numbers, mm to the right of the
+/// middle of the window, up, and towards the user from where the camera stands. What is no such text is ignored.
+class HeadReceiver {
+ public:
+  /// Throws Error 74 where the port of the loopback interface cannot be had. Port 0: any that is free.
+  explicit HeadReceiver(int port);
+  ~HeadReceiver();
+  HeadReceiver(const HeadReceiver&) = delete;
+  HeadReceiver& operator=(const HeadReceiver&) = delete;
+  int port() const { return port_; }
+  /// The newest place that came, if any did since the last call.
+  void poll(Vec3& head_mm);
+
+ private:
+  int socket_ = -1, port_ = 0;
 };
 
 }  // namespace trephine

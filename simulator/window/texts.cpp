@@ -40,14 +40,15 @@ constexpr Row table[] = {
      {"Mouse: moves the tool in the picture's plane\nLeft button, space: pedal\nWheel, W, S: along the tool\n"
       "Right button: turn   Middle: shift\nCtrl + wheel, + and -: nearer, farther\nArrows: tilt the tool   Home: "
       "towards you\nT: aim at the target\nG: tool to the surface under the cursor\nM: incise   X: cut away at the tool"
-      "\n[ and ]: move the cut\n1 to 9: tools   F1 to F8: views\nC: CT slices   K: trace   P: pause\nF12: picture to a "
+      "\n[ and ]: move the cut\n1 to 9: tools   F1 to F8: views\nC, I: CT slices   K: trace   P: pause\nF12: picture "
+      "to a "
       "file   H: hide "
       "this   Esc: end",
       "Maus: bewegt das Instrument in der Bildebene\nLinke Taste, Leertaste: Pedal\nRad, W, S: längs des Instruments\n"
       "Rechte Taste: drehen   Mitte: schieben\nStrg + Rad, + und -: näher, weiter\nPfeile: kippen   Pos1: zum "
       "Betrachter\nT: auf das Ziel "
       "richten\nG: an die Fläche unter dem Zeiger\nM: Inzision   X: Schnitt am Instrument\n[ und ]: Schnitt "
-      "verschieben\n1 bis 9: Instrumente   F1 bis F8: Ansichten\nC: CT-Schichten   K: Spur   P: Pause\nF12: Bild in "
+      "verschieben\n1 bis 9: Instrumente   F1 bis F8: Ansichten\nC, I: CT-Schichten   K: Spur   P: Pause\nF12: Bild in "
       "eine Datei   H: "
       "ausblenden   Esc: Ende"}},
     {Text::lost_device, {"FAULT: the force is zero", "FEHLER: die Kraft ist null"}},

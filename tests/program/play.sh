@@ -53,7 +53,7 @@ finish() {
   [[ $code == "$1" ]] || { cat "$work/said" "$work/fault" >&2; fail "exit code $code instead of $1"; }
 }
 
-begin --record "$work/play.servo" --shots "$work/shots" --incision-radius-mm 12
+begin --head-port 0 --record "$work/play.servo" --shots "$work/shots" --incision-radius-mm 12
 until_state 'time [1-9]|time 0\.[1-9]'
 before=$(field tip)
 
@@ -78,7 +78,7 @@ for try in {1..50}; do [[ -s $work/shots/picture-001.png ]] && break; sleep 0.1;
 xdotool key 3
 until_state 'tool catheter'
 ok 'view left'; ok 'opacity scalp 0.3'; ok 'hide brain'; ok 'show brain'; ok 'cut coronal'; ok 'move_cut 2'; ok 'cut none'
-ok 'orbit 10 -5'; ok 'zoom 0.9'; ok 'pedal on'; ok 'pedal off'; ok 'aim'; ok 'trace on'; ok 'slices on'; ok 'places off'
+ok 'orbit 10 -5'; ok 'zoom 0.9'; ok 'pedal on'; ok 'pedal off'; ok 'aim'; ok 'trace on'; ok 'slices on'; ok 'places off'; ok 'insets on'; ok 'head 20 -10 30'
 for wrong in 'tool hammer' 'view inside' 'opacity hair 1' 'opacity scalp 2' 'opacity scalp' 'cut along' 'move 1 2' 'pedal maybe' 'zoom 0' nonsense; do
   ask "$wrong"
   [[ $answer == error:* ]] || fail "$wrong: $answer"
@@ -94,7 +94,7 @@ expect 65 'begins_sha256: the recordings given before' "$TREPHINE" replay "$work
 grep -q '^replayed bit for bit$' "$work/text" || fail "the second tool: not bit for bit"
 
 # The recording is shown, forwards and backwards.
-begin --playback "$work/play.servo"
+begin --playback "$work/play.servo" --ghost "$work/play-2.servo"
 ok 'pause on'; ok 'go_to 0'
 until_state 'time 0\.0'
 ok 'go_to 1000'

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is drawn on planes: caps of a cut, slices of the CT in the scene and in a corner.
+#include <algorithm>
+#include <cmath>
+
+#include "haptics/tool.h"
+#include "render/renderer_impl.h"
+
+namespace trephine {
+namespace {
+
+float linear(double srgb) { return float(std::pow(std::clamp(srgb, 0.0, 1.0), 2.2)); }
+
+}  // namespace
+
+void Renderer::Impl::set_plane(const EyeView& eye) const {
+  plane.use();
+  plane.set("to_camera", eye.to_camera(centre_mm));
+  plane.set("projection", eye.projection());
+  plane.set("to_ct", to_ct);
+  plane.set("ct", 0);
+  plane.set("encode", 0);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_3D, has_ct ? ct : noise);
+}
+
+void Renderer::Impl::draw_plane(Vec3 middle, Vec3 across, Vec3 along) const {
+  plane.set("middle", middle);
+  plane.set("across", across);
+  plane.set("along", along);
+  glBindVertexArray(plane_array);
+  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+}
+
+// Where more back than front faces are passed on the way to the eye, the plane lies within the solid. Shapes within
+// others come later, at the same depth.
+void Renderer::Impl::draw_caps(const EyeView& eye, const SceneState& state) {
+  const Mat3 frame = frame_along(normalized(state.cut->normal));
+  const Vec3 normal = frame.column[2], at = relative(state.cut->point_mm);
+  const Vec3 middle = normal * dot(normal, at), across = frame.column[0] * radius_mm,
+             along = frame.column[1] * radius_mm;
+  const float light = 0.35f + 0.6f * float(std::abs(dot(normal, eye.toward)));
+  glEnable(GL_STENCIL_TEST);
+  for (std::size_t n = 0; n < items.size() && n < state.opacity.size(); ++n) {
+    if (state.opacity[n] <= 0) continue;
+    begin_surface(surface, eye, state);
+    use_surface(n, state, 1);
+    set_balls(surface, false);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glDepthMask(GL_FALSE);
+    glDisable(GL_DEPTH_TEST);
+    glStencilFunc(GL_ALWAYS, 0, 255);
+    glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
+    glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
+    draw_surface(n, Sight::Faces::both);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthMask(GL_TRUE);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LEQUAL);
+    glDisable(GL_CLIP_DISTANCE0);
+    glStencilFunc(GL_NOTEQUAL, 0, 255);
+    glStencilOp(GL_ZERO, GL_ZERO, GL_ZERO);
+    set_plane(eye);
+    const std::array<float, 3>& c = items[n].colour_rgb;
+    plane.set("tint", linear(c[0]), linear(c[1]), linear(c[2]));
+    plane.set("ct_share", has_ct && state.cut_shows_ct ? 0.8f : 0.f);
+    plane.set("only_ct", 0);
+    plane.set("light", light);
+    plane.set("low", float(state.ct_low_hu));
+    plane.set("high", float(state.ct_high_hu));
+    set_balls(plane, items[n].incised);
+    draw_plane(middle, across, along);
+    glDepthFunc(GL_LESS);
+    glEnable(GL_CLIP_DISTANCE0);
+  }
+  glDisable(GL_STENCIL_TEST);
+}
+
+void Renderer::Impl::draw_ct_planes(const EyeView& eye, const SceneState& state) {
+  if (!has_ct || state.ct_planes.empty()) return;
+  set_plane(eye);
+  plane.set("tint", 0.f, 0.f, 0.f);
+  plane.set("ct_share", 1.f);
+  plane.set("only_ct", 1);
+  plane.set("light", 1.f);
+  plane.set("low", float(state.ct_low_hu));
+  plane.set("high", float(state.ct_high_hu));
+  set_balls(plane, false);
+  const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const CtPlane& p : state.ct_planes) {
+    const Vec3 normal = axes[p.axis];
+    draw_plane(normal * dot(normal, relative(p.point_mm)), axes[(p.axis + 1) % 3] * radius_mm,
+               axes[(p.axis + 2) % 3] * radius_mm);
+  }
+}
+
+void Renderer::draw_inset(const CtPlane& at, const SceneState& state, int x, int y, int size, double half_mm) {
+  Impl& r = *impl_;
+  if (!r.has_ct || size < 8) return;
+  const Vec3 left{1, 0, 0}, back{0, 1, 0}, head{0, 0, 1};
+  const Vec3 right = at.axis == 0 ? -back : left, up = at.axis == 2 ? -back : head, middle = r.relative(at.point_mm);
+  Mat4 flat;
+  flat.m.fill(0);
+  for (int c = 0; c < 3; ++c) {
+    flat.at(0, c) = float(right[c] / half_mm);
+    flat.at(1, c) = float(up[c] / half_mm);
+  }
+  flat.at(0, 3) = float(-dot(right, middle) / half_mm);
+  flat.at(1, 3) = float(-dot(up, middle) / half_mm);
+  flat.at(3, 3) = 1;
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  glEnable(GL_SCISSOR_TEST);
+  const auto fill = [&](int fx, int fy, int w, int h, float red, float green, float blue) {
+    glScissor(fx, fy, w, h);
+    glClearColor(red, green, blue, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+  };
+  fill(x, y, size, size, 0, 0, 0);
+  glViewport(x, y, size, size);
+  r.set_plane(EyeView());
+  r.plane.set("to_camera", flat);
+  r.plane.set("projection", Mat4());
+  r.plane.set("tint", 0.f, 0.f, 0.f);
+  r.plane.set("ct_share", 1.f);
+  r.plane.set("only_ct", 0);
+  r.plane.set("encode", 1);
+  r.plane.set("light", 1.f);
+  r.plane.set("low", float(state.ct_low_hu));
+  r.plane.set("high", float(state.ct_high_hu));
+  r.set_balls(r.plane, false);
+  r.draw_plane(middle, right * half_mm, up * half_mm);
+  fill(x + size / 2, y, 1, size, 0.9f, 0.62f, 0);
+  fill(x, y + size / 2, size, 1, 0.9f, 0.62f, 0);
+  glDisable(GL_SCISSOR_TEST);
+  check_gl("a slice");
+}
+
+}  // namespace trephine
