@@ -172,6 +172,8 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
     loading.wait();
     throw;
   }
+  if (!options.playback.empty() && loading.wait_for(std::chrono::milliseconds(500)) != std::future_status::ready)
+    say("running the recording, to show any of its times");
   const std::unique_ptr<Player> player = loading.get();
   player->set_stage();
   PlayOutcome outcome;

@@ -128,6 +128,14 @@ void Player::end_session() {
   for (const ServoFrame& f : session_->last_frames()) watch_->look(f, incisions_);
   session_.reset();
   screen_hand_ = nullptr;
+  const ServoStatistics& t = r.statistics;
+  notes_.push_back(fmt::format(
+      "{}: {} ticks, tick time p50 {:.1f}, p99 {:.1f} us, woken late p50 {:.3f}, p99 {:.3f} ms, {} overruns{}",
+      r.header.tool.tool, t.ticks, t.busy.quantile_ns(0.5) / 1e3, t.busy.quantile_ns(0.99) / 1e3,
+      t.late.quantile_ns(0.5) / 1e6, t.late.quantile_ns(0.99) / 1e6, t.overruns,
+      t.faults != 0 ? ", faults " + fault_names(t.faults) : ""));
+  if (r.frames_lost > 0)
+    notes_.push_back(fmt::format("{} frames were not recorded: the disk is too slow", r.frames_lost));
   if (!r.outcome) return;
   std::string removed;
   for (const auto& [name, mm3] : r.outcome->removed_mm3)
