@@ -12,7 +12,7 @@ Program declare() {
   program.summary = "runs surgical simulations on the cases that trephine makes";
   program.reference_folder = "docs/reference-sim";
   program.commands = {check_command(), servo_command(),  replay_command(),  lesson_command(),
-                      score_command(), fluoro_command(), exercise_command()};
+                      score_command(), fluoro_command(), exercise_command(), calibrate_command()};
 #ifdef TREPHINE_WITH_DISPLAY
   program.commands.push_back(play_command());
   program.commands.push_back(render_command());

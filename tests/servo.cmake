@@ -3,7 +3,7 @@ if(TARGET trephine-sim)
 add_library(adaptor_stub MODULE adaptor_stub.c)
 set_target_properties(adaptor_stub PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 target_include_directories(adaptor_stub PRIVATE ${PROJECT_SOURCE_DIR}/simulator)
-foreach(script servo servo_adaptor servo_drill servo_udp)
+foreach(script calibrate servo servo_adaptor servo_drill servo_udp)
 add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
 set_tests_properties(program.${script} PROPERTIES TIMEOUT 300
   ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case;STUB=$<TARGET_FILE:adaptor_stub>")

@@ -12,6 +12,7 @@ Command lesson_command();
 Command score_command();
 Command fluoro_command();
 Command exercise_command();
+Command calibrate_command();
 /// Not in a build with TREPHINE_HEADLESS.
 Command render_command();
 Command play_command();

@@ -11,6 +11,7 @@
 #include "cli/argument.h"
 #include "commands/commands.h"
 #include "commands/session_options.h"
+#include "commands/settings.h"
 
 namespace trephine {
 namespace {
@@ -33,7 +34,9 @@ struct PlayParams {
   }
 };
 
-ExitCode run_play(const ParsedCommand& parsed) {
+ExitCode run_play(const ParsedCommand& given) {
+  const ParsedCommand parsed = with_settings(given);
+  write_settings(parsed);
   const auto begun = std::chrono::steady_clock::now();
   const PlayParams& params = parsed.params<PlayParams>();
   PlayOptions o;
@@ -85,6 +88,7 @@ Command play_command() {
       argument("ghost", Argument::Kind::in_file, "A recording whose way is shown as green dots, such as an expert's."));
   c.arguments.push_back(argument("shots", Argument::Kind::out_folder,
                                  "Folder for the pictures that F12 takes; the current folder where it is not given."));
+  for (const Argument& a : settings_arguments()) c.arguments.push_back(a);
   c.groups = {ParameterGroup::of<PlayParams>("Parameters"), ParameterGroup::of<WindowParams>("Window"),
               ParameterGroup::of<ViewParams>("View"), ParameterGroup::of<ScreenHandParams>("Mouse and keyboard")};
   const std::vector<ParameterGroup> session = session_groups();

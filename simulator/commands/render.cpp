@@ -10,6 +10,7 @@
 #include "cli/argument.h"
 #include "commands/commands.h"
 #include "commands/session_options.h"
+#include "commands/settings.h"
 #include "render/stage.h"
 
 namespace trephine {
@@ -91,7 +92,9 @@ void render_recording(const ParsedCommand& parsed) {
   pictures.print();
 }
 
-ExitCode run_render(const ParsedCommand& parsed) {
+ExitCode run_render(const ParsedCommand& given) {
+  const ParsedCommand parsed = with_settings(given);
+  write_settings(parsed);
   const OffscreenContext context;
   driver_facts();
   if (parsed.has("recording")) {
@@ -124,6 +127,7 @@ Command render_command() {
   Argument out = argument("out", Argument::Kind::out_folder, "Folder for the pictures.");
   out.required = true;
   c.arguments = {folder, recording, before_argument(), out};
+  for (const Argument& a : settings_arguments()) c.arguments.push_back(a);
   c.groups = {ParameterGroup::of<PictureParams>("Pictures"), ParameterGroup::of<ViewParams>("View")};
   c.examples = {"trephine-sim render library/sample --out pictures",
                 "trephine-sim render library/sample --out pictures --cut sagittal --opacity skin=0.3",

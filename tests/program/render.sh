@@ -55,6 +55,24 @@ done
 grep -q '^3 pictures\|^4 pictures' "$work/text" || { cat "$work/text"; fail "not a picture for each 4 s"; }
 check 'a, b, c = (read(f"film/frame-0000{n}.png")[2] for n in (1, 2, 3)); assert different(a, b) > 50 and different(b, c) > 50'
 
+# Settings from a file: what the command line gives comes first, and what is wrong is refused.
+echo '{"view": "left", "width": 320, "height": 240, "occlusion": false}' >"$work/settings.json"
+"$TREPHINE" render "$work/sample" --out "$work/set" --settings "$work/settings.json" --write-settings "$work/all.json" >/dev/null
+"$TREPHINE" render "$work/sample" --out "$work/flags" "${small[@]}" --view left --no-occlusion >/dev/null
+cmp "$work/set/frame-00001.png" "$work/flags/frame-00001.png" || fail "settings are not flags"
+"$TREPHINE" render "$work/sample" --out "$work/read" --settings "$work/all.json" >/dev/null
+cmp "$work/set/frame-00001.png" "$work/read/frame-00001.png" || fail "written settings are others"
+"$TREPHINE" render "$work/sample" --out "$work/first" --settings "$work/settings.json" --view surgeon --occlusion >/dev/null
+cmp "$work/one/frame-00001.png" "$work/first/frame-00001.png" || fail "the command line does not come first"
+refused() { echo "$1" >"$work/wrong.json"; expect 65 "$2" "$TREPHINE" render "$work/sample" --out "$work/x" --settings "$work/wrong.json"; }
+refused '{"views": "left"}' 'views: is no parameter'
+refused '{"view": "inside"}' 'view: '
+refused '{"width": 1, "width": 300}' 'width: comes twice'
+refused '{"width": "wide"}' 'width: '
+refused '{"ct_low_hu": 900}' 'ct_high_hu'
+expect 64 'ct_high_hu' "$TREPHINE" render "$work/sample" --out "$work/x" --ct-low-hu 900
+refused '[1]' 'JSON object'
+refused '{"view": ' 'no JSON'
 expect 64 '[-]-opacity: hair=1: the case shows scalp, skull, brain' "$TREPHINE" render "$work/sample" --out "$work/x" --opacity hair=1
 expect 64 '[-]-from-s: the recording lasts' "$TREPHINE" render "$work/sample" "$work/hole.servo" --out "$work/x" --from-s 100
 expect 65 'is no recording' "$TREPHINE" render "$work/sample" "$work/sample/case.json" --out "$work/x"

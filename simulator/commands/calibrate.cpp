@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/write_file.h"
+#include "cli/argument.h"
+#include "commands/commands.h"
+#include "commands/session_options.h"
+#include "commands/settings.h"
+#include "session/calibration.h"
+#include "session/session.h"
+
+namespace trephine {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The stiffest face of the case that can be touched.
+double stiffest(const FeltCase& felt) {
+  double most = 0;
+  for (const ShapeFeel& f : felt.feels)
+    for (const CaseFace* face : {&f.front, &f.back})
+      if (face->touchable) most = std::max(most, face->stiffness_n_per_mm);
+  return most;
+}
+
+Json list_of(Vec3 v) { return {v.x, v.y, v.z}; }
+
+// The device's middle is put to the case's; its workspace is not made larger or smaller.
+Json settings_of(const Calibration& c, const SessionOptions& o, Vec3 centre_mm) {
+  const Vec3 middle = (c.workspace.min_mm + c.workspace.max_mm) / 2;
+  return {{"rate_hz", o.servo.rate_hz}, {"workspace_scale", 1}, {"workspace_offset_mm", list_of(centre_mm - middle)}};
+}
+
+ExitCode run_calibrate(const ParsedCommand& given) {
+  const ParsedCommand parsed = with_settings(given);
+  const SessionOptions o = session_options_of(parsed);
+  const CalibrationParams& params = parsed.params<CalibrationParams>();
+  const auto say = [](const std::string& line) { std::cout << line << "\n" << std::flush; };
+  Patient patient(o.case_folder, o.shape, o.contact);
+  const DeviceScene scene{patient.contact,
+                          touchable_of(patient.felt.feels),
+                          params.in_real_time,
+                          false,
+                          say,
+                          Progress({}, &cancel_requested()),
+                          0,
+                          0,
+                          {}};
+  const std::unique_ptr<Device> device = make_device(o.device, scene);
+  const Calibration c = calibrate(*device, params, cancel_requested(), say);
+  const double case_n_per_mm = stiffest(patient.felt);
+  const Vec3 size = c.workspace.max_mm - c.workspace.min_mm;
+  std::cout << fmt::format("poses {:.0f} a second, 99 of 100 within {:.1f} ms\n", c.poses_hz, c.gap_p99_ms);
+  std::cout << (c.latency_ms >= 0 ? fmt::format("latency {:.2f} ms from a force to its motion\n", c.latency_ms)
+                                  : std::string("latency not measured: the pulses did not move it\n"));
+  std::cout << fmt::format("workspace {:.1f} x {:.1f} x {:.1f} mm\n", size.x, size.y, size.z);
+  if (c.stable_n_per_mm < 0)
+    std::cout << fmt::format("no wall was stable, not even one of {:g} N/mm\n", params.first_stiffness_n_per_mm);
+  else
+    std::cout << fmt::format("stable up to {:.2f} N/mm{}; the case's stiffest face has {:g} N/mm{}\n",
+                             c.stable_n_per_mm,
+                             c.unstable_n_per_mm > 0 ? fmt::format(", unstable at {:.2f}", c.unstable_n_per_mm) : "",
+                             case_n_per_mm, case_n_per_mm > c.stable_n_per_mm ? ": it will tremble there" : "");
+  if (parsed.has("json")) {
+    const Json j = {{"device", o.device.name},
+                    {"poses_hz", c.poses_hz},
+                    {"gap_p99_ms", c.gap_p99_ms},
+                    {"latency_ms", c.latency_ms >= 0 ? Json(c.latency_ms) : Json()},
+                    {"workspace_mm", {list_of(c.workspace.min_mm), list_of(c.workspace.max_mm)}},
+                    {"stable_n_per_mm", c.stable_n_per_mm > 0 ? Json(c.stable_n_per_mm) : Json()},
+                    {"unstable_n_per_mm", c.unstable_n_per_mm > 0 ? Json(c.unstable_n_per_mm) : Json()},
+                    {"case_n_per_mm", case_n_per_mm}};
+    write_file(parsed.path("json"), j.dump(1) + "\n");
+  }
+  if (parsed.has("write_settings"))
+    write_file(parsed.path("write_settings"), settings_of(c, o, patient.felt.loaded.manifest.center_mm).dump(1) + "\n");
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+Command calibrate_command() {
+  Command c;
+  c.name = "calibrate";
+  c.summary = "measures a device: rate, latency, workspace, and the stiffest wall on which it stays calm";
+  c.description =
+      "It tells the hand what to do, and sends forces of its own: pulses of --pulse-n, and walls that press with "
+      "--wall-most-n at most. A wall counts as stable where it gave the hand no energy on the whole and the device was "
+      "at rest at its end. The result is compared with the case's stiffest face. --write-settings writes a file for "
+      "`trephine-sim play --settings`, which puts the middle of the device's workspace to the middle of the case.";
+  std::vector<Argument> arguments = session_arguments(DeviceChoice().name);
+  for (const Argument& a : arguments)
+    if (a.name != "record") c.arguments.push_back(a);
+  c.arguments.push_back(argument("json", Argument::Kind::out_file, "Write what was measured to this file."));
+  c.arguments.push_back(argument("write_settings", Argument::Kind::out_file, "Write settings for play to this file."));
+  c.groups = session_groups();
+  c.groups.insert(c.groups.begin(), ParameterGroup::of<CalibrationParams>("Calibration"));
+  c.examples = {"trephine-sim calibrate library/sample --device udp --write-settings device.json",
+                "trephine-sim calibrate library/sample --no-in-real-time"};
+  c.run = run_calibrate;
+  return c;
+}
+
+}  // namespace trephine
