@@ -11,7 +11,7 @@ Program declare() {
   program.version = TREPHINE_VERSION;
   program.summary = "runs surgical simulations on the cases that trephine makes";
   program.reference_folder = "docs/reference-sim";
-  program.commands = {check_command(), servo_command(),  replay_command(),  lesson_command(),
+  program.commands = {check_command(), servo_command(),  replay_command(),   lesson_command(),
                       score_command(), fluoro_command(), exercise_command(), calibrate_command()};
 #ifdef TREPHINE_WITH_DISPLAY
   program.commands.push_back(play_command());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// write_sample_case FOLDER [full|drill|play|head|head_drilled]: writes a small case of every part, one of full size, one
-// with bone to drill, one with bone under scalp, or a head for lessons, for the tests of programs.
+// write_sample_case FOLDER [full|drill|play|head|head_drilled]: writes a small case of every part, one of full size,
+// one with bone to drill, one with bone under scalp, or a head for lessons, for the tests of programs.
 #include <iostream>
 
 #include "case_samples.h"

@@ -307,9 +307,9 @@ class Finder {
     if (!arc_) return;
     const double base = confidence_of("nasion") * ramp(arc_->nasion_gap_mm, 10, 4);
     const Outline midline = without_ridges(arc_->skin, arc_->centre_mm, brow_mm);
-    const auto top = point_along(midline, params_.along_mm);
-    const auto behind = point_along(midline, params_.along_mm + tangent_mm);
-    const auto ahead = point_along(midline, std::max(0.0, params_.along_mm - tangent_mm));
+    const auto top = point_along(midline, params_.along_mm),
+               behind = point_along(midline, params_.along_mm + tangent_mm),
+               ahead = point_along(midline, std::max(0.0, params_.along_mm - tangent_mm));
     if (!top || !behind || !ahead || runs_over_edge(skin, arc_->skin, *top)) {
       report_.warn("kocher_left and kocher_right not found: the midline's skin ends before, at the scan's edge");
       return;
@@ -323,8 +323,7 @@ class Finder {
       if (out_.find(name)) continue;
       const auto p = point_along(lateral, params_.lateral_mm);
       if (!p || runs_over_edge(skin, lateral, *p) || base < least_confidence) {
-        report_.warn(
-            fmt::format("{} not found: the skin ends before, at the scan's edge, or the nasion is doubtful", name));
+        report_.warn(name + " not found: the skin ends before, at the scan's edge, or the nasion is doubtful");
         continue;
       }
       // The confidence includes the plane's already, through the nasion's.
@@ -333,7 +332,8 @@ class Finder {
       const double soft_mm = soft_tissue_mm(skull, *p, normalized(middle - *p));
       lower(found, name, std::max(0.3, scalp_ratio(soft_mm)), fmt::format("bone lies {:.0f} mm below", soft_mm));
       if (bregma && bregma->confidence >= 0.5) {
-        const double before_mm = before_suture_mm(*p, bregma->position_mm, arc_->centre_mm, known_nasion());
+        const double before_mm =
+            before_suture_mm(*p, bregma->position_mm, arc_->centre_mm, *known("nasion", least_confidence));
         report_.add(name + "_before_suture_mm", before_mm);
         if (before_mm < least_before_suture_mm || before_mm > most_before_suture_mm)
           lower(found, name, 0.45,
@@ -343,7 +343,6 @@ class Finder {
       out_.landmarks.push_back({name, found.position_mm, found.confidence, "found"});
     }
   }
-  Vec3 known_nasion() const { return *known("nasion", least_confidence); }
 
   /// Multiplies the confidence, and remembers why where that is what makes it doubtful.
   void lower(FoundPoint& p, const std::string& name, double factor, const std::string& why) {

@@ -42,7 +42,7 @@ struct ExecuteOptions {
   /// Seconds that nodes took in an earlier run, by name; others are expected to take their stage's typical_s.
   std::map<std::string, double> seconds_before;
   std::vector<NodeResult>* made = nullptr;  ///< where an error ends the run, what is in memory then comes here
-  bool allow_external = false;  ///< nodes may run programs that the configuration names
+  bool allow_external = false;              ///< nodes may run programs that the configuration names
 };
 
 /// Computes one node: runs its stage on these inputs. Throws what the stage throws, and Error 65 where a series is no
