@@ -155,6 +155,8 @@ TEST(External, ParametersThatMakeNoSense) {
   EXPECT_EQ(with([](auto& p) { p.program = "no-such-program-of-trephine"; }).code, 66);
   EXPECT_EQ(with([](auto& p) { p.program = "/etc/passwd"; }).code, 66);
   EXPECT_EQ(with([](auto& p) { p.version = ""; }).code, 64);
+  EXPECT_EQ(with([](auto& p) { p.version = "7"; }).code, 64);  // it says 1.7
+  EXPECT_EQ(with([](auto& p) { p.version = "1"; }).code, 0);
   const Refused other = with([](auto& p) { p.version = "2.0"; });
   EXPECT_EQ(other.code, 64);
   EXPECT_EQ(other.text, "version: the program says 'labeller 1.7 (test)', which does not hold 2.0");

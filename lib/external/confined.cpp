@@ -48,6 +48,7 @@ struct Work {
 
 [[noreturn]] void become_program(Work& work, const Restriction& files, int failed) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
+  setsid();  // it has no terminal into which it could write keys
   const int null = open("/dev/null", O_RDONLY);
   const int log = open(work.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0600);
   dup2(null, 0);
@@ -110,6 +111,10 @@ void keep(ChildRequest& r) {
 
   const Separation apart = separate();
   const Restriction files(in.at("may_write").get<std::vector<std::string>>());
+  if (in.at("require_confined").get<bool>() && !(apart.network_open.empty() && files.open().empty()))
+    throw Error(ExitCode::internal, "", "require_confined",
+                "the kernel does not confine the program, and it was not started (" + apart.network_open +
+                    (apart.network_open.empty() || files.open().empty() ? "" : ", ") + files.open() + ")");
   prctl(PR_SET_CHILD_SUBREAPER, 1);
   int ends[2];
   if (pipe(ends) != 0) throw Error(ExitCode::internal, "", "external", "no pipe can be made");
@@ -162,6 +167,7 @@ ConfinedResult run_confined(const ConfinedRequest& request, const Progress& prog
                 {"log", request.log.string()},
                 {"may_write", may_write},
                 {"file_bytes", bytes(request.file_limit_gb)},
+                {"require_confined", request.require_confined},
                 {"time_limit_s", request.time_limit_s},
                 {"memory_bytes", bytes(request.memory_limit_gb)}};
   ChildLimits limits;

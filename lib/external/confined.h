@@ -20,6 +20,7 @@ struct ConfinedRequest {
   double time_limit_s = 3600;                                    ///< wall clock
   double memory_limit_gb = 16;                                   ///< memory of its own of all its processes together
   double file_limit_gb = 16;                                     ///< of each file that it writes
+  bool require_confined = false;  ///< it is not started where the kernel does not confine it
 };
 
 struct ConfinedResult {
@@ -40,7 +41,7 @@ struct ConfinedResult {
 /// Memory is the resident memory that is not shared, looked at 20 times a second, because programs that use a GPU
 /// reserve address space far beyond what they use.
 ///
-/// Throws Error 70 where no child process can be started; Cancelled.
+/// Throws Error 70 where no child process can be started, or where it must be confined and cannot be; Cancelled.
 ConfinedResult run_confined(const ConfinedRequest& request, const Progress& progress = {});
 
 }  // namespace trephine

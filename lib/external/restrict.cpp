@@ -107,6 +107,7 @@ Restriction::Restriction(const std::vector<std::string>& may_write) {
   };
   for (const std::string& folder : may_write)
     if (!allow(folder, handled)) throw Error(ExitCode::no_input, folder, "may_write", std::strerror(errno));
+  if (version < 3) open_ = "Landlock of this kernel does not stop that files are cut short; Linux 6.2 does";
   allow("/dev", access_write | (handled & access_truncate));
   allow("/dev/shm", handled);  // semaphores of programs with several processes
 }
