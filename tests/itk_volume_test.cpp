@@ -160,6 +160,12 @@ TEST_F(Volumes, OtherFormatsThatItkReads) {
   write("n.raw", data);
   expect_same(write("n.nhdr", nrrd + "data file: n.raw\n\n"), ct);
   EXPECT_EQ(refusal(write("o.nhdr", nrrd + "data file: /etc/passwd\n\n")).field, "data file");
+  // The reader knows keys in any case and without spaces, so the check does.
+  EXPECT_EQ(refusal(write("o.nhdr", nrrd + "Data File: /etc/passwd\n\n")).field, "data file");
+  EXPECT_EQ(refusal(write("o.nhdr", nrrd + "Space Units: \"cm\" \"cm\" \"cm\"\ndata file: n.raw\n\n")).field,
+            "Space Units");
+  EXPECT_EQ(refusal(write("o.nhdr", nrrd + "data file: n.raw\nDataFile: n.raw\n\n")).field, "DataFile");
+  EXPECT_EQ(refusal(write("o.nhdr", nrrd + "\n")).field, "data file");
   EXPECT_EQ(refusal(write("p.nhdr", nrrd + "space units: \"cm\" \"cm\" \"cm\"\ndata file: n.raw\n\n")).field,
             "space units");
   write_nrrd(folder.path() / "own.nrrd", HuVolume(ct));

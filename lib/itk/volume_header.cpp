@@ -2,8 +2,10 @@
 #include "itk/volume_header.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -161,6 +163,7 @@ VolumeHeader check_meta_header(std::string_view head, const fs::path& file) {
 VolumeHeader check_nrrd_text(std::string_view head, const fs::path& file) {
   VolumeHeader out;
   bool directions = false, origin = false;
+  std::set<std::string> seen;
   std::size_t at = 0;
   while (at < head.size()) {
     const std::size_t end = std::min(head.find('\n', at), head.size());
@@ -169,21 +172,28 @@ VolumeHeader check_nrrd_text(std::string_view head, const fs::path& file) {
     if (line.empty()) break;
     const std::size_t colon = line.find(": ");
     if (line[0] == '#' || colon == std::string::npos) continue;
-    const std::string key = line.substr(0, colon), value = trimmed(line.substr(colon + 2));
-    directions = directions || key == "space directions";
-    origin = origin || key == "space origin";
-    if (key == "data file" || key == "datafile") out.data_file = beside(file, "data file", value);
-    if (key == "line skip" || key == "lineskip" || key == "byte skip" || key == "byteskip")
-      if (value != "0") bad(key, "is not read: the data must follow at once");
-    if (key == "space units" || key == "units")
+    const std::string value = trimmed(line.substr(colon + 2));
+    // The reader knows keys in any case, with and without spaces.
+    const std::string written = line.substr(0, colon);
+    std::string key;
+    for (const char c : written)
+      if (c != ' ') key += char(std::tolower(static_cast<unsigned char>(c)));
+    if (!seen.insert(key).second) bad(written, "is given twice");
+    directions = directions || key == "spacedirections";
+    origin = origin || key == "spaceorigin";
+    if (key == "datafile") out.data_file = beside(file, "data file", value);
+    if (key == "lineskip" || key == "byteskip")
+      if (value != "0") bad(written, "is not read: the data must follow at once");
+    if (key == "spaceunits" || key == "units")
       for (const std::string& word : split_at(value, ' '))
-        if (!word.empty() && word != "\"mm\"" && word != "\"\"") bad(key, "must be mm");
+        if (!word.empty() && word != "\"mm\"" && word != "\"\"") bad(written, "must be mm");
     if (key == "space" && value != "left-posterior-superior" && value != "LPS" && value != "right-anterior-superior" &&
         value != "RAS" && value != "left-anterior-superior" && value != "LAS")
-      bad(key, "is none that is read: left-posterior-superior or right-anterior-superior");
+      bad(written, "is none that is read: left-posterior-superior or right-anterior-superior");
   }
   if (!directions) bad("space directions", "is missing: the file does not say where it lies");
   if (!origin) bad("space origin", "is missing: the file does not say where it lies");
+  if (out.data_file.empty() && file.extension() == ".nhdr") bad("data file", "is missing: the header says no data");
   return out;
 }
 
