@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cstdio>
 
+#include "base/log.h"
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "cli/progress_display.h"
@@ -13,7 +14,10 @@ namespace {
 // Shows the run's stages on the terminal.
 class DisplayObserver : public RunObserver {
  public:
-  explicit DisplayObserver(bool quiet) : display_(quiet) {}
+  explicit DisplayObserver(bool quiet) : quiet_(quiet), display_(quiet) {}
+  void kept(const std::filesystem::path& folder) override {
+    if (!quiet_) log_line("what was made is kept for looking in " + folder.string());
+  }
   void planned(const std::vector<std::pair<std::string, double>>& expected_s) override { display_.plan(expected_s); }
   void publishing() override { display_.start(publishing_step); }
   void started(const std::string& node) override { display_.start(node); }
@@ -26,6 +30,7 @@ class DisplayObserver : public RunObserver {
   }
 
  private:
+  bool quiet_;
   ProgressDisplay display_;
 };
 

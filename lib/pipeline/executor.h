@@ -21,6 +21,8 @@ class RunObserver {
   virtual void planned(const std::vector<std::pair<std::string, double>>& expected_s) { (void)expected_s; }
   /// Begins what follows the nodes: making pictures and page, and publishing.
   virtual void publishing() {}
+  /// The run is refused, and what was made is kept for looking in that folder.
+  virtual void kept(const std::filesystem::path& folder) { (void)folder; }
   virtual void started(const std::string& node) = 0;
   virtual void progressed(const std::string& node, double fraction) = 0;
   /// `how`: computed or cached.

@@ -240,6 +240,17 @@ Preview draw_preview(const std::string& name, const StageData& data, const HuVol
   return out;
 }
 
+namespace {
+
+bool depends_on(const Graph& graph, int node, int source) {
+  if (node == source) return true;
+  const auto& sources = graph.nodes[std::size_t(node)].sources;
+  return std::any_of(sources.begin(), sources.end(),
+                     [&](const auto& s) { return depends_on(graph, s.second, source); });
+}
+
+}  // namespace
+
 Preview preview_stage(const PreviewRequest& request, RunObserver& observer) {
   ConfigOverrides overrides = request.overrides;
   if (request.params.stage.empty())
@@ -257,6 +268,10 @@ Preview preview_stage(const PreviewRequest& request, RunObserver& observer) {
   const Graph whole = make_graph(config, hash_of_series_input(config.series, config.import, cancelled));
   const bool without_face = config.face == "crop" || config.face == "deface";
   std::vector<int> wanted{find_stage_node(whole, request.params.stage), without_face ? whole.scan : 0};
+  if (without_face && whole.nodes[std::size_t(wanted[0])].output != DataKind::landmarks &&
+      !depends_on(whole, wanted[0], whole.deface))
+    throw Error(ExitCode::privacy, "", "--stage",
+                request.params.stage + " is made before the face is taken away, which the scene demands");
   const Graph graph = needed_part(whole, wanted);
   const StageCache cache(request.cache);
   ExecuteOptions options;
@@ -267,6 +282,7 @@ Preview preview_stage(const PreviewRequest& request, RunObserver& observer) {
   const NodeResult &drawn = results[std::size_t(wanted[0])], &scan = results[std::size_t(wanted[1])];
   Preview out = draw_preview(request.params.stage, drawn.data,
                              std::get<std::shared_ptr<const HuVolume>>(scan.data).get(), request.params, cancelled);
+  if (without_face) out.report.warn("whether the face is gone was not checked, as a run does before it publishes");
   for (const NodeResult& r : results)
     for (const std::string& w : r.report.warnings)
       out.report.warn(graph.nodes[std::size_t(&r - results.data())].name + ": " + w);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "base/hash.h"
 #include "base/text.h"
 #include "base/write_file.h"
 #include "consistency/anatomy_gate.h"
@@ -88,13 +89,36 @@ std::vector<CasePicture> pictures_of(const RefusedRun& run, const Error& refusal
   return pictures;
 }
 
+constexpr const char* message_file = "message.txt";
+
+/// What the folder's content is made of: series, parameters and the policy for faces. Pictures of other runs must not
+/// stay.
+std::string stamp_of(const RefusedRun& run) {
+  Sha256 sha;
+  sha.text(run.config.face);
+  for (const Node& node : run.graph.nodes) sha.text(node.name).text(node.key);
+  return "made of " + sha.hex() + "\n";
+}
+
 std::string message_of(const RefusedRun& run, const Error& refusal) {
   std::string text = run.config.case_token + ": ";
   if (!refusal.field().empty()) text += printable(refusal.field()) + ": ";
   text += printable(refusal.what()) + "\n";
   if (!run.warnings.empty()) text += "\nWarnings:\n";
   for (const std::string& w : run.warnings) text += printable(w) + "\n";
-  return text;
+  return text + "\n" + stamp_of(run);
+}
+
+bool has_stamp(const fs::path& file, const std::string& stamp) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return false;
+  try {
+    const std::vector<char> text = read_file(file, 1 << 20);
+    return text.size() >= stamp.size() &&
+           std::equal(stamp.begin(), stamp.end(), text.end() - std::ptrdiff_t(stamp.size()));
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 fs::path half_made(const fs::path& folder) { return folder.parent_path() / ("." + folder.filename().string()); }
@@ -108,17 +132,15 @@ fs::path refused_folder(const fs::path& library, const std::string& case_token) 
 void keep_refused(const fs::path& folder, const RefusedRun& run, const Error& refusal) {
   const std::string message = message_of(run, refusal);
   std::error_code error;
-  const bool known = run.made.empty();
-  if (known && refusal.code() == ExitCode::quality && fs::exists(folder, error)) {
-    write_file(folder / "message.txt", message);
+  // The same again, from the cache: what is there shows it already.
+  if (run.made.empty() && refusal.code() == ExitCode::quality && has_stamp(folder / message_file, stamp_of(run)))
     return;
-  }
   const fs::path fresh = half_made(folder);
   fs::remove_all(fresh, error);
   make_output_folder(fresh);
   fs::permissions(fresh, fs::perms::owner_all, error);
   if (error) throw Error(ExitCode::cannot_create, fresh.string(), "", "cannot be closed to others: " + error.message());
-  write_file(fresh / "message.txt", message);
+  write_file(fresh / message_file, message);
   if (refusal.code() == ExitCode::quality)
     for (const CasePicture& p : pictures_of(run, refusal)) write_file(fresh / p.name, p.png);
   fs::remove_all(folder, error);

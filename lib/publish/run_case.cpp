@@ -221,14 +221,16 @@ void publish(const Run& run, const fs::path& folder, const CaseContent& content)
 }
 
 // What was made is kept beside the case's folder, which may hold the last valid case or not exist.
-void show_refusal(const Run& run, const StageCache& cache, const Error& e) {
+void show_refusal(const Run& run, const StageCache& cache, const Error& e, RunObserver& observer) {
   if (e.code() != ExitCode::quality && e.code() != ExitCode::privacy) return;
   const fs::path folder = refused_folder(run.request.library, run.config.case_token);
   try {
     keep_refused(folder, {run.config, run.graph, run.results, cache, run.warnings}, e);
-    log_warning(run.config.case_token + ": what was made is kept for looking in " + folder.string());
+    observer.kept(folder);
   } catch (const Error& failed) {  // the reason of the refusal matters more than this failure
     log_warning(run.config.case_token + ": what was made could not be kept for looking: " + failed.what());
+  } catch (const std::exception&) {
+    log_warning(run.config.case_token + ": what was made could not be kept for looking: too little memory");
   }
 }
 
@@ -321,7 +323,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
                                   input_sha256, request.params.pictures, cancelled);
     } catch (const Error& e) {
       if (run.warnings.empty() && !run.results.empty()) tell_warnings(run);
-      show_refusal(run, cache, e);
+      show_refusal(run, cache, e, observer);
       throw;
     }
     if (request.params.page)

@@ -25,6 +25,8 @@ for stage in import head_region skin.contour skull.normals ventricles.ventricles
 done
 expect 64 'skul\.segment: .*did you mean skull\.segment' "$TREPHINE" preview "$config" --stage skul.segment --output "$work/x.png" --quiet
 expect 64 'gives a report, of which there is no picture' "$TREPHINE" preview "$config" --stage scan --cell-mm 3 --cache "$work/cache" --output "$work/x.png" --quiet
+expect 81 'before the face is taken away' "$TREPHINE" preview "$SOURCE/configs/ct_head_defaced.yaml" --series "$SOURCE/sample_dicom" \
+  --stage original.skin.segment --output "$work/x.png" --quiet
 expect 64 '--stage: is needed' "$TREPHINE" preview "$config" --output "$work/x.png" --quiet
 [[ ! -e $work/x.png ]] || fail "a refused preview left a picture"
 

@@ -34,6 +34,14 @@ code=0
 "$TREPHINE" run configs/sample.yaml --series sample_dicom --out "$library" --case a "${coarse[@]}" "${strict[@]}" 2>"$work/said" || code=$?
 ! grep -q 'computed' "$work/said" || { cat "$work/said" >&2; fail "something was computed again"; }
 
+# Pictures of another run do not stay under this run's message.
+stamp=$(tail -1 "$kept/message.txt")
+refused . run --set anatomy.min_skin_skull_gap_mm=18
+[[ $(tail -1 "$kept/message.txt") != "$stamp" ]] || fail "other values, the same stamp"
+refused . run "${strict[@]}"
+[[ $(tail -1 "$kept/message.txt") == "$stamp" && ! -e $kept/fault.png && -s $kept/brain.png ]] ||
+  fail "pictures of another run stay: $(ls "$kept")"
+
 # No program takes it for a case.
 "$TREPHINE" library list "$library" | grep -q refused && fail "the library lists it"
 expect 66 'case.json' "$TREPHINE" page "$kept"
