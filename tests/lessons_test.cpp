@@ -2,10 +2,12 @@
 // Ventriculostomies in a head of known lengths: perfect, wrong and hostile ones, through the servo.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "lessons_head.h"
 #include "scoring/score_report.h"
+#include "session/playback.h"
 
 using namespace lessons;
 
@@ -237,4 +239,36 @@ TEST(LessonsRubric, IsReadAsItWasCompiledAndNotAsItWasChanged) {
   refused(json, "\"trephine_rubric\": 1", "\"trephine_rubric\": 2", "trephine_rubric");
   refused(json, "\"ideal_s\"", "\"idle_s\"", "rubric.time.idle_s");
   refused(json, "{", "[", "json");
+}
+
+TEST(Lessons, ARecordingThatNoSessionMadeIsNotFollowed) {
+  const Head::Done d = drilled().run(R"({"take": {"tool": "catheter"}}, "finish")");
+  const auto refused = [&](auto&& damage) -> std::string {
+    Recording r = d.recording;
+    damage(r);
+    drilled().felt().loaded.haptic = drilled().whole();
+    try {
+      facts_of_recording(drilled().felt(), "test", r);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_input);
+      return e.field();
+    }
+    return "followed";
+  };
+  EXPECT_EQ(refused([](Recording&) {}), "followed");
+  EXPECT_EQ(refused([](Recording& r) { r.header.tools.clear(); }), "lesson.tools");
+  EXPECT_EQ(refused([](Recording& r) { r.frames[5].touched = 4000; }), "frames");
+  EXPECT_EQ(refused([](Recording& r) { r.frames[5].touched = -1; }), "frames");
+  EXPECT_EQ(refused([](Recording& r) { r.frames[5].tip_mm[1] = std::nan(""); }), "frames");
+  EXPECT_EQ(refused([](Recording& r) { r.frames[5].dt_s = 0; }), "frames");
+}
+
+TEST(Lessons, ARecordingShowsItsIncisionWhereTheMarkerWas) {
+  const Head::Done d = whole().run(std::string(perfect_marks) + R"(, "finish")");
+  IncisionWatch watch(d.recording.header);
+  std::vector<IncisionMark> seen;
+  for (const ServoFrame& f : d.recording.frames) watch.look(f, seen);
+  ASSERT_EQ(seen.size(), 1u);
+  ASSERT_EQ(d.facts.incisions.size(), 1u);
+  EXPECT_EQ(norm(seen[0].point_mm - d.facts.incisions[0].at_mm), 0);
 }

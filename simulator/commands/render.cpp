@@ -71,7 +71,7 @@ void render_recording(const ParsedCommand& parsed) {
   const std::vector<std::string> named = parsed.all("before");
   Playback playback(parsed.path("case"), parsed.path("recording"), {named.begin(), named.end()}, {true}, progress);
   Pictures pictures(parsed, playback.loaded());
-  pictures.stage().set_tool(playback.header().tool);
+  std::string tool;  // in hand in the picture before
   const PictureParams& p = pictures.params();
   const double begin = std::max(p.from_s, playback.begin_s()),
                end = p.to_s > 0 ? std::min(p.to_s, playback.end_s()) : playback.end_s();
@@ -82,6 +82,10 @@ void render_recording(const ParsedCommand& parsed) {
   for (std::int64_t n = 0; n < count; ++n) {
     progress.check();
     playback.go_to(begin + double(n) / p.frames_per_s);
+    if (playback.tool_name() != tool) {
+      tool = playback.tool_name();
+      pictures.stage().set_tool(playback.tool());
+    }
     pictures.stage().follow(playback.marks());
     std::size_t incisions = 0;
     for (const IncisionMark& mark : playback.incisions()) incisions += mark.time_s <= playback.time_s();

@@ -53,6 +53,7 @@ double FluoroVolume::along(const CArm::Ray& ray) const {
   };
   clip(u0, du, nu);
   clip(v0, dv, nv);
+  if (!(low <= high)) return 0;  // the ray misses the volume
   double sum = 0;
   const int end = int(std::floor(high + 1e-9));
   for (int k = int(std::ceil(low - 1e-9)); k <= end; ++k) {

@@ -80,13 +80,14 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
     double& most = outcome_.most_force_n[std::size_t(state.touched)];
     most = std::max(most, force);
   }
-  if (!begun_) last_mm_ = in.tip_mm;
+  const bool lifted = in.buttons & haptic_button::lifted;  // it is not where the pose is, and cuts nothing
+  if (!begun_ || lifted) last_mm_ = in.tip_mm;
   const Vec3 velocity = (in.tip_mm - last_mm_) / in.dt_s;
   for (int a = 0; a < 3; ++a) velocity_[a] = smooth(velocity_[a], velocity[a], in.dt_s);
   last_mm_ = in.tip_mm;
 
   double used_w = 0;
-  if (in.buttons & pedal) {
+  if ((in.buttons & pedal) && !lifted) {
     ToolPose pose;
     pose.tip_mm = in.tip_mm;
     pose.frame = frame_along(in.axis);

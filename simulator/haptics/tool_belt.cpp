@@ -106,7 +106,7 @@ void ToolBelt::after(const HapticInput& in, const HapticState& state) {
   if (!drilling_) return;
   if (command == belt_command::incise && works && has_mark_) drilling_->incise_at(mark_mm_);
   HapticInput drill = in;
-  drill.buttons = tool.cuts && pedal ? Drilling::pedal : 0;
+  drill.buttons = (tool.cuts && pedal ? Drilling::pedal : 0) | (in.buttons & haptic_button::lifted);
   drilling_->tick(drill, state);
 }
 

@@ -40,6 +40,15 @@ RecordingHeader header_of(const FeltCase& felt, const LessonOptions& o) {
   return h;
 }
 
+/// A frame is followed, not felt anew, so what it says must be possible.
+void require_followable(const ServoFrame& f, const std::string& file) {
+  const auto finite = [](const double* p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); };
+  const auto is_shape = [](std::int32_t n) { return n >= 0 && n <= haptic_max_shapes; };
+  if (!finite(f.tip_mm) || !finite(f.axis) || !finite(f.proxy_mm) || !finite(f.force_n) || !std::isfinite(f.time_s) ||
+      !(f.dt_s > 0 && f.dt_s < 1e6) || !is_shape(f.touched) || !is_shape(f.inside))
+    throw Error(ExitCode::bad_input, file, "frames", "tick " + std::to_string(f.tick) + " holds what no session makes");
+}
+
 }  // namespace
 
 LessonResult run_lesson(FeltCase& felt, const LessonOptions& o, const std::atomic<bool>& stop) {
@@ -81,6 +90,8 @@ VentriculostomyFacts facts_of_recording(FeltCase& felt, const std::string& file,
     throw Error(ExitCode::bad_input, file, "frames",
                 recording.frames.empty() ? "there are none"
                                          : std::to_string(missing) + " were not recorded: it cannot be judged");
+  if (h.tools.empty()) throw Error(ExitCode::bad_input, file, "lesson.tools", "there are none");
+  for (const ServoFrame& f : recording.frames) require_followable(f, file);
   HapticVolume before;
   before.encoding = felt.loaded.haptic.encoding;
   before.voxels = felt.loaded.haptic.voxels;

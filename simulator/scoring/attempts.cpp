@@ -4,6 +4,8 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
+#include <cerrno>
+#include <cstring>
 
 #include <set>
 
@@ -49,8 +51,11 @@ class LogLock {
     file += ".lock";
     fd_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (fd_ < 0) throw Error(ExitCode::cannot_create, file.string(), "", "cannot be made");
-    while (::flock(fd_, LOCK_EX) != 0) {
-    }
+    while (::flock(fd_, LOCK_EX) != 0)
+      if (errno != EINTR) {
+        ::close(fd_);
+        throw Error(ExitCode::io, file.string(), "", std::string("cannot be locked: ") + std::strerror(errno));
+      }
   }
   ~LogLock() { ::close(fd_); }
   LogLock(const LogLock&) = delete;

@@ -36,7 +36,7 @@ std::string Scoring::critical_at(const CatheterPass& pass, const PassPoint& p) c
   const CriticalRubric& r = rubric.critical;
   if (std::abs(frame.left_of_midline_mm(pass.entry_mm)) <= r.sinus_mm.limit) return "sagittal_sinus";
   const std::optional<Vec3> target = foramen();
-  if (!target) return "";
+  if (!target || !foramen_doubt().empty()) return "";  // what is measured from it would be a guess
   const double side = std::abs(frame.left_of_midline_mm(p.tip_mm));
   const double below = dot(*target - p.tip_mm, frame.upwards);
   if (p.inside == shapes.ventricles && side <= r.third_ventricle_mm.limit && below >= r.third_ventricle_below_mm.limit)
@@ -104,7 +104,12 @@ ScoreRow score_trajectory(const Scoring& s) {
   if (!row.why.empty()) return row;
   const std::optional<Vec3> target = s.foramen();
   const CatheterPass& pass = s.facts.passes.back();
-  Vec3 way = normalized(tip_of(pass) - pass.entry_mm);
+  // Of a pass that was drawn out again the deepest point tells the way, not the last.
+  Vec3 tip = tip_of(pass);
+  if (!pass.in_place)
+    for (const PassPoint& p : pass.path)
+      if (dot(pass.entry_mm - p.tip_mm, pass.out) > dot(pass.entry_mm - tip, pass.out)) tip = p.tip_mm;
+  Vec3 way = normalized(tip - pass.entry_mm);
   if (way == Vec3{}) way = -pass.out;
   const Vec3 miss = *target - pass.entry_mm - way * dot(*target - pass.entry_mm, way);
   const double off = norm(miss), lateral = -own_side * dot(miss, s.frame.left);
@@ -159,9 +164,9 @@ ScoreRow score_tip(const Scoring& s) {
   const std::optional<Vec3> target = s.foramen();
   const double off = target ? norm(tip - *target) : 0;
   if (target) row.measured.emplace_back("foramen_off_mm", off);
+  if (s.critical_at(*pass, pass->path.back()) == "third_ventricle") return decide(2, "in the third ventricle");
   if (!inside)
     return missed <= r.missed_mm.limit ? decide(2, "narrowly not in the ventricle") : decide(1, "not in the ventricle");
-  if (s.critical_at(*pass, pass->path.back()) == "third_ventricle") return decide(2, "in the third ventricle");
   const double own_side = s.on_left() ? 1 : -1;
   if (own_side * s.frame.left_of_midline_mm(tip) < 0) return decide(3, "in the contralateral ventricle");
   row.why = s.foramen_doubt();

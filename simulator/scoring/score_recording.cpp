@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/write_file.h"
+#include "lesson/approval.h"
 #include "modules/lesson_run.h"
 #include "scoring/attempts.h"
 #include "scoring/report_page.h"
@@ -23,6 +24,15 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
   s.recording = read_recording(file);
   const RecordingHeader& h = s.recording.header;
   FeltCase felt = felt_again(case_folder, file.string(), h);
+  with_file(file.string(), [&] {
+    try {
+      validate_token(h.participant, "participant");
+    } catch (const Error& e) {
+      throw Error(ExitCode::bad_input, "", "participant", e.what());
+    }
+    if (h.case_token != felt.loaded.manifest.case_token)
+      throw Error(ExitCode::bad_input, "", "case", "is not the name of the given case");
+  });
   const HapticVolume before = felt.loaded.haptic;
   s.facts = facts_of_recording(felt, file.string(), s.recording);
   s.score = score_ventriculostomy(s.facts, felt.loaded.manifest, before, rubric.rubric);

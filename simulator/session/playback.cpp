@@ -2,6 +2,7 @@
 #include "session/playback.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/error.h"
 #include "base/refusal.h"
@@ -11,13 +12,37 @@ namespace {
 
 constexpr double step_s = 1.0 / 60;  // voxels are kept at that interval
 
+const BeltToolParams& tool_of(const std::vector<BeltToolParams>& tools, const ServoFrame& f) {
+  return tools[std::min(std::size_t(belt_button::tool(f.buttons)), tools.size() - 1)];
+}
+
 }  // namespace
 
 void IncisionWatch::look(const ServoFrame& f, std::vector<IncisionMark>& out) {
-  const bool pressed = (f.buttons & Drilling::mark) && !(buttons_ & Drilling::mark);
-  buttons_ = f.buttons;
-  if (drilling_.drill && pressed && f.faults == 0)
-    out.push_back({f.time_s, {f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]}, drilling_.incision_radius_mm});
+  const std::uint32_t before = std::exchange(buttons_, f.buttons);
+  if (!drilling_.drill || f.faults != 0) return;
+  if (tools_.empty()) {
+    if ((f.buttons & Drilling::mark) && !(before & Drilling::mark))
+      out.push_back({f.time_s, {f.tip_mm[0], f.tip_mm[1], f.tip_mm[2]}, drilling_.incision_radius_mm});
+    return;
+  }
+  if (tool_of(tools_, f).marks && (f.buttons & belt_button::pedal) && f.touched != 0) {
+    has_mark_ = true;
+    mark_mm_ = {f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]};
+  }
+  const int command = belt_button::command(f.buttons);
+  if (command == belt_command::incise && command != belt_button::command(before) && has_mark_)
+    out.push_back({f.time_s, mark_mm_, drilling_.incision_radius_mm});
+}
+
+ToolParams Playback::tool() const {
+  const RecordingHeader& h = recording_.header;
+  return h.tools.empty() ? h.tool : own_tool(tool_of(h.tools, frame()));
+}
+
+std::string Playback::tool_name() const {
+  const RecordingHeader& h = recording_.header;
+  return h.tools.empty() ? h.tool.tool : tool_of(h.tools, frame()).name;
 }
 
 std::shared_ptr<Patient> patient_again(const std::filesystem::path& folder, const std::filesystem::path& file,
@@ -55,11 +80,11 @@ Playback::Playback(const std::filesystem::path& folder, const std::filesystem::p
   patient_ = patient_again(folder, file, h, h.contact, before, parts, progress);
   for (const std::filesystem::path& earlier : before) {
     const Recording r = read_recording(earlier);
-    IncisionWatch watch(r.header.drilling);
+    IncisionWatch watch(r.header);
     for (const ServoFrame& f : r.frames) watch.look(f, incisions_);
   }
   for (IncisionMark& mark : incisions_) mark.time_s = begin_s();  // what was there from the begin
-  IncisionWatch watch(h.drilling);
+  IncisionWatch watch(h);
   for (const ServoFrame& f : recording_.frames) watch.look(f, incisions_);
   if (h.drilling.drill) run_through(file, progress);
   go_to(begin_s());

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "base/progress.h"
@@ -16,15 +17,20 @@ struct IncisionMark {
   Vec3 point_mm;
   double radius_mm = 0;
 };
-/// Finds incisions in frames as they come: where the button goes down while a tool may cut.
+/// Finds incisions in frames as they come: where the button goes down while a tool may cut, or, in a session with
+/// several tools, at the marker's last point when the command is given (tool_belt.h).
 class IncisionWatch {
  public:
   explicit IncisionWatch(const DrillingParams& drilling) : drilling_(drilling) {}
+  explicit IncisionWatch(const RecordingHeader& header) : drilling_(header.drilling), tools_(header.tools) {}
   void look(const ServoFrame& frame, std::vector<IncisionMark>& out);
 
  private:
   DrillingParams drilling_;
+  std::vector<BeltToolParams> tools_;
   std::uint32_t buttons_ = 0;
+  bool has_mark_ = false;
+  Vec3 mark_mm_;
 };
 
 /// The patient as a recording finds it: the case, and what the recordings before it cut, which are run again in their
@@ -56,6 +62,9 @@ class Playback {
   void go_to(double time_s);
   double time_s() const { return time_s_; }
   const ServoFrame& frame() const { return recording_.frames[frame_]; }
+  /// The tool in hand at that time, and its name.
+  ToolParams tool() const;
+  std::string tool_name() const;
   /// What changed since marks were last taken.
   DirtyBricks& marks() { return patient_->marks; }
 

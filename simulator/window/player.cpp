@@ -78,8 +78,8 @@ void Player::set_stage() {
   for (const CaseShape& s : loaded.manifest.haptic.shapes) shapes_[s.number] = s.name;
   tool_name_ = options_.session.tool.tool;
   if (playback_) {
-    tool_name_ = playback_->header().tool.tool;
-    stage_->set_tool(playback_->header().tool);
+    tool_name_ = playback_->tool_name();
+    stage_->set_tool(playback_->tool());
     look_at(playback_->frame());
     return;
   }
@@ -114,8 +114,14 @@ void Player::begin_session() {
   o.begins_sha256 = begins_sha256_;
   stage_->set_tool(own_tool(o.tool));
   end_ = false;
-  session_ = std::make_unique<Session>(
-      o, end_, [this](const std::string& line) { notes_.push_back(line); }, patient_);
+  try {
+    session_ = std::make_unique<Session>(
+        o, end_, [this](const std::string& line) { notes_.push_back(line); }, patient_);
+  } catch (...) {  // the hand has gone with the session that could not begin, and a window without one is of no use
+    screen_hand_ = nullptr;
+    quit_ = true;
+    throw;
+  }
   watch_ = std::make_unique<IncisionWatch>(o.drilling);
   session_->start();
   rate_ticks_ = 0;
@@ -162,6 +168,10 @@ void Player::step(double wall_s) {
     std::size_t count = 0;
     for (const IncisionMark& m : playback_->incisions()) count += m.time_s <= playback_->time_s();
     stage_->show_incisions(playback_->incisions(), count);
+    if (playback_->tool_name() != tool_name_) {
+      tool_name_ = playback_->tool_name();
+      stage_->set_tool(playback_->tool());
+    }
     look_at(playback_->frame());
   } else if (session_) {
     const std::vector<ServoFrame>& frames = session_->take_frames();

@@ -102,8 +102,9 @@ void Player::advance_tool(double mm) {
 }
 
 void Player::place_tool(Vec3 tip_mm, const std::optional<Vec3>& axis) {
+  if (!is_finite(tip_mm) || !(norm(tip_mm) <= most_mm)) return;
   goal_.tip_mm = tip_mm;
-  if (axis) goal_.axis = normalized(*axis);
+  if (axis && is_finite(*axis) && norm(*axis) > 1e-3) goal_.axis = normalized(*axis);
   ++goal_.lifts;
   aim();
 }
@@ -226,9 +227,10 @@ std::string Player::command(const std::string& line) {
       set_ct_slices(on());
     else if (verb == "insets")
       set_insets(on());
-    else if (verb == "head")
-      head_mm = point();
-    else if (verb == "trace")
+    else if (verb == "head") {
+      const Vec3 head = point();
+      if (is_finite(head) && norm(head) <= most_mm) head_mm = head;
+    } else if (verb == "trace")
       set_trace(on());
     else if (verb == "orbit") {
       const double right = number() * M_PI / 180;

@@ -57,9 +57,13 @@ Remote::~Remote() {
 
 bool Remote::serve(Client& c, const std::function<std::string(const std::string& line)>& answer) {
   char bytes[512];
+  bool ended = false;
   for (;;) {
     const ssize_t n = ::recv(c.socket, bytes, sizeof bytes, 0);
-    if (n == 0) return false;
+    if (n == 0) {  // what it sent before it closed is still done
+      ended = true;
+      break;
+    }
     if (n < 0) {
       if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) return false;
       break;
@@ -71,11 +75,12 @@ bool Remote::serve(Client& c, const std::function<std::string(const std::string&
     std::string line = c.received.substr(0, end);
     c.received.erase(0, end + 1);
     if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.find(" HTTP/1.") != std::string::npos) return false;  // a page in a browser, which no teacher's script is
     const std::string said = answer(line) + "\n";
     // An answer is short; who does not take it is let go.
     if (::send(c.socket, said.data(), said.size(), MSG_NOSIGNAL) != ssize_t(said.size())) return false;
   }
-  return c.received.size() <= longest_line;
+  return !ended && c.received.size() <= longest_line;
 }
 
 void Remote::poll(const std::function<std::string(const std::string& line)>& answer) {
@@ -99,7 +104,9 @@ HeadReceiver::~HeadReceiver() { ::close(socket_); }
 
 void HeadReceiver::poll(Vec3& head_mm) {
   char bytes[129];
-  for (ssize_t n; (n = ::recv(socket_, bytes, sizeof bytes - 1, 0)) >= 0;) {
+  // Who sends faster than pictures are drawn does not stop them.
+  ssize_t n = 0;
+  for (int k = 0; k < 256 && (n = ::recv(socket_, bytes, sizeof bytes - 1, 0)) >= 0; ++k) {
     bytes[n] = 0;
     Vec3 p;
     if (std::sscanf(bytes, "%lf %lf %lf", &p.x, &p.y, &p.z) == 3 && is_finite(p) && norm(p) < most_head_mm) head_mm = p;
