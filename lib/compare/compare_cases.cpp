@@ -183,6 +183,12 @@ CaseValues about(const CaseManifest& m) {
     v.emplace_back("ct.size", size(m.ct.size));
     v.emplace_back("ct.spacing_mm", mm(m.ct.spacing_mm));
   }
+  const auto add_hash = [&](const char* name, const std::string& file) {
+    if (const CaseFile* f = file.empty() ? nullptr : m.find_file(file)) v.emplace_back(name, f->sha256);
+  };
+  add_hash("haptic.sha256", m.haptic.file);
+  add_hash("hardness.sha256", m.haptic.hardness_file);
+  add_hash("ct.sha256", m.ct.file);
   return v;
 }
 

@@ -34,7 +34,8 @@ LibraryCaseChange compare_one(const fs::path& old_case, const fs::path& new_case
   try {
     change.comparison = compare_cases(load_case(old_case), load_case(new_case), params, progress);
   } catch (const Error& e) {
-    for (const std::string& part : {e.file(), e.field(), std::string(e.what())})
+    for (const std::string& part :
+         {std::filesystem::path(e.file()).filename().string(), e.field(), std::string(e.what())})
       if (!part.empty()) change.fault += (change.fault.empty() ? "" : ": ") + printable(part);
   }
   return change;

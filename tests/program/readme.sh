@@ -51,7 +51,7 @@ while read -r line; do
   esac
   seen=$((seen + 1))
 done <inline.txt
-[[ $seen == 9 ]] || { cat inline.txt; fail "$seen commands in the text of the pages"; }
+[[ $seen == 12 ]] || { cat inline.txt; fail "$seen commands in the text of the pages"; }
 cp head/truth/skull.vtp skull.vtp
 eval "$(grep '^trephine measure' inline.txt) --quiet"
 echo ok
