@@ -34,8 +34,13 @@ LibraryCaseChange compare_one(const fs::path& old_case, const fs::path& new_case
   try {
     change.comparison = compare_cases(load_case(old_case), load_case(new_case), params, progress);
   } catch (const Error& e) {
-    for (const std::string& part :
-         {std::filesystem::path(e.file()).filename().string(), e.field(), std::string(e.what())})
+    // Where the library lies is nobody's business.
+    std::filesystem::path file = std::filesystem::path(e.file()).filename();
+    for (const std::filesystem::path& root : {old_case, new_case})
+      if (const auto within = std::filesystem::path(e.file()).lexically_relative(root);
+          !within.empty() && *within.begin() != "..")
+        file = within;
+    for (const std::string& part : {file.string(), e.field(), std::string(e.what())})
       if (!part.empty()) change.fault += (change.fault.empty() ? "" : ": ") + printable(part);
   }
   return change;
