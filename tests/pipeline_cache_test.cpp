@@ -38,7 +38,7 @@ struct Cache {
   }
   /// What the cache gives for the key, or nothing; never that of another one.
   bool holds(const std::string& key) const {
-    const auto report = cache.load_report(key);
+    const auto report = cache.load_outcome(key).report;
     if (!report) return false;
     EXPECT_EQ(std::get<std::string>(*report->find("letter")), key.substr(0, 1));
     const auto data = cache.load_data(key, DataKind::mesh);

@@ -54,12 +54,12 @@ class Executor {
         results_(graph.nodes.size()),
         tasks_(graph.nodes.size()) {
     // The report of every node is wanted, so a node whose report is not in the cache runs again.
-    throw_known_refusal();
-    for (std::size_t i = 0; i < graph.nodes.size(); ++i)
-      if (auto report = options_.cache ? options_.cache->load_report(graph.nodes[i].key) : std::nullopt)
-        results_[i].report = std::move(*report);
-      else
-        tasks_[i].unknown = true;
+    for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+      auto known = options_.cache ? options_.cache->load_outcome(graph.nodes[i].key) : StageCache::Outcome{};
+      if (known.refusal) throw known.refusal->in_field(graph.nodes[i].name);
+      tasks_[i].unknown = !known.report;
+      if (known.report) results_[i].report = std::move(*known.report);
+    }
     for (const int w : wanted) {
       demand(w);
       ++tasks_[w].readers;  // the caller
@@ -122,12 +122,6 @@ class Executor {
     Executor& executor;
     std::vector<std::thread> threads;
   };
-
-  void throw_known_refusal() const {
-    if (!options_.cache) return;
-    for (const Node& node : graph_.nodes)
-      if (auto refusal = options_.cache->load_refusal(node.key)) throw refusal->in_field(node.name);
-  }
 
   void tell_plan() {
     std::vector<int> planned(tasks_.size(), -1);  // its place among the tasks

@@ -83,10 +83,10 @@ std::optional<StageCache::Index> StageCache::load_index(const std::string& key) 
     const auto json = parse_index(read_file(index, 1 << 20), key);
     Index out;
     if (const auto refused = json.find("refusal"); refused != json.end())
-      out.refusal =
+      out.outcome.refusal =
           Error(ExitCode::quality, "", refused->at("field").get<std::string>(), refused->at("what").get<std::string>());
     else
-      out.report = parse_report_json(json.at("report").get<std::string>());
+      out.outcome.report = parse_report_json(json.at("report").get<std::string>());
     out.sha256 = json.value("sha256", std::string());
     fs::last_write_time(index, fs::file_time_type::clock::now(), ignored);
     return out;
@@ -98,21 +98,15 @@ std::optional<StageCache::Index> StageCache::load_index(const std::string& key) 
   }
 }
 
-std::optional<Report> StageCache::load_report(const std::string& key) const {
+StageCache::Outcome StageCache::load_outcome(const std::string& key) const {
   auto index = load_index(key);
   if (!index) return {};
-  return std::move(index->report);
-}
-
-std::optional<Error> StageCache::load_refusal(const std::string& key) const {
-  auto index = load_index(key);
-  if (!index) return {};
-  return std::move(index->refusal);
+  return std::move(index->outcome);
 }
 
 std::optional<StageData> StageCache::load_data(const std::string& key, DataKind kind) const {
   const auto index = load_index(key);
-  if (!index || !index->report) return {};
+  if (!index || !index->outcome.report) return {};
   if (kind == DataKind::nothing) return StageData{};
   if (index->sha256.empty()) return {};
   const fs::path data = file(key, file_extension(kind));

@@ -22,7 +22,12 @@ class StageCache {
   /// cannot be made, belongs to another user, or may be written by others.
   explicit StageCache(std::filesystem::path folder);
 
-  std::optional<Report> load_report(const std::string& key) const;
+  /// How a stage ended: at most one of both; neither where the cache knows nothing, or what it had is damaged.
+  struct Outcome {
+    std::optional<Report> report;
+    std::optional<Error> refusal;  ///< with its field and text
+  };
+  Outcome load_outcome(const std::string& key) const;
   /// The verified output; nothing where it was not stored or is damaged (then the entry is removed).
   std::optional<StageData> load_data(const std::string& key, DataKind kind) const;
   /// Stores an output. With empty `data` only the report is kept. `seconds` is the time that the stage took, for later
@@ -31,8 +36,6 @@ class StageCache {
 
   /// A refusal (Error 80 without a file) is an outcome too: the same inputs and parameters are refused again.
   void store_refusal(const std::string& key, const Error& refusal) const;
-  /// The refusal that was stored, with its field and text; nothing where there is none.
-  std::optional<Error> load_refusal(const std::string& key) const;
 
   /// What each node took, by its name, in the runs before: for estimates of the time left alone. Damaged or missing
   /// counts as empty, and a failure to write is ignored.
@@ -51,8 +54,7 @@ class StageCache {
 
  private:
   struct Index {
-    std::optional<Report> report;  ///< nothing where the stage refused
-    std::optional<Error> refusal;
+    Outcome outcome;
     std::string sha256;  ///< of the data; empty where there is none
   };
   std::optional<Index> load_index(const std::string& key) const;
