@@ -21,9 +21,6 @@ inline Error refusal(const std::string& field, const std::string& what, const Re
 
 namespace remedies {
 
-/// Of a shape that thresholds and rules cannot find.
-inline const Remedy paint_it{"or paint it in another program and bring it back by the stage `labels`"};
-
 /// Of a surface that no program should have made: it is our fault, and what may go round it is other triangles.
 inline const Remedy other_triangles{
     "this is a fault of the program: another `max_deviation_mm` of the stage before may go round it, `repair` mends a "

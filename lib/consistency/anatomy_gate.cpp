@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/refusal.h"
 #include "base/text.h"
@@ -29,10 +30,10 @@ BitMask coarse_bone(const Field& skull) {
   return segmentation::coarse_mask(segmentation::positive(skull, skull), segmentation::coarse_raster(skull, 2), 0);
 }
 
-/// The beginning of a remedy; a value and its key follow.
-const std::string wrong_shape =
+/// The first part of a remedy; a value and its key follow.
+const Remedy wrong_shape{
     "look there in the pictures: where the shape is wrong, paint it and bring it back by the stage `labels`, or take a "
-    "series of a smoother kernel or thinner slices; where it is right, set ";
+    "series of a smoother kernel or thinner slices; where it is right, set "};
 
 struct Gate {
   const HeadFields& fields;
@@ -45,8 +46,10 @@ struct Gate {
   };
   std::vector<Ranked> faults;
 
-  void add(double badness, std::string what, Remedy remedy, Vec3 place, const char* first, const char* second) {
-    faults.push_back({badness, {std::move(what), std::move(remedy.text), place, first, second}});
+  void add(double badness, std::string what, Remedy remedy, std::string value_to_set, Vec3 place, const char* first,
+           const char* second) {
+    faults.push_back(
+        {badness, {std::move(what), std::move(remedy.text), std::move(value_to_set), place, first, second}});
   }
 
   /// Checks `name` against `other_name`. `wrong_figure` and `gap_figure` are the names of the results in the report.
@@ -61,14 +64,14 @@ struct Gate {
       add(c.wrong_ml,
           fixed(c.wrong_ml, 2) + " ml of the " + name + (inside ? " lie outside of the " : " lie in the ") +
               other_name + ", by up to " + fixed(c.depth_mm, 1) + " mm, deepest at " + at_text(c.deepest_mm),
-          {wrong_shape + fixed(c.wrong_ml + 0.05, 1) + " for `max_outside_ml` of the stage `anatomy`"}, c.deepest_mm,
-          name, other_name);
+          wrong_shape, fixed(c.wrong_ml + 0.05, 1) + " for `max_outside_ml` of the stage `anatomy`", c.deepest_mm, name,
+          other_name);
     } else if (c.near_mm2 > params.max_near_mm2 && c.gap_mm < gap_mm) {
       add(0.001 * c.near_mm2,
           std::string("the surfaces of ") + name + " and " + other_name + " are only " + fixed(c.gap_mm, 2) +
               " mm apart at " + at_text(c.gap_at_mm) + ", and over " + fixed(c.near_mm2, 0) + " mm2 nearer than the " +
               fixed(gap_mm, 2) + " mm asked for",
-          {wrong_shape + fixed(c.near_mm2 + 1, 0) + " for `max_near_mm2` of the stage `anatomy`"}, c.gap_at_mm, name,
+          wrong_shape, fixed(c.near_mm2 + 1, 0) + " for `max_near_mm2` of the stage `anatomy`", c.gap_at_mm, name,
           other_name);
     }
   }
@@ -76,7 +79,7 @@ struct Gate {
   void check_empty(const char* name, const Field* field, const std::optional<double>& ml) {
     if (field && *ml <= 0)
       add(1e6, std::string("the ") + name + " have not one voxel",
-          {"set other thresholds (`lower_hu`, `upper_hu`), or paint it and bring it back by the stage `labels`"},
+          {"set other thresholds (`lower_hu`, `upper_hu`), or paint it and bring it back by the stage `labels`"}, "",
           field->to_world_mm({0, 0, 0}), name, "");
   }
 
@@ -104,7 +107,7 @@ struct Gate {
         std::string("the ") + name + " is in " + grouped_text(static_cast<long long>(pieces.list.size())) +
             " pieces; " + fixed(loose, 2) + " ml hang on nothing, of which the largest is " +
             fixed(double(pieces.list[second].voxels) * unit, 2) + " ml about " + at_text(place),
-        {wrong_shape + fixed(loose + 0.05, 1) + " for `max_loose_brain_ml` of the stage `anatomy`"}, place, name, "");
+        wrong_shape, fixed(loose + 0.05, 1) + " for `max_loose_brain_ml` of the stage `anatomy`", place, name, "");
   }
 
   /// `allowed` is the cranial cavity with the bone, on a coarser raster.
@@ -126,8 +129,7 @@ struct Gate {
     add(ml,
         fixed(ml, 2) + " ml of the " + name + " lie outside of the cranial cavity, most of them about " +
             at_text(place),
-        {wrong_shape + fixed(ml + 0.05, 1) + " for `max_outside_skull_ml` of the stage `anatomy`"}, place, name,
-        "skull");
+        wrong_shape, fixed(ml + 0.05, 1) + " for `max_outside_skull_ml` of the stage `anatomy`", place, name, "skull");
   }
 
   void check_enclosed() {
@@ -153,19 +155,15 @@ std::string all_of(const std::vector<AnatomyFault>& faults) {
   return text;
 }
 
-/// Each remedy once; what several have in common is said once too.
+/// Each remedy once; a first part that several share is said with the first of them alone.
 Remedy remedies_of(const std::vector<AnatomyFault>& faults) {
-  std::vector<std::string> once;
-  for (const AnatomyFault& f : faults) {
-    const bool same_beginning = std::any_of(once.begin(), once.end(), [](const std::string& o) {
-      return o.compare(0, wrong_shape.size(), wrong_shape) == 0;
-    });
-    const bool begins = f.remedy.compare(0, wrong_shape.size(), wrong_shape) == 0;
-    const std::string text = begins && same_beginning ? f.remedy.substr(wrong_shape.size()) : f.remedy;
-    if (std::find(once.begin(), once.end(), text) == once.end()) once.push_back(text);
-  }
+  std::set<std::string> first_parts, values;
   std::string text;
-  for (const std::string& o : once) text += (text.empty() ? "" : ", ") + o;
+  for (const AnatomyFault& f : faults) {
+    const bool is_new_first = first_parts.insert(f.remedy).second, is_new_value = values.insert(f.value_to_set).second;
+    if (!is_new_first && !is_new_value) continue;
+    text += (text.empty() ? "" : ", ") + (is_new_first ? f.remedy : "") + f.value_to_set;
+  }
   return {text};
 }
 
