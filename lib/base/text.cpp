@@ -91,6 +91,13 @@ std::optional<long long> parse_integer(std::string_view text) {
   return convert<long long>(text);
 }
 
+std::string trimmed(std::string_view text) {
+  const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return std::string(text);
+}
+
 std::vector<std::string> split_at(std::string_view text, char separator) {
   std::vector<std::string> pieces(1);
   for (const char c : text)

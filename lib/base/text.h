@@ -17,6 +17,9 @@ std::string grouped_text(long long number);
 std::optional<double> parse_number(std::string_view text);
 std::optional<long long> parse_integer(std::string_view text);
 
+/// The text without blanks, tabs and carriage returns at either end.
+std::string trimmed(std::string_view text);
+
 /// The pieces between the separators: n separators give n + 1 pieces, which may be empty.
 std::vector<std::string> split_at(std::string_view text, char separator);
 

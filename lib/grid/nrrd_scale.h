@@ -15,7 +15,6 @@ namespace trephine::detail {
 using Fields = std::map<std::string, std::string>;
 
 [[noreturn]] void refuse(const std::string& field, const std::string& what);  ///< throws Error 65
-std::string trimmed(std::string_view s);
 std::string lower(std::string s);
 std::vector<std::string> words(const std::string& s);
 double number_of(const std::string& word, const std::string& field);

@@ -79,14 +79,6 @@ void check_units(const JsonAt& at) {
   for (const JsonAt& unit : at.items()) check(unit);
 }
 
-std::string trimmed(std::string text) {
-  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!text.empty() && blank(text.back())) text.pop_back();
-  std::size_t from = 0;
-  while (from < text.size() && blank(text[from])) ++from;
-  return text.substr(from);
-}
-
 /// A row's fields; a field in double quotes may hold commas and, doubled, quotes.
 std::vector<std::string> fields_of(const std::string& row, const std::string& where) {
   std::vector<std::string> out(1);

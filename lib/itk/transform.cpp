@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "base/write_file.h"
+#include "itk/header_numbers.h"
 
 namespace trephine {
 namespace {
@@ -27,20 +28,8 @@ Mat3 turn(int axis, double angle) {
 
 LinearMap about(const Mat3& m, Vec3 shift, Vec3 centre) { return {m, shift + centre - m * centre}; }
 
-[[noreturn]] void bad(const std::string& key, const std::string& what) {
-  throw Error(ExitCode::bad_input, "", key, what);
-}
-
-std::vector<double> numbers_of(const std::string& key, const std::string& text) {
-  std::vector<double> found;
-  for (const std::string& word : split_at(text, ' ')) {
-    if (word.empty()) continue;
-    const auto v = parse_number(word);
-    if (!v || !std::isfinite(*v)) bad(key, "holds what is no finite number");
-    found.push_back(*v);
-  }
-  return found;
-}
+using detail::bad;
+using detail::numbers_of;
 
 Vec3 vec_at(const std::vector<double>& v, std::size_t i) { return {v[i], v[i + 1], v[i + 2]}; }
 

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "itk/header_numbers.h"
 
 namespace trephine {
 namespace fs = std::filesystem;
@@ -19,24 +20,10 @@ namespace {
 
 using Keys = std::map<std::string, std::string>;
 
-[[noreturn]] void bad(const std::string& key, const std::string& what) {
-  throw Error(ExitCode::bad_input, "", key, what);
-}
-
-std::string trimmed(std::string_view s) {
-  while (!s.empty() && (s.front() == ' ' || s.front() == '\t')) s.remove_prefix(1);
-  while (!s.empty() && (s.back() == ' ' || s.back() == '\t' || s.back() == '\r')) s.remove_suffix(1);
-  return std::string(s);
-}
+using detail::bad;
 
 std::vector<double> numbers(const std::string& key, const std::string& text, std::size_t count) {
-  std::vector<double> found;
-  for (const std::string& word : split_at(text, ' ')) {
-    if (word.empty()) continue;
-    const auto v = parse_number(word);
-    if (!v || !std::isfinite(*v)) bad(key, "holds what is no finite number");
-    found.push_back(*v);
-  }
+  std::vector<double> found = detail::numbers_of(key, text);
   if (found.size() != count) bad(key, "must hold " + std::to_string(count) + " numbers");
   return found;
 }
