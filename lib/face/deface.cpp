@@ -17,7 +17,6 @@ namespace {
 using segmentation::BitMask;
 using segmentation::SkinDistance;
 
-constexpr double air_hu = -1000;
 constexpr double soft_low_hu = 0, soft_high_hu = 80;  // what covers the cut
 constexpr double node_mm = 1.5;                       // raster of the distances
 constexpr double smoothing_mm = 4;                    // of the cut's surface: dents of eyes and lips
@@ -201,7 +200,7 @@ Removed remove(Grid<T>& volume, const Box& box, const Box& known, const SkinDist
                                 std::clamp(depth - 2.0, 0.0, 1.0) * (cover > 0 ? 1 : 0);
             hu += open * (std::clamp(hu, soft_low_hu, soft_high_hu) - hu);
           }
-          hu = air_hu + share * (hu - air_hu);
+          hu = removed_hu + share * (hu - removed_hu);
           if (share == 1 && hu == double(before)) {
             // untouched
           } else {

@@ -28,6 +28,9 @@ struct FaceRegion {
 /// distances of no head, upside down).
 FaceRegion face_region(const HeadLandmarks& landmarks, double least_confidence = 0.5);
 
+/// What stands in the place of a face that was removed.
+constexpr double removed_hu = -1000;
+
 /// The clearance that acceptance case P4 requires.
 constexpr double face_clearance_mm = 5;
 
@@ -88,7 +91,7 @@ struct DefaceParams : FaceBeliefParams {
   }
 };
 
-/// Takes the face off a head, before anything is contoured: the result is the volume with air (-1000 HU) in place of
+/// Takes the face off a head, before anything is contoured: the result is the volume with air (removed_hu) in place of
 /// the face. In the region grown by `above_mm` and `behind_mm`, everything that lies outside the skin, or less than the
 /// depth under it, becomes air. What is left is rounded, ends in a ramp of a voxel and a half, so that a surface
 /// through it is smooth, and is covered by soft tissue. Everything else keeps its values to the last bit: cranium,

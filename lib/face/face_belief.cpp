@@ -54,11 +54,14 @@ bool is_same(const FaceRegion& a, const FaceRegion& b) {
   return a.nasion_mm == b.nasion_mm && a.tragi_mm == b.tragi_mm && a.left == b.left;
 }
 
-/// What either of two cuts took away is gone: of two values the one that is nearer to air. (Soft tissue with which only
-/// one of them covered air is lost; a cut may cover what the other one removed.)
+/// What either of two cuts took away is gone: air where one of them left air, also beside noise that is below it, else
+/// of two values the one that is nearer to air. (Soft tissue with which only one of them covered air is lost; a cut may
+/// cover what the other one removed.)
 template <class T>
 void unite(Grid<T>& a, const Grid<T>& b) {
-  for (std::size_t v = 0; v < a.voxels.size(); ++v) a.voxels[v] = std::min(a.voxels[v], b.voxels[v]);
+  const T air = static_cast<T>(removed_hu);
+  for (std::size_t v = 0; v < a.voxels.size(); ++v)
+    a.voxels[v] = a.voxels[v] == air || b.voxels[v] == air ? air : std::min(a.voxels[v], b.voxels[v]);
 }
 
 template <class T>
