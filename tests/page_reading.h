@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <stdexcept>
@@ -65,11 +66,25 @@ struct Page {
     }
     return l;
   }
+  /// Adds to each byte the median of left, above, and left + above - above left.
+  static void undo_prediction(std::string& bytes, const Lattice& l) {
+    for (int k = 0; k < l.size[2]; ++k)
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i) {
+          const auto at = [&](int x, int y) {
+            return x < 0 || y < 0 ? 0 : int(static_cast<unsigned char>(bytes.at(l.index(x, y, k))));
+          };
+          std::array<int, 3> three{at(i - 1, j), at(i, j - 1), at(i - 1, j) + at(i, j - 1) - at(i - 1, j - 1)};
+          std::sort(three.begin(), three.end());
+          bytes[l.index(i, j, k)] = static_cast<char>(bytes[l.index(i, j, k)] + three[1]);
+        }
+  }
   /// The HU of the CT's levels.
   Grid<std::int16_t> ct() const {
     Grid<std::int16_t> grid(lattice("ct"));
-    const std::string bytes = block(data.at("ct").at("block"));
+    std::string bytes = block(data.at("ct").at("block"));
     const Json& levels = data.at("ct").at("levels");
+    if (data.at("ct").at("predicted").get<bool>()) undo_prediction(bytes, grid);
     for (std::size_t i = 0; i < grid.voxels.size(); ++i) {
       const int level = static_cast<unsigned char>(bytes.at(i));
       for (std::size_t s = 1; s < levels.size(); ++s) {

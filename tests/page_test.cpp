@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <random>
 
 #include "base/base64.h"
 #include "base/error.h"
@@ -194,6 +195,40 @@ TEST(Page, ObliqueCtIsResampled) {
         inside += in;
       }
   EXPECT_GT(inside, 1000);
+}
+
+// A page that would be too large shows slices on larger voxels, and what it shows is still the CT.
+TEST(Page, SlicesAreCoarserWhereThePageWouldBeTooLarge) {
+  auto c = case_samples::minimal_case();
+  Lattice lattice;
+  lattice.size = {200, 200, 120};
+  lattice.spacing_mm = {1, 1, 1.5};
+  Grid<std::int16_t> grid(lattice);
+  std::mt19937 random(5);
+  for (int k = 0; k < 120; ++k)
+    for (int j = 0; j < 200; ++j)
+      for (int i = 0; i < 200; ++i) grid.at(i, j, k) = std::int16_t((i < 100 ? -60 : 60) + int(random() % 41) - 20);
+  const std::string bytes = encode_nrrd(HuVolume(grid), {}, NrrdEncoding::gzip);
+  c.manifest.files.push_back(describe_case_file("ct", ".nrrd", bytes));
+  c.manifest.ct = {c.manifest.files.back().name, grid.size, grid.spacing_mm};
+  c.files[c.manifest.ct.file] = bytes;
+  c.seal();
+  const LoadedCase whole = load_case_through(c.reader(), LoadParts{true});
+  const Page fine = read_page(make_case_page(whole, {}, PageParams{100}));
+  EXPECT_EQ(fine.lattice("ct").size, lattice.size);
+  ASSERT_GT(fine.html.size(), 2.2e6);
+  const Page small = read_page(make_case_page(whole, {}, PageParams{2}));
+  EXPECT_LE(small.html.size(), 2e6);
+  EXPECT_GT(small.html.size(), 1.4e6) << "no coarser than it must be";
+  const auto ct = small.ct();
+  EXPECT_LT(ct.size[0], 200);
+  EXPECT_EQ(small.data["ct"]["of_spacing_mm"], nlohmann::json::array({1.0, 1.0, 1.5}));
+  for (const double x : {40.0, 150.0}) {
+    const Vec3 at = ct.to_index({x, 90, 80});
+    double mean = 0;
+    for (int j = -8; j <= 8; ++j) mean += ct.at(int(at.x), int(at.y) + j, int(at.z)) / 17.0;
+    EXPECT_NEAR(mean, x < 100 ? -60 : 60, 12);
+  }
 }
 
 std::vector<std::int16_t> gradient(const Lattice& lattice) {

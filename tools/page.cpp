@@ -15,9 +15,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // Beside its case the page belongs to what the folder holds now, so no run may change that meanwhile.
-fs::path write_beside_case(const fs::path& folder, const Progress& progress) {
+fs::path write_beside_case(const fs::path& folder, const PageParams& params, const Progress& progress) {
   const CaseLock lock(folder);
-  const std::string page = make_case_page(folder, progress);
+  const std::string page = make_case_page(folder, params, progress);
   make_output_folder(folder / "report");
   write_file(folder / "report" / page_file, page);
   return folder / "report" / page_file;
@@ -37,19 +37,21 @@ Command page_command() {
       "figures. "
       "`run` makes the same page; this makes it again, or for a case that has none. The case is checked as a simulator "
       "checks it. Deviations and warnings are shown where the case's report folder holds them.";
-  c.examples = {"trephine page library/head-01", "trephine page library/head-01 --output head-01.html"};
+  c.examples = {"trephine page library/head-01", "trephine page library/head-01 --output head-01.html",
+                "trephine page library/head-01 --max-mb 12"};
   Argument folder = argument("case", Kind::in_folder, "The case's folder.");
   folder.positional = folder.required = true;
   c.arguments = {folder, argument("output", Kind::out_file, "Write the page here, instead of CASE/report/view.html.")};
+  c.groups = {ParameterGroup::of<PageParams>("Page")};
   c.run = [](const ParsedCommand& parsed) {
     fs::path written = parsed.path("output");
     {
       ProgressDisplay display(parsed.quiet);
       const Progress progress = display.start("page");
       if (written.empty())
-        written = write_beside_case(parsed.path("case"), progress);
+        written = write_beside_case(parsed.path("case"), parsed.params<PageParams>(), progress);
       else
-        write_file(written, make_case_page(parsed.path("case"), progress));
+        write_file(written, make_case_page(parsed.path("case"), parsed.params<PageParams>(), progress));
       display.finish("page", "");
     }
     if (!parsed.quiet)

@@ -112,9 +112,24 @@ function huOfLevels(levels) {
   return hu
 }
 
+// Each byte is the difference to the median of left, above, and left + above - above left.
+function undoPrediction(u, [nx, ny, nz]) {
+  for (let at = 0, k = 0; k < nz; ++k)
+    for (let j = 0; j < ny; ++j)
+      for (let i = 0, left = 0, corner = 0; i < nx; ++i, ++at) {
+        const above = j ? u[at - nx] : 0, level = left + above - corner
+        const low = left < above ? left : above, high = left < above ? above : left
+        left = u[at] = u[at] + (level < low ? low : level > high ? high : level)
+        left &= 255
+        corner = above
+      }
+}
+
 async function readVolume(data, v) {
   if (!v) return null
-  return { size: v.size, spacing: v.spacing_mm, origin: v.origin_mm, voxels: await unpack(v.block, data.blocks[v.block]) }
+  const voxels = await unpack(v.block, data.blocks[v.block])
+  if (v.predicted) undoPrediction(voxels, v.size)
+  return { size: v.size, spacing: v.spacing_mm, origin: v.origin_mm, voxels }
 }
 
 // A burr hole as a tube, which is also cut by the slices.

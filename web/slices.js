@@ -79,15 +79,26 @@ function drawSlice(plane, page, state) {
   c.moveTo(X(state.at[u]), 0), c.lineTo(X(state.at[u]), h), c.moveTo(0, Y(state.at[v])), c.lineTo(w, Y(state.at[v]))
   c.stroke()
   c.font = 11 * r + 'px sans-serif'
+  const where = `${plane.id} ${'LPS'[axis]} ${state.at[axis].toFixed(1)} mm`, low = h - 4 * r
+  const places = [[plane.ends[0], 4 * r, h / 2], [plane.ends[1], w - 13 * r, h / 2], [plane.ends[2], w / 2, 12 * r],
+    [plane.ends[3], Math.max(w / 2, c.measureText(where).width + 12 * r), low], [where, 4 * r, low]]
+  for (const [text, left, base] of places) outlined(c, text, left, base, '#b9cadb', r)
   if (state.showMarks) {
     const near = page.marks.filter(l => Math.abs(l.p[axis] - state.at[axis]) < 3)
-    drawLabels(c, near.map(l => ({ x: X(l.p[u]), y: Y(l.p[v]), mark: l })), r)
+    drawLabels(c, near.map(l => ({ x: X(l.p[u]), y: Y(l.p[v]), mark: l })), r, places.map(p => boxOf(c, ...p, r)))
   }
-  c.fillStyle = '#9fb3c8'
-  c.fillText(plane.ends[0], 4 * r, h / 2), c.fillText(plane.ends[1], w - 13 * r, h / 2)
-  c.fillText(plane.ends[2], w / 2, 12 * r), c.fillText(plane.ends[3], w / 2, h - 4 * r)
-  c.fillText(`${plane.id} ${'LPS'[axis]} ${state.at[axis].toFixed(1)} mm`, 4 * r, h - 4 * r)
 }
+
+// Legible on bright bone and on black air.
+function outlined(c, text, left, base, colour, r) {
+  c.lineWidth = 3 * r
+  c.lineJoin = 'round'
+  c.strokeStyle = 'rgba(0,0,0,.75)'
+  c.strokeText(text, left, base)
+  c.fillStyle = colour
+  c.fillText(text, left, base)
+}
+const boxOf = (c, text, left, base, r) => [left, base - 10 * r, left + c.measureText(text).width, base + 2 * r]
 
 // The surface's hue at full strength: tissue is too pale for lines on grey.
 function lineColour(rgb) {
@@ -96,9 +107,9 @@ function lineColour(rgb) {
   return `rgb(${strong.map(c => Math.round(255 * c))})`
 }
 
-// Dots with their names; a name that would cover another one is left out (the dot and the table still say it).
-function drawLabels(c, places, r) {
-  const taken = []
+// Dots with their names; a name that would cover another one, or a box that is taken, is left out (the dot and the table still
+// say it).
+function drawLabels(c, places, r, taken = []) {
   for (const { x, y, mark } of places) {
     c.fillStyle = mark.colour
     c.beginPath()
@@ -109,14 +120,10 @@ function drawLabels(c, places, r) {
   for (const { x, y, mark } of places) {
     const width = c.measureText(mark.label).width
     for (const [left, base] of [[x + 7 * r, y + 4 * r], [x - 7 * r - width, y + 4 * r], [x - width / 2, y - 8 * r], [x - width / 2, y + 16 * r]]) {
-      const box = [left, base - 10 * r, left + width, base + 2 * r]
+      const box = boxOf(c, mark.label, left, base, r)
       if (taken.some(t => t[0] < box[2] && box[0] < t[2] && t[1] < box[3] && box[1] < t[3])) continue
       taken.push(box)
-      c.lineWidth = 3 * r
-      c.strokeStyle = 'rgba(0,0,0,.75)'
-      c.strokeText(mark.label, left, base)
-      c.fillStyle = '#fff'
-      c.fillText(mark.label, left, base)
+      outlined(c, mark.label, left, base, '#fff', r)
       break
     }
   }

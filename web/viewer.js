@@ -293,8 +293,9 @@ async function start() {
     }
     $(id).append(t)
   }
+  const voxels = mm => mm.map(v => +v.toFixed(2)).join(' × ')
   const cell = (v, n) => [digits(v, n), v], values = o => Object.entries(o).map(([k, v]) => ({ cells: [[label(k)], [typeof v === 'number' ? digits(v, Number.isInteger(v) ? 0 : 3) : String(v), v]] }))
-  $('source').textContent = page.ct ? (data.ct.from === 'ct' ? 'Slices: the CT of the case, in 256 grey levels.' : 'Slices: the HU of the haptic volume; the case holds no other CT.') : page.felt ? 'Slices: the shapes of the haptic volume; the case holds no CT (the scene did not ask for one).' : 'The case holds neither CT nor haptic volume: slices show the cuts of the surfaces alone.'
+  $('source').textContent = page.ct ? ((data.ct.from === 'ct' ? 'Slices: the CT of the case, in 256 grey levels' : 'Slices: the HU of the haptic volume (the case holds no other CT)') + `, on voxels of ${voxels(data.ct.spacing_mm)} mm; the case has ${voxels(data.ct.of_spacing_mm)} mm.`) : page.felt ? 'Slices: the shapes of the haptic volume; the case holds no CT (the scene did not ask for one).' : 'The case holds neither CT nor haptic volume: slices show the cuts of the surfaces alone.'
   for (const w of data.warnings) $('warnings').append(make('p', 'bad', w))
   if (!data.warnings.length) $('warnings').append(make('p', 'good', 'No warnings.'))
   table('surfaces', ['surface', 'triangles', 'ml', 'cm²', 'max', 'p99', 'RMS', 'used'], data.anatomies.map(a => {

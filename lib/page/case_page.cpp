@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "page/case_page.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "base/parallel.h"
@@ -12,7 +15,8 @@ namespace trephine {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr int page_version = 1;
+constexpr int page_version = 2;
+constexpr double page_overhead_bytes = 100e3;  // script, style and the JSON of figures
 
 Json to_list(Vec3 v) { return Json::array({v.x, v.y, v.z}); }
 
@@ -25,8 +29,8 @@ Json to_json(const CaseValues& values) {
 // The page's data: JSON, and a block for what is large.
 class PageMaker {
  public:
-  PageMaker(const LoadedCase& loaded, const PageNotes& notes, const Progress& progress)
-      : case_(loaded), manifest_(loaded.manifest), notes_(notes), progress_(progress) {}
+  PageMaker(const LoadedCase& loaded, const PageNotes& notes, const PageParams& params, const Progress& progress)
+      : case_(loaded), manifest_(loaded.manifest), notes_(notes), params_(params), progress_(progress) {}
 
   std::string make() {
     json_["page"] = page_version;
@@ -35,7 +39,7 @@ class PageMaker {
     add_volumes();
     add_marks();
     add_text();
-    for (const PageBlock& b : blocks_) json_["blocks"][b.id] = b.bytes.size();
+    for (const PageBlock& b : blocks_) json_["blocks"][b.id] = b.bytes;
     return html_page(web::template_html, web::style_css, web::viewer_js, json_.dump(), blocks_);
   }
 
@@ -91,32 +95,56 @@ class PageMaker {
       }
       const std::string id = "surface-" + std::to_string(json_["anatomies"].size());
       out["block"] = id;
-      blocks_.push_back({id, std::move(surface.bytes)});
+      blocks_.push_back(page_block(id, surface.bytes));
     }
     json_["anatomies"].push_back(std::move(out));
   }
 
-  void add_volume(const char* id, PackedVolume volume) {
-    json_[id] = {{"block", id},
-                 {"size", volume.lattice.size},
-                 {"spacing_mm", to_list(volume.lattice.spacing_mm)},
-                 {"origin_mm", to_list(volume.lattice.origin_mm)}};
-    blocks_.push_back({id, std::move(volume.bytes)});
+  void add_volume(PageBlock block, const Lattice& lattice) {
+    json_[block.id] = {{"block", block.id},
+                       {"size", lattice.size},
+                       {"spacing_mm", to_list(lattice.spacing_mm)},
+                       {"origin_mm", to_list(lattice.origin_mm)}};
+    blocks_.push_back(std::move(block));
+  }
+
+  // On voxels as large as the page's size wants it: a part of a CT compresses about as well as the whole.
+  void add_ct(const HuVolume& volume) {
+    double room = params_.max_mb * 1e6 - page_overhead_bytes;
+    for (const PageBlock& b : blocks_) room -= double(b.bytes_in_page());
+    int side = page_volume_side;
+    for (;;) {
+      const PackedVolume packed = pack_ct(volume, side, progress_);
+      PageBlock block = page_block("ct", predicted_bytes(packed));
+      const int longest = *std::max_element(packed.lattice.size.begin(), packed.lattice.size.end());
+      const double share = room / double(block.bytes_in_page());
+      if (share >= 1 || longest <= page_volume_side / 2) {
+        add_volume(std::move(block), packed.lattice);
+        break;
+      }
+      const int smaller = int(longest * std::sqrt(std::max(share, 0.0))) / 4 * 4;
+      side = std::clamp(smaller, page_volume_side / 2, std::max(longest - 4, page_volume_side / 2));
+    }
+    json_["ct"]["predicted"] = true;
+    json_["ct"]["of_spacing_mm"] = to_list(lattice_of(volume).spacing_mm);
+    json_["ct"]["levels"] = page_hu_levels;
   }
 
   void add_volumes() {
     progress_.check();
+    if (case_.has_haptic()) {
+      const PackedVolume felt = pack_shapes(case_.haptic, progress_);
+      add_volume(page_block("felt", felt.bytes), felt.lattice);
+    }
     const bool felt_hu = case_.has_haptic() && case_.haptic.encoding == HapticEncoding::hu;
     if (case_.has_ct()) {
-      add_volume("ct", pack_ct(HuVolume(case_.ct), progress_));
+      add_ct(HuVolume(case_.ct));
       json_["ct"]["from"] = "ct";
     } else if (felt_hu) {
-      add_volume("ct", pack_ct(HuVolume(case_.haptic.voxels), progress_));
+      add_ct(HuVolume(case_.haptic.voxels));
       json_["ct"]["from"] = "haptic";
     }
-    if (json_.contains("ct")) json_["ct"]["levels"] = page_hu_levels;
     if (!case_.has_haptic()) return;
-    add_volume("felt", pack_shapes(case_.haptic, progress_));
     for (const CaseShape& s : manifest_.haptic.shapes)
       json_["felt"]["shapes"].push_back({{"name", s.name},
                                          {"number", s.number},
@@ -160,6 +188,7 @@ class PageMaker {
   const LoadedCase& case_;
   const CaseManifest& manifest_;
   const PageNotes& notes_;
+  const PageParams& params_;
   const Progress& progress_;
   Json json_;
   std::vector<PageBlock> blocks_;
@@ -167,13 +196,15 @@ class PageMaker {
 
 }  // namespace
 
-std::string make_case_page(const LoadedCase& loaded, const PageNotes& notes, const Progress& progress) {
-  return PageMaker(loaded, notes, progress).make();
+std::string make_case_page(const LoadedCase& loaded, const PageNotes& notes, const PageParams& params,
+                           const Progress& progress) {
+  return PageMaker(loaded, notes, params, progress).make();
 }
 
-std::string make_case_page(const std::filesystem::path& case_folder, const Progress& progress) {
+std::string make_case_page(const std::filesystem::path& case_folder, const PageParams& params,
+                           const Progress& progress) {
   const LoadedCase loaded = load_case(case_folder, LoadParts{true});
-  return make_case_page(loaded, read_page_notes(case_folder, loaded.manifest), progress);
+  return make_case_page(loaded, read_page_notes(case_folder, loaded.manifest), params, progress);
 }
 
 }  // namespace trephine

@@ -37,13 +37,17 @@ std::string blocks_html(const std::vector<PageBlock>& blocks) {
   std::string out;
   for (const PageBlock& b : blocks) {
     out += "<script type=\"application/octet-stream\" id=\"" + b.id + "\">";
-    out += base64(detail::gzip_compress(b.bytes, compression_level));
+    out += base64(b.gzip);
     out += "</script>\n";
   }
   return out;
 }
 
 }  // namespace
+
+PageBlock page_block(std::string id, const std::string& bytes) {
+  return {std::move(id), bytes.size(), detail::gzip_compress(bytes, compression_level)};
+}
 
 std::string html_page(std::string_view html, std::string_view style, std::string_view script, const std::string& json,
                       const std::vector<PageBlock>& blocks) {

@@ -20,9 +20,9 @@ std::optional<int> patient_axis(const Lattice& lattice, int k) {
   return {};
 }
 
-// The lattice along the patient's axes for a volume: its own voxels where it lies along them, else the box around it.
-// At most page_volume_side voxels a side.
-Lattice page_lattice(const Lattice& from) {
+// The lattice along the patient's axes for a volume: its own voxels where it lies along them, else the box around it
+// with at most `side` voxels a side.
+Lattice page_lattice(const Lattice& from, int side) {
   Vec3 least{1e300, 1e300, 1e300}, most{-1e300, -1e300, -1e300};
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 at = from.to_world_mm({corner & 1 ? from.size[0] - 1.0 : 0.0, corner & 2 ? from.size[1] - 1.0 : 0.0,
@@ -37,7 +37,7 @@ Lattice page_lattice(const Lattice& from) {
   to.origin_mm = least;
   for (int axis = 0; axis < 3; ++axis) {
     const double length = most[axis] - least[axis];
-    to.size[axis] = std::clamp(static_cast<int>(std::ceil(length / finest - 1e-6)) + 1, 1, page_volume_side);
+    to.size[axis] = std::clamp(static_cast<int>(std::ceil(length / finest - 1e-6)) + 1, 1, side);
     to.spacing_mm[axis] = to.size[axis] > 1 ? length / (to.size[axis] - 1) : finest;
   }
   bool straight = true;
@@ -51,13 +51,13 @@ Lattice page_lattice(const Lattice& from) {
 }
 
 // As many voxels as a page takes, each the mean of those that it covers.
-HuVolume small_enough(const HuVolume& volume) {
+HuVolume small_enough(const HuVolume& volume, int side) {
   const Lattice& lattice = lattice_of(volume);
   ResampleParams params;
   bool large = false;
   for (int k = 0; k < 3; ++k)
-    if (lattice.size[k] > page_volume_side) {
-      params.spacing_mm[k] = lattice.spacing_mm[k] * lattice.size[k] / page_volume_side;
+    if (lattice.size[k] > side) {
+      params.spacing_mm[k] = lattice.spacing_mm[k] * lattice.size[k] / side;
       large = true;
     }
   if (!large) return volume;
@@ -137,11 +137,11 @@ double trilinear(const Grid<T>& grid, Vec3 index, double beyond) {
 
 }  // namespace
 
-PackedVolume pack_ct(const HuVolume& volume, const Progress& progress) {
-  const HuVolume small = small_enough(volume);
+PackedVolume pack_ct(const HuVolume& volume, int side, const Progress& progress) {
+  const HuVolume small = small_enough(volume, side);
   return std::visit(
       [&](const auto& grid) {
-        const Lattice to = page_lattice(grid);
+        const Lattice to = page_lattice(grid, side);
         const bool straight = to.count() == grid.count() && patient_axis(grid, 0) && patient_axis(grid, 1);
         return sample(grid, to, progress, [&](Vec3 index) -> std::uint8_t {
           std::array<int, 3> voxel{};
@@ -153,9 +153,27 @@ PackedVolume pack_ct(const HuVolume& volume, const Progress& progress) {
       small);
 }
 
+std::string predicted_bytes(const PackedVolume& volume) {
+  const Lattice& l = volume.lattice;
+  std::string out(volume.bytes.size(), '\0');
+  parallel_for(0, l.size[2], 1, [&](std::int64_t begin, std::int64_t end) {
+    for (auto k = static_cast<int>(begin); k < end; ++k)
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i) {
+          const auto at = [&](int x, int y) {
+            return x < 0 || y < 0 ? 0 : int(static_cast<unsigned char>(volume.bytes[l.index(x, y, k)]));
+          };
+          const int left = at(i - 1, j), above = at(i, j - 1), level = left + above - at(i - 1, j - 1);
+          const int median = std::max(std::min(left, above), std::min(std::max(left, above), level));
+          out[l.index(i, j, k)] = static_cast<char>(at(i, j) - median);
+        }
+  });
+  return out;
+}
+
 PackedVolume pack_shapes(const HapticVolume& volume, const Progress& progress) {
   const HapticDecoder decoder(volume);
-  Lattice to = page_lattice(volume.voxels);
+  Lattice to = page_lattice(volume.voxels, page_volume_side);
   for (int axis = 0; axis < 3; ++axis)
     if (to.size[axis] > page_volume_side) {
       const double length = to.spacing_mm[axis] * (to.size[axis] - 1);

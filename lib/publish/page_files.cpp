@@ -78,7 +78,7 @@ std::vector<CasePicture> make_page_files(const CaseConfig& config, const Graph& 
     files.push_back({deviation_file_name(content.manifest, anatomy), encode_deviation(deviation)});
   }
   files.push_back({page_notes_file, page_notes_json(notes)});
-  files.push_back({page_file, make_case_page(loaded(content), notes, cancelled)});
+  files.push_back({page_file, make_case_page(loaded(content), notes, {}, cancelled)});
   return files;
 }
 
