@@ -152,6 +152,33 @@ TEST(SegmentThreshold, FilledBoneKeepsItsOuterSurface) {
   EXPECT_LT(d.max, 0.4) << "no crossing inside";
 }
 
+// A shell of bone with a hole through it: what is narrower than asked is closed and said, what is wider keeps its
+// walls.
+TEST(SegmentThreshold, ClosingOutletsKeepsTheWallsOfWiderHoles) {
+  for (const double diameter : {3.0, 5.0, 6.0, 8.0}) {
+    const Grid<float> shell = sampled(lattice(76, 76, 76, {0.5, 0.5, 0.5}), [&](Vec3 p) {
+      const double r = norm(p), bone = blurred_ball(r, 17, 0.4) - blurred_ball(r, 12, 0.4);
+      const double across = std::hypot(p.x, p.y) - diameter / 2;
+      return 40 + 1160 * bone * (p.z > 0 ? std::clamp(0.5 + across, 0.0, 1.0) : 1.0);
+    });
+    SegmentParams p;
+    p.lower_hu = 620;
+    p.fill = SegmentFill::cavities;
+    const Field open = run(shell, p);
+    p.fill_close_mm = 2;
+    Report report;
+    const Field filled = segment(HuVolume(shell), {}, p, report);
+    const double by_closing_ml = std::get<double>(*report.find("filled_by_closing_ml"));
+    if (diameter < 4) {
+      EXPECT_TRUE(holds(filled, {0, 0, 13})) << "the outermost 2 mm stay, as a dimple";
+      EXPECT_GT(by_closing_ml, 6) << "what the shell encloses is 7 ml";
+    } else {
+      EXPECT_TRUE(filled == open) << diameter;
+      EXPECT_EQ(by_closing_ml, 0) << diameter;
+    }
+  }
+}
+
 TEST(SegmentThreshold, ACutThroughMaterialIsNoStaircase) {
   // A mask whose plane is oblique to the lattice cuts a block of one HU.
   const Lattice l = lattice(50, 50, 25);

@@ -57,8 +57,11 @@ struct SegmentParams {
               {"cavities", SegmentFill::cavities},
               {"cavities_and_cut", SegmentFill::cavities_and_cut}},
              "Fill what the material encloses; cavities_and_cut: also what only one face of the volume cuts open.");
-    v.number(&P::fill_close_mm, "fill_close_mm", Range{0, 30},
-             "Also fill cavities whose outlets are narrower than twice this; the outer surface stays where it is.");
+    v.number(
+        &P::fill_close_mm, "fill_close_mm", Range{0, 30},
+        "Also fill cavities whose outlets are narrower than twice this; the outer surface stays where it is. Holes "
+        "through the material (a burr hole, a foramen) that are narrower are closed too; wider ones keep their "
+        "walls. filled_by_closing_ml says how much was filled only because of this.");
     v.number(&P::fill_max_ml, "fill_max_ml", Range{0, 10000}, "Cavities larger than this stay open.");
     v.number(&P::grow_mm, "grow_mm", Range{-20, 20},
              "Moves the surface outwards (inwards, if negative) by this distance at the end; the field is then in mm.");

@@ -146,7 +146,12 @@ Field segment_threshold(const HuView& hu, const SegmentMasks& masks, const Segme
   const FillRule rule{p.fill_close_mm, p.fill_max_ml, p.fill == SegmentFill::cavities_and_cut};
   if (p.fill != SegmentFill::none) {
     const BitMask filled = holes(shape, rule, progress);
-    report.add("filled_ml", double(filled.count()) * work.voxel_volume_mm3() / 1000);
+    const double voxel_ml = work.voxel_volume_mm3() / 1000;
+    report.add("filled_ml", double(filled.count()) * voxel_ml);
+    if (p.fill_close_mm > 0) {
+      const BitMask enclosed = holes(shape, {0, rule.max_ml, rule.cut_open}, progress);
+      report.add("filled_by_closing_ml", (double(filled.count()) - double(enclosed.count())) * voxel_ml);
+    }
     shape |= filled;
   }
   progress.report(0.6);
