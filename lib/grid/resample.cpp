@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "base/error.h"
+#include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "base/refusal.h"
 
@@ -135,6 +136,8 @@ HuVolume resample(const HuVolume& volume, const ResampleParams& params, Report& 
   constexpr double most_voxels = 4e9;
   if (voxels > most_voxels)
     throw refusal("spacing_mm", "would make more than 4e9 voxels of this volume", {"choose a larger `spacing_mm`"});
+  const std::size_t voxel_bytes = std::visit([](const auto& g) { return sizeof(g.voxels[0]); }, volume);
+  require_memory(static_cast<std::uint64_t>(voxels) * voxel_bytes, "a volume of this `spacing_mm`");
   HuVolume out = std::visit([&](const auto& g) { return HuVolume(resampled(g, step_mm, progress)); }, volume);
   const Lattice& made = lattice_of(out);
   report.figures.emplace_back("spacing_mm", std::vector<double>{step_mm[0], step_mm[1], step_mm[2]});

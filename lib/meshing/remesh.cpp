@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/memory_budget.h"
 #include "base/refusal.h"
 #include "base/text.h"
 #include "meshing/remesh_child.h"
@@ -84,6 +85,11 @@ TriMesh remesh(const TriMesh& input, const RemeshParams& params, Report& report,
   const double volume = volume_mm3(original);
   const PointToMesh to_original(original, progress);
   double edge = params.edge_mm > 0 ? params.edge_mm : Edges(original).mean;
+  // Measured: 280 bytes a triangle in the child, and the result and its tree here.
+  constexpr double bytes_per_triangle = 500;
+  const double triangles = area_mm2(original) / (0.43 * edge * edge);
+  require_memory(static_cast<std::uint64_t>(std::min(triangles * bytes_per_triangle, 1e18)),
+                 "remeshing to edges of " + to_text(edge) + " mm");
   std::string fault;
   for (int n = 1; n <= tries; ++n, edge *= 0.7) {
     TriMesh mesh = with_field("remesh", [&] { return evenly(original, edge, params, progress.part(0.1, 0.7)); });

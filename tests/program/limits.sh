@@ -91,6 +91,14 @@ interrupted "$TREPHINE" repair soup.obj --output s.vtp --recontour-voxels-count 
 expect 70 'total_limit_s' timeout 60 "$TREPHINE" repair soup.obj --output s.vtp --recontour-voxels-count 900 --total-limit-s 1 --quiet
 expect 70 'total_limit_s' timeout 60 "$TREPHINE" measure soup.obj --reference soup.obj --sample-count 100000000 --total-limit-s 1 --quiet
 
+# Memory is asked for before it is taken, and the message says how much there would have to be.
+"$TREPHINE" import plain --output m.nrrd --quiet
+expect 70 'needs about .* GB' bash -c 'ulimit -v 3000000; exec "$0" "$@"' \
+  "$TREPHINE" resample m.nrrd --spacing-mm 0.16,0.16,0.16 --output fine.nrrd --quiet
+"$TREPHINE" contour m.nrrd --output m.vtp --isovalue-hu 300.5 --quiet
+expect 70 'needs about .* GB' "$TREPHINE" remesh m.vtp --edge-mm 0.001 --output fine.vtp --quiet
+[[ ! -e fine.nrrd && ! -e fine.vtp ]] || fail "something is left of what needs too much memory"
+
 # Links in a circle, and names that are too long.
 ln -s loop loop
 long=$(printf 'n%.0s' {1..300})
