@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "base/error.h"
 #include "dicom/import.h"
 #include "dicom_synthetic.h"
@@ -55,6 +57,24 @@ std::string refusal_of(const std::vector<ZipMember>& members, ExitCode expected 
     return e.what();
   }
   return "no error";
+}
+
+// As in a folder: a slice at the end that has lost its beginning, or everything, is told of.
+TEST(DicomArchive, ASliceAtTheEndThatVanishesIsToldOf) {
+  const auto warnings = [](const std::function<std::string(std::string)>& change) {
+    const ScratchFolder folder;
+    auto members = members_of(scan());
+    members.back().bytes = change(members.back().bytes);
+    members.push_back({"EXPORT/READ.ME", "nothing of a slice"});
+    std::string all;
+    for (const std::string& w : import_series(folder.write("a.zip", zip_bytes(members)), {}).folder.warnings) all += w;
+    return all;
+  };
+  EXPECT_EQ(warnings([](std::string b) { return b; }), "");
+  const std::string headless = warnings([](std::string b) { return std::string(400, 'x') + b.substr(300); });
+  EXPECT_NE(headless.find("file 9 of 10 (by name) is DICOM and was left out"), std::string::npos) << headless;
+  const std::string empty = warnings([](const std::string&) { return std::string(); });
+  EXPECT_NE(empty.find("1 empty file, the first is number 9"), std::string::npos) << empty;
 }
 
 TEST(DicomArchive, GivesTheSameVolumeAndHashAsTheFolder) {

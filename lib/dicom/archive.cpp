@@ -66,7 +66,9 @@ bool is_link(zip_t* z, zip_uint64_t i) {
 }
 
 // What the child does: members in the archive's order as kind, name, bytes.
-enum class Kind : std::uint64_t { other, candidate, hidden, link };
+enum class Kind : std::uint64_t { member, hidden, link };
+// Of a member of another kind: a slice that has lost its beginning still names its series.
+constexpr std::size_t long_head = 16 << 10, short_head = 256, most_of_heads = 64 << 20;
 
 class Unzipper {
  public:
@@ -122,8 +124,11 @@ class Unzipper {
     std::array<char, 1 << 18> buffer{};
     std::size_t have = read(member.get(), buffer.data(), std::min<std::uint64_t>(buffer.size(), s.size));
     if (!begins_as_dicom({buffer.data(), have})) {
-      check_foreign(member.get(), s, have);
-      return put(Kind::other, name.text, 0);
+      const std::size_t head = std::min(have, heads_ < most_of_heads ? long_head : short_head);
+      heads_ += head;
+      put(Kind::member, name.text, head);
+      request_.write(buffer.data(), head);
+      return check_foreign(member.get(), s, have);
     }
     if (s.size > limits_.member_bytes)
       refuse(fmt::format("a member of {} bytes, at most {} are read", s.size, limits_.member_bytes));
@@ -131,7 +136,7 @@ class Unzipper {
     if (taken_ > limits_.bytes) refuse(fmt::format("holds more than {} bytes of images: unpack it", limits_.bytes));
     if (taken_ > limits_.free_of_ratio && taken_ / limits_.ratio > archive_bytes_)
       refuse(fmt::format("expands to more than {} times its size", limits_.ratio));
-    put(Kind::candidate, name.text, s.size);
+    put(Kind::member, name.text, s.size);
     for (std::uint64_t left = s.size; left > 0;) {
       if (have == 0) refuse("a member is damaged: it ends before its size");
       request_.write(buffer.data(), have);
@@ -175,7 +180,7 @@ class Unzipper {
   ChildRequest& request_;
   const std::string file_;
   const ArchiveLimits limits_;
-  std::uint64_t archive_bytes_ = 0, taken_ = 0, checked_ = 0;
+  std::uint64_t archive_bytes_ = 0, taken_ = 0, checked_ = 0, heads_ = 0;
 };
 
 const ChildWorker worker(worker_name, [](ChildRequest& request) {
@@ -222,7 +227,6 @@ Archive read_archive(const std::filesystem::path& file, const Progress& progress
     Archive::Member m;
     m.name = std::string(in.text());
     m.bytes = in.take(in.number());
-    m.is_candidate = kind == Kind::candidate;
     if (kind == Kind::hidden)
       ++archive.hidden;
     else if (kind == Kind::link)

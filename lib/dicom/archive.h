@@ -20,13 +20,13 @@ struct ArchiveLimits {
   std::uint64_t free_of_ratio = 64 << 20;               ///< up to this many bytes the ratio is not checked
 };
 
-/// The members of a ZIP archive that begin as DICOM files do, uncompressed in shared memory. Nothing is written to
+/// The members of a ZIP archive, uncompressed in shared memory; of what does not begin as a DICOM file does only the
+/// beginning. Nothing is written to
 /// disk, and no member's name is ever used as a path.
 struct Archive {
   struct Member {
     std::string name;        ///< for messages; '/' between folders
-    std::string_view bytes;  ///< within `memory`; empty where it does not begin as a DICOM file does
-    bool is_candidate = false;
+    std::string_view bytes;  ///< within `memory`; only the beginning where that is not one of a DICOM file
   };
   std::vector<Member> members;  ///< ascending by name; without folders, hidden files and links
   int hidden = 0, links = 0;

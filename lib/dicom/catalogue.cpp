@@ -198,7 +198,6 @@ void add_series(Group& group, ModalityPolicy modality, std::vector<Series>& out)
 struct Input {
   Origin origin;
   std::string name;
-  bool is_candidate = true;  ///< an archive's member that does not begin as DICOM was not even kept
 };
 
 // A DICOMDIR is DICOM, and names every UID, but no slice is lost with it.
@@ -222,7 +221,6 @@ void read_headers(const std::vector<Input>& files, Catalogue& c, const Progress&
     progress.report(static_cast<double>(from) / static_cast<double>(files.size()));
     for (auto i = static_cast<std::size_t>(from); i < static_cast<std::size_t>(to); ++i) {
       try {
-        if (!files[i].is_candidate) throw WalkFault{"", "not a DICOM file"};
         headers[i] = read_header(files[i].origin);
         good[i] = 1;
       } catch (const WalkFault& f) {
@@ -311,8 +309,7 @@ Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Pr
     rest = progress.part(0.8, 1);
     c.hidden = c.archive.hidden;
     c.links = c.archive.links;
-    for (const Archive::Member& m : c.archive.members)
-      files.push_back({Origin::memory(m.bytes), m.name, m.is_candidate});
+    for (const Archive::Member& m : c.archive.members) files.push_back({Origin::memory(m.bytes), m.name});
   } else {
     c.is_single_file = true;
     files.push_back({folder_or_file, folder_or_file.filename().string()});
