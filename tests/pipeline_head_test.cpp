@@ -7,7 +7,9 @@
 
 #include "base/error.h"
 #include "config/config.h"
+#include "picture/image.h"
 #include "pipeline/graph.h"
+#include "publish/case_pictures.h"
 #include "publish/head_content.h"
 #include "scratch_folder.h"
 
@@ -168,6 +170,53 @@ TEST(HeadGraph, TheGateSeesWhatTheSceneShows) {
   const Graph all = Read("", "anatomies: {skin: , skull: , brain: , ventricles: }\n" + keep).graph();
   EXPECT_EQ(source(all, "anatomy", "landmarks"), all.landmarks);
   EXPECT_GE(all.landmarks, 0);
+}
+
+// What a stage takes off the scan is drawn, but not where it might have lain on a face that is taken away.
+TEST(HeadGraph, WhatIsTakenOffIsDrawn) {
+  const std::string with_body = recipe + "body: {}\n", scene = "anatomies: {skin: }\n";
+  const Graph kept = Read("", scene + keep, {}, with_body).graph();
+  ASSERT_EQ(kept.removals.size(), 1u);
+  EXPECT_EQ(kept.removals[0].before, 0);
+  EXPECT_EQ(kept.removals[0].after, kept.find("body"));
+  const Graph defaced = Read("", scene + "face: {policy: deface}\n", {}, with_body).graph();
+  EXPECT_GE(defaced.find("body"), 0);
+  EXPECT_TRUE(defaced.removals.empty());
+}
+
+TEST(HeadGraph, TheOutlineOfWhatIsMissingIsInThePicture) {
+  Lattice lattice;
+  lattice.size = {60, 60, 40};
+  lattice.spacing_mm = {1, 1, 1};
+  Grid<std::int16_t> scan(lattice, -1000);
+  const auto fill = [&](int from, int to, std::int16_t hu) {
+    for (int k = 5; k < 35; ++k)
+      for (int j = from; j < to; ++j)
+        for (int i = 10; i < 50; ++i) scan.at(i, j, k) = hu;
+  };
+  fill(10, 40, 40);
+  const HuVolume body = scan;
+  EXPECT_FALSE(make_removed_picture(body, body, "body")) << "nothing is missing";
+  fill(48, 54, -500);  // a cushion
+  const auto picture = make_removed_picture(scan, body, "body");
+  ASSERT_TRUE(picture);
+  EXPECT_EQ(picture->name, "removed_by_body.png");
+  const Image image = decode_png(picture->png);
+  // Of the first slice the part below its legend: red lines, and only in its lower half, where the cushion lay.
+  const auto red = [&](int from, int to) {
+    int count = 0;
+    for (int y = from; y < to; ++y)
+      for (int x = 0; x < 640; ++x) {
+        const std::uint8_t* p = image.at(x, y);
+        count += p[0] > 150 && p[1] < 100 && p[2] < 80;
+      }
+    return count;
+  };
+  EXPECT_EQ(red(60, 400), 0);
+  EXPECT_GT(red(400, 640), 500);
+  Lattice other = lattice;
+  other.size[0] = 50;
+  EXPECT_THROW(make_removed_picture(scan, Grid<std::int16_t>(other), "body"), Error);
 }
 
 TEST(HeadGraph, TheFaceIsGoneBeforeAnythingIsMade) {

@@ -206,7 +206,9 @@ class Builder {
       if (step.type->role != StageRole::prepare) continue;
       Node node = node_of_step(step, step.type->name);
       give_scan(node, scan);
-      scan = add(std::move(node));
+      const int after = add(std::move(node));
+      if (step.type->draws_removal && config_.face == "keep") graph_.removals.push_back({scan, after});
+      scan = after;
     }
     return scan;
   }

@@ -37,11 +37,17 @@ struct Graph {
   };
   std::vector<Anatomy> anatomies;  ///< as in the scene
   int quality = -1;                ///< what the scan is suited for; -1: the recipe does not ask
-  int scan = 0;                    ///< the volume that anatomies, pictures and haptic volume are made of
-  int ct = -1;                     ///< the scan where the case publishes it; -1: it does not
-  int landmarks = -1;              ///< -1: none need be found
-  int given_landmarks = -1;        ///< -1: none are given or none are needed
-  int deface = -1;                 ///< -1: the face is not taken away
+  struct Removal {
+    int before = -1, after = -1;
+  };
+  /// The scan before and after each stage that draws what it takes off. Empty where the scene takes the face away:
+  /// apparatus that lies on a face has its shape.
+  std::vector<Removal> removals;
+  int scan = 0;              ///< the volume that anatomies, pictures and haptic volume are made of
+  int ct = -1;               ///< the scan where the case publishes it; -1: it does not
+  int landmarks = -1;        ///< -1: none need be found
+  int given_landmarks = -1;  ///< -1: none are given or none are needed
+  int deface = -1;           ///< -1: the face is not taken away
   int anatomy_gate = -1, face_gate = -1;
   std::vector<int> burr_holes;     ///< the nodes of their cutters, in the configuration's order
   int haptic = -1, mismatch = -1;  ///< -1: not wanted

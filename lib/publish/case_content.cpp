@@ -308,8 +308,12 @@ class Builder {
         felt.push_back(felt_surface(shape.number));
         shown.push_back({shape.name, &felt.back(), shape.material.colour_rgb, 1});
       }
-    out_.pictures = make_case_pictures(std::get<std::shared_ptr<const HuVolume>>(at(graph_.scan).data).get(), shown,
-                                       manifest().landmarks, cancelled);
+    const auto volume = [&](int node) { return std::get<std::shared_ptr<const HuVolume>>(at(node).data).get(); };
+    out_.pictures = make_case_pictures(volume(graph_.scan), shown, manifest().landmarks, cancelled);
+    for (const Graph::Removal& r : graph_.removals)
+      if (auto picture =
+              make_removed_picture(*volume(r.before), *volume(r.after), graph_.nodes[r.after].name, cancelled))
+        out_.pictures.push_back(std::move(*picture));
   }
 
   const CaseConfig& config_;
@@ -323,6 +327,8 @@ class Builder {
 std::vector<int> wanted_nodes(const Graph& graph, bool pictures, bool page) {
   std::vector<int> wanted = graph.burr_holes;
   if (pictures) wanted.push_back(graph.scan);
+  for (std::size_t r = 0; pictures && r < graph.removals.size(); ++r)
+    wanted.insert(wanted.end(), {graph.removals[r].before, graph.removals[r].after});
   if (graph.ct >= 0) wanted.push_back(graph.ct);
   for (const Graph::Anatomy& a : graph.anatomies) {
     wanted.push_back(a.surface);

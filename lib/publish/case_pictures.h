@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,5 +32,10 @@ struct CasePicture {
 /// volume. The same input gives the same bytes.
 std::vector<CasePicture> make_case_pictures(const HuVolume* volume, const std::vector<PictureAnatomy>& anatomies,
                                             const std::vector<CaseLandmark>& landmarks, const Progress& progress = {});
+
+/// What a stage took off the scan: removed_by_NAME.png, slices of the scan before with the outline of what is missing
+/// after, which has at least 0.5 ml. Nothing where less is missing. Both volumes have the same lattice (Error 70).
+std::optional<CasePicture> make_removed_picture(const HuVolume& before, const HuVolume& after, const std::string& name,
+                                                const Progress& progress = {});
 
 }  // namespace trephine

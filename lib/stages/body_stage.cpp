@@ -12,6 +12,7 @@ StageType body_stage() {
   s.typical_s = 1;
   s.place = StagePlace::scan;
   s.role = StageRole::prepare;
+  s.draws_removal = true;
   s.summary = "takes mask, couch and other apparatus off a scan";
   s.description =
       "Finds the body from inside out and makes air of everything else: radiotherapy mask, couch, head holder, clamps, "

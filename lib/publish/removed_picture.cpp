@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "picture/slice.h"
+#include "publish/case_pictures.h"
+
+namespace trephine {
+namespace {
+
+constexpr int cell_px = 640, cells = 6;
+constexpr double least_ml = 0.5;
+constexpr float least_hu = 100;  // what lost less is not called removed
+
+// Where the scan lost at least least_hu, on every second voxel of a slice: an outline needs no more.
+Field lost(const HuVolume& before, const HuVolume& after) {
+  constexpr int step = 2;
+  Lattice l = lattice_of(before);
+  for (int a = 0; a < 2; ++a) {
+    l.size[a] = (l.size[a] + step - 1) / step;
+    l.spacing_mm[a] *= step;
+  }
+  Field out(l);
+  std::visit(
+      [&](const auto& from, const auto& to) {
+        parallel_for(0, l.size[2], 4, [&](std::int64_t begin, std::int64_t end) {
+          for (auto k = int(begin); k < end; ++k)
+            for (int j = 0; j < l.size[1]; ++j)
+              for (int i = 0; i < l.size[0]; ++i)
+                out.at(i, j, k) =
+                    float(from.at(step * i, step * j, k)) - float(to.at(step * i, step * j, k)) - least_hu;
+        });
+      },
+      before, after);
+  return out;
+}
+
+Box box_of_positive(const Field& field) {
+  Box box{field.size, {0, 0, 0}};
+  for (int k = 0; k < field.size[2]; ++k)
+    for (int j = 0; j < field.size[1]; ++j)
+      for (int i = 0; i < field.size[0]; ++i) {
+        if (!(field.at(i, j, k) > 0)) continue;
+        const int at[3] = {i, j, k};
+        for (int a = 0; a < 3; ++a) {
+          box.begin[a] = std::min(box.begin[a], at[a]);
+          box.end[a] = std::max(box.end[a], at[a] + 1);
+        }
+      }
+  return box;
+}
+
+}  // namespace
+
+std::optional<CasePicture> make_removed_picture(const HuVolume& before, const HuVolume& after, const std::string& name,
+                                                const Progress& progress) {
+  if (!(lattice_of(before) == lattice_of(after)))
+    throw Error(ExitCode::internal, "", name, "does not keep the scan's voxels");
+  const Field missing = lost(before, after);
+  const auto count = std::count_if(missing.voxels.begin(), missing.voxels.end(), [](float v) { return v > 0; });
+  if (double(count) * missing.voxel_volume_mm3() / 1000 < least_ml) return {};
+  const Box box = box_of_positive(missing);
+  std::vector<Image> images(cells);
+  parallel_for(0, cells, 1, [&](std::int64_t from, std::int64_t to) {
+    for (auto i = from; i < to; ++i) {
+      progress.check();
+      // Four axial slices through what is missing, then its middle from the front and from the side.
+      constexpr double along[cells] = {0.2, 0.4, 0.6, 0.8, 0.5, 0.5};
+      Vec3 at;
+      for (int a = 0; a < 3; ++a) at[a] = box.begin[a] + along[i] * (box.end[a] - 1 - box.begin[a]);
+      const Vec3 place = missing.to_world_mm(at);
+      SliceParams params;
+      params.longer_side_px = cell_px;
+      params.window_center_hu = -300;  // apparatus is foam and plastic, between air and tissue
+      params.window_width_hu = 1400;
+      params.plane = i < 4 ? SlicePlane::axial : i == 4 ? SlicePlane::coronal : SlicePlane::sagittal;
+      params.position_mm = i < 4 ? place.z : i == 4 ? place.y : place.x;
+      images[std::size_t(i)] = slice_overlay(before, params, {{nullptr, {1, 0.25, 0.1}, "taken off", &missing}});
+    }
+  });
+  return CasePicture{"removed_by_" + name + ".png", encode_png(contact_sheet(images, 3))};
+}
+
+}  // namespace trephine
