@@ -8,8 +8,10 @@ if(NOT TREPHINE_SANITIZE)
   set_tests_properties(program.itk_apart PROPERTIES
     ENVIRONMENT "BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
 endif()
-# A second scan as its user registers it.
-add_test(NAME program.second_scan COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/second_scan.sh)
-set_tests_properties(program.second_scan PROPERTIES TIMEOUT 600
-  ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR}")
+# A second scan as its user registers it, and a case of several.
+foreach(script second_scan several_scans)
+  add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
+  set_tests_properties(program.${script} PROPERTIES TIMEOUT 600
+    ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR}")
+endforeach()
 endif()

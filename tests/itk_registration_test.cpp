@@ -33,6 +33,23 @@ phantom::Second mr_of(const Head& head, double voxel_mm, int seed) {
   return phantom::second_scan(head, p);
 }
 
+Head hard_head(int seed) {
+  HeadParams p;
+  p.level = phantom::Level::hard;
+  p.seed = seed;
+  return Head(p);
+}
+
+/// With contrast agent, which the first scan has not.
+phantom::Second angiography_of(const Head& head, double voxel_mm, int seed) {
+  phantom::SecondScanParams p;
+  p.contrast = phantom::SecondScan::cta;
+  p.voxel_mm = voxel_mm;
+  p.noise_ratio = 0.015;
+  p.scan_seed = seed;
+  return phantom::second_scan(head, p);
+}
+
 struct Outcome {
   double mean = 0, worst = 0, worst_published = 0;
   int doubtful = 0;
@@ -75,6 +92,54 @@ TEST(Registration, LaysAnMrOnTheCt) {
   EXPECT_LT(o.mean, 0.5);
   EXPECT_LT(o.worst, 1.0);
   EXPECT_EQ(o.doubtful, 0);
+}
+
+TEST(Registration, LaysAnAngiographyOnTheCt) {
+  const Head head = hard_head(3);
+  RegistrationParams quick;
+  quick.moving = MovingValues::hu;
+  quick.finest_mm = 2;
+  quick.samples_count = 20000;
+  const Outcome o = over_offsets(quick_ct(head, 2), angiography_of(head, 2, 1), targets(head), 0, 3, quick);
+  EXPECT_LT(o.mean, 0.5);
+  EXPECT_LT(o.worst, 1.0);
+  EXPECT_EQ(o.doubtful, 0);
+}
+
+TEST(Registration, LongAngiographyOverTwentyOffsets) {
+  double worst = 0, mean = 0;
+  int doubtful = 0;
+  RegistrationParams params;
+  params.moving = MovingValues::hu;
+  for (int h = 0; h < 2; ++h) {
+    const Head head = hard_head(10 + h);
+    const HuVolume fixed = head_ct(head, 1, 12);
+    const Outcome o = over_offsets(fixed, angiography_of(head, 1, h), targets(head), 10 * h, 10 * h + 10, params);
+    mean += o.mean / 2;
+    worst = std::max(worst, o.worst);
+    doubtful += o.doubtful;
+  }
+  std::printf("mean %.3f mm, worst %.3f mm, doubtful %d\n", mean, worst, doubtful);
+  EXPECT_LT(mean, 0.5);
+  EXPECT_LT(worst, 1.0);
+  EXPECT_EQ(doubtful, 0);
+}
+
+TEST(Registration, TakesAGivenTransform) {
+  const Head head = clinical_head(3);
+  const HuVolume ct = quick_ct(head, 3);
+  const phantom::Second second = moved(mr_of(head, 3, 1), rigid_map({5, 9, -7}, {12, -9, 4}, {}));
+  Report report;
+  const Registration r = given_registration(ct, HuVolume(second.volume), second.truth, {}, report);
+  EXPECT_EQ(r.doubts, "");
+  EXPECT_EQ(target_error_mm(r.map, second.truth, targets(head)), 0);
+  EXPECT_GT(std::get<double>(*report.find("overlap_ratio")), 0.8);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  LinearMap away = second.truth, wide = second.truth;
+  away.offset_mm.x += 300;
+  EXPECT_NE(given_registration(ct, HuVolume(second.volume), away, {}, report).doubts, "");
+  wide.matrix.column[1] = wide.matrix.column[1] * 1.01;
+  EXPECT_THROW(given_registration(ct, HuVolume(second.volume), wide, {}, report), Error);
 }
 
 TEST(Registration, SaysThatAResultIsDoubtful) {

@@ -49,4 +49,16 @@ std::map<std::string, Vec3> named_positions(const std::string& flag, const std::
   return all;
 }
 
+std::vector<std::pair<std::string, std::filesystem::path>> named_paths(const std::string& flag,
+                                                                       const std::vector<std::string>& texts) {
+  std::vector<std::pair<std::string, std::filesystem::path>> all;
+  for (const std::string& text : texts) {
+    const auto [name, value] = named_value(flag, text);
+    for (const auto& one : all)
+      if (one.first == name) throw Error(ExitCode::usage, "", flag, name + ", is given twice");
+    all.emplace_back(name, value);
+  }
+  return all;
+}
+
 }  // namespace trephine

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <filesystem>
 #include <map>
 #include <string>
 #include <utility>
@@ -22,6 +23,10 @@ double number_of(const std::string& flag, const std::string& text, double least,
 
 /// Reads every "nasion=0,-95,10" of a repeated flag.
 std::map<std::string, Vec3> named_positions(const std::string& flag, const std::vector<std::string>& texts);
+
+/// Reads every "mr=folder" of a repeated flag.
+std::vector<std::pair<std::string, std::filesystem::path>> named_paths(const std::string& flag,
+                                                                       const std::vector<std::string>& texts);
 
 /// Whether the file is a volume as `import` writes it, which must not be taken for a field.
 bool holds_hu(const NrrdKeys& keys);

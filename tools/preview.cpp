@@ -11,6 +11,7 @@
 #include "cli/progress_display.h"
 #include "commands.h"
 #include "grid/nrrd.h"
+#include "named_values.h"
 #include "stages/data_files.h"
 
 namespace trephine {
@@ -65,7 +66,7 @@ Preview preview_file(const ParsedCommand& parsed, const Progress& progress) {
 
 void check_flags(const ParsedCommand& parsed, bool of_config) {
   if (of_config && parsed.has("volume")) throw Error(ExitCode::usage, "", "--volume", "is for a result's file");
-  for (const char* flag : {"series", "set", "root", "landmarks", "cache"})
+  for (const char* flag : {"series", "scan", "set", "root", "landmarks", "cache"})
     if (!of_config && parsed.has(flag))
       throw Error(ExitCode::usage, "", std::string("--") + flag, "is for a configuration (.yaml)");
   for (const char* flag : {"stage", "allow_external"})
@@ -99,12 +100,15 @@ Command preview_command() {
   input.positional = input.required = output.required = true;
   Argument set = argument("set", Kind::text, "Override anatomy.stage.parameter=value, as for `run`.");
   Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
-  set.repeated = root.repeated = true;
+  Argument scan = argument("scan", Kind::text,
+                           "NAME=PATH: a further scan that the configuration names (mr=FOLDER); overrides its path.");
+  set.repeated = root.repeated = scan.repeated = true;
   c.arguments = {input,
                  output,
                  argument("volume", Kind::in_file, "Of a result's file: the CT volume that the slices show (.nrrd)."),
                  argument("series", Kind::in_path, "Folder of the CT series; overrides the configuration's."),
                  argument("landmarks", Kind::in_file, "Landmarks that a person placed, as for `run`."),
+                 scan,
                  set,
                  root,
                  argument("cache", Kind::out_folder, "Folder of the stage cache, such as LIBRARY/.trephine-cache.")};
@@ -121,6 +125,7 @@ Command preview_command() {
         request.overrides.series = parsed.path("series");
         request.overrides.landmarks = parsed.path("landmarks");
         request.overrides.set = parsed.all("set");
+        request.overrides.scans = named_paths("--scan", parsed.all("scan"));
         for (const std::string& r : parsed.all("root")) request.overrides.roots.emplace_back(r);
         request.params = parsed.params<PreviewParams>();
         request.cache = parsed.path("cache");

@@ -6,6 +6,7 @@
 #include "cli/argument.h"
 #include "cli/progress_display.h"
 #include "commands.h"
+#include "named_values.h"
 #include "publish/run_case.h"
 
 namespace trephine {
@@ -65,7 +66,9 @@ Command run_command() {
   out.required = true;
   Argument set = argument("set", Kind::text, "Override anatomy.stage.parameter=value, or import.parameter=value.");
   Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
-  set.repeated = root.repeated = true;
+  Argument scan = argument("scan", Kind::text,
+                           "NAME=PATH: a further scan that the configuration names (mr=FOLDER); overrides its path.");
+  set.repeated = root.repeated = scan.repeated = true;
   Argument modality = argument("modality", Kind::choice,
                                "ct says that the values of a volume file that is no DICOM (--series head.nii.gz) are "
                                "HU; the same as --set import.volume_values=hu.");
@@ -77,6 +80,7 @@ Command run_command() {
                  modality,
                  argument("landmarks", Kind::in_file,
                           "Landmarks that a person placed (.mrk.json or .fcsv of 3D Slicer); they replace others."),
+                 scan,
                  set,
                  root,
                  argument("keep", Kind::out_folder, "Also write the output of every stage into this folder."),
@@ -91,6 +95,7 @@ Command run_command() {
     request.overrides.series = parsed.path("series");
     request.overrides.landmarks = parsed.path("landmarks");
     request.overrides.set = parsed.all("set");
+    request.overrides.scans = named_paths("--scan", parsed.all("scan"));
     if (parsed.has("modality")) request.overrides.set.insert(request.overrides.set.begin(), "import.volume_values=hu");
     for (const std::string& r : parsed.all("root")) request.overrides.roots.emplace_back(r);
     request.params = parsed.params<RunParams>();

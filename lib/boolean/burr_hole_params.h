@@ -9,6 +9,15 @@
 
 namespace trephine {
 
+/// How far a trajectory must keep from a zone; stands for the number alone: `avoid: {sagittal_sinus: 3}`.
+struct AvoidedZone {
+  double clear_mm = 0;
+  template <class V>
+  static void describe(V& v) {
+    v.number(&AvoidedZone::clear_mm, "", Range{0, 100}, "Least distance from the zone, mm.");
+  }
+};
+
 /// A burr hole as a configuration or a command line requests it.
 struct BurrHoleParams {
   std::string name;
@@ -23,6 +32,7 @@ struct BurrHoleParams {
   double min_confidence = 0.5;
   double min_before_suture_mm = 5;
   double max_before_suture_mm = 25;
+  Named<AvoidedZone> avoid;
 
   template <class V>
   static void describe(V& v) {
@@ -47,6 +57,10 @@ struct BurrHoleParams {
              "Kocher's point: least distance before the coronal suture, where that is seen or its bregma is given.");
     v.number(&P::max_before_suture_mm, "max_before_suture_mm", Range{-200, 200},
              "Kocher's point: largest distance before the coronal suture, where that is seen or its bregma is given.");
+    v.map(&P::avoid, "avoid",
+          "Zones (anatomies of the recipe) that the trajectory must keep clear of, each with the least distance in mm "
+          "from the hole's wall and from the line to `toward`, such as {sagittal_sinus: 3}.")
+        .at_most(16);
   }
 };
 

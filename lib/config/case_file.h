@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "boolean/burr_hole_params.h"
+#include "config/case_scans.h"
 #include "config/said.h"
 #include "config/trade_front.h"
 #include "dicom/import.h"
@@ -49,6 +50,7 @@ struct BudgetParams {
 struct CaseFileParams : VersionParams {
   std::string case_token, series, pipeline, scene, landmarks_file, profile;
   ImportParams import;
+  Named<CaseScanParams> scans;
   Named<SaidPosition> landmarks;
   std::vector<BurrHoleParams> burr_holes;
   std::vector<SaidPath> trade;
@@ -66,6 +68,10 @@ struct CaseFileParams : VersionParams {
     v.text(&P::pipeline, "pipeline", "The recipe: which stages make which anatomy.").names("file").is_required();
     v.text(&P::scene, "scene", "The scene: which anatomies are wanted, and how good.").names("file").is_required();
     v.group(&P::import, "import", "How the series is read.");
+    v.map(&P::scans, "scans",
+          "Further scans of the patient by name, such as {mr: {modality: mr, series: ../mr}}; steps of the recipe read "
+          "them by `scan: mr`.")
+        .at_most(8);
     v.map(&P::landmarks, "landmarks", "Known landmarks by name, LPS in mm; they replace found ones.");
     v.text(&P::landmarks_file, "landmarks_file",
            "Known landmarks: a file of 3D Slicer (.mrk.json, .fcsv) or of `trephine landmarks` (.json).")

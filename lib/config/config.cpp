@@ -39,6 +39,9 @@ class Reader {
     add_corrections(r_, said.corrections, set, [this](const std::string& where, const std::string& what) {
       r_.faults.add(r_.file, at_.key(where), where, what);
     });
+    add_scans(r_, said.scans, [this](const std::string& where, const std::string& what) {
+      r_.faults.add(r_.file, at_.key(where), where, what);
+    });
     if (const fs::path file = file_of(said.scene); !file.empty()) read_scene(r_, file);
     import_ = AnyParams::make(said.import);
     name_burr_holes();
@@ -71,6 +74,7 @@ class Reader {
       if (path.rfind("set.", 0) == 0) set_.insert(path);
       if (path.rfind("corrections.", 0) == 0)
         r_.said.emplace_back(path.substr(12) + ".correct.file", r_.origin(ValueSource::set, r_.file, at));
+      if (path.rfind("scans.", 0) == 0) r_.said.emplace_back(path.substr(6), r_.origin(ValueSource::set, r_.file, at));
       if (path.rfind("import.", 0) == 0 || path.rfind("burr_holes[", 0) == 0)
         r_.said.emplace_back(path, r_.origin(ValueSource::set, r_.file, at));
     };
@@ -128,7 +132,8 @@ class Reader {
       if (!is_plain_name(hole.name) || std::any_of(r_.out.burr_holes.begin(), r_.out.burr_holes.end(), same))
         fault("burr_holes", "burr_holes[" + std::to_string(i) + "].name",
               printable(hole.name) + ", must be a name of its own, of letters a-z, digits and _");
-      else if (find_stage(hole.name) || r_.out.find_anatomy(hole.name) || hole.name == "haptic" || hole.name == "scene")
+      else if (find_stage(hole.name) || r_.out.find_anatomy(hole.name) || r_.out.find_scan(hole.name) ||
+               hole.name == "haptic" || hole.name == "scene")
         fault("burr_holes", "burr_holes[" + std::to_string(i) + "].name",
               hole.name + ", is the name of a stage, an anatomy or a part of the case already");
       r_.out.burr_holes.push_back({hole.name, AnyParams::make(hole)});
@@ -138,6 +143,7 @@ class Reader {
   void collect_values() {
     CaseConfig& out = r_.out;
     r_.values.add("import", import_);
+    add_scan_values(r_);
     for (RecipeAnatomy& anatomy : out.anatomies)
       for (RecipeStep& step : anatomy.steps) r_.values.add(anatomy.name + "." + step.type->name, step.params);
     for (RecipeStep& step : out.scan_steps) r_.values.add(step.type->name, step.params);
@@ -170,6 +176,10 @@ class Reader {
       return std::string();  // materials and files have checks of their own
     };
     r_.values.check("import", import_, fault_of_name, r_.faults);
+    for (const CaseScan& scan : out.scans) {
+      r_.values.check(scan.name + ".import", scan.import, fault_of_name, r_.faults);
+      r_.values.check(scan.name + ".register", scan.registration, fault_of_name, r_.faults);
+    }
     for (const RecipeAnatomy& anatomy : out.anatomies)
       for (const RecipeStep& step : anatomy.steps)
         r_.values.check(anatomy.name + "." + step.type->name, step.params, fault_of_name, r_.faults);
@@ -264,6 +274,9 @@ class Reader {
       for (RecipeStep& step : anatomy.steps)
         for (const std::string& name : step.type->file_params())
           resolve_file(anatomy.name + "." + step.type->name + "." + name, *step.params.set->find(name), step.params);
+    for (CaseScan& scan : r_.out.scans)
+      for (const char* name : {"initial", "given"})
+        resolve_file(scan.name + ".register." + name, *scan.registration.set->find(name), scan.registration);
   }
   void resolve_file(const std::string& path, const Parameter& p, AnyParams& params) {
     const std::string text = std::get<std::string>(params.get(p));
@@ -292,6 +305,9 @@ class Reader {
             "is missing: the scene cuts them, e.g. [{at: kocher, side: right, diameter_mm: 14}]");
     for (const CaseDrill& hole : out.burr_holes) try {
         const auto& params = hole.params.as<BurrHoleParams>();
+        for (const auto& [zone, clear] : params.avoid)
+          if (const std::string what = r_.fault_of_anatomy(zone); !what.empty())
+            throw Error(ExitCode::bad_config, "", "avoid." + zone, what);
         if (const std::string what = params.toward.empty() ? "" : r_.fault_of_landmark(params.toward); !what.empty())
           throw Error(ExitCode::bad_config, "", "toward", what);
         if (out.find_scan_step(StageRole::landmarks))

@@ -9,6 +9,7 @@
 #include "base/vec3.h"
 #include "cases/case.h"
 #include "config/case_file.h"
+#include "config/case_scans.h"
 #include "config/recipe_file.h"
 #include "config/scene_file.h"
 #include "config/trade_front.h"
@@ -22,6 +23,7 @@ struct RecipeStep {
   const StageType* type = nullptr;
   AnyParams params;
   std::map<std::string, std::string> ports;  ///< port name -> "anatomy.stage"
+  std::string scan;                          ///< the scan that it reads; empty: the CT
 };
 
 struct RecipeAnatomy : RecipeAnatomyParams {
@@ -79,6 +81,7 @@ struct CaseConfig {
   std::string case_token;        ///< empty: none given
   std::filesystem::path series;  ///< empty: none given
   ImportParams import;
+  std::vector<CaseScan> scans;           ///< further ones, in the configuration's order
   std::vector<RecipeAnatomy> anatomies;  ///< the whole recipe, in its order
   std::vector<RecipeStep> scan_steps;    ///< the whole recipe, in its order
   RecipeRoles roles;
@@ -97,6 +100,7 @@ struct CaseConfig {
 
   std::map<std::string, Vec3> landmark_positions_mm() const;
   const RecipeAnatomy* find_anatomy(const std::string& name) const;
+  const CaseScan* find_scan(const std::string& name) const;
   /// The recipe's step with that role: resample is in every recipe and used where a spacing is set, landmarks where the
   /// scene or a burr hole needs one, deface where the scene's face policy is crop or deface, check for those of its
   /// anatomies that the scene computes.
@@ -108,7 +112,8 @@ struct CaseConfig {
 };
 
 struct ConfigOverrides {
-  std::filesystem::path series;     ///< from the command line, not bound to the root
+  std::filesystem::path series;                                      ///< from the command line, not bound to the root
+  std::vector<std::pair<std::string, std::filesystem::path>> scans;  ///< the same, of further scans by name
   std::filesystem::path landmarks;  ///< a file of 3D Slicer; its points replace those of the configuration
   std::string case_token;
   std::string profile;                       ///< replaces the rule of the configuration

@@ -46,7 +46,7 @@ std::string add_step(CaseConfig& config, RecipeAnatomy& anatomy, const std::stri
   CorrectParams params;
   params.file = file;
   anatomy.steps.insert(anatomy.steps.begin() + at + 1,
-                       RecipeStep{&stage_named(correct_step), AnyParams::make(params), {}});
+                       RecipeStep{&stage_named(correct_step), AnyParams::make(params), {}, {}});
   return "";
 }
 

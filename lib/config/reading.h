@@ -47,6 +47,12 @@ void read_recipe(ConfigReading& reading, const std::filesystem::path& file);
 void add_corrections(ConfigReading& reading, const Named<SaidPath>& corrections, const std::vector<std::string>& set,
                      const std::function<void(const std::string& where, const std::string& what)>& fault);
 
+/// Takes the further scans that the case's file and the command line name. Needs the recipe, whose anatomies have names
+/// already, and the series.
+void add_scans(ConfigReading& reading, const Named<CaseScanParams>& said,
+               const std::function<void(const std::string& where, const std::string& what)>& fault);
+/// Adds the parameters of their stages, NAME.import and NAME.register.
+void add_scan_values(ConfigReading& reading);
 /// Reads the scene and the materials that it names. Needs the recipe.
 void read_scene(ConfigReading& reading, const std::filesystem::path& file);
 

@@ -91,7 +91,7 @@ class RecipeReader {
 
   static RecipeStep step_of(const std::string& stage, const AnyParams& said) {
     const auto& params = said.as<RecipeStepParams>();
-    return {find_stage(stage), params.params, params.ports};
+    return {find_stage(stage), params.params, params.ports, params.scan};
   }
 
   // Each step works on what the one before it gives, and the last one gives a surface.
@@ -107,6 +107,14 @@ class RecipeReader {
       if (wanted != fed && !(wanted == DataKind::field && fed == DataKind::volume))
         fault(at_.key(where + "." + stage), where + "." + stage,
               std::string("works on a ") + to_text(wanted) + " but gets a " + to_text(fed));
+      // Of a later step only a further volume is left to be said.
+      const auto& ports = step.type->ports;
+      const bool reads = anatomy.steps.empty() || std::any_of(ports.begin() + 1, ports.end(), [](const Port& p) {
+                           return p.kind == DataKind::volume && p.name != first_scan;
+                         });
+      if (!step.scan.empty() && !reads)
+        fault(at_.at(where + "." + stage + ".scan"), where + "." + stage + ".scan",
+              "the stage works on what the one before it gives, say the scan there");
       fed = step.type->output;
       anatomy.steps.push_back(std::move(step));
     }

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/recipe_file.h"
 
+#include "config/case_scans.h"
+
 namespace trephine {
 namespace {
 
 // The ports whose source a recipe names. The first port of an anatomy's step takes what the step before it gives; for a
 // stage of the whole scan, volume and landmarks are connected by the program.
 bool is_named(const StageType& stage, const Port& port) {
+  if (port.name == first_scan && port.kind == DataKind::volume) return false;  // always the CT
   if (stage.place == StagePlace::anatomy) return &port != &stage.ports[0];
   return port.kind == DataKind::field;
 }
@@ -29,6 +32,27 @@ Parameter port_parameter(const Port& port) {
   return p;
 }
 
+// Which of the case's scans the step reads, where it reads one at all.
+bool reads_scan(const StageType& stage) {
+  if (stage.place != StagePlace::anatomy) return false;
+  for (const Port& port : stage.ports)
+    if (port.kind == DataKind::volume || port.or_volume) return true;
+  return false;
+}
+
+Parameter scan_parameter() {
+  Parameter p;
+  p.name = "scan";
+  p.help = "The scan of the case that the step reads, by its name below `scans`, laid on the CT; empty: the CT.";
+  p.kind = ParameterKind::text;
+  p.source = "scan";
+  p.get = [](const void* q) { return ParameterValue(static_cast<const RecipeStepParams*>(q)->scan); };
+  p.set = [](void* q, const ParameterValue& value) {
+    static_cast<RecipeStepParams*>(q)->scan = std::get<std::string>(value);
+  };
+  return p;
+}
+
 ParameterSet step_set(const StageType& stage) {
   const auto params_of = [](void* q) { return static_cast<RecipeStepParams*>(q)->params.object.get(); };
   const ParameterSet& own = *stage.make_params().set;
@@ -36,6 +60,7 @@ ParameterSet step_set(const StageType& stage) {
   for (const Parameter& p : own.parameters) set.parameters.push_back(parameter_of_holder(p, params_of));
   for (const Port& port : stage.ports)
     if (is_named(stage, port)) set.parameters.push_back(port_parameter(port));
+  if (reads_scan(stage)) set.parameters.push_back(scan_parameter());
   set.make = [&stage] {
     auto step = std::make_shared<RecipeStepParams>();
     step->params = stage.make_params();

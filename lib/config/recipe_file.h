@@ -12,10 +12,11 @@ namespace trephine {
 /// The declaration of everything in a recipe (pipelines/*.yaml). Its steps come from the registry of stages.
 
 /// One step as a recipe writes it: the stage's own parameters, and for each port the output that it reads, as
-/// "anatomy.stage". These are the objects that `Steps` of a recipe hold.
+/// "anatomy.stage", and the scan. These are the objects that `Steps` of a recipe hold.
 struct RecipeStepParams {
   AnyParams params;
   std::map<std::string, std::string> ports;
+  std::string scan;  ///< empty: the CT
 };
 
 /// The steps that a recipe may name at that place, each with its parameters and the ports whose source a recipe names.

@@ -329,4 +329,15 @@ std::string hash_of_series_input(const std::filesystem::path& folder_or_file, co
   });
 }
 
+std::optional<bool> of_one_patient(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress) {
+  std::string ids[2];
+  for (const SeriesChoice* c : {&a, &b}) {
+    if (!find_volume_file(c->folder_or_file).empty()) return std::nullopt;
+    const Catalogue catalogue = scan(c->folder_or_file, c->params.modality, progress);
+    ids[c == &b] = choose(catalogue, c->params.series).slices.front().header->patient_id;
+  }
+  if (ids[0].empty() || ids[1].empty()) return std::nullopt;
+  return ids[0] == ids[1];
+}
+
 }  // namespace trephine

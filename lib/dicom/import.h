@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -120,6 +121,17 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
 /// decoding.
 std::string hash_of_series_input(const std::filesystem::path& folder_or_file, const ImportParams& params,
                                  const Progress& progress = {}, Report* folder = nullptr);
+
+/// One series as it is to be read: where it is, and by which parameters it is chosen.
+struct SeriesChoice {
+  std::filesystem::path folder_or_file;
+  ImportParams params;
+};
+
+/// Whether two series are of one patient, by PatientID; nothing where one of them does not say (a volume file, an
+/// anonymised series without ID). The IDs are compared here and leave nothing behind. Throws as import_series does up
+/// to the decoding.
+std::optional<bool> of_one_patient(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress = {});
 
 /// Everything that a folder holds.
 struct SeriesList {

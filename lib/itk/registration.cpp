@@ -124,7 +124,7 @@ std::string doubts_of(const RegistrationFound& f, const RegistrationParams& p) {
   return doubts;
 }
 
-void describe(const Registration& r, const RegistrationFound& f, Report& report) {
+void describe_map(const Registration& r, Report& report) {
   std::vector<double> rows;
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) rows.push_back(r.map.matrix.column[k][i]);
@@ -132,6 +132,10 @@ void describe(const Registration& r, const RegistrationFound& f, Report& report)
   }
   report.figures.emplace_back("transform", ParameterValue(rows));
   report.add("turn_deg", angle_deg(r.map));
+}
+
+void describe(const Registration& r, const RegistrationFound& f, Report& report) {
+  describe_map(r, report);
   report.add("information_nats", f.information);
   report.add("spread_mm", f.spread_mm);
   report.add("inverse_mm", f.inverse_mm);
@@ -184,6 +188,45 @@ Registration register_scans(const HuVolume& fixed, const HuVolume& moving, const
   const auto found = in.value<RegistrationFound>();
   Registration r{found.map, doubts_of(found, params)};
   describe(r, found, report);
+  return r;
+}
+
+Registration given_registration(const HuVolume& fixed, const HuVolume& moving, const LinearMap& map,
+                                const RegistrationParams& params, Report& report) {
+  constexpr float body_hu = -300;
+  constexpr double stretch = 1e-4;
+  for (int a = 0; a < 3 && params.kind == RegistrationKind::rigid; ++a)
+    for (int b = 0; b <= a; ++b)
+      if (!(std::abs(dot(map.matrix.column[a], map.matrix.column[b]) - (a == b)) <= stretch))
+        throw Error(ExitCode::bad_input, params.given, "transform",
+                    "stretches or shears, which two scans of one patient do not");
+  const Lattice& at = lattice_of(moving);
+  std::int64_t body = 0, both = 0;
+  std::visit(
+      [&](const auto& grid) {
+        const int step = 2;
+        for (int k = 0; k < grid.size[2]; ++k)
+          for (int j = 0; j < grid.size[1]; j += step)
+            for (int i = 0; i < grid.size[0]; i += step) {
+              if (!(grid.at(i, j, k) > body_hu)) continue;
+              const Vec3 p = at.to_index(map(grid.to_world_mm({double(i), double(j), double(k)})));
+              bool inside = true;
+              for (int a = 0; a < 3; ++a) inside = inside && p[a] >= -0.5 && p[a] <= at.size[a] - 0.5;
+              ++body;
+              both += inside;
+            }
+      },
+      fixed);
+  RegistrationFound found;
+  found.map = map;
+  found.overlap_ratio = body > 0 ? double(both) / double(body) : 0;
+  Registration r{map, ""};
+  if (!(found.overlap_ratio >= params.least_overlap_ratio))
+    r.doubts = fmt::format("{:.2f} of the CT's body lies in the second scan, at least {} (least_overlap_ratio)",
+                           found.overlap_ratio, params.least_overlap_ratio);
+  describe_map(r, report);
+  report.add("overlap_ratio", found.overlap_ratio);
+  report.warn("the transform was given: nothing but the overlap was checked, so look at its picture");
   return r;
 }
 

@@ -17,7 +17,7 @@ enum class MovingValues { hu, any };
 struct RegistrationParams {
   RegistrationKind kind = RegistrationKind::rigid;
   MovingValues moving = MovingValues::any;
-  std::string initial;
+  std::string initial, given;
   double lower_hu = -300, upper_hu = 300;
   double finest_mm = 1.5;
   int bins_count = 32, samples_count = 60000;
@@ -37,6 +37,10 @@ struct RegistrationParams {
          &P::initial, "initial",
          "Transform to begin with (.tfm, from the CT to the second scan); empty: the centres of mass are laid on each "
          "other and several turns are tried.")
+        .names("file");
+    v.text(&P::given, "given",
+           "Transform to take instead of registering (.tfm, from the CT to the second scan), made and looked at in "
+           "another program. Only that it does not stretch and the overlap are checked.")
         .names("file");
     v.number(&P::lower_hu, "lower_hu", Range{-1024, 30000}, "HU below this count as this: air and foam are one.");
     v.number(&P::upper_hu, "upper_hu", Range{-1024, 30000}, "HU above this count as this: bone is one.");
@@ -78,6 +82,12 @@ struct Registration {
 Registration register_scans(const HuVolume& fixed, const HuVolume& moving, const Field* within,
                             const std::optional<LinearMap>& initial, const RegistrationParams& params, Report& report,
                             const Progress& progress = {});
+
+/// Takes the map for the registration's result. Reports it and the share of the CT's body (above -300 HU) that lies in
+/// the moving scan; doubts where that is less than least_overlap_ratio. Throws Error 65 where the kind is rigid and the
+/// map stretches by more than 1e-4.
+Registration given_registration(const HuVolume& fixed, const HuVolume& moving, const LinearMap& map,
+                                const RegistrationParams& params, Report& report);
 
 /// The moving scan on the fixed one's voxels: trilinear, `outside` where it does not reach; whole numbers where the
 /// moving scan has them.

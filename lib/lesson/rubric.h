@@ -81,7 +81,8 @@ struct TrajectoryRubric {
   std::string fault() const;
 };
 
-/// What no catheter may pass through. Where the case has no shape for a structure, it is a zone by landmarks.
+/// What no catheter may pass through. Where the case has no shape or zone of a structure, these distances say where it
+/// is.
 struct CriticalRubric {
   RubricLimit sinus_mm, third_ventricle_mm, third_ventricle_below_mm, brainstem_mm, brainstem_below_mm;
   template <class V>

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "base/write_file.h"
 #include "grid/nrrd.h"
@@ -70,7 +71,14 @@ Lattice sagittal_box(const SecondScanParams& s) {
 
 }  // namespace
 
-Second second_scan(const Head& head, const SecondScanParams& s, const Progress& progress) {
+Second second_scan(const Head& first, const SecondScanParams& s, const Progress& progress) {
+  HeadParams params = first.params();
+  if (s.contrast == SecondScan::cta) {
+    if (params.level != Level::hard)
+      throw Error(ExitCode::usage, "", "second_scan", "cta needs the level hard, whose heads have vessels");
+    params.hard.contrast = true;
+  }
+  const Head head = s.contrast == SecondScan::cta ? Head(params) : first;
   const Lattice rest = sagittal_box(s);
   const auto vec = [](const std::array<double, 3>& v) { return Vec3{v[0], v[1], v[2]}; };
   Second out;

@@ -11,7 +11,7 @@
 
 namespace trephine::phantom {
 
-enum class SecondScan { none, mr, ct };
+enum class SecondScan { none, mr, ct, cta };
 
 /// Parameters of another scan of the same head, taken on another day: turned and shifted.
 struct SecondScanParams {
@@ -24,9 +24,10 @@ struct SecondScanParams {
   template <class V>
   static void describe(V& v) {
     using P = SecondScanParams;
-    v.choice(&P::contrast, "second_scan", {{"none", SecondScan::none}, {"mr", SecondScan::mr}, {"ct", SecondScan::ct}},
-             "Another scan of the head, as second/scan.nrrd: T1-weighted MR in sagittal slices, or a CT (at level hard "
-             "with contrast an angiography).");
+    v.choice(&P::contrast, "second_scan",
+             {{"none", SecondScan::none}, {"mr", SecondScan::mr}, {"ct", SecondScan::ct}, {"cta", SecondScan::cta}},
+             "Another scan of the head, as second/scan.nrrd: T1-weighted MR in sagittal slices, or a CT, or at "
+             "level hard a CT angiography, whether the first scan has contrast agent or not.");
     v.number(&P::voxel_mm, "second_voxel_mm", Range{0.3, 10}, "Its voxels' size along each axis.");
     v.numbers(&P::turn_deg, "second_turn_deg", Range{-180, 180},
               "How the patient lies in it: turned about x, y, then z through the middle of the head.");
@@ -46,6 +47,7 @@ struct Second {
 
 /// Scans the head. A voxel is the mean over 2 x 2 x 2 points where a tissue ends within it. The box of 200 x 230 x 240
 /// mm about the head lies on the raster by chance. Same bytes for the same parameters. Contrast must not be none.
+/// Throws Error 64 for an angiography at another level than hard, which has no vessels.
 Second second_scan(const Head& head, const SecondScanParams& params, const Progress& progress = {});
 
 /// Writes folder/scan.nrrd and folder/truth.tfm, the transform that a registration of the second scan onto the first

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/error.h"
 #include "base/hash.h"
 #include "boolean/cut_surface.h"
 #include "grid/resample.h"
@@ -66,6 +67,35 @@ class Builder {
   }
 
  private:
+  // The scan that a recipe's step reads, laid on the CT's voxels before the face is taken off: what is made of it is
+  // checked for the face like all else.
+  int scan_named(const std::string& name, const std::string& reader) {
+    if (const auto known = graph_.scans.find(name); known != graph_.scans.end()) return known->second;
+    const CaseScan* scan = config_.find_scan(name);
+    if (!scan)
+      throw Error(ExitCode::bad_config, "", reader + ".scan",
+                  name + ", the case has no such scan: name it, scans: {" + name + ": {modality: ..., series: ...}}");
+    if (scan->series.empty())
+      throw Error(ExitCode::usage, "", "scans." + name + ".series",
+                  "is not said, and " + reader + " reads it: give --scan " + name + "=PATH");
+    ImportStageParams params;
+    static_cast<ImportParams&>(params) = scan->import.as<ImportParams>();
+    params.input = scan->series.string();
+    Node imported = node_of_role(StageRole::import, name + ".import", AnyParams::make(params));
+    imported.file_sha256["input"] =
+        with_field("scans." + name, [&] { return hash_of_series_input(scan->series, params); });
+    Node node = node_of_role(StageRole::second_scan, name + ".register", scan->registration);
+    add_file_hashes(node);
+    node.sources = {{"volume", original_}, {"moving", add(std::move(imported))}};
+    return graph_.scans[name] = add(std::move(node));
+  }
+
+  static void add_file_hashes(Node& node) {
+    for (const std::string& p : node.type->file_params())
+      if (const auto file = std::get<std::string>(node.params.get(*node.params.set->find(p))); !file.empty())
+        node.file_sha256[p] = sha256_of_file(file);
+  }
+
   static Node node_of_role(StageRole role, const std::string& name, AnyParams params) {
     Node node;
     node.name = name;
@@ -84,9 +114,7 @@ class Builder {
     node.type = step.type;
     node.params = step.params;
     node.output = step.type->output;
-    for (const std::string& p : step.type->file_params())
-      if (const auto file = std::get<std::string>(step.params.get(*step.params.set->find(p))); !file.empty())
-        node.file_sha256[p] = sha256_of_file(file);
+    add_file_hashes(node);
     return node;
   }
 
@@ -100,10 +128,12 @@ class Builder {
   int node_of(const RecipeAnatomy& anatomy, std::size_t index, bool before = false) {
     const RecipeStep& step = anatomy.steps[index];
     before &= graph_.scan != original_ || defacing_;
-    const int scan = before ? original_ : graph_.scan;
+    const int ct = before ? original_ : graph_.scan;
     const std::string name = (before ? "original." : "") + anatomy.name + "." + step.type->name;
     if (const int known = graph_.find(name); known >= 0) return known;
+    const int scan = step.scan.empty() || step.scan == first_scan ? ct : scan_named(step.scan, name);
     Node node = node_of_step(step, name);
+    if (step.type->find_port(first_scan)) node.sources[first_scan] = ct;
     node.sources[step.type->ports[0].name] = index == 0 ? scan : node_of(anatomy, index - 1, before);
     for (const auto& [port, source] : step.ports) node.sources[port] = node_named(source, before);
     give_scan(node, scan);
@@ -272,6 +302,8 @@ class Builder {
     if (known >= 0) node.sources["landmarks"] = known;
     node.sources[node.type->ports[0].name] = first_surface_of(config_.roles.burr_holes.bone);
     if (!config_.roles.burr_holes.over.empty()) node.sources["over"] = first_surface_of(config_.roles.burr_holes.over);
+    for (const auto& [zone, clear] : hole.params.as<BurrHoleParams>().avoid)
+      node.sources["zone." + zone] = first_surface_of(zone);
     return add(std::move(node));
   }
 

@@ -49,8 +49,9 @@ struct Graph {
   int given_landmarks = -1;  ///< -1: none are given or none are needed
   int deface = -1;           ///< -1: the face is not taken away
   int anatomy_gate = -1, face_gate = -1;
-  std::vector<int> burr_holes;     ///< the nodes of their cutters, in the configuration's order
-  int haptic = -1, mismatch = -1;  ///< -1: not wanted
+  std::map<std::string, int> scans;  ///< further scans that a stage reads, on the CT's voxels, by name
+  std::vector<int> burr_holes;       ///< the nodes of their cutters, in the configuration's order
+  int haptic = -1, mismatch = -1;    ///< -1: not wanted
   int find(const std::string& name) const;
 };
 
@@ -58,7 +59,9 @@ struct Graph {
 /// not allow it. Whoever computes nodes asks this before the first one.
 void require_allowed(const Graph& graph, bool allow_external);
 
-/// `input_hash` identifies the series' content (hash_of_series_input).
+/// `input_hash` identifies the series' content (hash_of_series_input). The content of further scans is hashed here,
+/// of those alone that a stage of the graph reads. Throws what that throws, 78 where a stage reads a scan that the case
+/// has not, and 64 where it is not said where that scan lies.
 Graph make_graph(const CaseConfig& config, const std::string& input_hash);
 
 }  // namespace trephine

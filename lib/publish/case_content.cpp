@@ -98,6 +98,12 @@ class Builder {
     // Only the stages by which the case was made: parameters that the scene does not need change no byte.
     for (const Node& node : graph_.nodes)
       for (const auto& [name, value] : node.recorded()) m.parameters.emplace_back(node.name + "." + name, value);
+    for (const auto& [name, node] : graph_.scans) {
+      const CaseScan& scan = *config_.find_scan(name);
+      m.parameters.emplace_back("scans." + name + ".modality", ParameterValue(std::string(to_text(scan.modality))));
+      if (!scan.same_patient_reason.empty())
+        m.parameters.emplace_back("scans." + name + ".same_patient_reason", ParameterValue(scan.same_patient_reason));
+    }
     for (std::size_t i = 0; i < graph_.nodes.size(); ++i)
       for (const std::string& name : graph_.nodes[i].type->provenance)
         if (const ParameterValue* value = results_[i].report.find(name))

@@ -120,7 +120,8 @@ struct Run {
   CaseConfig config;
   Graph graph;
   std::vector<NodeResult> results;
-  Report folder;  // other content of the series' folder
+  Report folder;                            // other content of the series' folder
+  std::vector<std::string> about_patients;  // whether all scans are of one
   std::vector<std::string> warnings;
 };
 
@@ -133,9 +134,29 @@ std::string hash_input(Run& run, const Progress& cancelled) {
   }
 }
 
+// A scan of another patient must not become part of the case. The IDs themselves go nowhere.
+void require_one_patient(Run& run, const Progress& cancelled) {
+  for (const auto& [name, node] : run.graph.scans) {
+    const CaseScan& scan = *run.config.find_scan(name);
+    const auto same = of_one_patient({run.config.series, run.config.import},
+                                     {scan.series, scan.import.as<ImportParams>()}, cancelled);
+    if (!same)
+      run.about_patients.push_back(name + ".import: that it is of the same patient as the CT is taken on trust: " +
+                                   "one of the two has no PatientID");
+    else if (!*same && scan.same_patient_reason.empty())
+      throw Error(ExitCode::bad_input, "", "scans." + name,
+                  "has another PatientID than the CT; where it is the same patient nevertheless, say why with "
+                  "same_patient_reason");
+    else if (!*same)
+      run.about_patients.push_back(name +
+                                   ".import: has another PatientID than the CT, and is used for the reason given");
+  }
+}
+
 // Logs the warnings of every stage that the case needs, published or not. This happens before anything is refused,
 // because they may say why it will be.
 void tell_warnings(Run& run) {
+  run.warnings.insert(run.warnings.end(), run.about_patients.begin(), run.about_patients.end());
   for (const std::string& w : run.folder.warnings) run.warnings.push_back("import: " + w);
   for (std::size_t i = 0; i < run.graph.nodes.size(); ++i)
     for (const std::string& w : run.results[i].report.warnings)
@@ -307,6 +328,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     execution.cancel = &cancel_requested();
     execution.allow_external = request.params.allow_external;
     run.graph = make_graph(run.config, input_sha256);
+    require_one_patient(run, cancelled);
     execution.seconds_before = cache.seconds_before();
     const auto before = execution.seconds_before.find(publishing_step);
     EarlyWarnings early(observer, token, before == execution.seconds_before.end() ? 4 : before->second);

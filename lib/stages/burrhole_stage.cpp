@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/refusal.h"
 #include "boolean/burr_hole_params.h"
+#include "boolean/zone_clearance.h"
 #include "craniometry/plausible.h"
 #include "stages/stage.h"
 
@@ -72,12 +73,33 @@ void check_suture(const BurrHoleParams& params, const BurrHole& hole, const std:
                    std::clamp(params.along_mm + before_mm - right_mm, 10.0, 250.0))});
 }
 
+/// Refuses a trajectory that comes too near to a zone.
+void check_zones(const BurrHoleParams& params, const BurrHole& hole, const StageInputs& in, Report& report) {
+  const auto zones = in.all<TriMesh>("zone");
+  for (const auto& [name, said] : params.avoid) {
+    const auto zone = zones.find(name);
+    if (zone == zones.end())
+      throw Error(ExitCode::usage, "", "avoid", name + ", no zone of that name is given: --zone " + name + "=FILE");
+    const ZoneClearance found = clearance_of(hole, hole.request.toward_mm, *zone->second);
+    report.add("clear_of_" + name + "_mm", found.least_mm);
+    if (found.least_mm >= said.clear_mm) continue;
+    throw refusal(
+        "burr_holes." + hole.cutter.name + ".avoid." + name,
+        fmt::format("the trajectory {} {} at {:.0f}, {:.0f}, {:.0f} mm (LPS), {:g} mm are asked for",
+                    found.least_mm < 0 ? fmt::format("enters the zone by {:.1f} mm:", -found.least_mm)
+                                       : fmt::format("comes as near as {:.1f} mm to", found.least_mm),
+                    name, found.at_mm.x, found.at_mm.y, found.at_mm.z, said.clear_mm),
+        {"move the hole (`lateral_mm`, `along_mm`, `side`, or `position_mm`), aim elsewhere (`toward`), or ask for "
+         "less in `avoid`"});
+  }
+}
+
 }  // namespace
 
 StageType burrhole_stage() {
   StageType s;
   s.name = "burrhole";
-  s.version = 6;
+  s.version = 7;
   s.place = StagePlace::scene;
   s.role = StageRole::burr_hole;
   s.summary = "places a burr hole on a head";
@@ -85,7 +107,8 @@ StageType burrhole_stage() {
       "The hole is placed at Kocher's point, measured over the skin from landmarks, or at a position. Kocher's point "
       "is refused where it does not lie 5 to 25 mm before the coronal suture, as far as that is seen; a position is "
       "checked for bone and direction alone. The hole's axis is "
-      "given, points at a landmark, or is perpendicular to the skull. The result is the cutter that `boolean` takes, "
+      "given, points at a landmark, or is perpendicular to the skull. Where `avoid` names zones, a trajectory that "
+      "comes nearer to one than it says is refused. The result is the cutter that `boolean` takes, "
       "for surfaces and for haptic volumes.";
   s.examples = {
       "trephine burrhole skull.vtp --over skin.vtp --landmark nasion=0,-95,10 --landmark inion=0,98,0 --output "
@@ -93,7 +116,8 @@ StageType burrhole_stage() {
       "trephine burrhole skull.vtp --at position --position-mm -30,-40,70 --diameter-mm 12 --output hole.json"};
   s.ports = {{"bone", DataKind::mesh, true, "surface of the bone, not decimated"},
              {"over", DataKind::mesh, false, "surface of the skin, over which Kocher's point is measured"},
-             {"landmarks", DataKind::landmarks, false, "landmarks, found and given ones"}};
+             {"landmarks", DataKind::landmarks, false, "landmarks, found and given ones"},
+             {"zone.*", DataKind::mesh, false, "zones that `avoid` names"}};
   s.output = DataKind::cutters;
   s.make_params = [] { return AnyParams::make<BurrHoleParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress&) -> StageData {
@@ -106,6 +130,7 @@ StageType burrhole_stage() {
     const BurrHole hole =
         place_burr_hole(request, landmarks, in.get<TriMesh>("over"), *in.get<TriMesh>("bone"), report);
     if (request.at == BurrHoleRequest::At::kocher) check_suture(params, hole, landmarks, known, report);
+    check_zones(params, hole, in, report);
     if (request.at == BurrHoleRequest::At::position) {
       const double moved_mm = norm(hole.position_mm - request.position_mm);
       report.add("entry_from_position_mm", moved_mm);

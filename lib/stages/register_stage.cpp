@@ -9,8 +9,11 @@ namespace trephine {
 StageType register_stage() {
   StageType s;
   s.name = "register";
-  s.version = 1;
-  s.place = StagePlace::scene;  // no recipe reads a second scan yet
+  s.version = 2;
+  s.place = StagePlace::scene;  // a case names its further scans, and a recipe's steps read them by `scan`
+  s.role = StageRole::second_scan;
+  s.typical_s = 12;
+  s.provenance = {"transform", "turn_deg", "spread_mm", "inverse_mm", "overlap_ratio", "margin_ratio", "scale_ratio"};
   s.summary = "lays a second scan of the patient (MR, angiography, another CT) on the CT";
   s.description =
       "Registers the second scan onto the CT by Mattes' mutual information, from coarse voxels to fine ones, and gives "
@@ -30,7 +33,9 @@ StageType register_stage() {
     if (!params.initial.empty()) initial = read_tfm(params.initial);
     const HuVolume &fixed = *in.get<HuVolume>("volume"), &moving = *in.get<HuVolume>("moving");
     const Registration r =
-        register_scans(fixed, moving, in.get<Field>("within"), initial, params, report, progress.part(0, 0.9));
+        params.given.empty()
+            ? register_scans(fixed, moving, in.get<Field>("within"), initial, params, report, progress.part(0, 0.9))
+            : given_registration(fixed, moving, read_tfm(params.given), params, report);
     if (!r.doubts.empty())
       throw refusal("", "the registration is doubtful: " + r.doubts,
                     {"look at its picture; give an `initial` transform from another program to begin with, or `within` "

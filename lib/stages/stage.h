@@ -47,6 +47,7 @@ enum class StageRole {
   step,             ///< a step of an anatomy, or a tool that no case uses
   import,           ///< reads the series
   suitability,      ///< says what the scan is suited for, right after the import
+  second_scan,      ///< lays a further scan of the patient on the first
   resample,         ///< puts the scan on other voxels
   prepare,          ///< makes the scan ready before anything is found on it; there may be several
   given_landmarks,  ///< holds the landmarks that a person placed

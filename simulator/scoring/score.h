@@ -7,6 +7,7 @@
 
 #include "lesson/rubric.h"
 #include "modules/ventriculostomy.h"
+#include "scoring/critical_zones.h"
 
 namespace trephine {
 
@@ -31,10 +32,11 @@ struct LessonScore {
   LessonFigures figures;
 };
 
-/// Scores a ventriculostomy by Table XIII of the dissertation. A pure function: the same facts, case, volume as the
-/// lesson began, and rubric give the same rows. What a doubtful suture or a hole that was there beforehand leaves open
-/// is not judged.
+/// Scores a ventriculostomy by Table XIII of the dissertation. A pure function: the same facts, case with its zones,
+/// volume as the lesson began, and rubric give the same rows. What a doubtful suture or a hole that was there
+/// beforehand leaves open is not judged.
 LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const CaseManifest& manifest,
-                                  const HapticVolume& before, const VentriculostomyRubric& rubric);
+                                  const HapticVolume& before, const VentriculostomyRubric& rubric,
+                                  const CriticalZones& zones = {});
 
 }  // namespace trephine

@@ -31,16 +31,24 @@ std::string Scoring::foramen_doubt() const {
 std::string Scoring::critical_at(const CatheterPass& pass, const PassPoint& p) const {
   for (const CaseShape& shape : manifest.haptic.shapes)
     if (shape.number == p.inside)
-      for (const char* name : {"sagittal_sinus", "third_ventricle", "brainstem"})
+      for (const char* name : critical_names)
         if (shape.name == name) return name;
+  // Of the third ventricle only its liquor counts: its walls are brain like all else.
+  const bool in_liquor = p.inside == shapes.ventricles;
+  if (zones.holds("sagittal_sinus", pass.entry_mm) || zones.holds("sagittal_sinus", p.tip_mm)) return "sagittal_sinus";
+  if (in_liquor && zones.holds("third_ventricle", p.tip_mm)) return "third_ventricle";
+  if (zones.holds("brainstem", p.tip_mm)) return "brainstem";
   const CriticalRubric& r = rubric.critical;
-  if (std::abs(frame.left_of_midline_mm(pass.entry_mm)) <= r.sinus_mm.limit) return "sagittal_sinus";
+  if (!zones.has("sagittal_sinus") && std::abs(frame.left_of_midline_mm(pass.entry_mm)) <= r.sinus_mm.limit)
+    return "sagittal_sinus";
   const std::optional<Vec3> target = foramen();
   if (!target || !foramen_doubt().empty()) return "";  // what is measured from it would be a guess
   const double side = std::abs(frame.left_of_midline_mm(p.tip_mm));
   const double below = dot(*target - p.tip_mm, frame.upwards);
-  if (p.inside == shapes.ventricles && side <= r.third_ventricle_mm.limit && below >= r.third_ventricle_below_mm.limit)
+  if (!zones.has("third_ventricle") && in_liquor && side <= r.third_ventricle_mm.limit &&
+      below >= r.third_ventricle_below_mm.limit)
     return "third_ventricle";
+  if (zones.has("brainstem")) return "";
   return side <= r.brainstem_mm.limit && below >= r.brainstem_below_mm.limit ? "brainstem" : "";
 }
 
@@ -201,8 +209,9 @@ ScoreRow score_time(const Scoring& s) {
 namespace trephine {
 
 LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const CaseManifest& manifest,
-                                  const HapticVolume& before, const VentriculostomyRubric& rubric) {
-  const detail::Scoring s{facts, manifest, before, rubric, head_frame_of(manifest), head_shapes_of(manifest)};
+                                  const HapticVolume& before, const VentriculostomyRubric& rubric,
+                                  const CriticalZones& zones) {
+  const detail::Scoring s{facts, manifest, before, rubric, head_frame_of(manifest), head_shapes_of(manifest), zones};
   LessonScore score;
   score.rows = {detail::score_landmarks(s), detail::score_burr_hole(s), detail::score_trajectory(s),
                 detail::score_depth(s),     detail::score_tip(s),       detail::score_time(s)};

@@ -12,6 +12,7 @@ struct Scoring {
   const VentriculostomyRubric& rubric;
   HeadFrame frame;
   HeadShapes shapes;
+  const CriticalZones& zones;
 
   const CatheterPass* final_pass() const {
     return !facts.passes.empty() && facts.passes.back().in_place ? &facts.passes.back() : nullptr;

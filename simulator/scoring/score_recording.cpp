@@ -35,7 +35,7 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
   });
   const HapticVolume before = felt.loaded.haptic;
   s.facts = facts_of_recording(felt, file.string(), s.recording);
-  s.score = score_ventriculostomy(s.facts, felt.loaded.manifest, before, rubric.rubric);
+  s.score = score_ventriculostomy(s.facts, felt.loaded.manifest, before, rubric.rubric, CriticalZones(felt.loaded));
   s.head = {h.case_token, h.lesson, h.participant, sha256_of_file(file), rubric.sha256, h.haptic_sha256};
   return s;
 }

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+#include "mask/bits.h"
+
+namespace trephine {
+
+/// What of a head no tool should enter, as far as a CT alone says where it lies.
+enum class Zone { dura, midline, sagittal_sinus, third_ventricle, brainstem };
+
+struct ZoneParams {
+  Zone what = Zone::sagittal_sinus;
+  double thickness_mm = 0;
+  double half_width_mm = 1;
+  double sinus_half_width_mm = 5, sinus_depth_mm = 8;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = ZoneParams;
+    v.choice(&P::what, "what",
+             {{"dura", Zone::dura},
+              {"midline", Zone::midline},
+              {"sagittal_sinus", Zone::sagittal_sinus},
+              {"third_ventricle", Zone::third_ventricle},
+              {"brainstem", Zone::brainstem}},
+             "Which zone: the dura at the inner table, a slab in the midsagittal plane, the superior sagittal sinus "
+             "with its lacunae, the third ventricle, or the brainstem.");
+    v.number(&P::thickness_mm, "thickness_mm", Range{0, 10},
+             "dura: a shell of this thickness inside of the inner table; 0: all that the dura encloses, which in a "
+             "haptic volume stands after brain and ventricles.");
+    v.number(&P::half_width_mm, "half_width_mm", Range{0.2, 20}, "midline: half of the slab's width.");
+    v.number(&P::sinus_half_width_mm, "sinus_half_width_mm", Range{1, 30},
+             "sagittal_sinus: how far it and its lacunae reach to each side of the midline.");
+    v.number(&P::sinus_depth_mm, "sinus_depth_mm", Range{1, 30}, "sagittal_sinus: how far below the inner table.");
+  }
+};
+
+/// What a zone is made from, on the scan's raster.
+struct ZoneShapes {
+  const Field* skull = nullptr;       ///< may be null: then the cavity's surface is that of its voxels
+  const Field* ventricles = nullptr;  ///< third_ventricle needs it; others lie better with it
+};
+
+/// The zone as a field in mm (positive inside) on the part of the cavity's lattice where it lies.
+///
+/// A template of a head is registered to the cranial cavity and to the ventricles (place_head.h); midline, sinus,
+/// brainstem and the border between third and lateral ventricles are its. What a CT shows itself is taken from it: the
+/// inner table (to a fraction of a voxel), the ventricles' walls. The sinus is the cavity's part under the vault within
+/// sinus_half_width_mm of the midline and sinus_depth_mm of the inner table, from above the frontal sinuses to above
+/// the inner occipital protuberance: larger than the vessel, which a plain CT does not show. The brainstem is the
+/// template's.
+///
+/// Reports volume_ml, and how well the template fits. Throws Error 64 where a shell is thinner than the voxels can hold
+/// or the third ventricle has no ventricles; 65 where a field is on another raster; 80 where the template is not sure
+/// to fit, and where nothing of the zone lies in the scan. The same bits whatever the thread count.
+Field find_zone(const segmentation::BitMask& cavity, const ZoneShapes& shapes, const ZoneParams& params, Report& report,
+                const Progress& progress = {});
+
+}  // namespace trephine

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
+#include "grid/grid.h"
+#include "mask/bits.h"
+
+namespace trephine {
+
+struct VesselsParams {
+  double enhancement_hu = 80;
+  double smoothing_sigma_mm = 0.6;
+  double rim_mm = 1.5;
+  double min_component_ml = 0.05;
+  double grow_mm = 0;
+
+  template <class V>
+  static void describe(V& v) {
+    using P = VesselsParams;
+    v.number(&P::enhancement_hu, "enhancement_hu", Range{10, 1000},
+             "By how much the angiography is brighter than the CT in a vessel; about half of what its middle has.");
+    v.number(&P::smoothing_sigma_mm, "smoothing_sigma_mm", Range{0, 5}, "Sigma of a Gaussian against noise.");
+    v.number(&P::rim_mm, "rim_mm", Range{0, 5},
+             "So near to bone the difference of two scans is that of their bone; a vessel there is continued from "
+             "beside it.");
+    v.number(&P::min_component_ml, "min_component_ml", Range{0, 1000}, "Pieces smaller than this are dropped.");
+    v.number(&P::grow_mm, "grow_mm", Range{0, 20}, "Moves the surface outwards by this distance at the end.");
+  }
+};
+
+/// The opacified vessels in the cranial cavity, as a field that is positive inside them: where an angiography is
+/// brighter than the CT by enhancement_hu. Both lie on the same voxels. `within` (may be null) is an anatomy that they
+/// are sought in, such as the zone of the sagittal sinus.
+///
+/// Reports voxels_count, volume_ml, pieces_count, enhancement_median_hu, and outside_ratio, the share of the cavity
+/// that the angiography does not show; warns where that is above 5 %. Throws Error 65 where the volumes or `within` are
+/// on other voxels; 80 where more than half of the cavity lies outside, and where no vessel is found. The same bits
+/// whatever the thread count.
+Field find_vessels(const HuVolume& angiography, const HuVolume& ct, const segmentation::BitMask& cavity,
+                   const Field* within, const VesselsParams& params, Report& report, const Progress& progress = {});
+
+}  // namespace trephine

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "segmentation/vessels.h"
+
+#include "head/cranium.h"
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType vessels_stage() {
+  StageType s;
+  s.name = "vessels";
+  s.version = 1;
+  s.typical_s = 4;
+  s.summary = "finds the vessels in the head that a CT angiography shows";
+  s.description =
+      "Subtracts the CT from an angiography that lies on its voxels (scan: cta in a recipe, or what `register` wrote), "
+      "and takes what is brighter in the cranial cavity: sinuses, cortical veins and arteries. As an anatomy of a "
+      "recipe they are a zone that burr holes can be held clear of.";
+  s.examples = {
+      "trephine vessels cta_on_ct.nrrd --ct head.nrrd --skull skull.nrrd --output vessels.nrrd",
+      "trephine burrhole skull.vtp --at position --position-mm -30,-40,70 --avoid vessels=3 --zone vessels=vessels.vtp "
+      "--output hole.json"};
+  s.ports = {{"volume", DataKind::volume, true, "CT angiography on the CT's voxels"},
+             {"ct", DataKind::volume, true, "CT volume in HU"},
+             {"skull", DataKind::field, false,
+              "the skull that encloses the brain; without it, bone is every voxel above 226 HU"},
+             {"within", DataKind::field, false, "an anatomy to stay inside of, such as the zone of a sinus"}};
+  s.output = DataKind::field;
+  s.make_params = [] { return AnyParams::make<VesselsParams>(); };
+  s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    using namespace segmentation;
+    const HuVolume& ct = *in.get<HuVolume>("ct");
+    const Field* skull = in.get<Field>("skull");
+    const BitMask bone = skull ? positive(*skull, lattice_of(ct)) : bone_of(HuView(ct));
+    const BitMask cavity = cranial_cavity(bone, report, progress.part(0, 0.4));
+    return std::make_shared<const Field>(find_vessels(*in.get<HuVolume>("volume"), ct, cavity, in.get<Field>("within"),
+                                                      any.as<VesselsParams>(), report, progress.part(0.4, 1)));
+  };
+  return s;
+}
+
+}  // namespace trephine

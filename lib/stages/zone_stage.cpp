@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "place/zones.h"
+
+#include "head/cranium.h"
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType zone_stage() {
+  StageType s;
+  s.name = "zone";
+  s.version = 1;
+  s.typical_s = 5;
+  s.summary = "makes a zone of a head that no tool should enter";
+  s.description =
+      "Gives a field in mm that is positive inside the dura, a slab in the midline, the superior sagittal sinus, the "
+      "third ventricle or the brainstem. A CT shows inner table and ventricles; the rest is a template's, which is "
+      "registered to them. As an anatomy of a recipe it is a zone that burr holes can be held clear of, and by which a "
+      "lesson is scored where the anatomy is named midline, sagittal_sinus, third_ventricle or brainstem.";
+  s.examples = {
+      "trephine zone head.nrrd --what sagittal_sinus --skull skull.nrrd --ventricles ventricles.nrrd --output "
+      "sinus.nrrd",
+      "trephine zone head.nrrd --what dura --skull skull.nrrd --output dura.nrrd"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
+             {"skull", DataKind::field, false,
+              "the skull that encloses the brain; without it, bone is every voxel above 226 HU"},
+             {"ventricles", DataKind::field, false, "the ventricles: by them the template lies better"}};
+  s.output = DataKind::field;
+  s.make_params = [] { return AnyParams::make<ZoneParams>(); };
+  s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    using namespace segmentation;
+    const HuVolume& ct = *in.get<HuVolume>("volume");
+    const Field* skull = in.get<Field>("skull");
+    const BitMask bone = skull ? positive(*skull, lattice_of(ct)) : bone_of(HuView(ct));
+    const BitMask cavity = cranial_cavity(bone, report, progress.part(0, 0.3));
+    return std::make_shared<const Field>(
+        find_zone(cavity, {skull, in.get<Field>("ventricles")}, any.as<ZoneParams>(), report, progress.part(0.3, 1)));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,93 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# A case of a CT and an MR as its user makes it: brain and ventricles from the MR, its provenance in case.json, what is not
+# computed, a transform that is given, and what is refused.
+. "$(dirname "$0")/common.sh"
+cd "$work"
+mkdir root && touch root/trephine.root
+cp -r "$SOURCE/pipelines" "$SOURCE/configs" root/
+"$TREPHINE" phantom head --level clinical --seed 5 --columns-count 120 --rows-count 120 --field-of-view-mm 240 --slices-count 90 \
+  --slice-step-mm 2 --slice-thickness-mm 2 --mesh-step-mm 0 --no-labels --encoding none --second-scan mr --second-voxel-mm 2 \
+  --second-turn-deg=12,-8,15 --second-shift-mm=20,-12,18 --second-noise-ratio 0.04 --quiet 2>said || fail "phantom: $(cat said)"
+cat >root/configs/both.yaml <<'YAML'
+trephine: 1
+case: both
+pipeline: ../pipelines/head_ct_mr.yaml
+scene: scene.yaml
+scans:
+  mr: {modality: mr, register: {finest_mm: 2.5, samples_count: 15000}}
+set: {skin.segment.fill: none, skin.segment.coarse_mm: 1.5}
+YAML
+cat >root/configs/scene.yaml <<'YAML'
+trephine: 1
+anatomies: {brain: {}, ventricles: {}}
+YAML
+both() { "$TREPHINE" run root/configs/both.yaml --series head/dicom --out out --quiet --no-pictures --no-page "$@"; }
+both --scan mr=head/second/scan.nrrd --keep keep >said 2>&1 || fail "run: $(cat said)"
+grep -q 'mr.import: .*taken on trust' said || fail "nothing said of the patient: $(cat said)"
+python3 - out/both/case.json <<'PY'
+import json, sys
+p = json.load(open(sys.argv[1]))["provenance"]["parameters"]
+assert p["scans.mr.modality"] == "mr", p
+assert p["mr.import.input"].startswith("sha256 "), p
+assert len(p["mr.register.transform"]) == 12 and p["mr.register.inverse_mm"] < 1 and p["mr.register.overlap_ratio"] > 0.5, p
+assert p["brain.t1_contrast.bright"] == "grey" and p["ventricles.t1_contrast.bright"] == "white"
+PY
+for anatomy in brain ventricles; do
+  "$TREPHINE" measure keep/$anatomy.$anatomy.nrrd --truth head/truth/truth.json --anatomy $anatomy --sample-count 2000 \
+    --report $anatomy.json --quiet
+done
+python3 - brain.json 0.94 ventricles.json 0.93 <<'PY'
+import json, sys
+for file, least in zip(sys.argv[1::2], sys.argv[2::2]):
+    dice = json.load(open(file))["dice_ratio"]
+    assert dice > float(least), (file, dice)
+PY
+
+# refused CODE PATTERN COMMAND...: as expect, where warnings precede the line.
+refused() {
+  local code=$1 pattern=$2 got=0
+  shift 2
+  "$@" >/dev/null 2>said || got=$?
+  [[ $got == "$code" ]] && tail -n 1 said | grep -Eq -- "$pattern" || fail "exit code $got of $*: $(cat said)"
+}
+
+# Only what the scene needs: of a skull the MR is neither read nor registered, so it need not be there.
+sed 's/scene: .*/scene: scenes\/skull.yaml/; s/case: .*/case: bone/' root/configs/both.yaml >root/configs/bone.yaml
+"$TREPHINE" run root/configs/bone.yaml --series head/dicom --out out --explain >said || fail "explain"
+! grep -Eq '(^| )mr\.' said || fail "the MR is not needed: $(cat said)"
+both --scan mr=head/second/scan.nrrd --explain >said || fail "explain"
+grep -q 'mr.register' said && grep -q 'read by .*brain.t1_contrast' said || fail "not explained: $(cat said)"
+
+# A transform that another program made takes the place of the registration.
+mkdir root/configs/given && cp head/second/truth.tfm root/configs/
+sed 's/register: .*/register: {given: truth.tfm}}/; s/case: .*/case: given/' root/configs/both.yaml >root/configs/given.yaml
+"$TREPHINE" run root/configs/given.yaml --series head/dicom --scan mr=head/second/scan.nrrd --out out --quiet --no-pictures --no-page \
+  >said 2>&1 || fail "given: $(cat said)"
+grep -q 'mr.register: the transform was given' said || fail "not said: $(cat said)"
+grep -q '"mr.register.given": "sha256 ' out/given/case.json || fail "not recorded"
+# One that leads out of the scan is refused.
+sed 's/^Parameters: .*/Parameters: 1 0 0 0 1 0 0 0 1 0 0 400/' head/second/truth.tfm >root/configs/truth.tfm
+refused 80 'the registration is doubtful: 0.00 of the CT' "$TREPHINE" run root/configs/given.yaml --series head/dicom \
+  --scan mr=head/second/scan.nrrd --out out2 --quiet --no-pictures --no-page
+
+# What is wrong is told where it stands.
+expect 64 'scans.mr.series: is not said' both
+expect 64 'scan: mri, the configuration has no such scan, did you mean mr' both --scan mri=head/second/scan.nrrd
+sed 's/modality: mr,/modality: mr, import: {volume_values: any},/' root/configs/both.yaml >root/configs/twice.yaml
+expect 78 'twice.yaml:.*scans.mr.*follow from the scan' "$TREPHINE" run root/configs/twice.yaml --series head/dicom --out out
+sed 's/^  mr:/  t1:/' root/configs/both.yaml >root/configs/other.yaml
+expect 78 'scan: mr, the case has no such scan' "$TREPHINE" run root/configs/other.yaml --series head/dicom \
+  --scan t1=head/second/scan.nrrd --out out --quiet
+
+# A CT is no MR with T1's contrast.
+"$TREPHINE" import head/dicom --output ct.nrrd --quiet
+"$TREPHINE" register ct.nrrd head/second/scan.nrrd --given head/second/truth.tfm --output mr.nrrd --quiet 2>said
+expect 80 'the contrast is not that of T1' "$TREPHINE" t1-contrast ct.nrrd --ct ct.nrrd --output t1.nrrd --quiet
+
+# Another patient's scan: their PatientID differs, and it appears nowhere.
+"$TREPHINE" phantom other --seed 6 --columns-count 64 --rows-count 64 --slices-count 12 --slice-step-mm 12 --slice-thickness-mm 12 \
+  --mesh-step-mm 0 --no-labels --encoding none --quiet 2>/dev/null
+sed 's/modality: mr,/modality: ct,/' root/configs/both.yaml >root/configs/patients.yaml
+refused 65 'scans.mr: has another PatientID' "$TREPHINE" run root/configs/patients.yaml --series head/dicom --scan mr=other/dicom \
+  --out out3 --quiet --no-pictures --no-page

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a second scan shows that lies on the CT: brain and ventricles of an MR, vessels of an angiography; and the zones
+// of a CT alone. Truth: the synthetic head.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "head/brain.h"
+#include "head/cranium.h"
+#include "head/ventricles.h"
+#include "itk/registration.h"
+#include "mask/filters.h"
+#include "phantom/phantom.h"
+#include "place/zones.h"
+#include "segmentation/t1_contrast.h"
+#include "segmentation/vessels.h"
+
+namespace trephine {
+namespace {
+
+using phantom::Anatomy;
+using phantom::Head;
+using segmentation::BitMask;
+
+Head head_of(phantom::Level level, int seed, bool contrast = false) {
+  phantom::HeadParams p;
+  p.level = level;
+  p.seed = seed;
+  p.hard.contrast = contrast;
+  return Head(p);
+}
+
+/// A second scan of the head where it lies, on the CT's voxels.
+HuVolume laid(const Head& head, phantom::SecondScan contrast, double voxel_mm, const Lattice& on, double noise = 0.04,
+              double bias = 0.3) {
+  phantom::SecondScanParams p;
+  p.contrast = contrast;
+  p.voxel_mm = voxel_mm;
+  p.noise_ratio = noise;
+  p.bias_ratio = bias;
+  p.turn_deg = {6, -9, 4};
+  p.shift_mm = {10, -7, 12};
+  const phantom::Second second = phantom::second_scan(head, p);
+  return resample_onto(HuVolume(second.volume), on, second.truth,
+                       contrast == phantom::SecondScan::mr ? 0.0f : -1000.0f);
+}
+
+Lattice box(double voxel_mm) {
+  Lattice l;
+  l.size = {static_cast<int>(180 / voxel_mm), static_cast<int>(220 / voxel_mm), static_cast<int>(190 / voxel_mm)};
+  l.spacing_mm = {voxel_mm, voxel_mm, voxel_mm};
+  l.origin_mm = {-89.7, -115.3, -45.2};
+  return l;
+}
+
+struct Ct {
+  HuVolume volume;
+  BitMask cavity;
+};
+
+Ct ct_of(const Head& head, double voxel_mm) {
+  Ct ct{laid(head, phantom::SecondScan::ct, voxel_mm, box(voxel_mm), 0.01), {}};
+  Report report;
+  ct.cavity = segmentation::cranial_cavity(segmentation::bone_of(segmentation::HuView(ct.volume)), report, {});
+  return ct;
+}
+
+std::string said(const Report& report) {
+  std::string text;
+  for (const auto& [name, value] : report.figures) text += name + " " + to_text(value) + "; ";
+  return text;
+}
+
+double dice(const Head& head, Anatomy anatomy, const Field& field) {
+  double both = 0, sum = 0;
+  for (int k = 0; k < field.size[2]; ++k)
+    for (int j = 0; j < field.size[1]; ++j)
+      for (int i = 0; i < field.size[0]; ++i) {
+        const bool found = field.at(i, j, k) > 0;
+        const bool is = head.implicit_mm(anatomy, field.to_world_mm({double(i), double(j), double(k)})) < 0;
+        both += found && is;
+        sum += double(found) + is;
+      }
+  return 2 * both / sum;
+}
+
+std::string refused(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ExitCode::quality);
+    return e.what();
+  }
+  return "";
+}
+
+TEST(SecondScan, BrainAndVentriclesOfAnMr) {
+  const Head head = head_of(phantom::Level::clinical, 4);
+  const Ct ct = ct_of(head, 1.6);
+  const HuVolume mr = laid(head, phantom::SecondScan::mr, 1.2, lattice_of(ct.volume));
+  Report report, ignored;
+  T1ContrastParams params;
+  const HuVolume grey = t1_contrast(mr, ct.volume, ct.cavity, params, report);
+  const Field brain = find_brain(grey, {}, {}, ignored);
+  params.bright = T1Bright::white;
+  const HuVolume white = t1_contrast(mr, ct.volume, ct.cavity, params, ignored);
+  const Field ventricles = find_ventricles(white, {&brain, nullptr}, {}, ignored);
+  const double of_brain = dice(head, Anatomy::brain, brain),
+               of_ventricles = dice(head, Anatomy::ventricles, ventricles);
+  std::printf("brain %.4f, ventricles %.4f\n%s", of_brain, of_ventricles, said(report).c_str());
+  EXPECT_GT(of_brain, 0.95);
+  EXPECT_GT(of_ventricles, 0.95);
+  // CSF 250, grey 720, white 1000 of the phantom, which the bias must not change.
+  EXPECT_NEAR(std::get<double>(*report.find("csf_to_grey_ratio")), 250.0 / 720, 0.06);
+  EXPECT_NEAR(std::get<double>(*report.find("grey_to_white_ratio")), 0.72, 0.04);
+  EXPECT_GT(std::get<double>(*report.find("bias_ratio")), 0.1);
+  // The CT's bone stays, and the same comes of one thread.
+  set_thread_count(1);
+  EXPECT_EQ(std::get<Grid<float>>(t1_contrast(mr, ct.volume, ct.cavity, params, ignored)),
+            std::get<Grid<float>>(white));
+  set_thread_count(0);
+}
+
+TEST(SecondScan, WhatIsNoT1IsRefused) {
+  const Head head = head_of(phantom::Level::clinical, 4);
+  const Ct ct = ct_of(head, 2.5);
+  HuVolume mr = laid(head, phantom::SecondScan::mr, 2.5, lattice_of(ct.volume));
+  Report report;
+  const auto why = [&](const HuVolume& scan) {
+    return refused([&] { t1_contrast(scan, ct.volume, ct.cavity, {}, report); });
+  };
+  EXPECT_EQ(why(mr), "");
+  // T2: what is bright becomes dark.
+  HuVolume t2 = mr;
+  for (auto& v : std::get<Grid<std::int16_t>>(t2).voxels)
+    v = static_cast<std::int16_t>(v > 0 ? 1400 - std::min<int>(v, 1300) : 0);
+  EXPECT_NE(why(t2).find("not that of T1"), std::string::npos) << why(t2);
+  // Half of the head.
+  HuVolume half = mr;
+  auto& grid = std::get<Grid<std::int16_t>>(half);
+  std::fill(grid.voxels.begin(), grid.voxels.begin() + static_cast<std::ptrdiff_t>(grid.voxels.size() / 2),
+            std::int16_t(0));
+  EXPECT_NE(why(half).find("outside of the MR"), std::string::npos);
+}
+
+TEST(SecondScan, VesselsOfAnAngiography) {
+  const Head head = head_of(phantom::Level::hard, 3), with = head_of(phantom::Level::hard, 3, true);
+  const Ct ct = ct_of(head, 1);
+  const HuVolume cta = laid(head, phantom::SecondScan::cta, 0.8, lattice_of(ct.volume), 0.012);
+  Report report;
+  const Field found = find_vessels(cta, ct.volume, ct.cavity, nullptr, {}, report);
+  double truth = 0, hit = 0, all = 0, near = 0;
+  const Grid<float> mm = segmentation::signed_distance_mm(found, {});
+  const Lattice& l = lattice_of(ct.volume);
+  const Box at = place_in(found, l);
+  for (int k = 0; k < found.size[2]; ++k)
+    for (int j = 0; j < found.size[1]; ++j)
+      for (int i = 0; i < found.size[0]; ++i) {
+        const Vec3 p = found.to_world_mm({double(i), double(j), double(k)});
+        const bool is = with.thing(p) == phantom::Thing::vessel;
+        truth += is;
+        hit += is && mm.at(i, j, k) > -1;
+        const bool inside = found.at(i, j, k) > 0;
+        all += inside;
+        if (!inside) continue;
+        bool close = is;
+        for (const Vec3 d :
+             {Vec3{1.5, 0, 0}, Vec3{-1.5, 0, 0}, Vec3{0, 1.5, 0}, Vec3{0, -1.5, 0}, Vec3{0, 0, 1.5}, Vec3{0, 0, -1.5}})
+          close = close || with.thing(p + d) == phantom::Thing::vessel;
+        near += close;
+      }
+  std::printf("%.1f of %.1f ml within 1 mm of what was found; of what was found %.3f near a vessel; %s\n", hit / 1000,
+              truth / 1000, near / all, said(report).c_str());
+  EXPECT_EQ(at.empty(), false);
+  EXPECT_GT(hit, 0.9 * truth);
+  EXPECT_GT(near, 0.85 * all);
+  // Without contrast agent there is none.
+  const HuVolume plain = laid(head, phantom::SecondScan::ct, 0.8, l, 0.012);
+  EXPECT_NE(refused([&] { find_vessels(plain, ct.volume, ct.cavity, nullptr, {}, report); }).find("no vessel"),
+            std::string::npos);
+}
+
+/// The synthetic head's brainstem, without what is individual of it.
+double stem_mm(Vec3 p) {
+  const auto capsule = [&](Vec3 a, Vec3 b, double r, double s) {
+    const double t = std::clamp(dot(p - a, b - a) / dot(b - a, b - a), 0.0, 1.0);
+    return norm(p - (a + (b - a) * t)) - (r + t * (s - r));
+  };
+  return std::min(capsule({0, 6, 30}, {0, 16, 4}, 11.5, 12), capsule({0, 16, 4}, {0, 27, -26}, 9, 6));
+}
+
+TEST(SecondScan, ZonesOfACtAlone) {
+  for (const int seed : {3, 8}) {
+    const Head head = head_of(phantom::Level::hard, seed, true);
+    const Ct ct = ct_of(head_of(phantom::Level::hard, seed), 1.5);
+    Report ignored;
+    const Field brain = find_brain(ct.volume, {}, {}, ignored);
+    const Field ventricles = find_ventricles(ct.volume, {&brain, nullptr}, {}, ignored);
+    const auto zone = [&](Zone what, double thickness_mm = 0) {
+      ZoneParams params;
+      params.what = what;
+      params.thickness_mm = thickness_mm;
+      Report report;
+      Field field = find_zone(ct.cavity, {nullptr, &ventricles}, params, report);
+      std::printf("seed %d: %s\n", seed, said(report).c_str());
+      for (const float v : field.voxels) EXPECT_TRUE(std::isfinite(v) && v != 0);
+      return field;
+    };
+    const auto holds = [](const Field& f, Vec3 p) {
+      const Vec3 q = f.to_index(p);
+      const int i = int(std::lround(q.x)), j = int(std::lround(q.y)), k = int(std::lround(q.z));
+      return f.contains(i, j, k) && f.at(i, j, k) > 0;
+    };
+    const Field sinus = zone(Zone::sagittal_sinus), third = zone(Zone::third_ventricle), stem = zone(Zone::brainstem),
+                midline = zone(Zone::midline), dura = zone(Zone::dura), shell = zone(Zone::dura, 3);
+    double sinus_all = 0, sinus_in = 0, stem_all = 0, stem_in = 0, stem_both = 0, third_all = 0, third_in = 0,
+           lateral_all = 0, lateral_in = 0, slab = 0, slab_in = 0, within = 0, within_in = 0;
+    for (double z = -30; z < 125; z += 1.5)
+      for (double y = -80; y < 85; y += 1.5)
+        for (double x = -60; x < 60; x += 1.5) {
+          const Vec3 p{x, y, z};
+          if (z > 40 && std::abs(x) < 6 && head.thing(p) == phantom::Thing::vessel)
+            ++sinus_all, sinus_in += holds(sinus, p);
+          if (z > -20 && stem_mm(p) < 0) ++stem_all, stem_both += holds(stem, p);
+          stem_in += holds(stem, p);
+          if (head.implicit_mm(Anatomy::ventricles, p) < -0.5) {
+            // The phantom's third ventricle: a slab of the midline below the foramina; the lateral ones beside it.
+            const bool is_third = std::abs(x) < 2 && z < 48 && z > 36 && y > -16 && y < 8;
+            const bool is_lateral = std::abs(x) > 8 || z > 58;
+            third_all += is_third;
+            third_in += is_third && holds(third, p);
+            lateral_all += is_lateral;
+            lateral_in += is_lateral && holds(third, p);
+          }
+          const int label = head.label(p);
+          if ((label == 3 || label == 5) && z > 0) {
+            ++within;
+            within_in += holds(dura, p);
+            if (std::abs(x) < 0.5) ++slab, slab_in += holds(midline, p) || std::abs(x) > 0.9;
+          }
+        }
+    std::printf("sinus %.3f of %.0f, stem %.3f, Dice %.3f, third %.3f of %.0f, lateral %.4f, midline %.3f, dura %.4f\n",
+                sinus_in / sinus_all, sinus_all, stem_both / stem_all, 2 * stem_both / (stem_all + stem_in),
+                third_in / third_all, third_all, lateral_in / lateral_all, slab_in / slab, within_in / within);
+    EXPECT_GT(sinus_in, 0.95 * sinus_all);
+    EXPECT_GT(stem_both, 0.75 * stem_all);
+    EXPECT_GT(third_in, 0.85 * third_all);
+    EXPECT_LT(lateral_in, 0.02 * lateral_all);
+    EXPECT_GT(within_in, 0.98 * within);
+    // The shell lies along the inner table and holds nothing of the middle.
+    EXPECT_FALSE(holds(shell, {0, 0, 60}));
+    EXPECT_TRUE(holds(dura, {0, 0, 60}));
+  }
+}
+
+}  // namespace
+}  // namespace trephine
