@@ -2,6 +2,10 @@
 // bench_live_surface [CASE]: times of the surface that follows a drill, of a case's drillable shapes or of a synthetic
 // head of 256^3 voxels of 0.8 mm: the whole surface once, and strokes of 2 s at 20 mm/s with balls of 3 to 14 mm. CPU
 // time of the thread, but for the whole surface, which is made on all threads.
+//
+// Then, where the system has OpenGL 4.3: who draws, and what a frame costs by the clock, until the driver has finished,
+// when 1, 4 and 9 burrs of 7 mm cut in it: triangles made by the processor and uploaded, beside those that a compute
+// shader makes. Frames of both are made in turn, of the same volume.
 #include <time.h>
 
 #include <algorithm>
@@ -9,10 +13,17 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <functional>
+#include <memory>
 
+#include "base/error.h"
 #include "cases/load_case.h"
 #include "voxel/drill.h"
 #include "voxel/live_surface.h"
+#ifdef BENCH_RENDER
+#include "render/context.h"
+#include "render/surface_maker.h"
+#endif
 
 using namespace trephine;
 
@@ -53,6 +64,82 @@ const char* name_of(const HapticVolume& v, int number) {
     if (s.number == number) return s.name.c_str();
   return "";
 }
+
+#ifdef BENCH_RENDER
+double clock_ms(const std::function<void()>& what) {
+  wait_for_driver();
+  const auto begin = std::chrono::steady_clock::now();
+  what();
+  wait_for_driver();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// Places on the surface, spread over it, each with its direction outwards.
+struct Place {
+  Vec3 at, out;
+};
+std::vector<Place> places_on(const HapticVolume& v, int number, std::size_t wanted) {
+  const LiveSurface s(v, number);
+  std::vector<std::size_t> bricks;
+  for (std::size_t b = 0; b < s.layout().count(); ++b)
+    if (!s.brick(b).vertices.empty()) bricks.push_back(b);
+  std::vector<Place> out;
+  for (std::size_t n = 0; n < wanted && !bricks.empty(); ++n) {
+    const LiveVertex& p = s.brick(bricks[(2 * n + 1) * bricks.size() / (2 * wanted)]).vertices.front();
+    const Lattice& l = v.voxels;
+    out.push_back({l.origin_mm + l.direction * Vec3{p.position_mm[0], p.position_mm[1], p.position_mm[2]},
+                   normalized(l.direction * Vec3{p.normal[0], p.normal[1], p.normal[2]})});
+  }
+  return out;
+}
+
+void draw_beside(const HapticVolume& whole, int number, const DrillShapes& shapes) {
+  std::unique_ptr<OffscreenContext> context;
+  try {
+    context = std::make_unique<OffscreenContext>();
+    std::printf("  drawn by %s\n", driver_facts().renderer.c_str());
+  } catch (const Error& e) {
+    std::printf("  no OpenGL: %s\n", e.what());
+    return;
+  }
+  for (const std::size_t burrs : {1, 4, 9}) {
+    HapticVolume v = whole;
+    DirtyBricks marks(v.voxels);
+    Cutter cutter;
+    cutter.radius_mm = 3.5;
+    const std::vector<Place> places = places_on(v, number, burrs);
+    std::vector<std::unique_ptr<Drill>> drills;
+    for (std::size_t n = 0; n < places.size(); ++n)
+      drills.push_back(std::make_unique<Drill>(v, shapes, cutter, DrillParams{}, &marks));
+    std::unique_ptr<SurfaceMaker> makers[2];
+    const double whole_ms[2] = {clock_ms([&] { makers[0] = processor_maker(v, number, {}); }),
+                                clock_ms([&] { makers[1] = compute_maker(v, number, {}); })};
+    std::vector<double> frames[2];
+    std::vector<std::size_t> marked;
+    std::size_t made = 0;
+    for (int frame = 0; frame < 60; ++frame) {
+      for (int tick = 17 * frame; tick < 17 * frame + 17; ++tick)
+        for (std::size_t n = 0; n < drills.size(); ++n) {
+          ToolPose pose;
+          const Place& p = places[n];
+          const Vec3 along = normalized(cross(p.out, std::abs(p.out.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+          pose.tip_mm = p.at + along * (0.02 * tick) - p.out * (0.001 * tick) - pose.frame.column[2] * cutter.radius_mm;
+          drills[n]->cut(pose, 0.001);
+        }
+      marked.clear();
+      marks.take(marked);
+      for (int who = 0; who < 2; ++who) frames[who].push_back(clock_ms([&] { made += makers[who]->update(marked); }));
+    }
+    std::printf(
+        "  %zu burrs, %.1f bricks a frame: processor p50 %.2f, p99 %.2f ms; graphics p50 %.2f, p99 %.2f ms; "
+        "whole %.0f and %.0f ms\n",
+        burrs, double(made) / 120, quantile(frames[0], 0.5), quantile(frames[0], 0.99), quantile(frames[1], 0.5),
+        quantile(frames[1], 0.99), whole_ms[0], whole_ms[1]);
+  }
+}
+#else
+void draw_beside(const HapticVolume&, int, const DrillShapes&) {}
+#endif
 
 void run(const HapticVolume& whole, int number, const DrillShapes& shapes) {
   const auto begin = std::chrono::steady_clock::now();
@@ -96,6 +183,7 @@ void run(const HapticVolume& whole, int number, const DrillShapes& shapes) {
                 quantile(ticks, 0.5), quantile(ticks, 0.99), quantile(frames, 0.5), quantile(frames, 0.99),
                 double(made) / double(frames.size()));
   }
+  draw_beside(whole, number, shapes);
 }
 
 }  // namespace

@@ -77,28 +77,33 @@ ViewParams plain_view() {
   return v;
 }
 
-// After each step the picture of the bricks that followed is that of a stage made anew.
+// After each step the picture of the bricks that followed is that of a stage made anew, whoever made them.
 TEST_F(RenderStage, WhatFollowsTheDrillIsWhatIsMadeAnew) {
   record();
-  Playback playback(folder_ / "case", folder_ / "hole.servo", {}, {});
-  Stage stage(playback.loaded(), plain_view());
-  const OrbitCamera camera = camera_of(plain_view(), playback.loaded().manifest, stage.scene());
-  stage.state.opacity = opacities_of(stage.scene(), "scalp=0");
-  const trephine::Picture whole = shot(stage, camera);
-  std::size_t made = 0;
-  for (const double t : {3.0, 6.0, 9.0, 12.0, 5.0}) {
-    playback.go_to(t);
-    made += stage.follow(playback.marks());
-    const trephine::Picture now = shot(stage, camera);
-    Stage anew(playback.loaded(), plain_view());
-    anew.state.opacity = stage.state.opacity;
-    EXPECT_EQ(different(now, shot(anew, camera), 1), 0) << t;
+  for (const auto by : {ViewParams::SurfaceBy::processor, ViewParams::SurfaceBy::graphics}) {
+    Playback playback(folder_ / "case", folder_ / "hole.servo", {}, {});
+    ViewParams view = plain_view();
+    view.surface_by = by;
+    Stage stage(playback.loaded(), view);
+    EXPECT_EQ(stage.surfaces_by(), by == ViewParams::SurfaceBy::graphics ? "the graphics card" : "the processor");
+    const OrbitCamera camera = camera_of(plain_view(), playback.loaded().manifest, stage.scene());
+    stage.state.opacity = opacities_of(stage.scene(), "scalp=0");
+    const trephine::Picture whole = shot(stage, camera);
+    std::size_t made = 0;
+    for (const double t : {3.0, 6.0, 9.0, 12.0, 5.0}) {
+      playback.go_to(t);
+      made += stage.follow(playback.marks());
+      const trephine::Picture now = shot(stage, camera);
+      Stage anew(playback.loaded(), plain_view());
+      anew.state.opacity = stage.state.opacity;
+      EXPECT_EQ(different(now, shot(anew, camera), 1), 0) << t;
+    }
+    EXPECT_GT(made, 10u);
+    EXPECT_GT(different(shot(stage, camera), whole), 300);  // there is a hole
+    playback.go_to(0);
+    stage.follow(playback.marks());
+    EXPECT_EQ(different(shot(stage, camera), whole, 1), 0);  // and at the beginning there is none
   }
-  EXPECT_GT(made, 10u);
-  EXPECT_GT(different(shot(stage, camera), whole), 300);  // there is a hole
-  playback.go_to(0);
-  stage.follow(playback.marks());
-  EXPECT_EQ(different(shot(stage, camera), whole, 1), 0);  // and at the beginning there is none
 }
 
 // The voxels at a time are those of a replay up to it, whichever way one came there.

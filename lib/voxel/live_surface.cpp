@@ -14,12 +14,18 @@ namespace {
 constexpr int side = BrickLayout::side, corners = side + 1;
 constexpr float level = 0.5f * haptic_full;  // no value is equal to it, so no vertex lies in a corner
 
+// The value of the brick's first corner: the corner (x, y, z) of its cells is voxel side * place + (x, y, z) - 1.
+const std::uint8_t* first_corner(const ShadowVolume& shadow, const std::array<int, 3>& place) {
+  return shadow.data() + shadow.index(side * place[0] - 1, side * place[1] - 1, side * place[2] - 1);
+}
+
 }  // namespace
 
 ShadowVolume::ShadowVolume(const HapticVolume& volume, int number)
     : volume_(volume), number_(number), layout_(volume.voxels) {
   for (int a = 0; a < 3; ++a) size_[a] = std::size_t(side * layout_.bricks[std::size_t(a)] + 4);
   values_.assign(size_[0] * size_[1] * size_[2], 0);
+  reads_it_.assign(layout_.count(), 0);
   const Grid<std::int16_t>& v = volume.voxels;
   parallel_for(0, v.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < int(to); ++k)
@@ -32,7 +38,8 @@ ShadowVolume::ShadowVolume(const HapticVolume& volume, int number)
   });
 }
 
-void ShadowVolume::copy(std::size_t brick, std::vector<std::uint8_t>& reads_it) {
+bool ShadowVolume::copy(std::size_t brick) {
+  bool changed = false;
   const Grid<std::int16_t>& v = volume_.voxels;
   const std::array<int, 3> at = layout_.place(brick);
   int low[3], high[3];
@@ -47,6 +54,7 @@ void ShadowVolume::copy(std::size_t brick, std::vector<std::uint8_t>& reads_it) 
         const std::uint8_t now = std::uint8_t(detail::share_of(v, number_, i, j, k));
         if (row[i] == now) continue;
         row[i] = now;
+        changed = true;
         const int voxel[3] = {i, j, k};
         int first[3], last[3];
         for (int a = 0; a < 3; ++a) {
@@ -55,9 +63,43 @@ void ShadowVolume::copy(std::size_t brick, std::vector<std::uint8_t>& reads_it) 
         }
         for (int z = first[2]; z <= last[2]; ++z)
           for (int y = first[1]; y <= last[1]; ++y)
-            for (int x = first[0]; x <= last[0]; ++x) reads_it[layout_.index(x, y, z)] = 1;
+            for (int x = first[0]; x <= last[0]; ++x) reads_it_[layout_.index(x, y, z)] = 1;
       }
     }
+  return changed;
+}
+
+const std::vector<std::size_t>& ShadowVolume::follow(const std::vector<std::size_t>& marked) {
+  stale_.clear();
+  copied_.clear();
+  // What was marked late shows in a value; so bricks are made anew by what changed, not by what was marked.
+  for (const std::size_t b : marked)
+    if (copy(b)) copied_.push_back(b);
+  for (const std::size_t b : copied_) {
+    const std::array<int, 3> at = layout_.place(b);
+    for (int z = std::max(0, at[2] - 1); z <= std::min(layout_.bricks[2] - 1, at[2] + 1); ++z)
+      for (int y = std::max(0, at[1] - 1); y <= std::min(layout_.bricks[1] - 1, at[1] + 1); ++y)
+        for (int x = std::max(0, at[0] - 1); x <= std::min(layout_.bricks[0] - 1, at[0] + 1); ++x) {
+          const std::size_t n = layout_.index(x, y, z);
+          if (reads_it_[n] == 0) continue;
+          reads_it_[n] = 0;
+          stale_.push_back(n);
+        }
+  }
+  std::sort(stale_.begin(), stale_.end());
+  return stale_;
+}
+
+bool has_triangles(const ShadowVolume& shadow, std::size_t brick) {
+  const std::uint8_t* const first = first_corner(shadow, shadow.layout().place(brick));
+  const bool solid = *first > haptic_full / 2;
+  for (int z = 0; z < corners; ++z)
+    for (int y = 0; y < corners; ++y) {
+      const std::uint8_t* from = first + std::size_t(z) * shadow.slice() + std::size_t(y) * shadow.row();
+      for (int x = 0; x < corners; ++x)
+        if ((from[x] > haptic_full / 2) != solid) return true;
+    }
+  return false;
 }
 
 void mesh_brick(const ShadowVolume& shadow, std::size_t brick, BrickMesh& out) {
@@ -65,9 +107,8 @@ void mesh_brick(const ShadowVolume& shadow, std::size_t brick, BrickMesh& out) {
   out.indices.clear();
   const std::array<int, 3> at = shadow.layout().place(brick);
   const std::size_t row = shadow.row(), slice = shadow.slice();
-  // The corner (x, y, z) of the brick's cells is voxel side * at + (x, y, z) - 1.
   const int begin[3] = {side * at[0] - 1, side * at[1] - 1, side * at[2] - 1};
-  const std::uint8_t* const first = shadow.data() + shadow.index(begin[0], begin[1], begin[2]);
+  const std::uint8_t* const first = first_corner(shadow, at);
   bool some = false, all = true;
   std::uint8_t solid[corners][corners][corners];
   for (int z = 0; z < corners; ++z)
@@ -128,31 +169,20 @@ void mesh_brick(const ShadowVolume& shadow, std::size_t brick, BrickMesh& out) {
 }
 
 LiveSurface::LiveSurface(const HapticVolume& volume, int number)
-    : shadow_(volume, number), bricks_(shadow_.layout().count()), stale_(bricks_.size(), 0) {
+    : shadow_(volume, number), bricks_(shadow_.layout().count()) {
   parallel_for(0, std::int64_t(bricks_.size()), 64, [&](std::int64_t from, std::int64_t to) {
     for (std::int64_t b = from; b < to; ++b) mesh_brick(shadow_, std::size_t(b), bricks_[std::size_t(b)]);
   });
 }
 
 const std::vector<std::size_t>& LiveSurface::update(const std::vector<std::size_t>& marked) {
-  made_.clear();
-  // What was marked late shows in a value; so bricks are made anew by what changed, not by what was marked.
-  for (const std::size_t b : marked) shadow_.copy(b, stale_);
-  const BrickLayout& layout = shadow_.layout();
-  for (const std::size_t b : marked) {
-    const std::array<int, 3> at = layout.place(b);
-    for (int z = std::max(0, at[2] - 1); z <= std::min(layout.bricks[2] - 1, at[2] + 1); ++z)
-      for (int y = std::max(0, at[1] - 1); y <= std::min(layout.bricks[1] - 1, at[1] + 1); ++y)
-        for (int x = std::max(0, at[0] - 1); x <= std::min(layout.bricks[0] - 1, at[0] + 1); ++x) {
-          const std::size_t n = layout.index(x, y, z);
-          if (stale_[n] == 0) continue;
-          stale_[n] = 0;
-          made_.push_back(n);
-        }
-  }
-  std::sort(made_.begin(), made_.end());
-  for (const std::size_t b : made_) mesh_brick(shadow_, b, bricks_[b]);
-  return made_;
+  const std::vector<std::size_t>& stale = shadow_.follow(marked);
+  make(stale);
+  return stale;
+}
+
+void LiveSurface::make(const std::vector<std::size_t>& bricks) {
+  for (const std::size_t b : bricks) mesh_brick(shadow_, b, bricks_[b]);
 }
 
 std::size_t LiveSurface::triangles() const {

@@ -28,24 +28,37 @@ class ShadowVolume {
   Vec3 spacing_mm() const { return volume_.voxels.spacing_mm; }
   int number() const { return number_; }
 
-  /// Copies the voxels that the brick reads, and sets `reads_it` of every brick that reads one with another value.
-  void copy(std::size_t brick, std::vector<std::uint8_t>& reads_it);
+  /// Copies what the marked bricks (DirtyBricks::take, of the same lattice) read. Returns the bricks that read a voxel
+  /// whose value is another now, ascending; valid until the next call.
+  const std::vector<std::size_t>& follow(const std::vector<std::size_t>& marked);
+  /// Of the marked bricks of the last follow(), those that read another value: all that changed lies in their boxes.
+  const std::vector<std::size_t>& copied() const { return copied_; }
+  /// The voxels that a brick reads begin at 8 * its place - 2, and end with 8 * its place + 8.
+  static constexpr int read_side = BrickLayout::side + 3;
 
   /// Voxel (-2, -2, -2) is the first.
   const std::uint8_t* data() const { return values_.data(); }
   std::size_t index(int i, int j, int k) const {
     return (std::size_t(k + 2) * size_[1] + std::size_t(j + 2)) * size_[0] + std::size_t(i + 2);
   }
+  std::size_t size(int axis) const { return size_[axis]; }
   std::size_t row() const { return size_[0]; }
   std::size_t slice() const { return size_[0] * size_[1]; }
 
  private:
+  bool copy(std::size_t brick);
+
   const HapticVolume& volume_;
   int number_;
   BrickLayout layout_;
   std::size_t size_[3];
   std::vector<std::uint8_t> values_;
+  std::vector<std::uint8_t> reads_it_;  ///< by brick: 1 where it reads a voxel that changed
+  std::vector<std::size_t> stale_, copied_;
 };
+
+/// Whether the surface passes through a cell of the brick: whether it has triangles.
+bool has_triangles(const ShadowVolume& shadow, std::size_t brick);
 
 /// The triangles of one brick: where the trilinear occupancy along the edges between voxel centres is 1/2
 /// [Lorensen1987], with solid corners kept apart on ambiguous faces, so that bricks fit together. Vertices on the
@@ -62,6 +75,8 @@ class LiveSurface {
   /// Looks at the marked bricks (DirtyBricks::take, of the same lattice), and makes those anew that read a changed
   /// voxel. Returns them, ascending; valid until the next call.
   const std::vector<std::size_t>& update(const std::vector<std::size_t>& marked);
+  /// Makes these bricks anew from the copy as it is.
+  void make(const std::vector<std::size_t>& bricks);
 
   const BrickMesh& brick(std::size_t index) const { return bricks_[index]; }
   const BrickLayout& layout() const { return shadow_.layout(); }
@@ -71,8 +86,6 @@ class LiveSurface {
  private:
   ShadowVolume shadow_;
   std::vector<BrickMesh> bricks_;
-  std::vector<std::size_t> made_;
-  std::vector<std::uint8_t> stale_;
 };
 
 }  // namespace trephine

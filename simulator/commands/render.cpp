@@ -40,6 +40,8 @@ class Pictures {
         target_(params_.width, params_.height) {
     make_output_folder(out_);
     std::cout << fmt::format("drawn by {}\n", stage_.driver().renderer);
+    if (!stage_.surfaces_by().empty())
+      std::cout << fmt::format("surfaces that are cut are made by {}\n", stage_.surfaces_by());
   }
   Stage& stage() { return stage_; }
   const PictureParams& params() const { return params_; }

@@ -81,4 +81,6 @@ DriverFacts driver_facts() {
   return f;
 }
 
+void wait_for_driver() { glFinish(); }
+
 }  // namespace trephine

@@ -27,5 +27,7 @@ struct DriverFacts {
 };
 /// Throws Error 74, naming both versions, where the current context is older than OpenGL 4.3.
 DriverFacts driver_facts();
+/// Until all that was asked of the driver is done: for measuring.
+void wait_for_driver();
 
 }  // namespace trephine

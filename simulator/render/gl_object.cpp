@@ -53,6 +53,17 @@ GlProgram::GlProgram(const char* vertex, const char* fragment) {
   id_ = GlObject(glCreateProgram(), [](GLuint id) { glDeleteProgram(id); });
   glAttachShader(id_, v);
   glAttachShader(id_, f);
+  link();
+}
+
+GlProgram::GlProgram(const char* compute) {
+  const GlObject c = shader_of(GL_COMPUTE_SHADER, compute);
+  id_ = GlObject(glCreateProgram(), [](GLuint id) { glDeleteProgram(id); });
+  glAttachShader(id_, c);
+  link();
+}
+
+void GlProgram::link() {
   glLinkProgram(id_);
   GLint good = 0;
   glGetProgramiv(id_, GL_LINK_STATUS, &good);

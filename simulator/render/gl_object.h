@@ -40,15 +40,18 @@ GlObject make_texture();
 GlObject make_framebuffer();
 GlObject make_renderbuffer();
 
-/// A vertex and a fragment shader. Throws Error 74 with the driver's first line where they do not compile.
+/// A vertex and a fragment shader, or a compute shader. Throws Error 74 with the driver's first line where they do not
+/// compile.
 class GlProgram {
  public:
   GlProgram() = default;
   GlProgram(const char* vertex, const char* fragment);
+  explicit GlProgram(const char* compute);
   void use() const { glUseProgram(id_); }
   void set(const char* name, const Mat4& m) const { glUniformMatrix4fv(at(name), 1, GL_FALSE, m.m.data()); }
   void set(const char* name, float x) const { glUniform1f(at(name), x); }
   void set(const char* name, int n) const { glUniform1i(at(name), n); }
+  void set_whole(const char* name, int x, int y, int z) const { glUniform3i(at(name), x, y, z); }
   void set(const char* name, float x, float y) const { glUniform2f(at(name), x, y); }
   void set(const char* name, float x, float y, float z) const { glUniform3f(at(name), x, y, z); }
   void set(const char* name, float x, float y, float z, float w) const { glUniform4f(at(name), x, y, z, w); }
@@ -56,6 +59,7 @@ class GlProgram {
   GLint at(const char* name) const { return glGetUniformLocation(id_, name); }
 
  private:
+  void link();
   GlObject id_;
 };
 

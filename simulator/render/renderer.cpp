@@ -50,8 +50,9 @@ Renderer::Impl::Impl(const SceneData& scene, const RenderQuality& q)
   radius_mm = norm(b.max_mm - b.min_mm) / 2 + norm((b.max_mm + b.min_mm) / 2 - centre_mm);
   samples = std::clamp(q.samples, 1, driver_facts().most_samples);
   for (const SceneSurface& s : scene.surfaces) {
-    Item item{{float(s.colour_rgb[0]), float(s.colour_rgb[1]), float(s.colour_rgb[2])}, s.live, s.incised, {}, {}, {}};
-    if (!s.live) item.buffer = SurfaceBuffer(s);
+    Item item{
+        {float(s.colour_rgb[0]), float(s.colour_rgb[1]), float(s.colour_rgb[2])}, s.live, s.incised, {}, {}, {}, {}};
+    if (!s.live) item.buffer = std::make_unique<SurfaceBuffer>(s);
     items.push_back(std::move(item));
   }
   ball = SolidBuffer(ball_solid(1, {1, 1, 1}, 16), false);
@@ -151,11 +152,19 @@ void Renderer::set_quality(const RenderQuality& quality) {
   impl_->samples = samples;
 }
 
-void Renderer::set_live(int n, const LiveSurface& live, const Lattice& lattice) {
-  impl_->items[std::size_t(n)].buffer = SurfaceBuffer(live, lattice.direction, lattice.origin_mm - impl_->centre_mm);
+std::string Renderer::set_live(int n, const HapticVolume& volume, int shape, ViewParams::SurfaceBy by) {
+  MakerChoice choice;
+  auto maker = wanted_maker(by, driver_facts().software, volume, shape, impl_->centre_mm, choice);
+  Impl::Item& item = impl_->items[std::size_t(n)];
+  item.maker = maker.get();
+  item.buffer = std::move(maker);
+  return choice.text();
 }
-void Renderer::update_live(int n, const LiveSurface& live, const std::vector<std::size_t>& bricks) {
-  if (!bricks.empty()) impl_->items[std::size_t(n)].buffer.update(live, bricks);
+std::size_t Renderer::follow(const std::vector<std::size_t>& marked) {
+  std::size_t made = 0;
+  for (Impl::Item& item : impl_->items)
+    if (item.maker) made += item.maker->update(marked);
+  return made;
 }
 void Renderer::set_tool(const Solid& solid) { impl_->tool = SolidBuffer(solid, true); }
 void Renderer::set_ct(const Grid<std::int16_t>& ct) { impl_->upload_ct(ct); }
@@ -195,11 +204,15 @@ void Renderer::present(int x, int y, int width, int height, int mask) {
   check_gl("the picture's copy");
 }
 
-std::size_t Renderer::drawn_triangles() const { return impl_->drawn; }
+std::size_t Renderer::drawn_triangles() const {
+  std::size_t n = 0;
+  for (const auto& [item, list] : impl_->lists) n += impl_->items[item].buffer->triangles(list);
+  return n;
+}
 
 std::size_t Renderer::graphics_bytes() const {
   std::size_t n = impl_->has_ct ? impl_->ct_lattice.count() * 2 : 0;
-  for (const Impl::Item& item : impl_->items) n += item.buffer.bytes();
+  for (const Impl::Item& item : impl_->items) n += item.buffer ? item.buffer->bytes() : 0;
   for (const Impl::Wall& wall : impl_->walls) n += wall.bytes;
   return n;
 }

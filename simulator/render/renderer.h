@@ -3,13 +3,15 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "render/context.h"
 #include "scene/png.h"
 #include "scene/scene.h"
 #include "scene/tool_solid.h"
-#include "voxel/live_surface.h"
+#include "scene/view_params.h"
+#include "voxel/haptic_volume.h"
 
 namespace trephine {
 
@@ -47,9 +49,11 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   void set_quality(const RenderQuality& quality);
-  /// The triangles of a live surface, whole; and those bricks that LiveSurface::update returned.
-  void set_live(int surface, const LiveSurface& live, const Lattice& lattice);
-  void update_live(int surface, const LiveSurface& live, const std::vector<std::size_t>& bricks);
+  /// Draws a live surface as the shape of the volume, which must outlive the renderer. Throws Error 74 where the
+  /// graphics card is to make it (SurfaceBy::graphics) and cannot. Returns who makes it.
+  std::string set_live(int surface, const HapticVolume& volume, int shape, ViewParams::SurfaceBy by);
+  /// Makes live surfaces follow the marked bricks; returns how many bricks were made anew.
+  std::size_t follow(const std::vector<std::size_t>& marked);
   void set_tool(const Solid& solid);
   void set_ct(const Grid<std::int16_t>& ct);
   /// Of more than most_incisions the oldest are no longer drawn.
@@ -69,8 +73,9 @@ class Renderer {
   /// is on the right, front or head up; a sagittal slice is seen from the left.
   void draw_inset(const CtPlane& plane, const SceneState& state, int x, int y, int size, double half_mm);
 
-  std::size_t drawn_triangles() const;  ///< in the last picture, once each for all its passes
-  std::size_t graphics_bytes() const;   ///< of vertices, triangles and textures; without pictures
+  /// In the last picture, once each for all its passes. May wait for the graphics card.
+  std::size_t drawn_triangles() const;
+  std::size_t graphics_bytes() const;  ///< of vertices, triangles and textures; without pictures
 
  private:
   struct Impl;

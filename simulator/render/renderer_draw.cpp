@@ -49,25 +49,27 @@ void Renderer::Impl::begin_surface(const GlProgram& p, const EyeView& eye, const
 }
 
 void Renderer::Impl::draw_surface(std::size_t n, Sight::Faces faces, const std::vector<std::uint8_t>* seen) {
+  if (!items[n].buffer) return;  // a live surface that nobody has set
   sight.faces = faces;
-  items[n].buffer.list(sight, seen, list);
-  items[n].buffer.draw(list);
-  drawn += list.triangles();
+  lists.emplace_back(n, DrawList());
+  items[n].buffer->list(sight, seen, lists.back().second);
+  items[n].buffer->draw(lists.back().second);
 }
 
 // Which chunks of a surface are hidden behind what was drawn: the driver tests their boxes against the depth.
 void Renderer::Impl::ask_hidden(std::size_t n, const EyeView& eye) {
   Item& item = items[n];
-  const std::vector<Chunk>& chunks = item.buffer.chunks();
+  if (!item.buffer) return;
+  const std::vector<Chunk>& chunks = item.buffer->placed().chunks;
   item.seen.assign(chunks.size(), 0);
   if (item.queries.size() < chunks.size()) {
     const std::size_t had = item.queries.size();
     item.queries.resize(chunks.size());
     glGenQueries(GLsizei(chunks.size() - had), item.queries.data() + had);
   }
-  const Sight s = item.buffer.sight(sight);
+  const Sight s = item.buffer->placed().sight(sight);
   box.use();
-  box.set("model", item.buffer.model());
+  box.set("model", item.buffer->placed().model);
   box.set("to_camera", eye.to_camera(centre_mm));
   box.set("projection", eye.projection());
   glBindVertexArray(empty_array);
@@ -104,7 +106,7 @@ void Renderer::Impl::ask_hidden(std::size_t n, const EyeView& eye) {
 
 void Renderer::Impl::use_surface(std::size_t n, const SceneState& state, double opacity) {
   const Item& item = items[n];
-  surface.set("model", item.buffer.model());
+  surface.set("model", item.buffer ? item.buffer->placed().model : Mat4());
   surface.set("opacity", float(opacity));
   surface.set("grain", item.incised && quality.grain ? grain_of_surface : 0.f);
   set_balls(surface, item.incised);
@@ -288,7 +290,7 @@ void Renderer::Impl::draw(const EyeView& eye, const SceneState& state, int w, in
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
   if (state.cut) glEnable(GL_CLIP_DISTANCE0);
   sight = sight_of(eye, state, centre_mm);
-  drawn = 0;
+  lists.clear();
   begin_surface(surface, eye, state);
   draw_opaque(eye, state);
   draw_walls(state);

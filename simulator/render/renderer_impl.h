@@ -5,6 +5,7 @@
 #include "render/renderer.h"
 #include "render/shaders.h"
 #include "render/surface_buffer.h"
+#include "render/surface_maker.h"
 
 namespace trephine {
 
@@ -41,7 +42,8 @@ struct Renderer::Impl {
   struct Item {
     std::array<float, 3> colour_rgb;
     bool live, incised;
-    SurfaceBuffer buffer;
+    std::unique_ptr<DrawnSurface> buffer;
+    SurfaceMaker* maker;          // the same, where it is cut
     std::vector<GLuint> queries;  // by chunk
     std::vector<std::uint8_t> seen;
   };
@@ -68,8 +70,7 @@ struct Renderer::Impl {
 
   // Of the picture that is drawn.
   Sight sight;
-  DrawList list;
-  std::size_t drawn = 0;
+  std::vector<std::pair<std::size_t, DrawList>> lists;  // by item
 
   // The picture: `many` where a pixel has several samples, `one` with its colour and depth as textures, `half` for the
   // darkening.

@@ -13,5 +13,7 @@ extern const char* const screen_vertex;
 extern const char* const openness_fragment;  ///< how much light reaches a pixel past its surroundings
 extern const char* const darken_fragment;
 extern const char* const present_fragment;
+/// Makes the triangles of bricks: the head, then definitions (COUNT: only counts them), then the rest.
+extern const char *const brick_head, *const brick_compute;
 
 }  // namespace trephine::shaders

@@ -24,8 +24,7 @@ Stage::Stage(const LoadedCase& loaded, const ViewParams& params)
     const SceneSurface& s = scene_.surfaces[n];
     incised = incised || s.incised;
     if (!s.live) continue;
-    live_.push_back({int(n), std::make_unique<LiveSurface>(loaded.haptic, s.shape)});
-    renderer_->set_live(int(n), *live_.back().is, loaded.haptic.voxels);
+    surfaces_by_ = renderer_->set_live(int(n), loaded.haptic, s.shape, params.surface_by);
   }
   if (loaded.has_ct()) renderer_->set_ct(loaded.ct);
   if (incised && loaded.haptic.encoding == HapticEncoding::occupancy) {
@@ -61,14 +60,7 @@ void Stage::set_tool(const ToolParams& own_tool) { renderer_->set_tool(solid_of(
 std::size_t Stage::follow(DirtyBricks& marks) {
   marked_.clear();
   marks.take(marked_);
-  if (marked_.empty()) return 0;
-  std::size_t count = 0;
-  for (Live& live : live_) {
-    const std::vector<std::size_t>& made = live.is->update(marked_);
-    renderer_->update_live(live.surface, *live.is, made);
-    count += made.size();
-  }
-  return count;
+  return marked_.empty() ? 0 : renderer_->follow(marked_);
 }
 
 void Stage::show_incisions(const std::vector<IncisionMark>& all, std::size_t count) {
@@ -163,12 +155,6 @@ void Stage::draw_insets(int width, int height) {
   const int size = std::min(width / 5, height / 4), gap = std::max(2, size / 30);
   for (int axis = 0; axis < 3; ++axis)
     renderer_->draw_inset({axis, state.tip_mm}, state, width - (axis + 1) * (size + gap), gap, size, inset_mm);
-}
-
-std::size_t Stage::live_triangles() const {
-  std::size_t n = 0;
-  for (const Live& live : live_) n += live.is->triangles();
-  return n;
 }
 
 }  // namespace trephine

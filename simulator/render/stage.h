@@ -18,7 +18,7 @@ class Stage {
   /// `loaded` must outlive it; where voxels are cut meanwhile, they are not yet when it is made.
   Stage(const LoadedCase& loaded, const ViewParams& params);
 
-  /// The parameters of pictures from now on; not those of the camera.
+  /// The parameters of pictures from now on; not those of the camera, nor who makes surfaces.
   void set_view(const ViewParams& params);
   const ViewParams& view() const { return params_; }
   /// How good pictures are from now on, without another view; `scale` below 1: so many pixels less in each direction.
@@ -41,7 +41,8 @@ class Stage {
   const LoadedCase& loaded() const { return loaded_; }
   Renderer& renderer() { return *renderer_; }
   const DriverFacts& driver() const { return driver_; }
-  std::size_t live_triangles() const;
+  /// Who makes the surfaces that are cut; empty where none is.
+  const std::string& surfaces_by() const { return surfaces_by_; }
 
   /// What an eye sees that is beside (right, up, towards the viewer) the one given, through the same window at that
   /// distance.
@@ -56,11 +57,7 @@ class Stage {
   ViewParams params_;
   DriverFacts driver_;
   SceneData scene_;
-  struct Live {
-    int surface;
-    std::unique_ptr<LiveSurface> is;
-  };
-  std::vector<Live> live_;
+  std::string surfaces_by_;
   HapticVolume before_;  ///< as it was, for the walls of incisions; empty where nothing is incised
   std::unique_ptr<Renderer> renderer_;
   std::vector<std::size_t> marked_;

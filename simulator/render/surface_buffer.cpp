@@ -14,6 +14,13 @@ constexpr int chunk_bricks = 4;
 
 const void* offset(std::size_t bytes) { return reinterpret_cast<const void*>(bytes); }
 
+// Room to grow for a brick that is cut: its surface becomes larger before it vanishes.
+std::uint32_t with_room(std::size_t n) { return std::uint32_t(n + n / 2 + 16); }
+
+Vec3 vec(const float* p) { return {p[0], p[1], p[2]}; }
+
+}  // namespace
+
 SceneVertex packed(const LiveVertex& v) {
   SceneVertex out;
   for (int a = 0; a < 3; ++a) {
@@ -24,30 +31,12 @@ SceneVertex packed(const LiveVertex& v) {
   return out;
 }
 
-// Room to grow for a brick that is cut: its surface becomes larger before it vanishes.
-std::uint32_t with_room(std::size_t n) { return std::uint32_t(n + n / 2 + 16); }
-
-Vec3 vec(const float* p) { return {p[0], p[1], p[2]}; }
-
-}  // namespace
-
 void DrawList::add(std::uint32_t first, std::uint32_t count) {
   if (count == 0) return;
-  indices_ += count;
-  // Ranges that follow each other are one.
-  const void* at = offset(first * sizeof(std::uint32_t));
-  if (!first_.empty() && static_cast<const char*>(first_.back()) + std::size_t(count_.back()) * sizeof(std::uint32_t) ==
-                             static_cast<const char*>(at)) {
-    count_.back() += GLsizei(count);
-    return;
-  }
-  first_.push_back(at);
-  count_.push_back(GLsizei(count));
-}
-
-void DrawList::draw() const {
-  if (!count_.empty())
-    glMultiDrawElements(GL_TRIANGLES, count_.data(), GL_UNSIGNED_INT, first_.data(), GLsizei(count_.size()));
+  if (!ranges_.empty() && ranges_.back().first + ranges_.back().count == first)
+    ranges_.back().count += count;
+  else
+    ranges_.push_back({first, count});
 }
 
 SolidBuffer::SolidBuffer(const Solid& s, bool coloured)
@@ -87,13 +76,12 @@ SurfaceBuffer::SurfaceBuffer(const SceneSurface& s) {
             (std::uint64_t(std::floor(s.vertices[s.indices[3 * t]].position_mm[a] / chunk_mm) + 524288) & 0xfffff);
     box_of[t] = numbers.emplace(key, std::uint32_t(numbers.size())).first->second;
   }
-  chunks_ = make_chunks(
+  placed_.chunks = make_chunks(
       index_work_, box_of, numbers.size(), [&](std::uint32_t v) { return vec(vertex_work_[v].position_mm); }, nullptr);
   upload(0, 0);
 }
 
-SurfaceBuffer::SurfaceBuffer(const LiveSurface& surface, const Mat3& axes, Vec3 offset_mm)
-    : model_(affine(axes, offset_mm)), axes_(axes), offset_mm_(offset_mm), mirrored_(determinant(axes) < 0) {
+SurfaceBuffer::SurfaceBuffer(const LiveSurface& surface, const Mat3& axes, Vec3 offset_mm) : placed_(axes, offset_mm) {
   upload_bricks(surface);
 }
 
@@ -126,7 +114,7 @@ void SurfaceBuffer::append(const BrickMesh& mesh, std::uint32_t first_vertex) {
   for (const LiveVertex& v : mesh.vertices) vertex_work_.push_back(packed(v));
   const std::size_t begin = index_work_.size();
   for (const std::uint16_t i : mesh.indices) index_work_.push_back(first_vertex + i);
-  if (mirrored_)
+  if (placed_.mirrored)
     for (std::size_t n = begin; n + 2 < index_work_.size(); n += 3) std::swap(index_work_[n + 1], index_work_[n + 2]);
 }
 
@@ -149,11 +137,11 @@ void SurfaceBuffer::upload_bricks(const LiveSurface& surface) {
   }
   // The normals of mirrored triangles point the right way after the model's mirroring: chunks know them as they are in
   // the lattice.
-  const double sign = mirrored_ ? -1 : 1;
-  chunks_ = make_chunks(
+  const double sign = placed_.mirrored ? -1 : 1;
+  placed_.chunks = make_chunks(
       index_work_, box_of, std::size_t(boxes[0] * boxes[1] * boxes[2]),
       [&](std::uint32_t v) { return vec(vertex_work_[v].position_mm); }, &where_);
-  for (Chunk& chunk : chunks_)
+  for (Chunk& chunk : placed_.chunks)
     for (Chunk::Range& r : chunk.range) r.axis = r.axis * sign;
   upload(vertex_work_.size() / 4 + 65536, index_work_.size() / 4 + 6 * 65536);
 }
@@ -220,18 +208,33 @@ void SurfaceBuffer::update(const LiveSurface& surface, const std::vector<std::si
 
 void SurfaceBuffer::list(const Sight& scene, const std::vector<std::uint8_t>* seen, DrawList& out) const {
   out.clear();
-  const Sight s = sight(scene);
-  for (std::size_t n = 0; n < chunks_.size(); ++n) {
-    if ((seen && !(*seen)[n]) || !may_be_seen(chunks_[n], s)) continue;
-    for (const Chunk::Range& r : chunks_[n].range)
-      if (r.count > 0 && may_face(chunks_[n], r, s)) out.add(r.first, r.count);
+  const Sight s = placed_.sight(scene);
+  for (std::size_t n = 0; n < placed_.chunks.size(); ++n) {
+    const Chunk& chunk = placed_.chunks[n];
+    if ((seen && !(*seen)[n]) || !may_be_seen(chunk, s)) continue;
+    for (const Chunk::Range& r : chunk.range)
+      if (r.count > 0 && may_face(chunk, r, s)) out.add(r.first, r.count);
   }
   out.add(std::uint32_t(chunk_end_), std::uint32_t(index_end_ - chunk_end_));
 }
 
 void SurfaceBuffer::draw(const DrawList& list) const {
+  count_work_.clear();
+  first_work_.clear();
+  for (const DrawList::Range& r : list.ranges()) {
+    count_work_.push_back(GLsizei(r.count));
+    first_work_.push_back(offset(r.first * sizeof(std::uint32_t)));
+  }
   glBindVertexArray(array_);
-  list.draw();
+  if (!count_work_.empty())
+    glMultiDrawElements(GL_TRIANGLES, count_work_.data(), GL_UNSIGNED_INT, first_work_.data(),
+                        GLsizei(count_work_.size()));
+}
+
+std::size_t SurfaceBuffer::triangles(const DrawList& list) const {
+  std::size_t indices = 0;
+  for (const DrawList::Range& r : list.ranges()) indices += r.count;
+  return indices / 3;
 }
 
 }  // namespace trephine

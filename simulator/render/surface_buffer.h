@@ -3,27 +3,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/chunks.h"
+#include "render/drawn_surface.h"
 #include "render/gl_object.h"
 #include "scene/scene.h"
 #include "scene/tool_solid.h"
 #include "voxel/live_surface.h"
 
 namespace trephine {
-
-/// The ranges of indices that one call draws.
-class DrawList {
- public:
-  void clear() { count_.clear(), first_.clear(), indices_ = 0; }
-  void add(std::uint32_t first, std::uint32_t count);
-  void draw() const;
-  std::size_t triangles() const { return indices_ / 3; }
-
- private:
-  std::vector<GLsizei> count_;
-  std::vector<const void*> first_;
-  std::size_t indices_ = 0;
-};
 
 /// A solid in the graphics memory.
 class SolidBuffer {
@@ -38,11 +24,9 @@ class SolidBuffer {
   GLsizei count_ = 0;
 };
 
-/// Vertices and triangles of an anatomy in the graphics memory, in chunks. Of the chunks that lie outside of what is
-/// looked at, and of the ranges that face away, nothing is drawn.
-class SurfaceBuffer {
+/// Vertices and triangles of an anatomy that the processor made.
+class SurfaceBuffer : public DrawnSurface {
  public:
-  SurfaceBuffer() = default;
   explicit SurfaceBuffer(const SceneSurface& surface);
   /// The bricks of a live surface, along the lattice's axes; its first voxel lies at `offset_mm` from the scene's
   /// centre. A brick that is made anew leaves its chunk (its triangles there lose their area) and goes to a place
@@ -51,14 +35,13 @@ class SurfaceBuffer {
   /// Writes the bricks anew: what LiveSurface::update returned.
   void update(const LiveSurface& surface, const std::vector<std::size_t>& bricks);
 
-  /// `seen` (by chunk; may be null): 0 where something hides the chunk.
-  void list(const Sight& sight, const std::vector<std::uint8_t>* seen, DrawList& out) const;
-  void draw(const DrawList& list) const;
-  const std::vector<Chunk>& chunks() const { return chunks_; }
-  Sight sight(const Sight& scene) const { return sight_in(scene, axes_, offset_mm_); }
-  const Mat4& model() const { return model_; }
-  std::size_t triangles() const { return std::size_t(index_end_) / 3; }
-  std::size_t bytes() const { return vertex_room_ * sizeof(SceneVertex) + index_room_ * sizeof(std::uint32_t); }
+  const PlacedChunks& placed() const override { return placed_; }
+  void list(const Sight& scene, const std::vector<std::uint8_t>* seen, DrawList& out) const override;
+  void draw(const DrawList& list) const override;
+  std::size_t triangles(const DrawList& list) const override;
+  std::size_t bytes() const override {
+    return vertex_room_ * sizeof(SceneVertex) + index_room_ * sizeof(std::uint32_t);
+  }
 
  private:
   struct Place {
@@ -71,17 +54,18 @@ class SurfaceBuffer {
   void append(const BrickMesh& mesh, std::uint32_t first_vertex);
 
   GlObject array_, vertices_, indices_;
-  Mat4 model_;
-  Mat3 axes_;
-  Vec3 offset_mm_;
-  bool mirrored_ = false;
-  std::vector<Chunk> chunks_;
+  PlacedChunks placed_;
   std::size_t chunk_end_ = 0;                       ///< of indices; behind it lie bricks that were cut
   std::vector<Place> places_;                       ///< by brick, behind the chunks; without room: it is in its chunk
   std::vector<std::uint32_t> brick_first_, where_;  ///< by brick its first triangle; by triangle its indices' place
   std::size_t vertex_end_ = 0, index_end_ = 0, vertex_room_ = 0, index_room_ = 0;
   std::vector<SceneVertex> vertex_work_;
   std::vector<std::uint32_t> index_work_;
+  mutable std::vector<GLsizei> count_work_;  ///< of draw()
+  mutable std::vector<const void*> first_work_;
 };
+
+/// A vertex as it is drawn: its normal in steps of 1/127.
+SceneVertex packed(const LiveVertex& vertex);
 
 }  // namespace trephine

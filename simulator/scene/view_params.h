@@ -12,6 +12,7 @@ namespace trephine {
 struct ViewParams {
   enum class Stereo { none, side_by_side, top_bottom, anaglyph };
   enum class Cut { none, axial, coronal, sagittal };
+  enum class SurfaceBy { measured, processor, graphics };
   ViewPreset view = ViewPreset::surgeon;
   std::string view_site = "kocher_right", opacity;
   double field_of_view_deg = 25;
@@ -23,6 +24,7 @@ struct ViewParams {
   double ct_low_hu = -160, ct_high_hu = 240;
   int samples = 0;
   bool occlusion = true, grain = true;
+  SurfaceBy surface_by = SurfaceBy::measured;
   double occlusion_mm = 9;
   template <class V>
   static void describe(V& v) {
@@ -55,6 +57,11 @@ struct ViewParams {
               "Samples a pixel for smooth edges; 0: 4, or 1 where the processor draws.");
     v.flag(&P::occlusion, "occlusion", "Darken creases and what lies close behind something.");
     v.number(&P::occlusion_mm, "occlusion_mm", Range{0.1, 100}, "Within that distance.");
+    v.choice(
+        &P::surface_by, "surface_by",
+        {{"measured", SurfaceBy::measured}, {"processor", SurfaceBy::processor}, {"graphics", SurfaceBy::graphics}},
+        "Who makes the triangles of bone that is cut. measured: the faster one, measured at the start; the processor "
+        "where it draws as well.");
     v.flag(&P::grain, "grain", "A fine texture on what only an incision cuts.");
   }
   std::string fault() const { return ct_high_hu > ct_low_hu ? "" : "ct_high_hu: must be above ct_low_hu"; }
