@@ -134,7 +134,7 @@ TEST(HapticsServo, ReplayIsBitForBit) {
     return false;
   };
   std::vector<char> b = good;
-  std::fill_n(b.end() - static_cast<std::ptrdiff_t>(sizeof(ServoFrame)), 8, char(-1));  // the last tick: 2^64 - 1
+  std::fill_n(b.end() - static_cast<std::ptrdiff_t>(short_frame_bytes), 8, char(-1));  // the last tick: 2^64 - 1
   EXPECT_TRUE(refused(b));
   b = good;
   b.resize(good.size() - 1);

@@ -118,7 +118,8 @@ void episode(std::uint64_t seed, double seconds, Seen& seen) {
     feels[n].shaft_friction_n_per_mm = 0.01;
   }
   ToolParams tool_params;
-  tool_params.tool = all_tool_kinds()[rng() % all_tool_kinds().size()].name;
+  const ToolKind& kind = all_tool_kinds()[rng() % all_tool_kinds().size()];
+  if (!kind.from_file) tool_params.tool = kind.name;
   ShaftParams shaft;
   shaft.shaft_length_mm = rng() % 2 ? 30 : 0;
   const ForceParams force;

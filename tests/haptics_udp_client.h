@@ -34,7 +34,7 @@ class UdpClient {
     again();
   }
   void again() {
-    const auto bytes = encode_pose(next);
+    const UdpBytes bytes = encode_pose(next);
     send_bytes(bytes.data(), bytes.size());
   }
   void send_bytes(const void* bytes, std::size_t count) { (void)!::send(socket_, bytes, count, 0); }
@@ -43,7 +43,7 @@ class UdpClient {
   bool receive(UdpForce& out, int patience_ms = 2000) {
     pollfd p{socket_, POLLIN, 0};
     if (poll(&p, 1, patience_ms) <= 0) return false;
-    std::uint8_t bytes[256];
+    std::uint8_t bytes[256] = {};
     const ssize_t count = recv(socket_, bytes, sizeof bytes, 0);
     return count > 0 && decode_force(bytes, std::size_t(count), out);
   }

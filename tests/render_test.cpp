@@ -126,17 +126,27 @@ TEST_F(RenderPicture, StereoHasTheDisparityOfTheDepth) {
   }
 }
 
-// A shell within a shell: what is seen through both is mixed in the order of depth.
-TEST_F(RenderPicture, TransparentShellsAreMixedFromTheOutermostInwards) {
+// A green ball within a red one of 60 mm.
+SceneData ball_in_ball(double inner_mm) {
   SceneData scene;
-  const TriMesh outer = case_samples::ball(60, 40), inner = case_samples::ball(30, 30);
+  const TriMesh outer = case_samples::ball(60, 40), inner = case_samples::ball(inner_mm, 30);
   scene.bounds = bounds_of(outer);
   scene.surfaces = {surface_of(outer, "outer", {1, 0, 0}), surface_of(inner, "inner", {0, 1, 0})};
-  Renderer renderer(scene, {1, false, 9, false});
-  SceneState state;
+  return scene;
+}
+
+EyeView from_the_front(const SceneData& scene) {
   OrbitCamera camera;
   camera.look(ViewPreset::front, scene.bounds, {}, {});
-  const EyeView eye = camera.eye(width, height, scene.bounds);
+  return camera.eye(width, height, scene.bounds);
+}
+
+// A shell within a shell: what is seen through both is mixed in the order of depth.
+TEST_F(RenderPicture, TransparentShellsAreMixedFromTheOutermostInwards) {
+  const SceneData scene = ball_in_ball(30);
+  Renderer renderer(scene, {1, false, 9, false});
+  SceneState state;
+  const EyeView eye = from_the_front(scene);
   const auto middle = [&](double outer_opacity, double inner_opacity) {
     state.opacity = {outer_opacity, inner_opacity};
     const trephine::Picture p = drawn(renderer, eye, state);
@@ -155,17 +165,12 @@ TEST_F(RenderPicture, TransparentShellsAreMixedFromTheOutermostInwards) {
 
 // The cap of a cut has the colour of what it cuts, and that of the inner solid where that is.
 TEST_F(RenderPicture, CapsShowTheInnerSolidWithinTheOuter) {
-  SceneData scene;
-  const TriMesh outer = case_samples::ball(60, 40), inner = case_samples::ball(25, 30);
-  scene.bounds = bounds_of(outer);
-  scene.surfaces = {surface_of(outer, "outer", {1, 0, 0}), surface_of(inner, "inner", {0, 1, 0})};
+  const SceneData scene = ball_in_ball(25);
   Renderer renderer(scene, {1, false, 9, false});
   SceneState state;
   state.opacity = {1, 1};
   state.cut = CutPlane{{0, 0, 0}, {0, -1, 0}};
-  OrbitCamera camera;
-  camera.look(ViewPreset::front, scene.bounds, {}, {});
-  const EyeView eye = camera.eye(width, height, scene.bounds);
+  const EyeView eye = from_the_front(scene);
   const trephine::Picture p = drawn(renderer, eye, state);
   const auto at = [&](Vec3 place) {
     const Vec3 px = eye.project(place, width, height);
@@ -217,9 +222,7 @@ class RenderCt : public Picture {
 TEST_F(RenderCt, ACutShowsTheCtWhereItIs) {
   Renderer renderer(scene_, {1, false, 9, false});
   renderer.set_ct(ct());
-  OrbitCamera camera;
-  camera.look(ViewPreset::front, scene_.bounds, {}, {});
-  const EyeView eye = camera.eye(width, height, scene_.bounds);
+  const EyeView eye = from_the_front(scene_);
   const auto at = [&](const trephine::Picture& p, Vec3 place) { return grey(p, eye.project(place, width, height)); };
   state_.cut = CutPlane{{0, 4, 0}, {0, -1, 0}};  // behind the middle: the bright eighth is in it
   const trephine::Picture cut = drawn(renderer, eye, state_);

@@ -32,10 +32,10 @@ struct PictureParams {
 
 class Pictures {
  public:
-  Pictures(const ParsedCommand& parsed, const LoadedCase& loaded)
+  Pictures(const ParsedCommand& parsed, const LoadedCase& loaded, const Grid<std::int16_t>* uncut = nullptr)
       : params_(parsed.params<PictureParams>()),
         out_(parsed.path("out")),
-        stage_(loaded, parsed.params<ViewParams>()),
+        stage_(loaded, parsed.params<ViewParams>(), uncut),
         camera_(camera_of(parsed.params<ViewParams>(), loaded.manifest, stage_.scene())),
         target_(params_.width, params_.height) {
     make_output_folder(out_);
@@ -72,7 +72,7 @@ void render_recording(const ParsedCommand& parsed) {
   const Progress progress({}, &cancel_requested());
   const std::vector<std::string> named = parsed.all("before");
   Playback playback(parsed.path("case"), parsed.path("recording"), {named.begin(), named.end()}, {true}, progress);
-  Pictures pictures(parsed, playback.loaded());
+  Pictures pictures(parsed, playback.loaded(), playback.patient()->uncut.get());
   std::string tool;  // in hand in the picture before
   const PictureParams& p = pictures.params();
   const double begin = std::max(p.from_s, playback.begin_s()),

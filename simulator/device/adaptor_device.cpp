@@ -136,8 +136,11 @@ class AdaptorDevice : public Device {
     lost_ = lost_ || failed_.load(std::memory_order_relaxed) || now_ns() - newest_.read_ns > timeout_ns_;
     return !lost_;
   }
+  bool knows_across() const override { return knows_across_; }
+  void tell(const DeviceNews& news) override { torque_n_mm_ = news.torque_n_mm; }
   void send(Vec3 force_n) override {
     Sent sent;
+    sent.torque_n_mm = torque_n_mm_;
     // No more than the device can hold.
     const double size = norm(force_n);
     sent.force_n = size > max_force_n_ ? force_n * (max_force_n_ / size) : force_n;
@@ -154,7 +157,7 @@ class AdaptorDevice : public Device {
     std::int64_t read_ns = 0;
   };
   struct Sent {
-    Vec3 force_n;
+    Vec3 force_n, torque_n_mm;
     std::int64_t sent_ns = 0;
   };
 
@@ -173,6 +176,9 @@ class AdaptorDevice : public Device {
       got.reading.axis =
           is_finite(axis) && norm(axis) > 0.5 ? normalized(axis) : axis;  // what is not finite is a fault
       got.reading.buttons = pose.buttons;
+      const Vec3 across{pose.across[0], pose.across[1], pose.across[2]};
+      if (is_finite(across) && norm(across) > 0.5) got.reading.across = normalized(across);
+      if (!connected_) knows_across_ = got.reading.across != Vec3{};
       got.read_ns = now_ns();
       poses_.write(got);
       ++poses_read_;
@@ -180,7 +186,8 @@ class AdaptorDevice : public Device {
       forces_.read(newest);
       const double share = newest.sent_ns > 0 ? hold.share(1e-9 * double(now_ns() - newest.sent_ns)) : 0;
       const double force[3] = {newest.force_n.x * share, newest.force_n.y * share, newest.force_n.z * share};
-      const double torque[3] = {0, 0, 0};
+      const Vec3 t = newest.torque_n_mm * share;
+      const double torque[3] = {t.x, t.y, t.z};
       if (library_.send(device_, force, torque) != 0) {
         failed_ = true;
         break;
@@ -199,8 +206,9 @@ class AdaptorDevice : public Device {
   Mailbox<Got> poses_;
   Mailbox<Sent> forces_;
   Got newest_;  // the servo thread's
+  Vec3 torque_n_mm_;
   bool lost_ = false;
-  std::atomic<bool> stop_{false}, failed_{false}, connected_{false};
+  std::atomic<bool> stop_{false}, failed_{false}, connected_{false}, knows_across_{false};
   std::atomic<std::uint64_t> poses_read_{0}, forces_sent_{0};
   std::thread thread_;
 };

@@ -13,6 +13,7 @@ struct DeviceReading {
   Vec3 tip_mm;
   Vec3 axis{0, 0, 1};  ///< unit, from the tool's tip to its tail
   std::uint32_t buttons = 0;
+  Vec3 across;  ///< unit, a direction across the axis that turns with the tool; zero where the device does not know
 };
 
 /// The results of a tick, for a device that shows them.
@@ -21,6 +22,11 @@ struct DeviceNews {
   Vec3 proxy_mm;
   int touched = 0, inside = 0;
   std::uint32_t faults = 0;
+  Vec3 torque_n_mm;            ///< on the hand, about the tool's tip; to be held and let go as the force is
+  Vec3 axis{0, 0, 1}, across;  ///< as the tool is shown
+  std::uint32_t events = 0;    ///< of this tick
+  bool locked = false;         ///< the tool's orientation is
+  int tool = 0;                ///< in hand, of a session with several
 };
 
 /// The interface between the servo loop and a device. read, tell and send are called in the servo thread and may
@@ -36,6 +42,8 @@ class Device {
   virtual void send(Vec3 force_n) = 0;
   /// Other results of the tick; called before its send.
   virtual void tell(const DeviceNews&) {}
+  /// Whether its readings say how the tool is turned about its axis (DeviceReading::across).
+  virtual bool knows_across() const { return false; }
   /// The device's counters by name; may be called from another thread.
   virtual std::vector<std::pair<std::string, std::uint64_t>> counts() const { return {}; }
 };

@@ -119,7 +119,14 @@ bool UdpDevice::read(double, DeviceReading& out) {
   return !lost_;
 }
 
+void UdpDevice::tell(const DeviceNews& news) {
+  answer_.news = news;
+  answer_.news.events = 0;  // they are kept until they were told
+  if (news.events != 0) events_.fetch_or(news.events, std::memory_order_relaxed);
+}
+
 void UdpDevice::send(Vec3 force_n) {
+  answer_.version = newest_.pose.version;
   answer_.force_n = force_n;
   answer_.session = newest_.pose.session;
   answer_.answers = newest_.pose.sequence;
@@ -141,9 +148,9 @@ void UdpDevice::serve() {
     pthread_setschedparam(pthread_self(), SCHED_FIFO, &p);
   }
   const auto reply = [&](const UdpForce& f, Address& to) {
-    const auto bytes = encode_force(f);
-    return sendto(net.socket, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL, to.get(), to.length) ==
-           ssize_t(bytes.size());
+    const UdpBytes packet = encode_force(f);
+    return sendto(net.socket, packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL, to.get(), to.length) ==
+           ssize_t(packet.size());
   };
   const auto take = [&](const std::uint8_t* bytes, std::size_t count, Address& from) {
     Incoming in;
@@ -157,11 +164,18 @@ void UdpDevice::serve() {
     if (net.there && !same && !silent) {
       ++strangers_;
       UdpForce busy;
+      busy.version = in.pose.version;
       busy.busy = true;
       busy.session = in.pose.session;
       busy.answers = in.pose.sequence;
       busy.pose_time_s = in.pose.time_s;
       reply(busy, from);
+      return;
+    }
+    // How a recording is laid out is decided by the first pose of all.
+    const int version = version_;
+    if (version != 0 && in.pose.version != version && !net.lost && !silent) {
+      ++malformed_;
       return;
     }
     if (same && in.pose.sequence <= net.last) {
@@ -178,6 +192,7 @@ void UdpDevice::serve() {
     net.heard_ns = in.received_ns;
     net.last = in.pose.sequence;
     ++taken_;
+    if (version == 0) version_ = in.pose.version;
     poses_.write(in);
     connected_ = true;
   };
@@ -197,6 +212,7 @@ void UdpDevice::serve() {
     forces_.read(newest);
     if (newest.session != net.session || newest.answers <= net.answered || newest.answers > net.last) continue;
     net.answered = newest.answers;
+    newest.news.events |= events_.exchange(0, std::memory_order_relaxed);
     if (reply(newest, net.client)) ++answers_;
   }
 }

@@ -34,7 +34,8 @@ struct UdpParams {
 ///
 /// The first client that sends a pose holds the session. After timeout_ms without a pose, or when another client takes
 /// over after that, the device is lost and stays lost. Packets of other clients, and packets that are malformed,
-/// duplicate or late, change nothing and are counted.
+/// duplicate or late, change nothing and are counted. A client stays with the version of its first pose; poses of the
+/// other one are malformed.
 class UdpDevice : public Device {
  public:
   /// Listens from now on. Throws Error 64 for an address that is not valid, 74 where it cannot be used. `realtime` asks
@@ -52,7 +53,9 @@ class UdpDevice : public Device {
 
   double damping_n_s_per_mm() const override { return 0; }  ///< not known, so none is assumed
   bool read(double dt_s, DeviceReading& out) override;
-  void tell(const DeviceNews& news) override { answer_.news = news; }
+  void tell(const DeviceNews& news) override;
+  /// Of the client that holds the tool: whether it speaks version 2.
+  bool knows_across() const override { return version_ > 1; }
   void send(Vec3 force_n) override;
   std::vector<std::pair<std::string, std::uint64_t>> counts() const override;
 
@@ -76,6 +79,8 @@ class UdpDevice : public Device {
   UdpForce answer_;
   bool known_ = false, lost_ = false;
   std::atomic<bool> stop_{false}, connected_{false};
+  std::atomic<int> version_{0};
+  std::atomic<std::uint32_t> events_{0};  ///< since the last answer
   std::atomic<std::uint64_t> taken_{0}, malformed_{0}, late_{0}, strangers_{0}, answers_{0};
   std::thread thread_;
 };

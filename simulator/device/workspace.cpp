@@ -35,7 +35,12 @@ bool WorkspaceDevice::read(double dt_s, DeviceReading& out) {
 
 void WorkspaceDevice::send(Vec3 force_n) { device_->send(clutched_ ? Vec3{} : force_n); }
 
-void WorkspaceDevice::tell(const DeviceNews& news) { device_->tell(news); }
+void WorkspaceDevice::tell(const DeviceNews& news) {
+  if (!clutched_) return device_->tell(news);
+  DeviceNews rests = news;
+  rests.torque_n_mm = {};
+  device_->tell(rests);
+}
 
 std::vector<std::pair<std::string, std::uint64_t>> WorkspaceDevice::counts() const {
   auto all = device_->counts();

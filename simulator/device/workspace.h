@@ -36,6 +36,7 @@ class WorkspaceDevice : public Device {
   bool read(double dt_s, DeviceReading& out) override;
   void send(Vec3 force_n) override;
   void tell(const DeviceNews& news) override;
+  bool knows_across() const override { return device_->knows_across(); }
   std::vector<std::pair<std::string, std::uint64_t>> counts() const override;
 
  private:

@@ -90,7 +90,7 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   if ((in.buttons & pedal) && !lifted) {
     ToolPose pose;
     pose.tip_mm = in.tip_mm;
-    pose.frame = frame_along(in.axis);
+    pose.frame = frame_of(in.axis, in.across);
     if (params_.cutter_turn_deg != 0) {
       const double a = params_.cutter_turn_deg * M_PI / 180;
       const Vec3 u = pose.frame.column[0], v = pose.frame.column[1];

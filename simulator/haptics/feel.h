@@ -39,6 +39,7 @@ inline TouchableFaces touchable_of(const Feels& feels) {
 struct ForceParams {
   double max_force_n = 3.3, max_force_rate_n_per_s = 1000;
   double ramp_s = 0.5, velocity_cutoff_hz = 100;
+  double max_torque_n_mm = 180, turn_stiffness_n_mm_per_rad = 200;
   template <class V>
   static void describe(V& v) {
     using P = ForceParams;
@@ -48,6 +49,10 @@ struct ForceParams {
     v.number(&P::ramp_s, "ramp_s", Range{0, 10}, "Time over which forces rise to their full size after the start.");
     v.number(&P::velocity_cutoff_hz, "velocity_cutoff_hz", Range{0, 1e5},
              "Cutoff of the low-pass filter on the velocity for dampers and drag; 0: no filter.");
+    v.number(&P::max_torque_n_mm, "max_torque_n_mm", Range{0, 1e5},
+             "Largest torque that a device with torques is asked for; 0: none.");
+    v.number(&P::turn_stiffness_n_mm_per_rad, "turn_stiffness_n_mm_per_rad", Range{0, 1e5},
+             "Torque for each radian by which surfaces or a lock keep the tool from turning with the device.");
   }
 };
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
 namespace trephine {
 
-/// One tick of the servo loop as it is recorded: 176 bytes, little endian, without gaps (docs/haptics.md).
+/// One tick of the servo loop as it is recorded, little endian, without gaps (docs/haptics.md): 200 bytes where the
+/// device knows how the tool is turned about its axis, else without the last 24.
 struct ServoFrame {
   std::uint64_t tick = 0;
   double time_s = 0, dt_s = 0;
@@ -14,7 +16,10 @@ struct ServoFrame {
   std::uint32_t buttons = 0;
   std::int32_t touched = 0, face = 0, inside = 0, held_by = 0;
   std::uint32_t events = 0, faults = 0, late_us = 0;
+  double across[3] = {};  ///< DeviceReading::across
 };
-static_assert(sizeof(ServoFrame) == 176 && std::is_trivially_copyable_v<ServoFrame>);
+constexpr std::size_t short_frame_bytes = 176;
+static_assert(sizeof(ServoFrame) == 200 && offsetof(ServoFrame, across) == short_frame_bytes &&
+              std::is_trivially_copyable_v<ServoFrame>);
 
 }  // namespace trephine

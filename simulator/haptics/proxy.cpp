@@ -41,7 +41,7 @@ Proxy::Proxy(const ContactVolume& contact, const Feels& feels, const ForceParams
 
 void Proxy::latch(std::uint32_t fault) {
   state_.faults |= fault;
-  state_.force_n = {};
+  state_.force_n = state_.torque_n_mm = {};
 }
 
 void Proxy::reset() {
@@ -58,9 +58,10 @@ const HapticState& Proxy::update(const HapticInput& given) {
   if (!usable(in.tip_mm) || !usable(in.axis) || !usable(in.extra_n)) latch(haptic_fault::pose);
   if (!(in.dt_s > 0 && in.dt_s <= 1)) latch(haptic_fault::time_step);
   if (state_.faults != 0) {
-    state_.force_n = {};
+    state_.force_n = state_.torque_n_mm = {};
     return state_;
   }
+  if (!usable(in.across) || norm(cross(in.across, in.axis)) < 0.1) in.across = {};
   if (in.buttons & haptic_button::lifted) {
     reset();
     state_.proxy_mm = in.tip_mm;
@@ -107,6 +108,7 @@ const HapticState& Proxy::update(const HapticInput& given) {
     force = force * (force_.max_force_n / size);
   }
   state_.force_n = limited(force, before.force_n, in);
+  set_torque(in, before.torque_n_mm);
   note_events(before);
   return state_;
 }
@@ -119,6 +121,24 @@ Vec3 Proxy::limited(Vec3 force, Vec3 sent, const HapticInput& in) const {
   const Vec3 holds = stalled ? sent * ForceHold().share(in.dt_s) : sent, step = force - holds;
   const double change = norm(step), most = force_.max_force_rate_n_per_s * period;
   return change <= most ? force : holds + step * (most / change);
+}
+
+// What the surfaces press, and a spring from the device's orientation to the shown one; scaled, limited in size, and
+// limited in its rate as the force is.
+void Proxy::set_torque(const HapticInput& in, Vec3 before) {
+  state_.across = body_ ? body_->frame().column[0] : in.across;
+  Vec3 torque = pressed_n_mm_;
+  if (body_ && in.axis != Vec3{}) {
+    const Mat3 aim = in.across == Vec3{} ? turned(body_->frame(), in.axis) : frame_of(in.axis, in.across);
+    torque += rotation_between(aim, body_->frame()) * force_.turn_stiffness_n_mm_per_rad;
+  }
+  if (since_s_ < force_.ramp_s) torque = torque * (since_s_ / force_.ramp_s);
+  const double size = norm(torque), most = force_.max_torque_n_mm;
+  if (!(size <= most)) torque = std::isfinite(size) ? torque * (most / size) : Vec3{};
+  const double period = in.period_s > 0 ? std::min(in.period_s, in.dt_s) : in.dt_s;
+  const Vec3 holds = in.dt_s > 1.5 * period ? before * ForceHold().share(in.dt_s) : before, step = torque - holds;
+  const double change = norm(step), allowed = most * force_.max_force_rate_n_per_s / force_.max_force_n * period;
+  state_.torque_n_mm = change <= allowed ? torque : holds + step * (allowed / change);
 }
 
 // Places the proxy: where the device is, or, inside what nothing enters, on the nearest surface.
@@ -154,7 +174,7 @@ Vec3 Proxy::exit_way(int n) { return normalized(Vec3{double(n % 3 - 1), double(n
 Proxy::Held Proxy::held(const Contact& c) const {
   const ShapeFeel& shape = feels_[std::size_t(c.shape)];
   const bool front = c.face == ContactFace::front;
-  return {c.shape, front ? 1 : 2, c.into, front ? shape.front : shape.back};
+  return {c.shape, front ? 1 : 2, c.into, front ? shape.front : shape.back, {}};
 }
 
 // Moves the proxy to before the contact, and a margin off its surface. A proxy that is there already stays, for else it
@@ -277,7 +297,7 @@ bool Proxy::step_over(const Contact& c, Vec3 device, Vec3 goal) {
 // Each plane's spring and damper along its normal, never pulling, and what friction left the proxy short of.
 Vec3 Proxy::surface_force(Vec3 device) {
   state_.touched = state_.face = state_.held_by = 0;
-  state_.normal = {};
+  state_.normal = pressed_n_mm_ = {};
   if (count_ == 0) return {};
   if (!solved_) {  // in a corner that three planes do not describe: its last plane's spring alone
     const Held& h = held_[count_ - 1];
@@ -285,9 +305,11 @@ Vec3 Proxy::surface_force(Vec3 device) {
     state_.face = h.face;
     state_.held_by = count_;
     state_.normal = planes_[count_ - 1].normal;
-    return (state_.proxy_mm - device) * h.feel.stiffness_n_per_mm;
+    const Vec3 force = (state_.proxy_mm - device) * h.feel.stiffness_n_per_mm;
+    pressed_n_mm_ = cross(h.arm_mm, force);
+    return force;
   }
-  Vec3 force;
+  Vec3 force, arm;
   double most = -1, pressure = 0, spring = 0;
   for (int n = 0; n < count_; ++n) {
     const CaseFace& feel = held_[n].feel;
@@ -296,7 +318,11 @@ Vec3 Proxy::surface_force(Vec3 device) {
     ++state_.held_by;
     pressure += mm;
     spring += push;
-    force += planes_[n].normal * std::max(0.0, push - feel.damping_n_s_per_mm * dot(velocity_, planes_[n].normal));
+    const Vec3 back =
+        planes_[n].normal * std::max(0.0, push - feel.damping_n_s_per_mm * dot(velocity_, planes_[n].normal));
+    force += back;
+    pressed_n_mm_ += cross(held_[n].arm_mm, back);
+    arm += held_[n].arm_mm * mm;
     if (push > most) {
       most = push;
       state_.touched = held_[n].shape;
@@ -304,8 +330,10 @@ Vec3 Proxy::surface_force(Vec3 device) {
       state_.normal = planes_[n].normal;
     }
   }
-  if (pressure > 0) force += (state_.proxy_mm - nearest_.point_mm) * (spring / pressure);
-  return force;
+  if (!(pressure > 0)) return force;
+  const Vec3 friction = (state_.proxy_mm - nearest_.point_mm) * (spring / pressure);
+  pressed_n_mm_ += cross(arm / pressure, friction);
+  return force + friction;
 }
 
 // Drag on the tip, and Coulomb friction along the shaft: a spring that slips at its limit.

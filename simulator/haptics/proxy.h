@@ -18,6 +18,7 @@ namespace trephine {
 struct HapticInput {
   Vec3 tip_mm;
   Vec3 axis{0, 0, 1};  ///< unit, from the tool's tip to its tail
+  Vec3 across;         ///< unit, turns with the tool about its axis; zero: not known
   Vec3 extra_n;        ///< force of what the tool does, such as drilling; limited with the others
   std::uint32_t buttons = 0;
   double dt_s = 0.001;  ///< since the previous frame
@@ -44,8 +45,10 @@ std::string fault_names(std::uint32_t faults);
 
 struct HapticState {
   Vec3 force_n;         ///< on the hand
+  Vec3 torque_n_mm;     ///< on the hand, about the tip
   Vec3 proxy_mm;        ///< where the tool's tip is shown; never behind a surface that holds it
   Vec3 axis{0, 0, 1};   ///< the shown axis: the device's, except where surfaces or a lock keep the tool from turning
+  Vec3 across;          ///< of the shown tool; zero where neither it nor the device knows
   Vec3 normal;          ///< of the surface that presses most; zero without contact
   int touched = 0;      ///< its shape; 0 without contact
   int face = 0;         ///< 1 front, 2 back, 0 without contact
@@ -72,6 +75,10 @@ struct HapticState {
 ///
 /// The force changes by at most max_force_rate_n_per_s times the loop's period a frame, however long the frame was.
 /// After a stall it starts from what the device still holds (ForceHold).
+///
+/// The torque on the hand about the tip is that of the surfaces' forces where they press, and, where surfaces keep the
+/// tool from turning with the device, that of a spring between the two orientations. It has limits as the force has,
+/// and is 0 where the force is 0 for a fault.
 ///
 /// While the button haptic_button::lifted is down there is neither contact nor force, and the tool is shown at the
 /// device; then it starts again.
@@ -101,6 +108,7 @@ class Proxy {
   struct Held {
     int shape, face, into;
     CaseFace feel;
+    Vec3 arm_mm;  // from the tip to where it presses
   };
   void begin(const HapticInput& in);
   void follow(Vec3 device_mm);
@@ -109,6 +117,7 @@ class Proxy {
   void approach(const Contact& c);
   bool slides(const CaseFace& feel, double length, double depth);
   Vec3 surface_force(Vec3 device_mm);
+  void set_torque(const HapticInput& in, Vec3 before);
   Vec3 inside_force(const HapticInput& in);
   Vec3 limited(Vec3 force, Vec3 sent, const HapticInput& in) const;
   void note_events(const HapticState& before);
@@ -169,6 +178,7 @@ class Proxy {
   std::uint8_t sample_shape_[max_samples] = {};
   int next_sample_ = 0;
   double drawn_mm_ = 0;
+  Vec3 pressed_n_mm_;  // torque of the surfaces of this frame
 
   Tool tool_;
   std::optional<ToolBody> body_;

@@ -77,6 +77,7 @@ void Proxy::follow_ball(const HapticInput& in) {
     if (!touch.hit || !meet_ball(touch, device, goal)) break;
   }
   if (count_ == 0) sliding_ = false;
+  for (int n = 0; n < count_; ++n) held_[n].arm_mm = (in.axis - planes_[n].normal) * ball_->radius_mm();
   state_.axis = in.axis;
 }
 

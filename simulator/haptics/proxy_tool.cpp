@@ -28,7 +28,7 @@ void Proxy::begin_tool(const HapticInput& in) {
   std::uint64_t solid = 0;
   for (std::size_t n = 1; n < feels_.size(); ++n)
     if (feels_[n].front.touchable && !(feels_[n].front.pop_through_n > 0)) solid |= bit(int(n));
-  const Mat3 frame = frame_along(in.axis == Vec3{} ? Vec3{0, 0, 1} : in.axis);
+  const Mat3 frame = in.axis == Vec3{} ? frame_along({0, 0, 1}) : frame_of(in.axis, in.across);
   const std::uint64_t until = body_->looked_at() + most_looks;
   bool free = body_->place(in.tip_mm, frame, solid);
   while (!free && exit_mm_ < farthest_exit_mm && body_->looked_at() < until) {
@@ -55,7 +55,9 @@ void Proxy::follow_tool(const HapticInput& in) {
   const Vec3 axis = in.axis == Vec3{} ? b.frame().column[2] : in.axis;
   open_behind();
   try_unlock(normalized(axis));
-  Mat3 aim = state_.locked ? b.frame() : turned(b.frame(), axis, most_turn_rad);
+  Mat3 aim = state_.locked         ? b.frame()
+             : in.across == Vec3{} ? turned(b.frame(), axis, most_turn_rad)
+                                   : turned_to(b.frame(), frame_of(axis, in.across), most_turn_rad);
   Vec3 goal = in.tip_mm;
   for (int pass = 0; pass < most_passes; ++pass) {
     const ToolBody::Meeting m = b.sweep(goal, aim, closed_faces());
@@ -150,7 +152,8 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
     barred = knows(walls[0].plane.normal);
   }
   const bool lock = should_lock(m, turn);
-  const Vec3 way = b.way(walls[0].point), arm = b.arm(walls[0].point);
+  const Vec3 way = b.way(walls[0].point), arm = b.arm(walls[0].point),
+             arms[2] = {arm, b.arm(walls[walls_met - 1].point)};
   const Contact contacts[2] = {b.met(walls[0].point), b.met(walls[walls_met - 1].point)};
   approach_tool(m);
   if (lock) {
@@ -164,7 +167,8 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
       walls[0].plane = {contacts[0].point_mm + exact * margin_mm_ - arm, exact};
   }
   int put[2] = {-1, -1};
-  for (int n = 0; n < walls_met; ++n) put[n] = put_plane(walls[n].plane, contacts[n]);
+  for (int n = 0; n < walls_met; ++n)
+    if ((put[n] = put_plane(walls[n].plane, contacts[n])) >= 0) held_[put[n]].arm_mm = arms[n];
   solved_ = put[0] >= 0 && nearest_before(planes_, count_, device, nearest_);
   if (!solved_ || (turning && pass + 1 == turning_passes)) {
     if (!turning) return false;

@@ -23,17 +23,26 @@ using Json = nlohmann::ordered_json;
 constexpr char magic[9] = "TREPHSRV";
 constexpr std::size_t fixed_bytes = 16, header_bytes = 8192;
 
+// Added later: earlier recordings lack them, and were made without.
+bool is_newer(const std::string& name) {
+  for (const char* newer : {"max_torque_n_mm", "turn_stiffness_n_mm_per_rad", "tool_points", "tool_points_sha256"})
+    if (name == newer) return true;
+  return false;
+}
+
 template <class P>
 Json to_json(const P& params) {
   Json out = Json::object();
   for (const Parameter& p : parameters_of<P>().parameters)
-    std::visit([&](const auto& v) { out[p.name] = v; }, p.get(&params));
+    if (const ParameterValue value = p.get(&params); !is_newer(p.name) || value != ParameterValue(std::string()))
+      std::visit([&](const auto& v) { out[p.name] = v; }, value);
   return out;
 }
 
 template <class P>
 void from_json(const Json& in, P& params) {
   for (const Parameter& p : parameters_of<P>().parameters) {
+    if (is_newer(p.name) && !in.contains(p.name)) continue;
     const Json& v = in.at(p.name);
     const std::string text = v.is_string() ? v.get<std::string>() : v.dump();
     ParameterValue value;
@@ -43,17 +52,18 @@ void from_json(const Json& in, P& params) {
   }
 }
 
+std::size_t frame_bytes(const RecordingHeader& h) { return h.knows_across ? sizeof(ServoFrame) : short_frame_bytes; }
+
+int version_of(const RecordingHeader& h) {
+  return h.knows_across ? recording_version : h.tools.empty() ? single_tool_version : several_tools_version;
+}
+
 std::string header_text(const RecordingHeader& h, std::optional<std::uint64_t> frames = {}) {
-  Json j = {{"case", h.case_token},
-            {"haptic_sha256", h.haptic_sha256},
-            {"feel_sha256", h.feel_sha256},
-            {"device", h.device},
-            {"rate_hz", h.rate_hz},
-            {"felt_shape", h.felt_shape},
-            {"frame_bytes", sizeof(ServoFrame)},
-            {"contact", to_json(h.contact)},
-            {"force", to_json(h.force)},
-            {"shaft", to_json(h.shaft)},
+  Json j = {{"case", h.case_token},          {"haptic_sha256", h.haptic_sha256},
+            {"feel_sha256", h.feel_sha256},  {"device", h.device},
+            {"rate_hz", h.rate_hz},          {"felt_shape", h.felt_shape},
+            {"frame_bytes", frame_bytes(h)}, {"contact", to_json(h.contact)},
+            {"force", to_json(h.force)},     {"shaft", to_json(h.shaft)},
             {"tool", to_json(h.tool)}};
   if (h.drilling.drill) {
     j["drilling"] = to_json(h.drilling);
@@ -116,7 +126,7 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Record
     : impl_(new Impl{FileWriter(file), header}) {
   char fixed[fixed_bytes];
   std::memcpy(fixed, magic, 8);
-  put_u32(header.tools.empty() ? single_tool_version : recording_version, fixed + 8);
+  put_u32(std::uint32_t(version_of(header)), fixed + 8);
   put_u32(header_bytes, fixed + 12);
   impl_->out.write(fixed, sizeof fixed);
   impl_->out.write(header_text(header));
@@ -124,7 +134,13 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Record
 RecordingWriter::~RecordingWriter() = default;
 
 void RecordingWriter::add(const std::vector<ServoFrame>& frames) {
-  impl_->out.write(frames.data(), frames.size() * sizeof(ServoFrame));
+  for (const ServoFrame& f : frames)
+    if (!std::isfinite(f.time_s))
+      throw Error(ExitCode::bad_input, "", "time_s", "of tick " + std::to_string(f.tick) + " is not finite");
+  const std::size_t each = frame_bytes(impl_->header);
+  std::string bytes(frames.size() * each, 0);
+  for (std::size_t n = 0; n < frames.size(); ++n) std::memcpy(&bytes[n * each], &frames[n], each);
+  impl_->out.write(bytes);
   impl_->frames += frames.size();
 }
 void RecordingWriter::finish(const std::optional<RecordingHeader::Outcome>& outcome) {
@@ -157,7 +173,8 @@ Recording read_recording(const std::filesystem::path& file) {
       h.rate_hz = j.at("rate_hz").get<double>();
       if (!(h.rate_hz > 0)) refuse("rate_hz", to_text(h.rate_hz) + ", must be above 0");
       h.felt_shape = j.at("felt_shape").get<std::string>();
-      if (j.at("frame_bytes").get<std::size_t>() != sizeof(ServoFrame)) refuse("frame_bytes", "are not this version's");
+      h.knows_across = version >= 4;
+      if (j.at("frame_bytes").get<std::size_t>() != frame_bytes(h)) refuse("frame_bytes", "are not this version's");
       from_json(j.at("contact"), h.contact);
       from_json(j.at("force"), h.force);
       from_json(j.at("shaft"), h.shaft);
@@ -180,14 +197,19 @@ Recording read_recording(const std::filesystem::path& file) {
       refuse("header", "lacks a field, or one is of another kind");
     }
     const std::size_t rest = bytes.size() - fixed_bytes - length;
-    if (rest % sizeof(ServoFrame) != 0) refuse("frames", "end within one");
-    if (frames && *frames != rest / sizeof(ServoFrame))
-      refuse("frames", std::to_string(rest / sizeof(ServoFrame)) + ", were " + std::to_string(*frames));
-    r.frames.resize(rest / sizeof(ServoFrame));
-    if (rest > 0) std::memcpy(r.frames.data(), bytes.data() + fixed_bytes + length, rest);
+    const std::size_t each = frame_bytes(r.header), count = rest / each;
+    if (rest % each != 0) refuse("frames", "end within one");
+    if (frames && *frames != count) refuse("frames", std::to_string(count) + ", were " + std::to_string(*frames));
+    r.frames.resize(count);
+    for (std::size_t n = 0; n < count; ++n)
+      std::memcpy(&r.frames[n], bytes.data() + fixed_bytes + length + n * each, each);
     // Counts of ticks are differences of ticks and one more.
     if (!r.frames.empty() && r.frames.back().tick == std::numeric_limits<std::uint64_t>::max())
       refuse("frames", "the last tick is beyond what can be counted");
+    // Who steps through a recording by its times would step for ever towards one that is not finite.
+    for (std::size_t n = 0; n < r.frames.size(); ++n)
+      if (!std::isfinite(r.frames[n].time_s))
+        refuse("frames", "time_s of frame " + std::to_string(n) + " is not finite");
     for (std::size_t n = 1; n < r.frames.size(); ++n)
       if (r.frames[n].tick <= r.frames[n - 1].tick || !(r.frames[n].time_s > r.frames[n - 1].time_s))
         refuse("frames", "tick and time_s of frame " + std::to_string(n) + " must be above those before");
@@ -282,6 +304,7 @@ HapticInput input_of(const ServoFrame& f, double rate_hz) {
   HapticInput in;
   in.tip_mm = vec(f.tip_mm);
   in.axis = vec(f.axis);
+  in.across = vec(f.across);
   in.buttons = f.buttons;
   in.dt_s = f.dt_s;
   in.period_s = 1 / rate_hz;
@@ -303,7 +326,14 @@ HapticState state_of(const ServoFrame& f) {
   return s;
 }
 
-namespace {
+void put_input(const HapticInput& in, ServoFrame& f) {
+  for (int a = 0; a < 3; ++a) {
+    f.tip_mm[a] = in.tip_mm[a];
+    f.axis[a] = in.axis[a];
+    f.across[a] = in.across[a];
+  }
+  f.buttons = in.buttons;
+}
 
 void put_answer(const HapticState& s, ServoFrame& f) {
   for (int a = 0; a < 3; ++a) {
@@ -318,8 +348,6 @@ void put_answer(const HapticState& s, ServoFrame& f) {
   f.events = s.events;
   f.faults = s.faults;
 }
-
-}  // namespace
 
 std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, double rate_hz, Proxy& proxy,
                                       Drilling* drilling) {

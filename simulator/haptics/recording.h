@@ -14,8 +14,9 @@
 
 namespace trephine {
 
-/// Version 3 is written where a session has several tools, else 2: who reads 2 alone can replay all that it reads.
-constexpr int recording_version = 3, single_tool_version = 2, oldest_recording_version = 1;
+/// Version 4 is written where the device knows how the tool is turned about its axis, else 3 where a session has
+/// several tools, else 2: who reads 2 alone can replay all that it reads.
+constexpr int recording_version = 4, several_tools_version = 3, single_tool_version = 2, oldest_recording_version = 1;
 
 /// The header of a recording: everything besides the case that its replay needs.
 struct RecordingHeader {
@@ -23,7 +24,8 @@ struct RecordingHeader {
   std::string feel_sha256;                ///< feel_digest(); empty in recordings made before the field existed
   std::string device;
   double rate_hz = 1000;
-  std::string felt_shape;  ///< the only shape that could be touched; empty: all shapes of the case
+  bool knows_across = false;  ///< Device::knows_across(); before version 4 no recording has it
+  std::string felt_shape;     ///< the only shape that could be touched; empty: all shapes of the case
   ContactParams contact;
   ForceParams force;
   ShaftParams shaft;
@@ -49,7 +51,8 @@ struct RecordingHeader {
 std::string volume_digest(const HapticVolume& volume);
 RecordingHeader::Outcome outcome_of(const HapticVolume& volume, const DrillingOutcome& outcome);
 
-/// Writes through FileWriter: the file exists after finish(), or not at all. Throws Error 73 and 74.
+/// Writes through FileWriter: the file exists after finish(), or not at all. Throws Error 73 and 74; add() 65 for a
+/// frame whose time is not finite, which nobody could read.
 class RecordingWriter {
  public:
   RecordingWriter(const std::filesystem::path& file, const RecordingHeader& header);
@@ -69,7 +72,8 @@ struct Recording {
 
 /// Throws Error 66; 65 naming the field: not a recording, another version, a damaged header, a part of a frame at the
 /// end, more or fewer frames than the header says (older recordings and those made into a pipe do not say), ticks or
-/// times that do not ascend. Frames may be missing where the disk was too slow: missing_frames().
+/// times that do not ascend, a time that is not finite. Frames may be missing where the disk was too slow:
+/// missing_frames().
 Recording read_recording(const std::filesystem::path& file);
 std::uint64_t missing_frames(const std::vector<ServoFrame>& frames);
 
@@ -104,6 +108,9 @@ std::vector<ServoFrame> replay_frames(const std::vector<ServoFrame>& recorded, d
 /// A recorded frame as the tick had it: what was read from the device, and the answer.
 HapticInput input_of(const ServoFrame& frame, double rate_hz);
 HapticState state_of(const ServoFrame& frame);
+/// The same, written into a frame; they allocate nothing.
+void put_input(const HapticInput& input, ServoFrame& frame);
+void put_answer(const HapticState& state, ServoFrame& frame);
 
 /// Whether two frames are equal bit for bit, except for their lateness.
 bool same_frame(const ServoFrame& a, const ServoFrame& b);

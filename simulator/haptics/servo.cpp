@@ -12,6 +12,8 @@
 #include <cstring>
 #include <thread>
 
+#include "haptics/recording.h"
+
 namespace trephine {
 namespace {
 
@@ -27,12 +29,6 @@ void sleep_until(std::int64_t ns) {
   const timespec t{time_t(ns / second_ns), long(ns % second_ns)};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR) {
   }
-}
-
-void put(Vec3 v, double* out) {
-  out[0] = v.x;
-  out[1] = v.y;
-  out[2] = v.z;
 }
 
 // Touches the stack that the loop may use, so that no page of it is first met there.
@@ -102,13 +98,15 @@ void Servo::tick(double dt_s, double late_ns) {
   HapticInput in;
   in.tip_mm = reading.tip_mm;
   in.axis = reading.axis;
+  if (device_.knows_across()) in.across = reading.across;  // else no recording would hold it
   in.buttons = reading.buttons;
   in.dt_s = dt_s;
   in.period_s = 1 / params_.rate_hz;
   if (drilling_) in.extra_n = drilling_->force_n();
   if (!there) belt_ ? belt_->latch(haptic_fault::device_lost) : proxy_->latch(haptic_fault::device_lost);
   const HapticState& s = belt_ ? belt_->update(in) : proxy_->update(in);
-  device_.tell({frame_.time_s + dt_s, s.proxy_mm, s.touched, s.inside, s.faults});
+  device_.tell({frame_.time_s + dt_s, s.proxy_mm, s.touched, s.inside, s.faults, s.torque_n_mm, s.axis, s.across,
+                s.events, s.locked, belt_ ? belt_->in_hand() : 0});
   device_.send(s.force_n);
   if (drilling_) drilling_->tick(in, s);
   if (belt_) belt_->after(in, s);
@@ -125,18 +123,8 @@ void Servo::tick(double dt_s, double late_ns) {
   frame_.time_s += dt_s;
   if (queue_) {
     ServoFrame& f = frame_;
-    put(in.tip_mm, f.tip_mm);
-    put(in.axis, f.axis);
-    put(s.proxy_mm, f.proxy_mm);
-    put(s.normal, f.normal);
-    put(s.force_n, f.force_n);
-    f.buttons = in.buttons;
-    f.touched = s.touched;
-    f.face = s.face;
-    f.inside = s.inside;
-    f.held_by = s.held_by;
-    f.events = s.events;
-    f.faults = s.faults;
+    put_input(in, f);
+    put_answer(s, f);
     f.late_us = std::uint32_t(std::min(late_ns / 1000, 4e9));
     queue_->push(f);
   }

@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "base/text.h"
+#include "base/write_file.h"
 
 namespace trephine {
 namespace {
@@ -34,11 +36,68 @@ struct Outline {
   }
 };
 
+constexpr double farthest_point_mm = 400;
+constexpr std::uint64_t most_point_bytes = 1 << 20;
+
+std::string points_text(const std::string& file) {
+  const std::vector<char> bytes = read_file(file, most_point_bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+// The three numbers of a line, however they are parted; none where it is empty or a comment.
+std::optional<Vec3> point_of(const std::string& line, int number) {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ExitCode::bad_input, "", "line " + std::to_string(number), what);
+  };
+  std::string words = line.substr(0, line.find('#'));
+  for (char& c : words)
+    if (c == '\t' || c == '\r' || c == ',') c = ' ';
+  Vec3 at;
+  int given = 0;
+  for (const std::string& word : split_at(words, ' ')) {
+    if (word.empty()) continue;
+    const std::optional<double> v = parse_number(word);
+    if (!v || given == 3) refuse("must be three numbers, x y z in mm");
+    if (!(std::abs(*v) <= farthest_point_mm)) refuse(word + " mm: a tool reaches at most 400 mm");
+    at[given++] = *v;
+  }
+  if (given == 0) return std::nullopt;
+  if (given != 3) refuse("must be three numbers, x y z in mm");
+  return at;
+}
+
+// From the tip to the tail; the tip itself is the first of them.
+std::vector<Vec3> points_of(const ToolParams& p) {
+  return with_file(p.tool_points, [&] {
+    const std::string text = points_text(p.tool_points);
+    if (!p.tool_points_sha256.empty() && sha256_of_bytes(text) != p.tool_points_sha256)
+      throw Error(ExitCode::bad_input, "", "tool_points_sha256", "is not that of the file: these are other points");
+    std::vector<Vec3> points{Vec3{}};
+    int number = 0;
+    for (const std::string& line : split_at(text, '\n')) {
+      const std::optional<Vec3> at = point_of(line, ++number);
+      if (!at || *at == Vec3{}) continue;
+      points.push_back(*at);
+      if (points.size() > std::size_t(most_tool_points))
+        throw Error(ExitCode::bad_input, "", "line " + std::to_string(number),
+                    "gives more than " + std::to_string(most_tool_points) + " points, with the tip");
+    }
+    if (points.size() == 1) throw Error(ExitCode::bad_input, "", "", "holds no point besides the tip");
+    std::stable_sort(points.begin() + 1, points.end(), [](Vec3 a, Vec3 b) { return a.z < b.z; });
+    return points;
+  });
+}
+
 }  // namespace
 
 ToolParams own_tool(const ToolParams& params) {
   const ToolKind& own = tool_kind(params.tool);
   ToolParams p = params;
+  if (own.from_file == p.tool_points.empty())
+    throw Error(ExitCode::usage, "", "--tool-points",
+                own.from_file ? "is missing: --tool points needs it" : "is for --tool points, not for " + p.tool);
+  if (own.from_file && p.tool_points_sha256.empty())
+    p.tool_points_sha256 = with_file(p.tool_points, [&] { return sha256_of_bytes(points_text(p.tool_points)); });
   if (p.tool_tip == Tip::own) p.tool_tip = own.tip;
   if (!(p.tool_diameter_mm > 0)) p.tool_diameter_mm = own.diameter_mm;
   if (!(p.tool_length_mm > 0)) p.tool_length_mm = own.length_mm;
@@ -51,6 +110,11 @@ Tool make_tool(const ToolParams& params) {
   Tool tool;
   tool.search = p.tool_search;
   tool.lock_distance_mm = p.lock_distance_mm;
+  if (tool_kind(p.tool).from_file) {
+    tool.points_mm = points_of(p);
+    tool.length_mm = std::max(0.0, tool.points_mm.back().z);
+    return tool;
+  }
   if (!(tool_kind(p.tool).length_mm > 0)) return tool;
   if (tool_kind(p.tool).exact_ball) {
     tool.ball_radius_mm = 0.5 * p.tool_diameter_mm;
@@ -110,6 +174,49 @@ Mat3 frame_along(Vec3 axis) {
   return f;
 }
 
+Mat3 frame_of(Vec3 axis, Vec3 across) {
+  if (across == Vec3{}) return frame_along(axis);
+  Mat3 f;
+  f.column[2] = normalized(axis);
+  f.column[0] = normalized(across - f.column[2] * dot(across, f.column[2]));
+  f.column[1] = cross(f.column[2], f.column[0]);
+  return f;
+}
+
+namespace {
+
+Vec3 turn_about(Vec3 v, Vec3 unit, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return v * c + cross(unit, v) * s + unit * (dot(unit, v) * (1 - c));
+}
+
+}  // namespace
+
+Vec3 rotation_between(const Mat3& from, const Mat3& to) {
+  Vec3 sines;  // of the rotation's axis by twice its sine
+  double trace = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    sines += cross(from.column[c], to.column[c]);
+    trace += dot(from.column[c], to.column[c]);
+  }
+  const double sine = 0.5 * norm(sines), cosine = 0.5 * (trace - 1);
+  if (sine > 1e-9) return sines * (0.5 * std::atan2(sine, cosine) / sine);
+  if (cosine > 0) return {};
+  // Half a turn: about the sum of a direction and where it goes, of that which is longest.
+  Vec3 about;
+  for (std::size_t c = 0; c < 3; ++c)
+    if (const Vec3 sum = from.column[c] + to.column[c]; norm(sum) > norm(about)) about = sum;
+  return normalized(about) * M_PI;
+}
+
+Mat3 turned_to(const Mat3& frame, const Mat3& aim, double most_rad) {
+  const Vec3 rotation = rotation_between(frame, aim);
+  const double angle = norm(rotation);
+  if (angle <= most_rad) return aim;
+  return frame_of(turn_about(frame.column[2], rotation / angle, most_rad),
+                  turn_about(frame.column[0], rotation / angle, most_rad));
+}
+
 Mat3 turned(const Mat3& frame, Vec3 axis, double most_rad) {
   const Vec3 w = frame.column[2];
   Vec3 to = normalized(axis);
@@ -128,11 +235,10 @@ Mat3 turned(const Mat3& frame, Vec3 axis, double most_rad) {
   } else {
     about = about / sine;
   }
-  const double angle = std::min(most_rad, std::atan2(sine, cosine)), c = std::cos(angle), s = std::sin(angle);
-  const auto turn = [&](Vec3 v) { return v * c + cross(about, v) * s + about * (dot(about, v) * (1 - c)); };
+  const double angle = std::min(most_rad, std::atan2(sine, cosine));
   Mat3 f;
-  f.column[2] = angle < most_rad ? to : normalized(turn(w));
-  const Vec3 u = turn(frame.column[0]);
+  f.column[2] = angle < most_rad ? to : normalized(turn_about(w, about, angle));
+  const Vec3 u = turn_about(frame.column[0], about, angle);
   f.column[0] = normalized(u - f.column[2] * dot(u, f.column[2]));
   f.column[1] = cross(f.column[2], f.column[0]);
   return f;

@@ -25,6 +25,7 @@ struct ToolParams {
   double tool_diameter_mm = 0, tool_length_mm = 0, tool_spacing_mm = 0;
   Search tool_search = Search::both;
   double lock_distance_mm = 3;
+  std::string tool_points, tool_points_sha256;
   template <class V>
   static void describe(V& v) {
     using P = ToolParams;
@@ -44,6 +45,11 @@ struct ToolParams {
              "averaged, and the tool may lock.");
     v.number(&P::lock_distance_mm, "lock_distance_mm", Range{0, 400},
              "A tool that is turned while points further apart than this collide keeps its orientation; 0: never.");
+    v.text(&P::tool_points, "tool_points",
+           "File with the points of --tool points: x y z in mm on each line, the tip at 0, the tail towards +z.")
+        .names("file");
+    v.text(&P::tool_points_sha256, "tool_points_sha256",
+           "What that file's SHA-256 must be; empty: any. A recording holds it, so that a replay has the same tool.");
   }
 };
 
@@ -61,12 +67,14 @@ struct ToolKind {
   ToolParams::Tip tip = ToolParams::Tip::own;
   double diameter_mm = 0, length_mm = 0, spacing_mm = 0;  ///< length 0: a point at the tip alone
   bool exact_ball = false;                                ///< a ball without points
+  bool from_file = false;                                 ///< points of ToolParams::tool_points
 };
 const std::vector<ToolKind>& all_tool_kinds();
 /// Throws Error 78 where there is no kind of that name.
 const ToolKind& tool_kind(const std::string& name);
 
-/// The parameters with the values of the tool's kind in place of 0 and `own`.
+/// The parameters with the values of the tool's kind in place of 0 and `own`, and the hash of the file of points.
+/// Throws Error 66 where that cannot be read, 64 where it is missing for its kind or given for another.
 ToolParams own_tool(const ToolParams& params);
 
 /// A tool ready for the servo loop, in its own coordinates: the tip is at 0 and the tail towards +z. Points ascend from
@@ -80,11 +88,19 @@ struct Tool {
 };
 constexpr int most_tool_points = 2048;
 
-/// Throws Error 78 where the tool would have more points than most_tool_points, or is shorter than its tip.
+/// Throws Error 78 where the tool would have more points than most_tool_points, or is shorter than its tip; for points
+/// of a file as own_tool() does, 65 naming the line where it is no list of points, or is not the file of the hash.
 Tool make_tool(const ToolParams& params);
 
 /// A frame whose third column is the axis; the other two follow from it.
 Mat3 frame_along(Vec3 axis);
+/// A frame whose third column is the axis, and whose first lies in the plane of the axis and `across`, which are not
+/// parallel; frame_along() where `across` is zero.
+Mat3 frame_of(Vec3 axis, Vec3 across);
+/// The rotation that takes one frame to another, as its axis by its angle in radians, at most pi.
+Vec3 rotation_between(const Mat3& from, const Mat3& to);
+/// The frame turned towards another, by at most `most_rad`.
+Mat3 turned_to(const Mat3& frame, const Mat3& aim, double most_rad);
 /// The frame turned by the smallest rotation that takes its third column towards the axis, by at most `most_rad`.
 Mat3 turned(const Mat3& frame, Vec3 axis, double most_rad = 4);
 

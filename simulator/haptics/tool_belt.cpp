@@ -63,6 +63,7 @@ const HapticState& ToolBelt::update(const HapticInput& given) {
     state_ = {};
     state_.proxy_mm = given.tip_mm;
     state_.axis = given.axis;
+    state_.across = given.across;
     if (!before_paused) left_n_ = sent;
     if (faults != 0) proxy.latch(faults);
     state_.faults = faults;

@@ -15,6 +15,7 @@ const std::vector<ToolKind>& all_tool_kinds() {
       {"ball", "a burr's ball alone, exactly round", Tip::ball, 5, 5, 1.2, true},
       {"craniotome", "a cylinder with a flat end", Tip::flat, 2.3, 20, 1.2},
       {"jamshidi", "a needle of 11 gauge, for bone", Tip::cone, 3.05, 100, 2},
+      {"points", "points of your own, from a file", Tip::own, 0, 0, 0, false, true},
   };
   return all;
 }

@@ -12,6 +12,12 @@ constexpr float grain_of_surface = 0.35f;
 
 void set_colour(const std::array<float, 3>& srgb) { glVertexAttrib3f(2, srgb[0], srgb[1], srgb[2]); }
 
+Mat3 scaled(double by) {
+  Mat3 axes;
+  for (Vec3& column : axes.column) column = column * by;
+  return axes;
+}
+
 }  // namespace
 
 void Renderer::Impl::set_balls(const GlProgram& program, bool any) const {
@@ -141,9 +147,7 @@ void Renderer::Impl::draw_walls(const SceneState& state) {
     const Wall& wall = walls[n];
     const std::size_t s = std::size_t(wall.surface);
     if (s >= state.opacity.size() || state.opacity[s] <= 0) continue;
-    Mat3 axes;
-    for (int a = 0; a < 3; ++a) axes.column[std::size_t(a)] = axes.column[std::size_t(a)] * wall.ball.radius_mm;
-    surface.set("model", affine(axes, relative(wall.ball.centre_mm)));
+    surface.set("model", affine(scaled(wall.ball.radius_mm), relative(wall.ball.centre_mm)));
     surface.set("opacity", 1.f);
     surface.set("grain", quality.grain ? grain_of_surface : 0.f);
     surface.set("wall", 1);
@@ -170,19 +174,19 @@ void Renderer::Impl::draw_solid_at(const SolidBuffer& solid, Vec3 place_mm, cons
   solid.draw();
 }
 
+void Renderer::Impl::draw_markers(const SceneState& state, double opacity) {
+  for (const Marker& m : state.markers) {
+    set_colour(m.colour_rgb);
+    draw_solid_at(ball, m.position_mm, scaled(m.radius_mm), opacity);
+  }
+}
+
 void Renderer::Impl::draw_solids(const SceneState& state) {
   glEnable(GL_CULL_FACE);
-  for (const Marker& m : state.markers) {
-    Mat3 axes;
-    for (int a = 0; a < 3; ++a) axes.column[std::size_t(a)] = axes.column[std::size_t(a)] * m.radius_mm;
-    set_colour(m.colour_rgb);
-    draw_solid_at(ball, m.position_mm, axes, 1);
-  }
+  draw_markers(state, 1);
   const auto dots = [&](const std::vector<Vec3>& places, const std::array<float, 3>& colour) {
-    Mat3 axes;
-    for (int a = 0; a < 3; ++a) axes.column[std::size_t(a)] = axes.column[std::size_t(a)] * 0.35;
     set_colour(colour);
-    for (const Vec3 p : places) draw_solid_at(dot_solid, p, axes, 1);
+    for (const Vec3 p : places) draw_solid_at(dot_solid, p, scaled(0.35), 1);
   };
   dots(state.trace_mm, {0.95f, 0.35f, 0.1f});
   dots(state.ghost_mm, {0.1f, 0.85f, 0.55f});
@@ -197,19 +201,12 @@ void Renderer::Impl::draw_ghost(const SceneState& state) {
   glDepthMask(GL_FALSE);
   glEnable(GL_CULL_FACE);
   glDepthFunc(GL_GREATER);
-  for (const Marker& m : state.markers) {
-    Mat3 axes;
-    for (int a = 0; a < 3; ++a) axes.column[std::size_t(a)] = axes.column[std::size_t(a)] * m.radius_mm;
-    set_colour(m.colour_rgb);
-    draw_solid_at(ball, m.position_mm, axes, 0.25);
-  }
+  draw_markers(state, 0.25);
   glDepthFunc(GL_LESS);
   if (state.device_mm && state.tool_shown) {
     glDisable(GL_DEPTH_TEST);
-    Mat3 axes;
-    for (int a = 0; a < 3; ++a) axes.column[std::size_t(a)] = axes.column[std::size_t(a)] * 0.8;
     set_colour({0.95f, 0.3f, 0.2f});
-    draw_solid_at(ball, *state.device_mm, axes, 0.6);
+    draw_solid_at(ball, *state.device_mm, scaled(0.8), 0.6);
     glEnable(GL_DEPTH_TEST);
   }
   glDisable(GL_CULL_FACE);

@@ -30,6 +30,7 @@ struct Renderer::Impl {
   void draw_caps(const EyeView& eye, const SceneState& state);
   void draw_ct_planes(const EyeView& eye, const SceneState& state);
   void draw_solids(const SceneState& state);
+  void draw_markers(const SceneState& state, double opacity);
   void draw_ghost(const SceneState& state);
   void draw_transparent(const SceneState& state);
   void darken(const EyeView& eye);

@@ -16,7 +16,7 @@ Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
-Stage::Stage(const LoadedCase& loaded, const ViewParams& params)
+Stage::Stage(const LoadedCase& loaded, const ViewParams& params, const Grid<std::int16_t>* uncut)
     : loaded_(loaded), params_(params), driver_(driver_facts()), scene_(scene_of(loaded)) {
   renderer_ = std::make_unique<Renderer>(scene_, quality_of(params));
   bool incised = false;
@@ -28,7 +28,7 @@ Stage::Stage(const LoadedCase& loaded, const ViewParams& params)
   }
   if (loaded.has_ct()) renderer_->set_ct(loaded.ct);
   if (incised && loaded.haptic.encoding == HapticEncoding::occupancy) {
-    before_.voxels = loaded.haptic.voxels;
+    before_.voxels = uncut ? *uncut : loaded.haptic.voxels;
     before_.shapes = loaded.haptic.shapes;
   }
   state.opacity = opacities_of(scene_, params.opacity);

@@ -15,8 +15,9 @@ namespace trephine {
 /// them. In the thread of the current context.
 class Stage {
  public:
-  /// `loaded` must outlive it; where voxels are cut meanwhile, they are not yet when it is made.
-  Stage(const LoadedCase& loaded, const ViewParams& params);
+  /// `loaded` must outlive it; where voxels are cut meanwhile, they are not yet when it is made. Where some were cut
+  /// before, `uncut` has them as the case has them, for the walls of incisions; it is copied.
+  Stage(const LoadedCase& loaded, const ViewParams& params, const Grid<std::int16_t>* uncut = nullptr);
 
   /// The parameters of pictures from now on; not those of the camera, nor who makes surfaces.
   void set_view(const ViewParams& params);

@@ -49,18 +49,23 @@ std::shared_ptr<Patient> patient_again(const std::filesystem::path& folder, cons
                                        const RecordingHeader& header, const ContactParams& contact,
                                        const std::vector<std::filesystem::path>& before, LoadParts parts,
                                        const Progress& progress) {
-  auto patient = std::make_shared<Patient>(felt_again(folder, file.string(), header, parts, !before.empty()), contact);
-  HapticVolume& volume = patient->felt.loaded.haptic;
+  FeltCase felt = felt_again(folder, file.string(), header, parts, !before.empty());
+  HapticVolume& volume = felt.loaded.haptic;
   const auto must_begin = [&](const RecordingHeader& h, const std::filesystem::path& name) {
     if (!h.begins_sha256.empty() && volume_digest(volume) != h.begins_sha256)
       throw Error(ExitCode::bad_input, name.string(), "begins_sha256",
                   "the recordings given before it lead to another volume than it begins with");
   };
+  std::shared_ptr<const Grid<std::int16_t>> uncut;
+  if (!before.empty()) uncut = std::make_shared<const Grid<std::int16_t>>(volume.voxels);
+  const Feels feels = felt.feels;
   for (const std::filesystem::path& earlier : before) {
+    // Each is felt as it was felt then: what is cut depends on the force.
     const Recording r = read_recording(earlier);
-    felt_again(folder, earlier.string(), r.header, {}, true);
+    felt.feels = felt_again(folder, earlier.string(), r.header, {}, true).feels;
     must_begin(r.header, earlier);
-    Rerun rerun(patient->felt, patient->contact, earlier.string(), r.header, &patient->marks);
+    ContactVolume as_then(volume, r.header.contact);
+    Rerun rerun(felt, as_then, earlier.string(), r.header);
     for (std::size_t first = 0; first < r.frames.size() && rerun.drilling();) {
       progress.check();
       const std::size_t end = std::min(r.frames.size(), first + 1000);
@@ -68,7 +73,10 @@ std::shared_ptr<Patient> patient_again(const std::filesystem::path& folder, cons
       first = end;
     }
   }
+  felt.feels = feels;
   must_begin(header, file);
+  auto patient = std::make_shared<Patient>(std::move(felt), contact);
+  patient->uncut = std::move(uncut);
   return patient;
 }
 
@@ -96,7 +104,6 @@ void Playback::run_through(const std::filesystem::path& file, const Progress& pr
 
   HapticVolume& volume = patient_->felt.loaded.haptic;
   std::vector<std::int16_t> mirror = volume.voxels.voxels;
-  patient_->marks.take(taken_);  // what earlier recordings cut is in the mirror
   Rerun rerun(patient_->felt, patient_->contact, file.string(), h, &patient_->marks);
   double next_s = frames.front().time_s + step_s;
   for (std::size_t first = 0; first < frames.size();) {

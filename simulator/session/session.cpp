@@ -83,6 +83,7 @@ DeviceScene Session::scene_of(const SessionOptions& options, const std::function
 RecordingHeader Session::header_of(const SessionOptions& options) const {
   RecordingHeader header = patient_->felt.header();
   header.device = options.device.name;
+  header.knows_across = device_->knows_across();
   header.rate_hz = options.servo.rate_hz;
   header.contact = options.contact;
   header.force = options.force;

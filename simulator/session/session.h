@@ -24,6 +24,8 @@ struct Patient {
   FeltCase felt;
   ContactVolume contact;
   DirtyBricks marks;  ///< of what was cut, for who shows it
+  /// The voxels as the case has them, where earlier recordings had cut some (patient_again); else null.
+  std::shared_ptr<const Grid<std::int16_t>> uncut;
   Patient(FeltCase case_, const ContactParams& params)
       : felt(std::move(case_)), contact(felt.loaded.haptic, params), marks(felt.loaded.haptic.voxels) {}
   Patient(const std::filesystem::path& folder, const std::string& shape, const ContactParams& params,

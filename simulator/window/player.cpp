@@ -72,7 +72,7 @@ Player::Player(const PlayOptions& options, const std::atomic<bool>& stop) : opti
 
 void Player::set_stage() {
   const LoadedCase& loaded = patient_->felt.loaded;
-  stage_ = std::make_unique<Stage>(loaded, options_.view);
+  stage_ = std::make_unique<Stage>(loaded, options_.view, patient_->uncut.get());
   stage_->state.ghost_mm = ghost_mm_;
   camera = camera_of(options_.view, loaded.manifest, stage_->scene());
   for (const CaseShape& s : loaded.manifest.haptic.shapes) shapes_[s.number] = s.name;
