@@ -4,10 +4,9 @@
 #include <memory>
 #include <stdexcept>
 
-#include "lesson/rubric.h"
 #include "lessons_phantom.h"
 #include "modules/lesson_run.h"
-#include "scoring/score.h"
+#include "scoring/score_ventriculostomy.h"
 #include "scratch_folder.h"
 
 namespace lessons {
@@ -59,7 +58,7 @@ class Head {
   }
   void score(Done& d) {
     felt_->loaded.haptic = whole_;
-    d.facts = facts_of_recording(*felt_, "test", d.recording);
+    d.facts = dynamic_cast<const VentriculostomyFacts&>(*facts_of_recording(*felt_, "test", d.recording));
     d.score = score_ventriculostomy(d.facts, felt_->loaded.manifest, whole_, rubric());
   }
   FeltCase& felt() { return *felt_; }

@@ -6,7 +6,6 @@
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "commands.h"
-#include "config/declared.h"
 #include "rubric_file.h"
 
 namespace trephine {
@@ -29,12 +28,7 @@ Command rubric_command() {
   c.arguments = {file, output};
   c.run = [](const ParsedCommand& parsed) {
     const std::filesystem::path from = parsed.path("config");
-    ConfigFaults faults;
-    RubricFileParams said;
-    const YamlNode tree = read_yaml(from);
-    read_declared({from, faults, {}, {}}, tree, parameters_of<RubricFileParams>(), &said);
-    faults.raise();
-    const std::string json = compile_rubric(said);
+    const std::string json = compile_rubric(read_rubric_yaml(from));
     const CompiledRubric again = read_rubric(json);  // what is written is what will be read
     write_file(parsed.path("output"), json);
     if (!parsed.quiet)

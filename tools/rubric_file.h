@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <memory>
+
 #include "config/said.h"
+#include "config/yaml_document.h"
 #include "lesson/rubric.h"
 
 namespace trephine {
 
-/// A rubric as it stands in a file.
-struct RubricFileParams : VersionParams, VentriculostomyRubric {
-  template <class V>
-  static void describe(V& v) {
-    v.template all_of<VersionParams>();
-    v.template all_of<VentriculostomyRubric>();
-  }
+/// A rubric as it stands in a file: the version of the format, and what its module declares.
+struct RubricFile {
+  VersionParams version;
+  AnyParams rubric;
 };
+/// The file of that module with the defaults; its object is a RubricFile.
+AnyParams rubric_file_params(const RubricType& type);
+
+/// Reads the file by the declaration of the module that it names. Throws as read_yaml and ConfigFaults::raise do.
+AnyParams read_rubric_yaml(const std::filesystem::path& file);
 
 }  // namespace trephine

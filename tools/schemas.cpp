@@ -39,6 +39,20 @@ std::string keys_table(const std::string& prefix, const AnyParams& defaults) {
   return rows;
 }
 
+// A rubric is read by what its module declares.
+template <class Section>
+std::string rubric_sections(const Section& section) {
+  std::string text;
+  for (const RubricType& t : rubric_types())
+    text += section("A rubric of the lesson " + t.module + " (configs/rubrics/\\*.yaml)", rubric_file_params(t));
+  return text;
+}
+Json rubric_schema() {
+  Json all = Json::array();
+  for (const RubricType& t : rubric_types()) all.push_back(Json::parse(json_schema_of(rubric_file_params(t))));
+  return all.size() == 1 ? all[0] : Json{{"oneOf", all}};
+}
+
 // The keys of all files, for a reader; the schemas are for editors.
 std::string keys_page() {
   const std::string head = "| Key | Value | Meaning |\n|---|---|---|\n";
@@ -58,8 +72,7 @@ std::string keys_page() {
          head + keys_table("", AnyParams::make<RecipeFileParams>()) +
          section("Materials (configs/materials.yaml)", AnyParams::make<MaterialsFileParams>()) +
          section("A library (LIBRARY.yaml)", library_file_params()) +
-         section("The plan of a sweep (configs/trade/\\*.yaml)", trade_file_params()) +
-         section("A rubric (configs/rubrics/\\*.yaml)", AnyParams::make<RubricFileParams>());
+         section("The plan of a sweep (configs/trade/\\*.yaml)", trade_file_params()) + rubric_sections(section);
 }
 
 }  // namespace
@@ -75,7 +88,7 @@ std::vector<std::pair<std::string, std::string>> file_schemas() {
        page("A library of Trephine (LIBRARY.yaml)", Json::parse(json_schema_of(library_file_params())))},
       {"trade.schema.json",
        page("The plan of a sweep (configs/trade/*.yaml)", Json::parse(json_schema_of(trade_file_params())))},
-      {"rubric.schema.json", page("A rubric of Trephine (configs/rubrics/*.yaml)", schema_of<RubricFileParams>())}};
+      {"rubric.schema.json", page("A rubric of Trephine (configs/rubrics/*.yaml)", rubric_schema())}};
 }
 
 }  // namespace trephine

@@ -148,6 +148,18 @@ std::string declared_json(const AnyParams& params, int indent) {
   return written(*params.set, params.object.get()).dump(indent);
 }
 
+std::string declared_text(std::string_view text, const std::vector<std::string>& keys) {
+  check_size(text);
+  const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
+  if (json.is_discarded()) refuse("json", "is damaged");
+  const Json* at = &json;
+  for (const std::string& key : keys) {
+    if (!at->is_object() || !at->contains(key)) return "";
+    at = &at->at(key);
+  }
+  return at->is_string() ? at->get<std::string>() : "";
+}
+
 void read_declared_json(std::string_view text, const ParameterSet& set, void* object) {
   check_size(text);
   // A key that is given twice would silently win.

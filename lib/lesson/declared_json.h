@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/params.h"
 
@@ -15,5 +16,9 @@ std::string declared_json(const AnyParams& params, int indent = 1);
 /// value out of its range, and what the struct's fault() says are Error 65 with the path as field. A step is "name" or
 /// {"name": {...}}. Text of unknown origin is bounded in size and nesting before it is parsed.
 void read_declared_json(std::string_view json, const ParameterSet& set, void* object);
+
+/// The text below these keys, which says how the rest is to be read; "" where there is none. The bounds are the same,
+/// and Error 65 is thrown where it is no JSON.
+std::string declared_text(std::string_view json, const std::vector<std::string>& keys);
 
 }  // namespace trephine

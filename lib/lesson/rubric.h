@@ -2,6 +2,8 @@
 #pragma once
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/params.h"
 
@@ -30,161 +32,28 @@ struct RubricLimit {
   }
 };
 
-/// "Anatomy and landmarks", judged from the marker's traces. Each of midline and suture counts twice where it was
-/// found, once where it was nearly found; the score is 1 and their sum.
-struct LandmarksRubric {
-  RubricLimit midline_mm, midline_near_mm, midline_trace_mm, suture_mm, suture_near_mm, suture_trace_mm;
-  template <class V>
-  static void describe(V& v) {
-    using P = LandmarksRubric;
-    v.group(&P::midline_mm, "midline_mm", "Farthest from the midline that a trace along it may lie.").is_required();
-    v.group(&P::midline_near_mm, "midline_near_mm", "The same for a midline that was nearly found.").is_required();
-    v.group(&P::midline_trace_mm, "midline_trace_mm", "Shortest trace that shows the midline.").is_required();
-    v.group(&P::suture_mm, "suture_mm", "Farthest from the suture that a trace along it may lie.").is_required();
-    v.group(&P::suture_near_mm, "suture_near_mm", "The same for a suture that was nearly found.").is_required();
-    v.group(&P::suture_trace_mm, "suture_trace_mm", "Shortest trace that shows the suture.").is_required();
-  }
-  std::string fault() const;
-};
+/// The name of the first limit that is below the one before it, as a struct's fault() says it; "" where they ascend.
+std::string descending_limit(const std::vector<std::pair<const char*, double>>& limits);
 
-/// "Burr hole placement".
-struct BurrHoleRubric {
-  RubricLimit kocher_mm, near_mm, far_mm, midline_mm, least_confidence_ratio;
-  template <class V>
-  static void describe(V& v) {
-    using P = BurrHoleRubric;
-    v.group(&P::kocher_mm, "kocher_mm", "Farthest from Kocher's point for a score of 5.").is_required();
-    v.group(&P::near_mm, "near_mm", "The same for a score of 4.").is_required();
-    v.group(&P::far_mm, "far_mm", "The same for a score of 3.").is_required();
-    v.group(&P::midline_mm, "midline_mm", "A hole whose middle is this near to the midline lies along it: 1.")
-        .is_required();
-    v.group(&P::least_confidence_ratio, "least_confidence_ratio",
-            "Suture and nasion of less confidence are doubtful: what is measured from them is not judged.")
-        .is_required();
-  }
-  std::string fault() const;
+/// The rubric of a module. Every NAME_rubric.cpp of this folder defines `RubricType NAME_rubric()`, and CMake finds it.
+struct RubricType {
+  std::string module;  ///< as the rubric's own key `module` says
+  AnyParams (*make)() = nullptr;
 };
-
-/// "Trajectory of catheter insertion": how far the catheter's line passes from the foramen, and what it passed through.
-struct TrajectoryRubric {
-  RubricLimit ideal_mm, good_mm, lateral_mm, midline_mm;
-  template <class V>
-  static void describe(V& v) {
-    using P = TrajectoryRubric;
-    v.group(&P::ideal_mm, "ideal_mm", "Farthest that the line may pass from the foramen for a score of 5.")
-        .is_required();
-    v.group(&P::good_mm, "good_mm", "The same for a score of 4.").is_required();
-    v.group(&P::lateral_mm, "lateral_mm", "The same for a score of 3; beyond it 2.").is_required();
-    v.group(&P::midline_mm, "midline_mm", "How far a tip may come on the other side before it traversed the midline.")
-        .is_required();
-  }
-  std::string fault() const;
-};
-
-/// What no catheter may pass through. Where the case has no shape or zone of a structure, these distances say where it
-/// is.
-struct CriticalRubric {
-  RubricLimit sinus_mm, third_ventricle_mm, third_ventricle_below_mm, brainstem_mm, brainstem_below_mm;
-  template <class V>
-  static void describe(V& v) {
-    using P = CriticalRubric;
-    v.group(&P::sinus_mm, "sinus_mm", "A catheter that enters the brain this near to the midline passes the sinus.")
-        .is_required();
-    v.group(&P::third_ventricle_mm, "third_ventricle_mm", "Liquor this near to the midline is the third ventricle ...")
-        .is_required();
-    v.group(&P::third_ventricle_below_mm, "third_ventricle_below_mm", "... so far below the foramina.").is_required();
-    v.group(&P::brainstem_mm, "brainstem_mm", "What lies this near to the midline is the brainstem ...").is_required();
-    v.group(&P::brainstem_below_mm, "brainstem_below_mm", "... so far below the foramina.").is_required();
-  }
-};
-
-/// "Depth of catheter insertion".
-struct DepthRubric {
-  enum class From { inner_table, outer_table };
-  From measured_from = From::inner_table;
-  RubricLimit least_mm, low_mm, ideal_low_mm, ideal_high_mm, high_mm, most_mm;
-  template <class V>
-  static void describe(V& v) {
-    using P = DepthRubric;
-    v.choice(&P::measured_from, "measured_from",
-             {{"inner_table", From::inner_table}, {"outer_table", From::outer_table}},
-             "The table of the bone from which the depth is measured, along the catheter.")
-        .is_required();
-    v.group(&P::least_mm, "least_mm", "Less than this scores 1.").is_required();
-    v.group(&P::low_mm, "low_mm", "Less than this scores 2.").is_required();
-    v.group(&P::ideal_low_mm, "ideal_low_mm", "Less than this scores 3.").is_required();
-    v.group(&P::ideal_high_mm, "ideal_high_mm", "Up to this scores 5.").is_required();
-    v.group(&P::high_mm, "high_mm", "Up to this scores 3.").is_required();
-    v.group(&P::most_mm, "most_mm", "Up to this scores 2, beyond it 1.").is_required();
-  }
-  std::string fault() const;
-};
-
-/// "Final location of catheter tip".
-struct TipRubric {
-  RubricLimit foramen_mm, near_mm, missed_mm, least_confidence_ratio;
-  template <class V>
-  static void describe(V& v) {
-    using P = TipRubric;
-    v.group(&P::foramen_mm, "foramen_mm", "Farthest from the foramen of the hole's side for a score of 5.")
-        .is_required();
-    v.group(&P::near_mm, "near_mm", "The same for a score of 4.").is_required();
-    v.group(&P::least_confidence_ratio, "least_confidence_ratio",
-            "A foramen of less confidence is doubtful: what is measured from it is not judged.")
-        .is_required();
-    v.group(&P::missed_mm, "missed_mm", "A tip that missed the ventricles by no more than this scores 2.")
-        .is_required();
-  }
-  std::string fault() const;
-};
-
-/// "Time to complete procedure".
-struct TimeRubric {
-  RubricLimit ideal_s, good_s, acceptable_s, allotted_s;
-  template <class V>
-  static void describe(V& v) {
-    using P = TimeRubric;
-    v.group(&P::ideal_s, "ideal_s", "Less than this scores 5.").is_required();
-    v.group(&P::good_s, "good_s", "Less than this scores 4.").is_required();
-    v.group(&P::acceptable_s, "acceptable_s", "Up to this scores 3.").is_required();
-    v.group(&P::allotted_s, "allotted_s", "Up to this scores 2, beyond it 1.").is_required();
-  }
-  std::string fault() const;
-};
-
-/// Table XIII of the dissertation.
-struct VentriculostomyRubric {
-  std::string module;
-  LandmarksRubric landmarks;
-  BurrHoleRubric burr_hole;
-  TrajectoryRubric trajectory;
-  CriticalRubric critical;
-  DepthRubric depth;
-  TipRubric tip;
-  TimeRubric time;
-  template <class V>
-  static void describe(V& v) {
-    using P = VentriculostomyRubric;
-    v.word(&P::module, "module", {"ventriculostomy"}, "The lesson that it scores.").is_required();
-    v.group(&P::landmarks, "landmarks", "Anatomy and landmarks.").is_required();
-    v.group(&P::burr_hole, "burr_hole", "Burr hole placement.").is_required();
-    v.group(&P::trajectory, "trajectory", "Trajectory of catheter insertion.").is_required();
-    v.group(&P::critical, "critical", "Critical structures.").is_required();
-    v.group(&P::depth, "depth", "Depth of catheter insertion.").is_required();
-    v.group(&P::tip, "tip", "Final location of catheter tip.").is_required();
-    v.group(&P::time, "time", "Time to complete procedure.").is_required();
-  }
-};
+const std::vector<RubricType>& rubric_types();
+/// Throws Error 65 with the field `module` where no module has that name.
+const RubricType& rubric_type(const std::string& module);
 
 /// The compiled rubric: JSON of all values, with a version and the SHA-256 of what it says.
-std::string compile_rubric(const VentriculostomyRubric& rubric);
+std::string compile_rubric(const AnyParams& rubric);
 
 struct CompiledRubric {
-  VentriculostomyRubric rubric;
+  std::string module;
+  AnyParams rubric;
   std::string sha256;
 };
-/// Throws Error 65, naming the field, where it is no compiled rubric, of another version, changed since it was
-/// compiled, or says what the declaration does not allow.
+/// Throws Error 65, naming the field, where it is no compiled rubric, of another version, of a module that is not
+/// known, changed since it was compiled, or says what the declaration does not allow.
 CompiledRubric read_rubric(std::string_view json);
 
 }  // namespace trephine

@@ -27,7 +27,7 @@ struct ExerciseParams {
   template <class V>
   static void describe(V& v) {
     using P = ExerciseParams;
-    v.word(&P::module, "module", {"ventriculostomy"}, "Which lesson.");
+    v.word(&P::module, "module", module_names(), "Which lesson.");
     v.text(&P::participant, "participant", "Anonymous token of who does it: a-z, 0-9, _ and -; never a name.");
     v.flag(&P::all, "all", "With a script, do every case that is left; without it, one.");
   }
@@ -66,14 +66,18 @@ std::string text_of(const CurriculumParams& p) { return to_text(AnyParams::make<
 class Exercise {
  public:
   explicit Exercise(const ParsedCommand& parsed)
-      : parsed_(parsed), params_(parsed.params<ExerciseParams>()), out_(parsed.path("out")) {
+      : parsed_(parsed),
+        params_(parsed.params<ExerciseParams>()),
+        out_(parsed.path("out")),
+        module_(lesson_module(params_.module)),
+        log_(out_ / ("attempts-" + params_.module + ".csv")) {
     validate_token(params_.participant, "--participant");
     if (parsed.has("script") != parsed.has("rubric"))
       throw Error(ExitCode::usage, "", "--script, --rubric", "are given together or not at all");
   }
 
   ExitCode run() {
-    cases_ = cases_for_lessons(parsed_.path("library"));
+    cases_ = cases_for_lessons(parsed_.path("library"), module_);
     make_output_folder(out_);
     take_plan();
     if (parsed_.has("script")) do_cases();
@@ -109,7 +113,7 @@ class Exercise {
     plan_.participant = params_.participant;
     plan_.module = params_.module;
     plan_.curriculum = asked;
-    for (const CurriculumCase& c : plan_curriculum(cases_.approved, asked))
+    for (const CurriculumCase& c : plan_curriculum(cases_.approved, asked, module_))
       plan_.cases.push_back({c.token, c.patient_class, c.difficulty_level});
     for (const auto& [folder, why] : cases_.left_out) std::cout << fmt::format("left out: {}: {}\n", folder, why);
     if (plan_.cases.empty())
@@ -126,6 +130,9 @@ class Exercise {
 
   void do_cases() {
     const LessonScript script = read_lesson_script(parsed_.path("script"));
+    if (script.module != module_.name)
+      throw Error(ExitCode::usage, parsed_.text("script"), "module",
+                  script.module + ", but --module is " + module_.name);
     const CompiledRubric rubric = read_rubric_file(parsed_.path("rubric"));
     for (std::size_t n = 0; n < plan_.cases.size(); ++n) {
       const fs::path recording = file_of(n, ".lesson"), report = file_of(n, ".json");
@@ -139,7 +146,7 @@ class Exercise {
       if (!fs::exists(recording)) do_case(*c, script, recording);
       // The report is last: what is there is done.
       const ScoredLesson scored = score_recording(recording, c->folder, rubric);
-      write_report(scored, c->folder, {{}, file_of(n, ".html"), out_ / "attempts.csv"});
+      write_report(scored, c->folder, {{}, file_of(n, ".html"), log_});
       write_report(scored, c->folder, {report, {}, {}});
       if (!params_.all) return;
     }
@@ -163,22 +170,21 @@ class Exercise {
     for (std::size_t n = 0; n < plan_.cases.size(); ++n) {
       const PlannedCase& c = plan_.cases[n];
       std::string result = "to do";
-      if (const fs::path log = out_ / "attempts.csv"; fs::exists(log) && fs::exists(file_of(n, ".json")))
-        result = result_of(log, file_of(n, ".lesson"));
-      std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{}\n", n + 1, c.token, c.patient_class, c.difficulty_level,
-                               result);
+      if (fs::exists(log_) && fs::exists(file_of(n, ".json"))) result = result_of(file_of(n, ".lesson"));
+      std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{}\n", n + 1, c.token,
+                               c.patient_class.empty() ? "-" : c.patient_class, c.difficulty_level, result);
     }
   }
 
-  static std::string result_of(const fs::path& log, const fs::path& recording) {
+  std::string result_of(const fs::path& recording) const {
     const std::string sha256 = sha256_of_file(recording);
-    const std::vector<char> bytes = read_file(log, 1 << 28);
+    const std::vector<char> bytes = read_file(log_, 1 << 28);
     std::string result = "done";
     for (const std::string& line : split_at({bytes.data(), bytes.size()}, '\n')) {
       const std::vector<std::string> cells = split_at(line, ',');
-      if (cells.size() < 15 || cells[4] != sha256) continue;
+      if (cells.size() < 9 + module_.rows.size() || cells[4] != sha256) continue;
       result = cells[7] + " of " + cells[8] + " points:";
-      for (std::size_t n = 9; n < 15; ++n) result += " " + (cells[n].empty() ? "-" : cells[n]);
+      for (std::size_t n = 9; n < 9 + module_.rows.size(); ++n) result += " " + (cells[n].empty() ? "-" : cells[n]);
     }
     return result;
   }
@@ -186,6 +192,8 @@ class Exercise {
   const ParsedCommand& parsed_;
   const ExerciseParams& params_;
   const fs::path out_;
+  const LessonModule& module_;
+  const fs::path log_;
   LibraryCases cases_;
   PlanFile plan_;
 };

@@ -14,12 +14,12 @@ namespace trephine {
 namespace {
 
 struct LessonParams {
-  std::string module = "ventriculostomy", participant = "anonymous";
+  std::string module, participant = "anonymous";
   double most_s = 1800, rate_hz = 1000;
   template <class V>
   static void describe(V& v) {
     using P = LessonParams;
-    v.word(&P::module, "module", {"ventriculostomy"}, "Which lesson.");
+    v.word(&P::module, "module", module_names(), "Which lesson; by default the script's.");
     v.text(&P::participant, "participant", "Anonymous token of who does it: a-z, 0-9, _ and -; never a name.");
     v.number(&P::most_s, "most_s", Range{0.001, 86400}, "The longest that the lesson may take; then it is cut off.");
     v.number(&P::rate_hz, "rate_hz", Range{50, 20000}, "Ticks in each second.");
@@ -40,7 +40,7 @@ ExitCode run_lesson_command(const ParsedCommand& parsed) {
   o.servo.rate_hz = p.rate_hz;
   validate_token(o.participant, "--participant");
   o.script = read_lesson_script(parsed.path("script"));
-  if (o.script.module != p.module)
+  if (!p.module.empty() && o.script.module != p.module)
     throw Error(ExitCode::usage, parsed.text("script"), "module", o.script.module + ", but --module is " + p.module);
   o.hand = parsed.params<HandParams>();
   o.aim = parsed.params<ScriptAim>();
@@ -51,7 +51,7 @@ ExitCode run_lesson_command(const ParsedCommand& parsed) {
   write_recording(parsed.path("record"), r.recording);
 
   const ServoStatistics& s = r.statistics;
-  std::cout << fmt::format("{} in case {}: {} ticks, {:.1f} s, done in {:.1f} s\n", p.module,
+  std::cout << fmt::format("{} in case {}: {} ticks, {:.1f} s, done in {:.1f} s\n", o.script.module,
                            r.recording.header.case_token, s.ticks, double(s.ticks) / p.rate_hz, r.wall_s);
   std::cout << fmt::format("force at most {:.2f} N, {:.4f} N from tick to tick\n", s.most_force_n, s.most_force_step_n);
   if (r.recording.header.outcome)
@@ -69,7 +69,7 @@ Command lesson_command() {
   c.name = "lesson";
   c.summary = "does a lesson in a case by a script, through the haptic loop, and records it";
   c.description =
-      "A simulated hand does what a script says (docs/lessons.md): it marks the skin, cuts it, drills and passes the "
+      "A simulated hand does what a script says (docs/lessons.md), such as to mark the skin, cut it, drill and pass a "
       "catheter, with all forces and all tissue of the case, as fast as it goes. Every tick is recorded, with the tool "
       "in hand, the pedal and the commands, so `trephine-sim replay` runs it again bit for bit, and `trephine-sim "
       "score` judges it.";

@@ -12,7 +12,7 @@ ExitCode run_score(const ParsedCommand& parsed) {
   const CompiledRubric rubric = read_rubric_file(parsed.path("rubric"));
   const ScoredLesson lesson = score_recording(parsed.path("recording"), parsed.path("case"), rubric);
   write_report(lesson, parsed.path("case"), {parsed.path("json"), parsed.path("page"), parsed.path("log")});
-  std::cout << score_text(lesson.facts, lesson.score);
+  std::cout << score_text(lesson.head, *lesson.facts, lesson.score);
   return ExitCode::ok;
 }
 
@@ -24,8 +24,10 @@ Command score_command() {
   c.name = "score";
   c.summary = "judges a recorded lesson by a rubric";
   c.description =
-      "Follows the recording through the case, and scores what happened: by Table XIII of the dissertation for a "
-      "ventriculostomy. Each row has its measured figure, the limits that were applied, whether these are the "
+      "Follows the recording through the case, and scores what happened by the rubric of that lesson: Table XIII of "
+      "the "
+      "dissertation for a ventriculostomy. Each row has its measured figure, the limits that were applied, whether "
+      "these are the "
       "dissertation's or ours, and the moment at which it was decided. What the case leaves doubtful is not judged. "
       "The same recording, case and rubric give the same bytes, so a session can be judged again years later, by "
       "another rubric as well. docs/lessons.md says what each row measures.";

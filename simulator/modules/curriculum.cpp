@@ -15,15 +15,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> known_classes = {"normal", "hydrocephalic", "shifted", "small"};
-
-std::vector<std::string> classes_of(const CurriculumParams& params) {
+std::vector<std::string> classes_of(const CurriculumParams& params, const std::vector<std::string>& known_classes) {
+  if (known_classes.empty()) return {""};
   const std::vector<std::string> all = split_at(params.classes, ',');
+  std::string known;
+  for (const std::string& name : known_classes) known += (known.empty() ? "" : ", ") + name;
   for (std::size_t n = 0; n < all.size(); ++n) {
     if (std::find(known_classes.begin(), known_classes.end(), all[n]) == known_classes.end())
-      throw Error(
-          ExitCode::usage, "", "--classes",
-          printable(all[n]) + " is no class that can be exercised; known are normal, hydrocephalic, shifted, small");
+      throw Error(ExitCode::usage, "", "--classes",
+                  printable(all[n]) + " is no class that can be exercised; known are " + known);
     if (std::find(all.begin(), all.begin() + std::ptrdiff_t(n), all[n]) != all.begin() + std::ptrdiff_t(n))
       throw Error(ExitCode::usage, "", "--classes", all[n] + " is named twice");
   }
@@ -35,7 +35,7 @@ std::string chance_of(const CurriculumCase& c, const CurriculumParams& params) {
   return Sha256().integer(params.order_seed).text(c.token).hex();
 }
 
-std::string why_left_out(const fs::path& folder, CurriculumCase& out) {
+std::string why_left_out(const fs::path& folder, const LessonModule& module, CurriculumCase& out) {
   const std::optional<CaseApproval> approval = read_approval(folder);
   if (!approval) return "not approved";
   if (!approval->holds) return "changed since " + approval->by + " approved it";
@@ -43,8 +43,13 @@ std::string why_left_out(const fs::path& folder, CurriculumCase& out) {
   const CaseManifest m = parse_case_json({bytes.data(), bytes.size()});
   for (const auto& [name, value] : m.figures)
     if (const std::string* text = std::get_if<std::string>(&value); text && name == "class") out.patient_class = *text;
-  if (out.patient_class.empty()) return "has no class";
-  if (std::find(known_classes.begin(), known_classes.end(), out.patient_class) == known_classes.end())
+  module.require(m);
+  const std::vector<std::string>& known = module.classes;
+  if (known.empty())
+    out.patient_class.clear();
+  else if (out.patient_class.empty())
+    return "has no class";
+  else if (std::find(known.begin(), known.end(), out.patient_class) == known.end())
     return "its class is " + printable(out.patient_class);
   if (m.case_token != folder.filename().string()) return "its folder has another name than the case, " + m.case_token;
   out.token = m.case_token;
@@ -56,7 +61,7 @@ std::string why_left_out(const fs::path& folder, CurriculumCase& out) {
 
 }  // namespace
 
-LibraryCases cases_for_lessons(const fs::path& library) {
+LibraryCases cases_for_lessons(const fs::path& library, const LessonModule& module) {
   std::vector<fs::path> folders;
   std::error_code fault;
   for (const auto& entry : fs::directory_iterator(library, fault))
@@ -68,7 +73,7 @@ LibraryCases cases_for_lessons(const fs::path& library) {
     CurriculumCase c;
     std::string why;
     try {
-      why = why_left_out(folder, c);
+      why = why_left_out(folder, module, c);
     } catch (const Error& e) {  // one damaged case must not keep a class from its lesson
       why = e.what();
     }
@@ -80,11 +85,12 @@ LibraryCases cases_for_lessons(const fs::path& library) {
   return out;
 }
 
-std::vector<CurriculumCase> plan_curriculum(const std::vector<CurriculumCase>& cases, const CurriculumParams& params) {
+std::vector<CurriculumCase> plan_curriculum(const std::vector<CurriculumCase>& cases, const CurriculumParams& params,
+                                            const LessonModule& module) {
   if (params.least_difficulty_level > params.most_difficulty_level)
     throw Error(ExitCode::usage, "", "--least-difficulty-level", "is above --most-difficulty-level");
   std::vector<std::vector<CurriculumCase>> groups;
-  for (const std::string& name : classes_of(params)) {
+  for (const std::string& name : classes_of(params, module.classes)) {
     std::vector<CurriculumCase>& group = groups.emplace_back();
     for (const CurriculumCase& c : cases)
       if (c.patient_class == name && c.difficulty_level >= params.least_difficulty_level &&

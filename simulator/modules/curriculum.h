@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/params.h"
+#include "modules/lesson_module.h"
 
 namespace trephine {
 
@@ -21,7 +22,9 @@ struct CurriculumParams {
   static void describe(V& v) {
     using P = CurriculumParams;
     v.integer(&P::cases_count, "cases_count", Range{1, 1000}, "How many cases, at most.");
-    v.text(&P::classes, "classes", "Classes of patients, which take turns in this order; never uncertain.");
+    v.text(&P::classes, "classes",
+           "Classes of patients, which take turns in this order; never uncertain. "
+           "Ignored where the lesson has no classes.");
     v.integer(&P::least_difficulty_level, "least_difficulty_level", Range{1, 5}, "The easiest that is taken.");
     v.integer(&P::most_difficulty_level, "most_difficulty_level", Range{1, 5}, "The hardest that is taken.");
     v.choice(&P::order, "order", {{"difficulty", Order::difficulty}, {"random", Order::random}},
@@ -44,12 +47,14 @@ struct LibraryCases {
 };
 
 /// Reads case.json and the approval of every case of the library. A case is left out that is not approved, whose
-/// approval is void or damaged, or whose class is uncertain or not known. Throws Error 66 where the folder cannot be
-/// listed.
-LibraryCases cases_for_lessons(const std::filesystem::path& library);
+/// approval is void or damaged, that holds no such lesson, or, where the lesson has classes, whose class is uncertain
+/// or not known. Throws Error 66 where the folder cannot be listed.
+LibraryCases cases_for_lessons(const std::filesystem::path& library, const LessonModule& module);
 
 /// Pure: the same cases and parameters give the same plan. The classes take turns. Throws Error 64 for a class that is
 /// named twice, unknown, or uncertain; and limits of difficulty that cross.
-std::vector<CurriculumCase> plan_curriculum(const std::vector<CurriculumCase>& cases, const CurriculumParams& params);
+/// A lesson without classes has one list.
+std::vector<CurriculumCase> plan_curriculum(const std::vector<CurriculumCase>& cases, const CurriculumParams& params,
+                                            const LessonModule& module);
 
 }  // namespace trephine

@@ -30,7 +30,7 @@ RecordingHeader header_of(const FeltCase& felt, const LessonOptions& o) {
   h.contact = o.contact;
   h.force = o.force;
   h.shaft = o.shaft;
-  h.tools = ventriculostomy_tools();
+  h.tools = lesson_module(o.script.module).tools();
   h.tool = h.tools.front();
   h.drilling = o.drilling;
   h.drilling.drill = drilled_shapes(felt.loaded.manifest) != 0;
@@ -54,16 +54,15 @@ void require_followable(const ServoFrame& f, const std::string& file) {
 LessonResult run_lesson(FeltCase& felt, const LessonOptions& o, const std::atomic<bool>& stop) {
   validate_token(o.participant, "--participant");
   const CaseManifest& manifest = felt.loaded.manifest;
-  head_shapes_of(manifest);  // refused here rather than by the scorer
-  const HeadFrame frame = head_frame_of(manifest);
+  const LessonModule& module = lesson_module(o.script.module);
+  module.require(manifest);  // refused here rather than by the scorer
   LessonResult result;
   RecordingHeader& header = result.recording.header;
   header = header_of(felt, o);
   ContactVolume contact(felt.loaded.haptic, o.contact);
   const std::unique_ptr<Drilling> drilling = felt.drilling_of(header, contact);
   ToolBelt belt(contact, felt.feels, o.force, o.shaft, header.tools, drilling.get());
-  ScriptedHand hand(o.hand,
-                    plan_moves(o.script, {manifest, contact, frame, header.tools, drilled_shapes(manifest)}, o.aim));
+  ScriptedHand hand(o.hand, module.plan(o.script, {manifest, contact, header.tools, drilled_shapes(manifest)}, o.aim));
   FrameQueue queue(ticks_at_once);
   ServoParams params = o.servo;
   params.paced = params.realtime = false;
@@ -81,11 +80,11 @@ LessonResult run_lesson(FeltCase& felt, const LessonOptions& o, const std::atomi
   return result;
 }
 
-VentriculostomyFacts facts_of_recording(FeltCase& felt, const std::string& file, const Recording& recording) {
+std::shared_ptr<const LessonFacts> facts_of_recording(FeltCase& felt, const std::string& file,
+                                                      const Recording& recording) {
   const RecordingHeader& h = recording.header;
-  if (h.lesson != "ventriculostomy")
-    throw Error(ExitCode::bad_input, file, "lesson",
-                h.lesson.empty() ? "is missing: this is no lesson's recording" : h.lesson + " is not known");
+  if (h.lesson.empty()) throw Error(ExitCode::bad_input, file, "lesson", "is missing: this is no lesson's recording");
+  const LessonModule& module = *with_file(file, [&] { return &lesson_module(h.lesson); });
   if (const std::uint64_t missing = missing_frames(recording.frames); missing > 0 || recording.frames.empty())
     throw Error(ExitCode::bad_input, file, "frames",
                 recording.frames.empty() ? "there are none"
@@ -99,17 +98,17 @@ VentriculostomyFacts facts_of_recording(FeltCase& felt, const std::string& file,
   ContactVolume contact(felt.loaded.haptic, h.contact);
   Rerun rerun(felt, contact, file, h);
   ToolBelt& belt = *rerun.belt();
-  Ventriculostomy lesson(felt.loaded.manifest, before, felt.loaded.haptic);
+  const std::unique_ptr<Lesson> lesson = module.begin(felt.loaded.manifest, before, felt.loaded.haptic);
   for (const ServoFrame& f : recording.frames) {
     belt.follow(input_of(f, h.rate_hz), state_of(f));
-    lesson.watch(f, belt);
+    lesson->watch(f, belt);
   }
-  lesson.close();
+  lesson->close();
   if (h.outcome && rerun.drilling() && volume_digest(felt.loaded.haptic) != h.outcome->volume_sha256)
     throw refusal("volume_sha256", "the volume differs when the session is followed",
                   {"follow it with the version of the program that recorded it, or do the `lesson` anew"})
         .in_file(file);
-  return lesson.facts();
+  return lesson->copy_of_facts();
 }
 
 }  // namespace trephine

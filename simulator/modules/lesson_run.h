@@ -6,8 +6,7 @@
 
 #include "haptics/recording.h"
 #include "haptics/servo.h"
-#include "modules/scripted_hand.h"
-#include "modules/ventriculostomy.h"
+#include "modules/lesson_module.h"
 #include "session/felt_case.h"
 
 namespace trephine {
@@ -33,13 +32,14 @@ struct LessonResult {
 };
 
 /// Does the script in the case, through the servo loop as fast as it goes, and returns the recording as it would be
-/// read from a file. The case's haptic volume is drilled. Throws as plan_moves, ToolBelt and Ventriculostomy do;
+/// read from a file. The case's haptic volume is drilled. Throws as the module does, and ToolBelt;
 /// Cancelled through `stop`: what was done until then is lost.
 LessonResult run_lesson(FeltCase& felt, const LessonOptions& options, const std::atomic<bool>& stop);
 
 /// What happened in a recorded lesson: the recorded answers are followed, and what the tools cut is cut again. `felt`
-/// must be as loaded; its volume is drilled. Throws Error 65 where the recording is no lesson, 80 where it leaves
-/// another volume than it says.
-VentriculostomyFacts facts_of_recording(FeltCase& felt, const std::string& file, const Recording& recording);
+/// must be as loaded; its volume is drilled. Throws Error 65 where the recording is no lesson, or one that is not
+/// known, 80 where it leaves another volume than it says.
+std::shared_ptr<const LessonFacts> facts_of_recording(FeltCase& felt, const std::string& file,
+                                                      const Recording& recording);
 
 }  // namespace trephine

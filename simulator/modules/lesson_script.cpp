@@ -1,31 +1,48 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "modules/lesson_script.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/write_file.h"
 #include "lesson/declared_json.h"
+#include "modules/lesson_module.h"
 
 namespace trephine {
 
-std::vector<StepChoice> LessonScript::lesson_steps() {
-  const ParameterSet* none = &parameters_of<NothingDeclared>();
-  return {{"take", "Changes the tool.", &parameters_of<TakeStep>()},
-          {"trace", "Draws a line on the skin with the pedal down.", &parameters_of<TraceStep>()},
-          {"erase", "Takes the lines away.", none},
-          {"incise", "Cuts the skin around the last point of the marker.", none},
-          {"drill", "Drills a hole with the pedal down.", &parameters_of<DrillStep>()},
-          {"insert", "Moves the tool on a straight line into the head.", &parameters_of<InsertStep>()},
-          {"withdraw", "Draws the tool back.", &parameters_of<WithdrawStep>()},
-          {"wait", "Stays where it is.", &parameters_of<WaitStep>()},
-          {"pause", "Stops the lesson's clock.", none},
-          {"resume", "Lets the lesson go on.", none},
-          {"finish", "Ends the lesson with the tool where it is.", none},
-          {"lose_device", "The device is gone, as when its cable is pulled.", none}};
+std::vector<StepChoice> with_common_steps(std::vector<StepChoice> own) {
+  std::vector<StepChoice> all = {script_step<TakeStep>("take", "Changes the tool.")};
+  all.insert(all.end(), own.begin(), own.end());
+  for (const StepChoice& s :
+       {script_step<WithdrawStep>("withdraw", "Draws the tool back."),
+        script_step<WaitStep>("wait", "Stays where it is."), script_step("pause", "Stops the lesson's clock."),
+        script_step("resume", "Lets the lesson go on."),
+        script_step("finish", "Ends the lesson with the tool where it is."),
+        script_step("lose_device", "The device is gone, as when its cable is pulled.")})
+    all.push_back(s);
+  return all;
+}
+
+std::vector<std::string> LessonScript::modules() { return module_names(); }
+
+std::vector<StepChoice> LessonScript::steps_of_all() {
+  std::vector<StepChoice> all;
+  for (const LessonModule& m : module_types())
+    for (const StepChoice& s : m.steps)
+      if (std::none_of(all.begin(), all.end(), [&](const StepChoice& k) { return k.name == s.name; })) all.push_back(s);
+  return all;
 }
 
 LessonScript parse_lesson_script(const std::string& json) {
   LessonScript script;
   read_declared_json(json, parameters_of<LessonScript>(), &script);
+  const LessonModule& module = lesson_module(script.module);
+  for (std::size_t n = 0; n < script.steps.size(); ++n) {
+    const std::string& name = script.steps[n].first;
+    if (std::none_of(module.steps.begin(), module.steps.end(), [&](const StepChoice& s) { return s.name == name; }))
+      throw Error(ExitCode::bad_input, "", "steps[" + std::to_string(n) + "]",
+                  name + ", no step of the lesson " + module.name);
+  }
   return script;
 }
 

@@ -30,7 +30,7 @@ struct TakeStep {
   std::string tool;
   template <class V>
   static void describe(V& v) {
-    v.text(&TakeStep::tool, "tool", "The tool: marker, burr or catheter.").is_required();
+    v.text(&TakeStep::tool, "tool", "The tool, as the lesson calls it.").is_required();
   }
 };
 
@@ -100,13 +100,23 @@ struct LessonScript {
   template <class V>
   static void describe(V& v) {
     using P = LessonScript;
-    v.word(&P::module, "module", {"ventriculostomy"}, "The lesson that it does.").is_required();
-    v.steps(&P::steps, "steps", lesson_steps(), "What the hand does, in this order.").is_required();
+    v.word(&P::module, "module", modules(), "The lesson that it does.").is_required();
+    v.steps(&P::steps, "steps", steps_of_all(), "What the hand does, in this order.").is_required();
   }
-  static std::vector<StepChoice> lesson_steps();
+  static std::vector<std::string> modules();
+  static std::vector<StepChoice> steps_of_all();
 };
 
-/// Throws Error 66; 65 naming the step and the key.
+/// The step of that name, as every lesson may have it.
+template <class P = NothingDeclared>
+StepChoice script_step(const char* name, const char* help) {
+  return {name, help, &parameters_of<P>()};
+}
+/// What a script of any lesson may say: take, withdraw, wait, pause, resume, finish, lose_device. `own` are the
+/// module's further steps.
+std::vector<StepChoice> with_common_steps(std::vector<StepChoice> own);
+
+/// Throws Error 66; 65 naming the step and the key, also where it is a step of another lesson.
 LessonScript read_lesson_script(const std::filesystem::path& file);
 LessonScript parse_lesson_script(const std::string& json);
 

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/splitmix64.h"
 
 namespace trephine {
 namespace {
@@ -17,13 +16,13 @@ Vec3 turned_towards(Vec3 from, Vec3 across, double angle) { return from * std::c
 
 }  // namespace
 
-ScriptPlaces::ScriptPlaces(const ScriptScene& scene, const ScriptAim& aim)
-    : scene_(scene), aim_(aim), random_(splitmix64_mixed(std::uint64_t(aim.seed) + splitmix64_step)) {}
+ScriptPlaces::ScriptPlaces(const ScriptScene& scene, const HeadFrame& frame, const ScriptAim& aim)
+    : scene_(scene), frame_(frame), missed_(aim) {}
 
-Vec3 ScriptPlaces::direction_of(Vec3 p) const { return normalized(p - scene_.frame.centre_mm); }
+Vec3 ScriptPlaces::direction_of(Vec3 p) const { return normalized(p - frame_.centre_mm); }
 
 Vec3 ScriptPlaces::skin_towards(Vec3 direction) const {
-  const Vec3 c = scene_.frame.centre_mm;
+  const Vec3 c = frame_.centre_mm;
   const Contact hit = scene_.contact.intersect(c + direction * beyond_mm, c);
   if (!hit.hit) throw Error(ExitCode::bad_input, "", "", "no skin is felt there");
   return hit.point_mm;
@@ -54,17 +53,6 @@ Vec3 ScriptPlaces::over_skin(Vec3 from, Vec3 towards, double by_mm) const {
   return at;
 }
 
-// A miss by the sum of twelve uniform numbers, which is normal enough.
-Vec3 ScriptPlaces::missed(Vec3 p) {
-  if (!(aim_.aim_noise_mm > 0)) return p;
-  for (int a = 0; a < 3; ++a) {
-    double sum = -6;
-    for (int n = 0; n < 12; ++n) sum += unit_of_bits(splitmix64_mixed(random_ += splitmix64_step));
-    p[a] += aim_.aim_noise_mm * sum;
-  }
-  return p;
-}
-
 Vec3 ScriptPlaces::named(const std::string& name) const {
   if (name == "mark") {
     if (mark_mm) return *mark_mm;
@@ -75,20 +63,13 @@ Vec3 ScriptPlaces::named(const std::string& name) const {
     if (mark_mm) return *mark_mm;  // whoever tries the catheter without a hole tries it there
     throw Error(ExitCode::bad_input, "", "at", "hole: nothing was drilled or marked before");
   }
-  for (const CaseTarget& t : scene_.manifest.targets)
-    if (t.name == name) return t.position_mm;
-  for (const CaseBurrHole& b : scene_.manifest.burr_holes)
-    if (b.name == name) return b.position_mm;
   std::string known;
-  for (const CaseLandmark& l : scene_.manifest.landmarks) {
-    if (l.name == name) return l.position_mm;
-    known += ", " + l.name;
-  }
-  throw Error(ExitCode::bad_input, "", "at", name + ": the case has no such place, but mark, hole" + known);
+  if (const std::optional<Vec3> place = find_case_place(scene_.manifest, name, known)) return *place;
+  throw Error(ExitCode::bad_input, "", "at", name + ": the case has no such place, but mark, hole, " + known);
 }
 
 Vec3 ScriptPlaces::find(const ScriptPlace& place) {
-  const HeadFrame& f = scene_.frame;
+  const HeadFrame& f = frame_;
   Vec3 p = named(place.at);
   if (place.along_mm != 0) {
     // Backwards along the midline: from the nasion over the top.
@@ -97,7 +78,7 @@ Vec3 ScriptPlaces::find(const ScriptPlace& place) {
     p = over_skin(skin_towards(out), cross(out, f.left), place.along_mm);
   }
   if (place.right_mm != 0) p = over_skin(skin_towards(direction_of(p)), -f.left, place.right_mm);
-  return missed(p + Vec3{place.offset_mm[0], place.offset_mm[1], place.offset_mm[2]});
+  return missed_(p + Vec3{place.offset_mm[0], place.offset_mm[1], place.offset_mm[2]});
 }
 
 }  // namespace trephine

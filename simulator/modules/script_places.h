@@ -2,16 +2,17 @@
 #pragma once
 #include <optional>
 
-#include "modules/scripted_hand.h"
+#include "modules/head_frame.h"
+#include "modules/move_plan.h"
 
 namespace trephine {
 
 /// The places of a script in a case. Ways over the skin are arcs of what a ray to the head's middle meets first.
 class ScriptPlaces {
  public:
-  ScriptPlaces(const ScriptScene& scene, const ScriptAim& aim);
+  ScriptPlaces(const ScriptScene& scene, const HeadFrame& frame, const ScriptAim& aim);
 
-  /// Throws Error 65 as plan_moves does. Of a place on the skin the point on it; else the point itself.
+  /// Throws Error 65 as plan_head_moves does. Of a place on the skin the point on it; else the point itself.
   Vec3 find(const ScriptPlace& place);
   /// The skin in that direction from the middle of the head; throws Error 65 where nothing is felt there.
   Vec3 skin_towards(Vec3 direction) const;
@@ -24,10 +25,9 @@ class ScriptPlaces {
  private:
   Vec3 named(const std::string& name) const;
   Vec3 over_skin(Vec3 from, Vec3 towards, double by_mm) const;
-  Vec3 missed(Vec3 p);
   const ScriptScene& scene_;
-  ScriptAim aim_;
-  std::uint64_t random_;
+  const HeadFrame& frame_;
+  AimMiss missed_;
 };
 
 }  // namespace trephine

@@ -8,7 +8,6 @@
 #include "contact/contact.h"
 #include "device/simulated_hand.h"
 #include "haptics/tool_belt.h"
-#include "modules/head_frame.h"
 #include "modules/lesson_script.h"
 
 namespace trephine {
@@ -42,14 +41,9 @@ struct ScriptAim {
 struct ScriptScene {
   const CaseManifest& manifest;
   const ContactVolume& contact;
-  const HeadFrame& frame;
   std::vector<BeltToolParams> tools;
   std::uint64_t drilled = 0;  ///< the shapes that can be drilled, bit n for shape n
 };
-
-/// What the script asks of the hand in that case. Throws Error 65, naming the step, for a place that the case does not
-/// have, a tool that the lesson does not have, or skin that cannot be felt there.
-std::vector<HandMove> plan_moves(const LessonScript& script, const ScriptScene& scene, const ScriptAim& aim);
 
 /// A simulated hand that does one movement after the other; the loop is closed as with SimulatedHand.
 class ScriptedHand : public Device {

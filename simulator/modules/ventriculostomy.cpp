@@ -47,15 +47,10 @@ HeadShapes head_shapes_of(const CaseManifest& manifest) {
   return s;
 }
 
-const char* name_of(LessonEnd end) {
-  return end == LessonEnd::finished ? "finished" : end == LessonEnd::device_lost ? "device lost" : "not finished";
-}
 const char* name_of(LessonPhase phase) {
   constexpr const char* names[] = {"marking", "drilling", "catheter", "review"};
   return names[int(phase)];
 }
-
-double VentriculostomyFacts::procedure_s() const { return std::round(1e6 * (end_s - begin_s - paused_s)) / 1e6; }
 
 Ventriculostomy::Ventriculostomy(const CaseManifest& manifest, const HapticVolume& before, const HapticVolume& now)
     : manifest_(manifest),
@@ -73,45 +68,26 @@ LessonPhase Ventriculostomy::phase() const {
   return facts_.incisions.empty() ? LessonPhase::marking : LessonPhase::drilling;
 }
 
-void Ventriculostomy::watch(const ServoFrame& f, const ToolBelt& belt) {
-  if (facts_.end != LessonEnd::running) return;
-  if (!begun_) {
-    begun_ = true;
-    facts_.begin_s = f.time_s - f.dt_s;
-    for (const BeltToolParams& t : belt.tools())
-      if (!t.marks && !t.cuts) catheter_mm_ = t.tool_diameter_mm;
-  }
-  last_s_ = facts_.end_s = f.time_s;
-  const int command = belt_button::command(f.buttons);
-  const bool now = command != belt_button::command(buttons_);
-  buttons_ = f.buttons;
-  facts_.most_force_n = std::max(facts_.most_force_n, norm(vec(f.force_n)));
-  if (f.faults != 0) {
-    facts_.end = LessonEnd::device_lost;
-    return close();
-  }
-  if (belt.paused()) {
-    facts_.pauses += !was_paused_;
-    facts_.paused_s += f.dt_s;
-  }
-  was_paused_ = belt.paused();
+void Ventriculostomy::begin(const ServoFrame&, const ToolBelt& belt) {
+  for (const BeltToolParams& t : belt.tools())
+    if (!t.marks && !t.cuts) catheter_mm_ = t.tool_diameter_mm;
+}
+
+void Ventriculostomy::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
   const BeltToolParams& tool = belt.tools()[std::size_t(belt.in_hand())];
-  const bool pedal = !belt.paused() && (f.buttons & belt_button::pedal);
   draw(f, pedal && tool.marks);
   drill(f, belt, pedal && tool.cuts);
   if (!tool.marks && !tool.cuts && !belt.paused())
     pass(f);
   else if (in_brain_)
     end_pass(f.time_s, false);
-  if (!now || belt.paused()) return;
+}
+
+void Ventriculostomy::command(int command, const ServoFrame& f, const ToolBelt& belt) {
   if (command == belt_command::erase)
     for (MarkerTrace& t : facts_.traces) t.erased = true;
   if (command == belt_command::incise && belt.drilling() && belt.has_mark())
     facts_.incisions.push_back({f.time_s, belt.mark_mm()});
-  if (command == belt_command::finish) {
-    facts_.end = LessonEnd::finished;
-    close();
-  }
 }
 
 void Ventriculostomy::draw(const ServoFrame& f, bool pedal) {
@@ -212,15 +188,15 @@ void Ventriculostomy::end_pass(double time_s, bool in_place) {
 
 void Ventriculostomy::close() {
   end_trace();
-  if (drilling_ && removed_units_ != looked_units_) look_for_hole(last_s_, catheter_mm_);
+  if (drilling_ && removed_units_ != looked_units_) look_for_hole(facts_.end_s, catheter_mm_);
   drilling_ = false;
-  end_pass(last_s_, true);
+  end_pass(facts_.end_s, true);
   // Of several holes the one that the catheter went through.
   if (facts_.passes.empty()) return;
   if (facts_.drilled_beforehand)
     facts_.hole = find_case_hole(manifest_, facts_.passes.back().entry_mm);
   else if (removed_units_ > 0)
-    look_for_hole(last_s_, catheter_mm_);
+    look_for_hole(facts_.end_s, catheter_mm_);
 }
 
 }  // namespace trephine

@@ -5,10 +5,9 @@
 #include <vector>
 
 #include "cases/load_case.h"
-#include "haptics/frame.h"
-#include "haptics/tool_belt.h"
 #include "modules/drilled_hole.h"
 #include "modules/head_frame.h"
+#include "modules/lesson.h"
 
 namespace trephine {
 
@@ -52,11 +51,8 @@ struct CatheterPass {
   std::vector<PassPoint> path;  ///< each time the tip moved by 0.25 mm or into another shape; the last is the end
 };
 
-enum class LessonEnd { running, finished, device_lost };
-const char* name_of(LessonEnd end);
-
 /// All that happened in a lesson and may be scored. Times are of the recording, s; lengths along surfaces, mm.
-struct VentriculostomyFacts {
+struct VentriculostomyFacts : LessonFacts {
   bool drilled_beforehand = false;  ///< the case has a burr hole: the lesson begins at the catheter
   std::vector<MarkerTrace> traces;
   std::vector<LessonIncision> incisions;
@@ -65,12 +61,6 @@ struct VentriculostomyFacts {
   double through_s = -1;         ///< when a ball as wide as the catheter first passed; -1: never
   std::optional<BoneHole> hole;  ///< the drilled one, or the case's
   std::vector<CatheterPass> passes;
-  double begin_s = 0, end_s = 0, paused_s = 0;
-  int pauses = 0;
-  LessonEnd end = LessonEnd::running;  ///< running: the recording ends before the lesson did
-  double most_force_n = 0;
-
-  double procedure_s() const;  ///< to a microsecond: sums of steps are no exact multiples
 };
 
 enum class LessonPhase { marking, drilling, catheter, review };
@@ -78,23 +68,29 @@ const char* name_of(LessonPhase phase);
 
 /// The lesson as a state machine over frames. It only watches: what the hand may do is decided by the tissue, so the
 /// catheter may be tried without a hole, and the tools be changed in any order.
-class Ventriculostomy {
+class Ventriculostomy : public Lesson {
  public:
   /// `manifest`, `before` (the volume as the lesson began) and `now` must outlive it. Throws as head_frame_of and
   /// head_shapes_of do.
   Ventriculostomy(const CaseManifest& manifest, const HapticVolume& before, const HapticVolume& now);
 
-  /// After each tick, with the tools as they are then.
-  void watch(const ServoFrame& frame, const ToolBelt& belt);
-  /// At the end of the frames: closes what is open.
-  void close();
+  void close() override;
 
-  const VentriculostomyFacts& facts() const { return facts_; }
+  const VentriculostomyFacts& facts() const override { return facts_; }
+  std::shared_ptr<const LessonFacts> copy_of_facts() const override {
+    return std::make_shared<VentriculostomyFacts>(facts_);
+  }
   const HeadFrame& frame() const { return frame_; }
   const HeadShapes& shapes() const { return shapes_; }
   LessonPhase phase() const;
   /// Of the trace that is being drawn, or the last one.
   double trace_length_mm() const { return facts_.traces.empty() ? 0 : facts_.traces.back().length_mm; }
+
+ protected:
+  LessonFacts& noted() override { return facts_; }
+  void begin(const ServoFrame& frame, const ToolBelt& belt) override;
+  void tick(const ServoFrame& frame, const ToolBelt& belt, bool pedal) override;
+  void command(int command, const ServoFrame& frame, const ToolBelt& belt) override;
 
  private:
   void draw(const ServoFrame& f, bool pedal);
@@ -111,9 +107,8 @@ class Ventriculostomy {
   HeadShapes shapes_;
   VentriculostomyFacts facts_;
   double catheter_mm_ = 2.5;
-  std::uint32_t buttons_ = 0;
-  bool begun_ = false, drawing_ = false, drilling_ = false, in_brain_ = false, was_paused_ = false;
-  double last_touch_s_ = 0, looked_s_ = 0, last_s_ = 0;
+  bool drawing_ = false, drilling_ = false, in_brain_ = false;
+  double last_touch_s_ = 0, looked_s_ = 0;
   std::int64_t removed_units_ = 0, looked_units_ = 0;
   Box drilled_box_;
   Vec3 axis_sum_;

@@ -17,29 +17,29 @@ namespace trephine {
 namespace {
 
 constexpr std::size_t participant_at = 0, module_at = 1, recording_at = 4, rubric_at = 5;
-constexpr const char* rows[] = {"landmarks", "burr_hole", "trajectory", "depth", "tip", "time"};
-// Measured figures that are columns: of which row, and its name there.
-constexpr const char* measures[][2] = {{"burr_hole", "kocher_off_mm"},      {"trajectory", "line_off_foramen_mm"},
-                                       {"trajectory", "beyond_midline_mm"}, {"depth", "depth_mm"},
-                                       {"tip", "foramen_off_mm"},           {"time", "procedure_s"}};
-
 const ScoreRow* row_of(const LessonScore& score, const std::string& name) {
   for (const ScoreRow& row : score.rows)
     if (row.name == name) return &row;
   return nullptr;
 }
 
-std::string measured(const LessonScore& score, const char* const (&what)[2]) {
-  const ScoreRow* row = row_of(score, what[0]);
-  if (row)
+std::string text_of(const std::variant<bool, int, double>& value) {
+  if (const bool* flag = std::get_if<bool>(&value)) return *flag ? "1" : "0";
+  if (const int* count = std::get_if<int>(&value)) return std::to_string(*count);
+  return to_text(std::get<double>(value));
+}
+
+std::string cell_of(const LessonScore& score, const LessonColumn& column) {
+  if (column.row.empty()) return text_of(score.figure(column.name).value);
+  if (const ScoreRow* row = row_of(score, column.row))
     for (const auto& [name, value] : row->measured)
-      if (name == what[1]) return to_text(value);
+      if (name == column.name) return to_text(value);
   return "";
 }
 
-std::string head_line() {
+std::string head_line(const LessonModule& module) {
   std::string line;
-  for (const auto& [name, help] : attempt_columns()) line += (line.empty() ? "" : ",") + name;
+  for (const auto& [name, help] : attempt_columns(module)) line += (line.empty() ? "" : ",") + name;
   return line;
 }
 
@@ -67,59 +67,53 @@ class LogLock {
 
 }  // namespace
 
-const std::vector<std::pair<std::string, std::string>>& attempt_columns() {
-  static const std::vector<std::pair<std::string, std::string>> all = [] {
-    std::vector<std::pair<std::string, std::string>> c = {
-        {"participant", "anonymous token"},
-        {"module", "the lesson"},
-        {"attempt", "counts the participant's recordings of the module in this log, from 1"},
-        {"case", "the case's token"},
-        {"recording_sha256", "of the recording's file"},
-        {"rubric_sha256", "of what the rubric says"},
-        {"end", "finished, not finished, device lost"},
-        {"points", "sum of the rows that were judged"},
-        {"most_points", "what that sum could have been"}};
-    for (const char* row : rows) c.emplace_back(std::string(row) + "_score", "1 to 5; empty: not judged");
-    for (const auto& what : measures) c.emplace_back(what[1], std::string("measured for the row ") + what[0]);
-    c.emplace_back("passes_count", "how often the catheter entered the brain");
-    for (const char* name : {"in_ventricle", "first_pass", "contralateral", "third_ventricle"})
-      c.emplace_back(name, "1 or 0, of the catheter's last place");
-    return c;
-  }();
-  return all;
+std::vector<std::pair<std::string, std::string>> attempt_columns(const LessonModule& module) {
+  std::vector<std::pair<std::string, std::string>> c = {
+      {"participant", "anonymous token"},
+      {"module", "the lesson"},
+      {"attempt", "counts the participant's recordings of the module in this log, from 1"},
+      {"case", "the case's token"},
+      {"recording_sha256", "of the recording's file"},
+      {"rubric_sha256", "of what the rubric says"},
+      {"end", "finished, not finished, device lost"},
+      {"points", "sum of the rows that were judged"},
+      {"most_points", "what that sum could have been"}};
+  for (const std::string& row : module.rows) c.emplace_back(row + "_score", "1 to 5; empty: not judged");
+  for (const LessonColumn& column : module.columns) c.emplace_back(column.name, column.help);
+  return c;
 }
 
-std::string attempt_line(const ReportHead& head, const VentriculostomyFacts& facts, const LessonScore& score,
-                         int attempt) {
+std::string attempt_line(const ReportHead& head, const LessonFacts& facts, const LessonScore& score, int attempt) {
+  const LessonModule& module = lesson_module(head.module);
   const ScoreSum sum = sum_of(score);
   std::string line = head.participant + "," + head.module + "," + std::to_string(attempt) + "," + head.case_token +
                      "," + head.recording_sha256 + "," + head.rubric_sha256 + "," + name_of(facts.end) + "," +
                      std::to_string(sum.points) + "," + std::to_string(sum.most);
-  for (const char* name : rows) {
+  for (const std::string& name : module.rows) {
     const ScoreRow* row = row_of(score, name);
     line += "," + (row && row->score ? std::to_string(*row->score) : std::string());
   }
-  for (const auto& what : measures) line += "," + measured(score, what);
-  const LessonFigures& f = score.figures;
-  line += "," + std::to_string(f.passes_count);
-  for (const bool flag : {f.in_ventricle, f.first_pass, f.contralateral, f.third_ventricle}) line += flag ? ",1" : ",0";
+  for (const LessonColumn& column : module.columns) line += "," + cell_of(score, column);
   return line;
 }
 
-int log_attempt(const std::filesystem::path& file, const ReportHead& head, const VentriculostomyFacts& facts,
+int log_attempt(const std::filesystem::path& file, const ReportHead& head, const LessonFacts& facts,
                 const LessonScore& score) {
   const LogLock lock(file);
-  std::string text = head_line() + "\n";
+  const std::string columns = head_line(lesson_module(head.module));
+  const std::size_t cells_count = split_at(columns, ',').size();
+  std::string text = columns + "\n";
   std::set<std::string> recordings;
   if (std::filesystem::exists(file)) {
     const std::vector<char> bytes = read_file(file, 1 << 28);
     const std::string old(bytes.begin(), bytes.end());
     const std::vector<std::string> lines = split_at(old, '\n');
-    if (lines.front() != head_line() || old.back() != '\n')
-      throw Error(ExitCode::bad_input, file.string(), "columns", "are not those of a log of attempts of this version");
+    if (lines.front() != columns || old.back() != '\n')
+      throw Error(ExitCode::bad_input, file.string(), "columns",
+                  "are not those of a log of attempts of this lesson and version");
     for (std::size_t n = 1; n + 1 < lines.size(); ++n) {
       const std::vector<std::string> cells = split_at(lines[n], ',');
-      if (cells.size() != attempt_columns().size())
+      if (cells.size() != cells_count)
         throw Error(ExitCode::bad_input, file.string(), "line " + std::to_string(n + 1), "has another count of cells");
       if (cells[participant_at] != head.participant || cells[module_at] != head.module) continue;
       if (cells[recording_at] == head.recording_sha256 && cells[rubric_at] == head.rubric_sha256)

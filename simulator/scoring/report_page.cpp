@@ -7,13 +7,13 @@
 #include <cmath>
 
 #include "base/base64.h"
+#include "modules/lesson_module.h"
 #include "scoring/report_pictures.h"
 
 namespace trephine {
 namespace {
 
 using detail::escaped;
-using detail::PictureMark;
 
 constexpr const char* style = R"(
 :root { color-scheme: light dark; --faint: #7a8896; --line: #a9b6c3; --way: #ffb000; --expert: #35c46a; --target: #ff4f4f }
@@ -101,47 +101,18 @@ std::string forces_html(const LessonScore& score, const Recording& recording) {
   out += fmt::format("<text x=\"0\" y=\"{:.0f}\">{:g} N</text><text x=\"0\" y=\"{:.0f}\">0</text>", y(most) + 4, most,
                      y(0.0));
   out += fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\">{:.0f} s</text></svg>\n", width - 40, height, length);
-  return out +
-         "<p class=\"faint\">Below: grey the marker, orange the burr, green the catheter. Red lines: the moments at "
-         "which rows were "
-         "decided.</p>\n";
-}
-
-std::string ways_html(const VentriculostomyFacts& facts, const LoadedCase& loaded) {
-  std::vector<PictureMark> marks;
-  for (const MarkerTrace& t : facts.traces)
-    if (t.points_mm.size() > 1) marks.push_back({t.points_mm, "way"});
-  for (const CatheterPass& pass : facts.passes) {
-    PictureMark way{{}, "way"};
-    for (const PassPoint& p : pass.path) way.points_mm.push_back(p.tip_mm);
-    if (way.points_mm.size() > 1) marks.push_back(way);
-  }
-  const HeadFrame frame = head_frame_of(loaded.manifest);
-  std::optional<Vec3> target;
-  if (facts.hole) {
-    target = foramen_of(loaded.manifest, frame.left_of_midline_mm(facts.hole->outer_mm) > 0);
-    marks.push_back({{facts.hole->outer_mm}, "hole"});
-    if (target) marks.push_back({{facts.hole->outer_mm, *target}, "expert"});
-  }
-  if (target) marks.push_back({{*target}, "target"});
-  std::string out;
-  if (facts.hole) out += "<h2>The burr hole</h2>\n" + detail::slices_html(loaded, facts.hole->outer_mm, marks);
-  if (!facts.passes.empty()) {
-    const Vec3 tip = facts.passes.back().path.back().tip_mm;
-    marks.push_back({{tip}, "tip"});
-    out += "<h2>The catheter's tip</h2>\n" + detail::slices_html(loaded, tip, marks);
-  }
-  out +=
-      "<p class=\"faint\">Orange: what was drawn and where the catheter's tip went, projected onto the slice. Blue "
-      "ring: the hole. Red "
-      "ring: the foramen of Monro on that side. Green: the straight way from this hole to it.";
-  return out + (loaded.has_ct() ? "" : " The case holds no CT to show behind it.") + "</p>\n";
+  constexpr const char* colours[] = {"grey", "orange", "green"};  // of the classes t0 to t2
+  std::string tools;
+  for (std::size_t n = 0; n < recording.header.tools.size(); ++n)
+    tools += fmt::format("{}{} the {}", n == 0 ? "" : ", ", colours[n % 3], escaped(recording.header.tools[n].name));
+  return out + "<p class=\"faint\">Below: " + tools + ". Red lines: the moments at which rows were decided.</p>\n";
 }
 
 }  // namespace
 
-std::string report_page(const ReportHead& head, const VentriculostomyFacts& facts, const LessonScore& score,
+std::string report_page(const ReportHead& head, const LessonFacts& facts, const LessonScore& score,
                         const Recording& recording, const LoadedCase& loaded) {
+  const LessonModule& module = lesson_module(head.module);
   const ScoreSum sum = sum_of(score);
   std::string out = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
@@ -151,13 +122,13 @@ std::string report_page(const ReportHead& head, const VentriculostomyFacts& fact
       "<style>{}</style></head><body>\n",
       policy_hash(style), style);
   out += fmt::format(
-      "<h1>{} in {}: {} of {} points</h1>\n<p class=\"faint\">participant {} · {} · {:.1f} s · passes of the "
-      "catheter: {} · not a medical device</p>\n",
+      "<h1>{} in {}: {} of {} points</h1>\n<p class=\"faint\">participant {} · {} · {:.1f} s · {} · not a medical "
+      "device</p>\n",
       escaped(head.module), escaped(head.case_token), sum.points, sum.most, escaped(head.participant),
-      name_of(facts.end), facts.procedure_s(), score.figures.passes_count);
+      name_of(facts.end), facts.procedure_s(), module.headline(facts, score));
   out += rows_html(score);
   if (!recording.frames.empty()) out += "<h2>Forces over time</h2>\n" + forces_html(score, recording);
-  out += ways_html(facts, loaded);
+  out += module.pictures(facts, loaded);
   out += fmt::format(
       "<h2>Made of</h2>\n<p class=\"faint\">recording {}<br>haptic volume {}<br>rubric {}</p>\n</body></html>\n",
       head.recording_sha256, head.case_sha256, head.rubric_sha256);

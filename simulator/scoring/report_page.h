@@ -8,10 +8,10 @@
 namespace trephine {
 
 /// The report as one HTML file that a person reads: scores with figures, limits and moments, forces over time, and the
-/// tools' ways over the case's CT at the decisive moments, beside the straight way to the foramen. It needs no other
+/// module's pictures, such as the tools' ways over the case's CT. It needs no other
 /// file, holds no script, and its content security policy allows none. `loaded` should hold the CT; without one the
 /// ways are drawn on nothing, and the page says so. The same inputs give the same bytes.
-std::string report_page(const ReportHead& head, const VentriculostomyFacts& facts, const LessonScore& score,
+std::string report_page(const ReportHead& head, const LessonFacts& facts, const LessonScore& score,
                         const Recording& recording, const LoadedCase& loaded);
 
 }  // namespace trephine

@@ -3,11 +3,10 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "lesson/rubric.h"
-#include "modules/ventriculostomy.h"
-#include "scoring/critical_zones.h"
 
 namespace trephine {
 
@@ -21,22 +20,19 @@ struct ScoreRow {
   std::optional<double> decided_s;  ///< when in the recording; none: nothing ever happened that could decide it
 };
 
-/// What the table does not score, and what the studies of chapter 8.1 counted.
-struct LessonFigures {
-  int passes_count = 0;
-  bool in_ventricle = false, first_pass = false, contralateral = false, third_ventricle = false;
+/// What the table does not score, and studies count: yes or no, a count, or a measure whose name ends in its unit.
+struct LessonFigure {
+  std::string name;
+  std::variant<bool, int, double> value;
 };
 
 struct LessonScore {
   std::vector<ScoreRow> rows;
-  LessonFigures figures;
+  std::vector<LessonFigure> figures;
+  /// The figure of that name; throws Error 70 where the module has none.
+  const LessonFigure& figure(const std::string& name) const;
+  bool flag(const std::string& name) const { return std::get<bool>(figure(name).value); }
+  int count(const std::string& name) const { return std::get<int>(figure(name).value); }
 };
-
-/// Scores a ventriculostomy by Table XIII of the dissertation. A pure function: the same facts, case with its zones,
-/// volume as the lesson began, and rubric give the same rows. What a doubtful suture or a hole that was there
-/// beforehand leaves open is not judged.
-LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const CaseManifest& manifest,
-                                  const HapticVolume& before, const VentriculostomyRubric& rubric,
-                                  const CriticalZones& zones = {});
 
 }  // namespace trephine

@@ -215,16 +215,19 @@ LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const CaseM
   LessonScore score;
   score.rows = {detail::score_landmarks(s), detail::score_burr_hole(s), detail::score_trajectory(s),
                 detail::score_depth(s),     detail::score_tip(s),       detail::score_time(s)};
-  LessonFigures& f = score.figures;
-  f.passes_count = int(facts.passes.size());
+  bool in_ventricle = false, first_pass = false, contralateral = false, third_ventricle = false;
   if (const CatheterPass* pass = s.final_pass(); pass && !pass->path.empty()) {
     const PassPoint& end = pass->path.back();
-    f.in_ventricle = end.inside == s.shapes.ventricles;
-    f.first_pass = f.in_ventricle && facts.passes.size() == 1;
-    f.third_ventricle = s.critical_at(*pass, end) == "third_ventricle";
-    f.contralateral =
-        f.in_ventricle && !f.third_ventricle && (s.frame.left_of_midline_mm(end.tip_mm) > 0) != s.on_left();
+    in_ventricle = end.inside == s.shapes.ventricles;
+    first_pass = in_ventricle && facts.passes.size() == 1;
+    third_ventricle = s.critical_at(*pass, end) == "third_ventricle";
+    contralateral = in_ventricle && !third_ventricle && (s.frame.left_of_midline_mm(end.tip_mm) > 0) != s.on_left();
   }
+  score.figures = {{"passes_count", int(facts.passes.size())},
+                   {"in_ventricle", in_ventricle},
+                   {"first_pass", first_pass},
+                   {"contralateral", contralateral},
+                   {"third_ventricle", third_ventricle}};
   return score;
 }
 

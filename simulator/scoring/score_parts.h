@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "scoring/score.h"
+#include "scoring/score_ventriculostomy.h"
 
 namespace trephine::detail {
 

@@ -35,16 +35,19 @@ ScoredLesson score_recording(const std::filesystem::path& file, const std::files
   });
   const HapticVolume before = felt.loaded.haptic;
   s.facts = facts_of_recording(felt, file.string(), s.recording);
-  s.score = score_ventriculostomy(s.facts, felt.loaded.manifest, before, rubric.rubric, CriticalZones(felt.loaded));
+  if (rubric.module != h.lesson)
+    throw Error(ExitCode::bad_input, file.string(), "lesson", h.lesson + ", but the rubric is of " + rubric.module);
+  s.score = lesson_module(h.lesson).score(*s.facts, felt.loaded, before, rubric.rubric);
   s.head = {h.case_token, h.lesson, h.participant, sha256_of_file(file), rubric.sha256, h.haptic_sha256};
   return s;
 }
 
 void write_report(const ScoredLesson& s, const std::filesystem::path& case_folder, const ReportFiles& files) {
-  if (!files.json.empty()) write_file(files.json, score_json(s.head, s.facts, s.score));
+  if (!files.json.empty()) write_file(files.json, score_json(s.head, *s.facts, s.score));
   if (!files.page.empty())
-    write_file(files.page, report_page(s.head, s.facts, s.score, s.recording, load_case(case_folder, LoadParts{true})));
-  if (!files.log.empty()) log_attempt(files.log, s.head, s.facts, s.score);
+    write_file(files.page,
+               report_page(s.head, *s.facts, s.score, s.recording, load_case(case_folder, LoadParts{true})));
+  if (!files.log.empty()) log_attempt(files.log, s.head, *s.facts, s.score);
 }
 
 }  // namespace trephine

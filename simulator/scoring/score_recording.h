@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <filesystem>
+#include <memory>
 
+#include "haptics/recording.h"
+#include "lesson/rubric.h"
 #include "scoring/score_report.h"
 
 namespace trephine {
@@ -9,7 +12,7 @@ namespace trephine {
 /// A recorded lesson with its score.
 struct ScoredLesson {
   Recording recording;
-  VentriculostomyFacts facts;
+  std::shared_ptr<const LessonFacts> facts;
   LessonScore score;
   ReportHead head;
 };
@@ -18,7 +21,7 @@ struct ScoredLesson {
 CompiledRubric read_rubric_file(const std::filesystem::path& file);
 
 /// Reads and scores the recording in its case. Throws as read_recording, felt_again, facts_of_recording and
-/// score_ventriculostomy do.
+/// the module do; Error 65 where the rubric is of another lesson.
 ScoredLesson score_recording(const std::filesystem::path& recording, const std::filesystem::path& case_folder,
                              const CompiledRubric& rubric);
 

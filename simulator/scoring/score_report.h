@@ -3,6 +3,7 @@
 #include <string>
 
 #include "haptics/recording.h"
+#include "modules/lesson.h"
 #include "scoring/score.h"
 
 namespace trephine {
@@ -15,10 +16,10 @@ struct ReportHead {
 
 /// The report of a scored lesson as JSON: rows with measured figures, limits and moments, and what happened. It holds
 /// no time, host or path; the same inputs give the same bytes.
-std::string score_json(const ReportHead& head, const VentriculostomyFacts& facts, const LessonScore& score);
+std::string score_json(const ReportHead& head, const LessonFacts& facts, const LessonScore& score);
 
 /// The same as a table for the terminal.
-std::string score_text(const VentriculostomyFacts& facts, const LessonScore& score);
+std::string score_text(const ReportHead& head, const LessonFacts& facts, const LessonScore& score);
 
 /// Sum of the rows that were judged, and of the most that they could have been.
 struct ScoreSum {

@@ -40,13 +40,13 @@ first=$(sha256sum "$work"/results/r-01-ventriculostomy-01-*)
 grep -Eq '^goes on with ' "$work/text" || fail "it begins again"
 grep -Eq '^2 +head .* [0-9]+ of 30 points: 3 1 1 1 1 5$' "$work/text" || { cat "$work/text"; fail "the second case is not done"; }
 [[ $first == "$(sha256sum "$work"/results/r-01-ventriculostomy-01-*)" ]] || fail "what was done is changed"
-[[ $(wc -l <"$work/results/attempts.csv") == 3 ]] || fail "the log does not hold two attempts"
+[[ $(wc -l <"$work/results/attempts-ventriculostomy.csv") == 3 ]] || fail "the log does not hold two attempts"
 [[ -s $work/results/r-01-ventriculostomy-02-head.html ]] || fail "no page"
 
 # A report that was lost is made again of the recording; an approval is void once the case is another.
 rm "$work/results/r-01-ventriculostomy-02-head.json"
 "${exercise[@]}" --script "$work/script.json" --rubric "$work/rubric.json" >/dev/null
-[[ $(wc -l <"$work/results/attempts.csv") == 3 ]] || fail "scored again it is another attempt"
+[[ $(wc -l <"$work/results/attempts-ventriculostomy.csv") == 3 ]] || fail "scored again it is another attempt"
 "$WRITE_CASE" "$library/head-drilled" head
 "$TREPHINE" exercise "$library" --participant r-02 --out "$work/results" >"$work/text"
 grep -Eq '^left out: head-drilled: changed since prof-1 approved it$' "$work/text" || { cat "$work/text"; fail "a void approval holds"; }

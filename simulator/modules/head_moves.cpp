@@ -4,61 +4,42 @@
 
 #include "base/error.h"
 #include "device/hand_path.h"
+#include "modules/head_moves.h"
 #include "modules/script_places.h"
 
 namespace trephine {
 namespace {
 
-constexpr double air_mm = 60;      // above the skin, on ways around the head
-constexpr double above_mm = 25;    // above a place, before and after
-constexpr double before_mm = 40;   // outside of the hole, where a way into the head begins
-constexpr double air_speed = 250;  // mm/s
+constexpr double air_mm = 60;     // above the skin, on ways around the head
+constexpr double above_mm = 25;   // above a place, before and after
+constexpr double before_mm = 40;  // outside of the hole, where a way into the head begins
 constexpr double settle_s = 0.2;
 
-class Planner {
+// Above the vault.
+Vec3 begin_of(const ScriptPlaces& places, const HeadFrame& frame) {
+  const Vec3 top = frame.upwards;
+  return frame.centre_mm + top * (norm(places.skin_towards(top) - frame.centre_mm) + air_mm);
+}
+
+class HeadPlan : public MovePlan {
  public:
-  Planner(const ScriptScene& scene, const ScriptAim& aim) : scene_(scene), places_(scene, aim) {
+  HeadPlan(const ScriptScene& scene, const HeadFrame& frame, ScriptPlaces& places)
+      : MovePlan(scene, begin_of(places, frame), frame.upwards), frame_(frame), places_(places) {
     if (!scene.manifest.burr_holes.empty()) places_.hole_mm = scene.manifest.burr_holes[0].position_mm;
-    const Vec3 top = scene.frame.upwards;
-    at_ = scene.frame.centre_mm + top * (norm(places_.skin_towards(top) - scene.frame.centre_mm) + air_mm);
-    axis_ = top;
-    HandMove begin = move();
-    begin.path_mm = {at_};
-    moves_.push_back(begin);
   }
 
-  void step(const std::string& name, const AnyParams& params) {
-    if (name == "take") return take(params.as<TakeStep>());
+  void step(const std::string& name, const AnyParams& params) override {
     if (name == "trace") return trace(params.as<TraceStep>());
     if (name == "drill") return drill(params.as<DrillStep>());
     if (name == "insert") return insert(params.as<InsertStep>());
-    if (name == "withdraw") return withdraw(params.as<WithdrawStep>());
-    if (name == "wait") return wait(params.as<WaitStep>().seconds);
-    if (name == "lose_device") return lose();
-    for (int n = 1; n < belt_command::count; ++n)
-      if (name == belt_command::names[n]) return command(n);
-    throw Error(ExitCode::internal, "", name, "is a step that nobody plans");
+    MovePlan::step(name, params);
   }
-
-  std::vector<HandMove> moves() && { return std::move(moves_); }
 
  private:
-  HandMove move() const {
-    HandMove m;
-    m.axis = axis_;
-    m.tool = tool_;
-    m.speed_mm_per_s = air_speed;
-    return m;
-  }
-  void add(HandMove m) {
-    if (!m.path_mm.empty()) at_ = m.path_mm.back();
-    moves_.push_back(std::move(m));
-  }
-
   // Around the head, and then to the place; the tool is drawn out of the head before.
   void go(Vec3 to, Vec3 axis) {
     if (inside_) withdraw(WithdrawStep());
-    const Vec3 c = scene_.frame.centre_mm;
+    const Vec3 c = frame_.centre_mm;
     HandMove m = move();
     m.axis = axis_ = axis;
     const double from_mm = norm(at_ - c), to_mm = norm(to - c);
@@ -69,19 +50,6 @@ class Planner {
     }
     m.path_mm.push_back(to);
     add(m);
-  }
-
-  void take(const TakeStep& s) {
-    for (std::size_t n = 0; n < scene_.tools.size(); ++n)
-      if (scene_.tools[n].name == s.tool) {
-        tool_ = int(n);
-        HandMove m = move();
-        m.wait_s = 0.05;
-        return add(m);
-      }
-    std::string known;
-    for (const BeltToolParams& t : scene_.tools) known += (known.empty() ? "" : ", ") + t.name;
-    throw Error(ExitCode::bad_input, "", "tool", s.tool + ": the lesson has " + known);
   }
 
   void trace(const TraceStep& s) {
@@ -106,12 +74,7 @@ class Planner {
     lift(last + end * above_mm);
   }
 
-  void lift(Vec3 to) {
-    HandMove m = move();
-    m.path_mm = {to};
-    m.speed_mm_per_s = 100;
-    add(m);
-  }
+  void lift(Vec3 to) { go_straight(to, 100); }
 
   void drill(const DrillStep& s) {
     const Vec3 site = places_.find(s.at);
@@ -149,56 +112,17 @@ class Planner {
     inside_ = true;
   }
 
-  void withdraw(const WithdrawStep& s) {
-    inside_ = false;
-    HandMove m = move();
-    m.path_mm = {at_ + axis_ * s.by_mm};
-    m.speed_mm_per_s = s.speed_mm_per_s;
-    add(m);
-  }
-
-  void wait(double seconds) {
-    HandMove m = move();
-    m.wait_s = seconds;
-    add(m);
-  }
-  void command(int n) {
-    HandMove m = move();
-    m.command = n;
-    m.wait_s = 0.1;
-    add(m);
-  }
-  void lose() {
-    HandMove m = move();
-    m.lost = true;
-    m.wait_s = 0.1;
-    add(m);
-  }
-
-  const ScriptScene& scene_;
-  ScriptPlaces places_;
-  std::vector<HandMove> moves_;
-  Vec3 at_, axis_;
-  int tool_ = 0;
-  bool inside_ = false;
+  const HeadFrame& frame_;
+  ScriptPlaces& places_;
 };
 
 }  // namespace
 
-std::vector<HandMove> plan_moves(const LessonScript& script, const ScriptScene& scene, const ScriptAim& aim) {
-  Planner planner(scene, aim);
-  for (std::size_t n = 0; n < script.steps.size(); ++n) {
-    const auto& [name, params] = script.steps[n];
-    with_field("steps[" + std::to_string(n) + "]." + name, [&] {
-      try {
-        planner.step(name, params);
-      } catch (const Error& e) {  // what the path says of a place is the script's fault
-        if (e.code() == ExitCode::internal) throw;
-        throw Error(ExitCode::bad_input, "", e.field(), e.what());
-      }
-    });
-  }
-  return std::move(planner).moves();
+std::vector<HandMove> plan_head_moves(const LessonScript& script, const ScriptScene& scene, const ScriptAim& aim) {
+  const HeadFrame frame = head_frame_of(scene.manifest);
+  ScriptPlaces places(scene, frame, aim);
+  HeadPlan plan(scene, frame, places);
+  return plan_steps(script, plan);
 }
 
 }  // namespace trephine

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <memory>
+
+#include "haptics/frame.h"
+#include "haptics/tool_belt.h"
+
+namespace trephine {
+
+enum class LessonEnd { running, finished, device_lost };
+const char* name_of(LessonEnd end);
+
+/// What every lesson notes; a module's facts derive from it. Times are of the recording, s.
+struct LessonFacts {
+  virtual ~LessonFacts() = default;
+  double begin_s = 0, end_s = 0, paused_s = 0;
+  int pauses = 0;
+  LessonEnd end = LessonEnd::running;  ///< running: the recording ends before the lesson did
+  double most_force_n = 0;
+
+  double procedure_s() const;  ///< to a microsecond: sums of steps are no exact multiples
+};
+
+/// A lesson as a state machine over frames. It only watches: what the hand may do is decided by the tissue.
+class Lesson {
+ public:
+  virtual ~Lesson() = default;
+  /// After each tick, with the tools as they are then.
+  void watch(const ServoFrame& frame, const ToolBelt& belt);
+  /// At the end of the frames: closes what is open. Nothing is watched afterwards.
+  virtual void close() = 0;
+  virtual const LessonFacts& facts() const = 0;
+  virtual std::shared_ptr<const LessonFacts> copy_of_facts() const = 0;
+
+ protected:
+  virtual LessonFacts& noted() = 0;
+  /// The first tick, before anything else of it.
+  virtual void begin(const ServoFrame&, const ToolBelt&) {}
+  /// A tick that the lesson's clock counts or, while paused, does not; `pedal` is never down while paused.
+  virtual void tick(const ServoFrame& frame, const ToolBelt& belt, bool pedal) = 0;
+  /// A command in the tick in which it is new, after that tick(); not while paused, and not `finish`.
+  virtual void command(int, const ServoFrame&, const ToolBelt&) {}
+
+ private:
+  bool begun_ = false, was_paused_ = false;
+  std::uint32_t buttons_ = 0;
+};
+
+}  // namespace trephine

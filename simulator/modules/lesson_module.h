@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "cases/load_case.h"
+#include "modules/lesson.h"
+#include "modules/scripted_hand.h"
+
+namespace trephine {
+
+struct LessonScore;
+struct ReportHead;
+
+/// A column of the log of attempts beside those that every lesson has.
+struct LessonColumn {
+  std::string name, help;
+  std::string row;  ///< the row that measures it under this name; empty: a figure of the score
+};
+
+/// A lesson that the program knows: everything that commands, scripts, reports, logs and curricula need of it. Every
+/// simulator/scoring/NAME_module.cpp defines `LessonModule NAME_module()`, and CMake finds it; its rubric is declared
+/// in lib/lesson/NAME_rubric.cpp. Nothing else names a module.
+struct LessonModule {
+  std::string name;                   ///< as scripts, rubrics, recordings and --module have it
+  std::string summary;                ///< half a line
+  std::vector<std::string> rows;      ///< the names of the score's rows, in their order
+  std::vector<LessonColumn> columns;  ///< of the log, after the rows
+  std::vector<StepChoice> steps;      ///< what its scripts may say
+  /// The patients' classes that are exercised in turn. None: a case needs no class, and --classes is ignored.
+  std::vector<std::string> classes;
+
+  /// Throws Error 65 where the case holds no such lesson.
+  std::function<void(const CaseManifest&)> require;
+  std::function<std::vector<BeltToolParams>()> tools;
+  /// What a script asks of the hand; throws Error 65 naming the step.
+  std::function<std::vector<HandMove>(const LessonScript&, const ScriptScene&, const ScriptAim&)> plan;
+  /// `before` is the volume as the lesson began; all three must outlive the lesson.
+  std::function<std::unique_ptr<Lesson>(const CaseManifest&, const HapticVolume& before, const HapticVolume& now)>
+      begin;
+  /// Pure: the same facts, case, volume as the lesson began, and rubric give the same rows. (The haptic volume of the
+  /// case itself may have been cut since.)
+  std::function<LessonScore(const LessonFacts&, const LoadedCase&, const HapticVolume& before, const AnyParams&)> score;
+
+  /// For reports: the facts as JSON, the end of the table in the terminal, what the page's head says beside the time,
+  /// and the page's pictures as HTML.
+  std::function<nlohmann::ordered_json(const LessonFacts&)> facts_json;
+  std::function<std::string(const LessonFacts&, const LessonScore&)> outcome, headline;
+  std::function<std::string(const LessonFacts&, const LoadedCase&)> pictures;
+};
+
+/// All of them, by name of their source.
+const std::vector<LessonModule>& module_types();
+/// Throws Error 65 with the field `lesson` where there is none of that name.
+const LessonModule& lesson_module(const std::string& name);
+/// The values of --module.
+std::vector<std::string> module_names();
+
+}  // namespace trephine

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "rubric_file.h"
+
+#include <map>
+
+#include "base/text.h"
+#include "config/declared.h"
+
+namespace trephine {
+namespace {
+
+ParameterSet file_set(const RubricType& type) {
+  ParameterSet set;
+  for (const Parameter& p : parameters_of<VersionParams>().parameters)
+    set.parameters.push_back(
+        parameter_of_holder(p, [](void* file) -> void* { return &static_cast<RubricFile*>(file)->version; }));
+  const ParameterSet& rubric = *type.make().set;
+  for (const Parameter& p : rubric.parameters)
+    set.parameters.push_back(
+        parameter_of_holder(p, [](void* file) { return static_cast<RubricFile*>(file)->rubric.object.get(); }));
+  set.make = [make = type.make] { return std::make_shared<RubricFile>(RubricFile{{}, make()}); };
+  if (rubric.fault)
+    set.fault = [fault = rubric.fault](const void* file) {
+      return fault(static_cast<const RubricFile*>(file)->rubric.object.get());
+    };
+  return set;
+}
+
+const RubricType* find_type(const YamlNode& module, std::string& known) {
+  for (const RubricType& t : rubric_types()) {
+    if (t.module == module.text) return &t;
+    known += (known.empty() ? "" : ", ") + t.module;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+AnyParams rubric_file_params(const RubricType& type) {
+  static const std::map<std::string, ParameterSet> sets = [] {
+    std::map<std::string, ParameterSet> all;
+    for (const RubricType& t : rubric_types()) all.emplace(t.module, file_set(t));
+    return all;
+  }();
+  const ParameterSet& set = sets.at(type.module);
+  return {&set, set.make()};
+}
+
+AnyParams read_rubric_yaml(const std::filesystem::path& file) {
+  ConfigFaults faults;
+  const YamlNode tree = read_yaml(file);
+  const RubricType* type = &rubric_types().front();  // where the file names none, that is its fault
+  const YamlNode* module = tree.kind == YamlNode::Kind::map ? tree.find("module") : nullptr;
+  if (module && module->kind == YamlNode::Kind::scalar) {
+    std::string known;
+    type = find_type(*module, known);
+    if (!type) {
+      faults.add(file, *module, "module", printable(module->text) + ", no such lesson; known are " + known);
+      faults.raise();
+    }
+  }
+  const AnyParams said = rubric_file_params(*type);
+  read_declared({file, faults, {}, {}}, tree, *said.set, said.object.get());
+  faults.raise();
+  return static_cast<const RubricFile*>(said.object.get())->rubric;
+}
+
+}  // namespace trephine
