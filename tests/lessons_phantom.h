@@ -87,9 +87,12 @@ inline void add_shape(CaseManifest& m, const HapticShape& s, const CaseMaterial&
   shape.material = material;
   shape.cuttable = cuttable;
   shape.displayed = "haptic";
-  m.haptic.shapes.push_back(shape);
   CaseAnatomy a;
   a.name = s.name;
+  const std::array<double, 3> colours[] = {
+      {0.55, 0.65, 0.85}, {0.85, 0.65, 0.62}, {0.93, 0.89, 0.78}, {0.87, 0.68, 0.56}};
+  a.colour_rgb = colours[(s.number - 1) % 4];
+  m.haptic.shapes.push_back(shape);
   m.anatomies.push_back(a);
 }
 

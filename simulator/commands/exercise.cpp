@@ -23,13 +23,14 @@ namespace fs = std::filesystem;
 
 struct ExerciseParams {
   std::string module = "ventriculostomy", participant;
-  bool all = true;
+  bool all = true, play = false;
   template <class V>
   static void describe(V& v) {
     using P = ExerciseParams;
     v.word(&P::module, "module", module_names(), "Which lesson.");
     v.text(&P::participant, "participant", "Anonymous token of who does it: a-z, 0-9, _ and -; never a name.");
     v.flag(&P::all, "all", "With a script, do every case that is left; without it, one.");
+    v.flag(&P::play, "play", "Open a window in which the next case that is to be done is done by hand.");
   }
 };
 
@@ -72,15 +73,19 @@ class Exercise {
         module_(lesson_module(params_.module)),
         log_(out_ / ("attempts-" + params_.module + ".csv")) {
     validate_token(params_.participant, "--participant");
-    if (parsed.has("script") != parsed.has("rubric"))
-      throw Error(ExitCode::usage, "", "--script, --rubric", "are given together or not at all");
+    if ((parsed.has("script") || params_.play) != parsed.has("rubric"))
+      throw Error(ExitCode::usage, "", "--rubric", "is given with --script or --play, and only with one of them");
+    if (parsed.has("script") && params_.play)
+      throw Error(ExitCode::usage, "", "--script, --play", "a case is done by a script or by hand");
+    if (parsed.has("settings") && !params_.play)
+      throw Error(ExitCode::usage, "", "--settings", "is of the window: it needs --play");
   }
 
   ExitCode run() {
     cases_ = cases_for_lessons(parsed_.path("library"), module_);
     make_output_folder(out_);
     take_plan();
-    if (parsed_.has("script")) do_cases();
+    if (parsed_.has("rubric")) do_cases();
     print_table();
     return ExitCode::ok;
   }
@@ -129,8 +134,8 @@ class Exercise {
   }
 
   void do_cases() {
-    const LessonScript script = read_lesson_script(parsed_.path("script"));
-    if (script.module != module_.name)
+    const LessonScript script = params_.play ? LessonScript() : read_lesson_script(parsed_.path("script"));
+    if (!params_.play && script.module != module_.name)
       throw Error(ExitCode::usage, parsed_.text("script"), "module",
                   script.module + ", but --module is " + module_.name);
     const CompiledRubric rubric = read_rubric_file(parsed_.path("rubric"));
@@ -143,13 +148,33 @@ class Exercise {
                                  plan_.cases[n].token);
         continue;
       }
-      if (!fs::exists(recording)) do_case(*c, script, recording);
+      if (!fs::exists(recording)) {
+        if (!params_.play)
+          do_case(*c, script, recording);
+        else if (play_case(*c, recording); !fs::exists(recording) || fs::exists(report))
+          return;
+      }
       // The report is last: what is there is done.
       const ScoredLesson scored = score_recording(recording, c->folder, rubric);
       write_report(scored, c->folder, {{}, file_of(n, ".html"), log_});
       write_report(scored, c->folder, {report, {}, {}});
       if (!params_.all) return;
     }
+  }
+
+  // In a window, which judges and reports it as well. A lesson that never began leaves no recording: it is still to do.
+  void play_case(const CurriculumCase& c, const fs::path& recording) {
+#ifdef TREPHINE_WITH_DISPLAY
+    const Command play = play_command();
+    std::vector<std::string> words = {c.folder.string(),      "--lesson",          params_.module,
+                                      "--participant",        params_.participant, "--rubric",
+                                      parsed_.text("rubric"), "--record",          recording.string()};
+    if (parsed_.has("settings")) words.insert(words.end(), {"--settings", parsed_.text("settings")});
+    play.run(parse_command(play, words));
+#else
+    (void)c, (void)recording;
+    throw Error(ExitCode::usage, "", "--play", "this build has no window");
+#endif
   }
 
   void do_case(const CurriculumCase& c, const LessonScript& script, const fs::path& recording) {
@@ -210,19 +235,24 @@ Command exercise_command() {
       "that "
       "it stays the same when the library grows. Cases that no reviewer approved (`trephine library approve`), that "
       "changed since, or whose class is uncertain, are left out, and it says why. With a script and a rubric each case "
-      "is done, scored and reported; what was done before is not done again. Without them it says what is to be done.";
+      "is done, scored and reported; what was done before is not done again. With --play the next case is done by hand "
+      "in "
+      "a window (`trephine-sim play`). Without either it says what is to be done.";
   Argument library = argument("library", Kind::in_folder, "The library's folder.");
   library.positional = library.required = true;
   Argument out = argument("out", Kind::out_folder, "Folder of the participant's recordings and reports.");
   out.required = true;
   c.arguments = {library, out, argument("script", Kind::in_file, "What the simulated hand does (.json)."),
-                 argument("rubric", Kind::in_file, "The compiled rubric (.json).")};
+                 argument("rubric", Kind::in_file, "The compiled rubric (.json)."),
+                 argument("settings", Kind::in_file, "With --play: settings of the window, as play takes them.")};
   c.groups = {
       ParameterGroup::of<ExerciseParams>("Parameters"), ParameterGroup::of<CurriculumParams>("The choice of cases"),
       ParameterGroup::of<ScriptAim>("How well the hand aims"), ParameterGroup::of<HandParams>("Simulated hand")};
   c.examples = {"trephine-sim exercise library --participant r-01 --out results",
                 "trephine-sim exercise library --participant r-01 --out results --script "
-                "examples/lessons/ventriculostomy.json --rubric ventriculostomy.rubric.json"};
+                "examples/lessons/ventriculostomy.json --rubric ventriculostomy.rubric.json",
+                "trephine-sim exercise library --participant r-01 --out results --play --rubric "
+                "ventriculostomy.rubric.json"};
   c.run = [](const ParsedCommand& parsed) { return Exercise(parsed).run(); };
   return c;
 }

@@ -8,10 +8,13 @@
 
 #include "base/error.h"
 #include "base/write_file.h"
+#include "cases/case.h"
 #include "cli/argument.h"
 #include "commands/commands.h"
 #include "commands/session_options.h"
 #include "commands/settings.h"
+#include "lesson/approval.h"
+#include "modules/lesson_module.h"
 
 namespace trephine {
 namespace {
@@ -34,6 +37,38 @@ struct PlayParams {
   }
 };
 
+// Recording and report of a lesson: beside --record, or in --out under the first number that is free.
+LessonPlay lesson_of(const ParsedCommand& parsed) {
+  LessonPlay l;
+  l.module = parsed.text("lesson");
+  if (parsed.has("participant")) l.participant = parsed.text("participant");
+  validate_token(l.participant, "--participant");
+  for (const char* other : {"playback", "before", "shape"})
+    if (parsed.has(other)) throw Error(ExitCode::usage, "", std::string("--lesson, --") + other, "do not go together");
+  if (!parsed.has("rubric")) throw Error(ExitCode::usage, "", "--rubric", "is needed with --lesson");
+  if (parsed.has("record") == parsed.has("out"))
+    throw Error(ExitCode::usage, "", "--out", "or --record is needed with --lesson, and not both");
+  l.rubric = parsed.path("rubric");
+  l.recording = parsed.path("record");
+  if (parsed.has("out")) {
+    const std::filesystem::path out = parsed.path("out");
+    make_output_folder(out);
+    const std::filesystem::path manifest = parsed.path("case") / "case.json";
+    const std::string token = with_file(manifest.string(), [&] {
+      const std::vector<char> bytes = read_file(manifest, 1 << 26);
+      return parse_case_json({bytes.data(), bytes.size()}).case_token;
+    });
+    int n = 0;
+    do l.recording = out / fmt::format("{}-{}-{:02}-{}.lesson", l.participant, l.module, ++n, token);
+    while (std::filesystem::exists(l.recording));
+  }
+  const auto beside = [&](const char* extension) {
+    return std::filesystem::path(l.recording).replace_extension(extension);
+  };
+  l.report = {beside(".json"), beside(".html"), l.recording.parent_path() / ("attempts-" + l.module + ".csv")};
+  return l;
+}
+
 ExitCode run_play(const ParsedCommand& given) {
   const ParsedCommand parsed = with_settings(given);
   write_settings(parsed);
@@ -51,6 +86,9 @@ ExitCode run_play(const ParsedCommand& given) {
   o.before.assign(named.begin(), named.end());
   if (!o.playback.empty() && !o.session.record.empty())
     throw Error(ExitCode::usage, "", "--playback, --record", "a recording is shown or made, not both");
+  if (parsed.has("lesson")) o.lesson = lesson_of(parsed);
+  for (const char* own : {"participant", "rubric", "out"})
+    if (parsed.has(own) && !o.lesson) throw Error(ExitCode::usage, "", std::string("--") + own, "is of a --lesson");
   o.ghost = parsed.path("ghost");
   o.head_port = params.head_port;
   o.hand = parsed.params<ScreenHandParams>();
@@ -62,6 +100,8 @@ ExitCode run_play(const ParsedCommand& given) {
   const PlayOutcome r = play(o, parsed.params<WindowParams>(), params.remote, begun, cancel_requested(),
                              [](const std::string& line) { std::cout << line << "\n"
                                                                      << std::flush; });
+  std::cout << r.score;
+  if (!r.score.empty()) std::cout << "report " << o.lesson->report.page.string() << "\n";
   std::cout << fmt::format("{} pictures in {:.1f} s, {:.1f} ms each (median)\n", r.pictures, r.seconds, r.picture_ms);
   Progress({}, &cancel_requested()).check();
   return ExitCode::ok;
@@ -78,12 +118,25 @@ Command play_command() {
       "is drilled. Mouse and keyboard hold the tool (docs/play.md lists what they do), or --device does: " +
       devices_text() +
       ". With --playback a recording is shown instead, at any time and in both directions. --remote takes the same "
-      "commands as lines on a socket. Tools drill where the case can be drilled; --no-drill keeps it whole. Exit code "
+      "commands as lines on a socket. Tools drill where the case can be drilled; --no-drill keeps it whole. With "
+      "--lesson a lesson is done (docs/lessons.md): its tools, "
+      "pedal and commands, then its score, its report and a review; until then nothing is shown that a surgeon would "
+      "not see. Exit code "
       "74 says that there is no display, no OpenGL 4.3, or that the driver lost its context; what was recorded until "
       "then is kept.";
   c.arguments = session_arguments(screen);
   c.arguments.push_back(argument("playback", Argument::Kind::in_file, "A recording to be shown."));
   c.arguments.push_back(before_argument());
+  Argument lesson = argument("lesson", Argument::Kind::choice, "Do this lesson: its tools, steps, score and report.");
+  lesson.choices = module_names();
+  c.arguments.push_back(lesson);
+  c.arguments.push_back(argument("rubric", Argument::Kind::in_file, "By what the lesson is judged, compiled (.json)."));
+  c.arguments.push_back(argument("participant", Argument::Kind::text,
+                                 "Anonymous token of who does the lesson: a-z, 0-9, _ and -; never a name."));
+  c.arguments.push_back(
+      argument("out", Argument::Kind::out_folder,
+               "Folder of the lesson's recording, report and log; or --record FILE, and the report is "
+               "beside it."));
   c.arguments.push_back(
       argument("ghost", Argument::Kind::in_file, "A recording whose way is shown as green dots, such as an expert's."));
   c.arguments.push_back(argument("shots", Argument::Kind::out_folder,
@@ -96,6 +149,8 @@ Command play_command() {
   c.examples = {"trephine-sim play library/sample",
                 "trephine-sim play library/sample --tool catheter --record way.servo",
                 "trephine-sim play library/sample --playback hole.servo",
+                "trephine-sim play library/sample --lesson ventriculostomy --rubric ventriculostomy.rubric.json "
+                "--participant r-01 --out results",
                 "trephine-sim play library/sample --device udp --stereo side_by_side"};
   c.run = run_play;
   return c;

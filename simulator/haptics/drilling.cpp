@@ -34,11 +34,23 @@ DrillShapes drill_shapes_of(const CaseHaptic& haptic) {
   return out;
 }
 
+std::uint64_t drilled_shapes(const CaseHaptic& haptic) {
+  const DrillShapes shapes = drill_shapes_of(haptic);
+  std::uint64_t bits = 0;
+  for (std::size_t n = 1; n < shapes.size(); ++n)
+    if (shapes[n].cuttable && shapes[n].energy_j_per_mm3 > 0) bits |= std::uint64_t{1} << n;
+  return bits;
+}
+
 Cutter cutter_of(const DrillingParams& params, const ToolParams& tool) {
+  Cutter c;
+  if (tool.tool == "scalpel") {  // FeltCase::drilling_of leaves it nothing to drill: it only incises
+    c.radius_mm = 0.5;
+    return c;
+  }
   const bool round = tool.tool == "burr" || tool.tool == "ball", craniotome = tool.tool == "craniotome";
   if (!round && !craniotome)
-    throw Error(ExitCode::usage, "", "--drill", "needs --tool burr, ball or craniotome, not " + tool.tool);
-  Cutter c;
+    throw Error(ExitCode::usage, "", "--drill", "needs --tool burr, ball, craniotome or scalpel, not " + tool.tool);
   const bool ball =
       params.cutter == DrillingParams::Cutter::own ? round : params.cutter == DrillingParams::Cutter::ball;
   c.kind = ball ? Cutter::Kind::ball : Cutter::Kind::cylinder;
@@ -65,7 +77,10 @@ void Drilling::count(const Removal& r) {
   if (r.changed.empty()) return;
   contact_.loosen(r.changed);
   outcome_.energy_j += r.energy_j;
-  for (std::size_t n = 1; n < r.units.size(); ++n) outcome_.units[n] += r.units[n];
+  for (std::size_t n = 1; n < r.units.size(); ++n) {
+    outcome_.units[n] += r.units[n];
+    removed_[n].store(outcome_.units[n], std::memory_order_relaxed);
+  }
 }
 
 void Drilling::tick(const HapticInput& in, const HapticState& state) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <atomic>
 #include <string>
 
 #include "base/params.h"
@@ -56,6 +57,8 @@ struct DrillingOutcome {
 
 /// How each shape of the case is removed.
 DrillShapes drill_shapes_of(const CaseHaptic& haptic);
+/// The shapes that a drill removes, bit n for shape n.
+std::uint64_t drilled_shapes(const CaseHaptic& haptic);
 /// The tool's cutter. Throws Error 64 where the tool cuts nothing.
 Cutter cutter_of(const DrillingParams& params, const ToolParams& own_tool);
 
@@ -74,6 +77,8 @@ class Drilling {
   /// Begins an incision there.
   void incise_at(Vec3 point_mm);
   const DrillingOutcome& outcome() const { return outcome_; }
+  /// What was removed of the shape, of 1/255 voxel; another thread may ask.
+  std::int64_t removed_units(int shape) const { return removed_[std::size_t(shape)].load(std::memory_order_relaxed); }
   int slices() const { return drill_.slices(); }
 
   static constexpr std::uint32_t pedal = 1, mark = 2;
@@ -96,6 +101,7 @@ class Drilling {
   bool begun_ = false, in_bone_ = false;
   Vec3 entry_mm_;
   DrillingOutcome outcome_;
+  std::array<std::atomic<std::int64_t>, haptic_max_shapes + 1> removed_{};  // outcome_.units, for other threads
 };
 
 }  // namespace trephine

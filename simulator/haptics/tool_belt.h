@@ -60,8 +60,11 @@ class ToolBelt {
   const HapticState& update(const HapticInput& given);
   /// What tool and commands do, after the force was sent.
   void after(const HapticInput& in, const HapticState& state);
-  /// update() with an answer that is known from a recording.
+  /// update() with an answer that is known from a recording, or from a belt that works in another thread.
   void follow(const HapticInput& in, const HapticState& state);
+  /// From now on it only follows a belt whose drill is that one (null: it has none): what was removed is what that one
+  /// says, and nothing is cut by this one.
+  void watch(const Drilling* others) { watched_ = others; }
   void latch(std::uint32_t fault);
 
   const std::vector<BeltToolParams>& tools() const { return tools_; }
@@ -70,6 +73,10 @@ class ToolBelt {
   bool has_mark() const { return has_mark_; }
   Vec3 mark_mm() const { return mark_mm_; }
   Drilling* drilling() const { return drilling_; }
+  bool can_cut() const { return drilling_ || watched_; }
+  std::int64_t removed_units(int shape) const {
+    return drilling_ ? drilling_->removed_units(shape) : watched_ ? watched_->removed_units(shape) : 0;
+  }
 
  private:
   bool take(std::uint32_t buttons);
@@ -80,6 +87,7 @@ class ToolBelt {
   const std::vector<BeltToolParams> tools_;
   std::vector<std::unique_ptr<Proxy>> proxies_;
   Drilling* drilling_;
+  const Drilling* watched_ = nullptr;
   HapticState state_;
   Vec3 left_n_;  ///< of the force of the tool that was put down
   std::uint32_t buttons_ = 0;

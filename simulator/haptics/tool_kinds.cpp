@@ -16,6 +16,8 @@ const std::vector<ToolKind>& all_tool_kinds() {
       {"craniotome", "a cylinder with a flat end", Tip::flat, 2.3, 20, 1.2},
       {"jamshidi", "a needle of 11 gauge, for bone", Tip::cone, 3.05, 100, 2},
       {"points", "points of your own, from a file", Tip::own, 0, 0, 0, false, true},
+      {"marker", "a pen for the skin, felt at its tip alone"},
+      {"scalpel", "a blade that opens what is incised, felt at its tip alone"},
   };
   return all;
 }

@@ -21,6 +21,16 @@ struct LessonColumn {
   std::string row;  ///< the row that measures it under this name; empty: a figure of the score
 };
 
+/// A step that a window leads through, by the name of the tool to be taken, or of the command.
+struct LessonGuide {
+  std::string text, tool, command;
+};
+/// What a window says of a lesson that goes on: the name for programs, which ends in its unit, and the label for
+/// people.
+struct LessonStatus {
+  std::string name, label, value;
+};
+
 /// A lesson that the program knows: everything that commands, scripts, reports, logs and curricula need of it. Every
 /// simulator/scoring/NAME_module.cpp defines `LessonModule NAME_module()`, and CMake finds it; its rubric is declared
 /// in lib/lesson/NAME_rubric.cpp. Nothing else names a module.
@@ -44,6 +54,12 @@ struct LessonModule {
   /// Pure: the same facts, case, volume as the lesson began, and rubric give the same rows. (The haptic volume of the
   /// case itself may have been cut since.)
   std::function<LessonScore(const LessonFacts&, const LoadedCase&, const HapticVolume& before, const AnyParams&)> score;
+
+  /// For a window: the steps in their order (empty: a step for each tool, and the end), what it says meanwhile, and
+  /// what a marker drew and nobody erased. Each may be empty.
+  std::function<std::vector<LessonGuide>(const LessonFacts&)> guide;
+  std::function<std::vector<LessonStatus>(const LessonFacts&)> status;
+  std::function<std::vector<Vec3>(const LessonFacts&)> ink;
 
   /// For reports: the facts as JSON, the end of the table in the terminal, what the page's head says beside the time,
   /// and the page's pictures as HTML.

@@ -15,14 +15,6 @@ namespace {
 
 constexpr std::uint64_t ticks_at_once = 4096;
 
-std::uint64_t drilled_shapes(const CaseManifest& manifest) {
-  const DrillShapes shapes = drill_shapes_of(manifest.haptic);
-  std::uint64_t bits = 0;
-  for (std::size_t n = 1; n < shapes.size(); ++n)
-    if (shapes[n].cuttable && shapes[n].energy_j_per_mm3 > 0) bits |= std::uint64_t{1} << n;
-  return bits;
-}
-
 RecordingHeader header_of(const FeltCase& felt, const LessonOptions& o) {
   RecordingHeader h = felt.header();
   h.device = "script";
@@ -30,13 +22,9 @@ RecordingHeader header_of(const FeltCase& felt, const LessonOptions& o) {
   h.contact = o.contact;
   h.force = o.force;
   h.shaft = o.shaft;
-  h.tools = lesson_module(o.script.module).tools();
-  h.tool = h.tools.front();
   h.drilling = o.drilling;
-  h.drilling.drill = drilled_shapes(felt.loaded.manifest) != 0;
   h.law = o.law;
-  h.lesson = o.script.module;
-  h.participant = o.participant;
+  set_lesson(h, lesson_module(o.script.module).tools(), o.script.module, o.participant, felt.loaded.manifest.haptic);
   return h;
 }
 
@@ -62,7 +50,8 @@ LessonResult run_lesson(FeltCase& felt, const LessonOptions& o, const std::atomi
   ContactVolume contact(felt.loaded.haptic, o.contact);
   const std::unique_ptr<Drilling> drilling = felt.drilling_of(header, contact);
   ToolBelt belt(contact, felt.feels, o.force, o.shaft, header.tools, drilling.get());
-  ScriptedHand hand(o.hand, module.plan(o.script, {manifest, contact, header.tools, drilled_shapes(manifest)}, o.aim));
+  ScriptedHand hand(o.hand,
+                    module.plan(o.script, {manifest, contact, header.tools, drilled_shapes(manifest.haptic)}, o.aim));
   FrameQueue queue(ticks_at_once);
   ServoParams params = o.servo;
   params.paced = params.realtime = false;

@@ -27,7 +27,7 @@ BeltToolParams tool_of(const char* name, const char* kind) {
 }  // namespace
 
 std::vector<BeltToolParams> ventriculostomy_tools() {
-  BeltToolParams marker = tool_of("marker", "point"), burr = tool_of("burr", "ball"),
+  BeltToolParams marker = tool_of("marker", "marker"), burr = tool_of("burr", "ball"),
                  catheter = tool_of("catheter", "catheter");
   marker.blunt = marker.marks = true;
   burr.blunt = burr.cuts = true;
@@ -86,7 +86,7 @@ void Ventriculostomy::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal
 void Ventriculostomy::command(int command, const ServoFrame& f, const ToolBelt& belt) {
   if (command == belt_command::erase)
     for (MarkerTrace& t : facts_.traces) t.erased = true;
-  if (command == belt_command::incise && belt.drilling() && belt.has_mark())
+  if (command == belt_command::incise && belt.can_cut() && belt.has_mark())
     facts_.incisions.push_back({f.time_s, belt.mark_mm()});
 }
 
@@ -116,7 +116,7 @@ void Ventriculostomy::draw(const ServoFrame& f, bool pedal) {
 void Ventriculostomy::end_trace() { drawing_ = false; }
 
 void Ventriculostomy::drill(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
-  if (facts_.drilled_beforehand || !belt.drilling()) return;
+  if (facts_.drilled_beforehand || !belt.can_cut()) return;
   if (pedal) {
     facts_.drill_s += f.dt_s;
     if (facts_.drill_begin_s < 0) facts_.drill_begin_s = f.time_s;
@@ -132,7 +132,7 @@ void Ventriculostomy::drill(const ServoFrame& f, const ToolBelt& belt, bool peda
       drilled_box_.end[n] = first ? at + reach + 1 : std::max(drilled_box_.end[n], at + reach + 1);
     }
   }
-  removed_units_ = belt.drilling()->outcome().units[std::size_t(shapes_.bone)];
+  removed_units_ = belt.removed_units(shapes_.bone);
   const bool due = pedal ? f.time_s - looked_s_ > look_each_s : drilling_;
   drilling_ = pedal;
   if (due && removed_units_ != looked_units_) look_for_hole(f.time_s, catheter_mm_);

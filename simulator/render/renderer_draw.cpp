@@ -184,12 +184,13 @@ void Renderer::Impl::draw_markers(const SceneState& state, double opacity) {
 void Renderer::Impl::draw_solids(const SceneState& state) {
   glEnable(GL_CULL_FACE);
   draw_markers(state, 1);
-  const auto dots = [&](const std::vector<Vec3>& places, const std::array<float, 3>& colour) {
+  const auto dots = [&](const std::vector<Vec3>& places, const std::array<float, 3>& colour, double radius_mm = 0.35) {
     set_colour(colour);
-    for (const Vec3 p : places) draw_solid_at(dot_solid, p, scaled(0.35), 1);
+    for (const Vec3 p : places) draw_solid_at(dot_solid, p, scaled(radius_mm), 1);
   };
   dots(state.trace_mm, {0.95f, 0.35f, 0.1f});
   dots(state.ghost_mm, {0.1f, 0.85f, 0.55f});
+  dots(state.ink_mm, {0.12f, 0.25f, 0.85f}, 0.9);
   if (state.tool_shown) draw_solid_at(tool, state.tip_mm, frame_along(state.axis), 1);
   glDisable(GL_CULL_FACE);
 }

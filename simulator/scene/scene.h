@@ -81,6 +81,7 @@ struct SceneState {
   std::vector<Vec3> ghost_mm;      ///< the way that somebody else went
   bool insets = false;             ///< three slices of the CT through the tip, in a corner
   std::vector<Vec3> trace_mm;      ///< a line
+  std::vector<Vec3> ink_mm;        ///< what a marker drew, as dots that touch
   std::vector<CtPlane> ct_planes;
   double ct_low_hu = -160, ct_high_hu = 240;
 };

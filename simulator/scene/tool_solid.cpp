@@ -10,7 +10,7 @@ namespace {
 using Colour = std::array<float, 3>;
 using Tip = ToolParams::Tip;
 constexpr Colour steel{0.78f, 0.80f, 0.83f}, dark_steel{0.45f, 0.47f, 0.51f}, grip{0.16f, 0.24f, 0.36f},
-    silicone{0.93f, 0.93f, 0.88f}, ink{0.05f, 0.06f, 0.10f};
+    silicone{0.93f, 0.93f, 0.88f}, ink{0.05f, 0.06f, 0.10f}, blue{0.16f, 0.30f, 0.75f};
 constexpr double pi = 3.14159265358979323846;
 
 // A place on the outline, from the tip to the tail. Where two have the same place and other normals, there is an edge.
@@ -88,10 +88,38 @@ void handle(Turned& t, double z, double neck_r, double length, double r) {
   t.part(end, true);
 }
 
+// A felt tip, a cap's seat and a thick barrel.
+Solid pen() {
+  Turned t(24);
+  t.part({{0, 0, blue}, {2.5, 0.9, blue}, {4, 1, blue}}, false);
+  t.part({{4, 2.2, silicone}, {14, 4, silicone}, {16, 4, silicone}}, false);
+  t.part({{16, 5, blue}, {110, 5, blue}}, true);
+  t.part({{110, 5, blue}, {110, 0, blue}}, true);
+  return t.take();
+}
+
+// A blade on a flat handle: turned, and then pressed flat.
+Solid scalpel() {
+  Turned t(32);
+  t.part({{0, 0, steel}, {7, 2.6, steel}, {12, 3, steel}, {26, 3, steel}, {32, 2, steel}}, false);
+  t.part({{32, 2, dark_steel}, {40, 4, dark_steel}, {130, 4, dark_steel}, {135, 0, dark_steel}}, false);
+  Solid s = t.take();
+  for (SolidVertex& v : s.vertices) {
+    const float flat = v.position_mm[2] <= 32 ? 0.12f : 0.4f;
+    v.position_mm[1] *= flat;
+    v.normal[1] /= flat;
+    const float size = std::sqrt(v.normal[0] * v.normal[0] + v.normal[1] * v.normal[1] + v.normal[2] * v.normal[2]);
+    for (float& n : v.normal) n /= size;
+  }
+  return s;
+}
+
 }  // namespace
 
 Solid solid_of(const ToolParams& tool) {
   const double r = 0.5 * tool.tool_diameter_mm, length = tool.tool_length_mm;
+  if (tool.tool == "marker") return pen();
+  if (tool.tool == "scalpel") return scalpel();
   if (!(length > 0) || !(r > 0)) {  // a point: a stylus whose very tip is felt
     Turned t(24);
     t.part({{0, 0, steel}, {6, 1, steel}, {40, 1, steel}}, false);

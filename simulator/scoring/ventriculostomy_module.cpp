@@ -85,6 +85,41 @@ std::string ways_html(const VentriculostomyFacts& facts, const LoadedCase& loade
 
 const VentriculostomyFacts& own(const LessonFacts& facts) { return static_cast<const VentriculostomyFacts&>(facts); }
 
+std::vector<LessonGuide> guide_of(const VentriculostomyFacts& f) {
+  std::vector<LessonGuide> steps;
+  if (!f.drilled_beforehand)
+    steps = {{"Mark: the pedal draws", "marker", ""},
+             {"Traces erased", "", "erase"},
+             {"Skin incised at the last mark", "", "incise"},
+             {"Drill: the pedal runs the burr", "burr", ""}};
+  steps.push_back({"Pass the catheter", "catheter", ""});
+  steps.push_back({"Finished", "", "finish"});
+  return steps;
+}
+
+std::vector<LessonStatus> status_of(const VentriculostomyFacts& f) {
+  std::vector<LessonStatus> all;
+  if (!f.drilled_beforehand) {
+    const double trace_mm = f.traces.empty() ? 0 : f.traces.back().length_mm;
+    all = {{"trace_mm", "Last trace, mm", fmt::format("{:.0f}", trace_mm)},
+           {"traces_count", "Traces", std::to_string(f.traces.size())},
+           {"incisions_count", "Incisions", std::to_string(f.incisions.size())},
+           {"hole", "Hole",
+            f.through_s >= 0 ? "through"
+            : f.hole         ? "not through"
+                             : "-"}};
+  }
+  all.push_back({"passes_count", "Passes", std::to_string(f.passes.size())});
+  return all;
+}
+
+std::vector<Vec3> ink_of(const VentriculostomyFacts& f) {
+  std::vector<Vec3> dots;
+  for (const MarkerTrace& t : f.traces)
+    if (!t.erased) dots.insert(dots.end(), t.points_mm.begin(), t.points_mm.end());
+  return dots;
+}
+
 std::string outcome(const LessonFacts&, const LessonScore& score) {
   return fmt::format("catheter passes: {}, {}", score.count("passes_count"),
                      score.flag("first_pass")     ? "success at the first pass"
@@ -131,6 +166,9 @@ LessonModule ventriculostomy_module() {
     return score_ventriculostomy(own(facts), loaded.manifest, before, rubric.as<VentriculostomyRubric>(),
                                  CriticalZones(loaded));
   };
+  m.guide = [](const LessonFacts& facts) { return guide_of(own(facts)); };
+  m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };
+  m.ink = [](const LessonFacts& facts) { return ink_of(own(facts)); };
   m.facts_json = [](const LessonFacts& facts) { return json_of(own(facts)); };
   m.outcome = outcome;
   m.headline = [](const LessonFacts&, const LessonScore& score) {

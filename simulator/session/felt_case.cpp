@@ -30,8 +30,11 @@ std::unique_ptr<Drilling> FeltCase::drilling_of(const RecordingHeader& header, C
   const ToolParams* tool = &header.tool;
   for (const BeltToolParams& t : header.tools)
     if (t.cuts) tool = &t;
-  return std::make_unique<Drilling>(loaded.haptic, contact, drill_shapes_of(loaded.manifest.haptic), header.drilling,
-                                    header.law, cutter_of(header.drilling, own_tool(*tool)), marks);
+  DrillShapes shapes = drill_shapes_of(loaded.manifest.haptic);
+  if (tool->tool == "scalpel")
+    for (DrillShape& s : shapes) s.cuttable = s.cuttable && !(s.energy_j_per_mm3 > 0);
+  return std::make_unique<Drilling>(loaded.haptic, contact, shapes, header.drilling, header.law,
+                                    cutter_of(header.drilling, own_tool(*tool)), marks);
 }
 
 RecordingHeader FeltCase::header() const {
@@ -42,6 +45,17 @@ RecordingHeader FeltCase::header() const {
   h.feel_sha256 = feel_digest(feels);
   h.felt_shape = felt_shape;
   return h;
+}
+
+void set_lesson(RecordingHeader& h, const std::vector<BeltToolParams>& tools, const std::string& module,
+                const std::string& participant, const CaseHaptic& haptic) {
+  h.tools = tools;
+  h.tool = tools.front();
+  bool cuts = false;
+  for (const BeltToolParams& t : tools) cuts = cuts || t.cuts;
+  h.drilling.drill = cuts && drilled_shapes(haptic) != 0;
+  h.lesson = module;
+  h.participant = participant;
 }
 
 Rerun::Rerun(FeltCase& felt, ContactVolume& contact, const std::string& file, const RecordingHeader& h,

@@ -27,6 +27,10 @@ struct FeltCase {
   RecordingHeader header() const;
 };
 
+/// What a lesson's recording has beside a session's: its tools, of which the burr drills where the case can be drilled.
+void set_lesson(RecordingHeader& header, const std::vector<BeltToolParams>& tools, const std::string& module,
+                const std::string& participant, const CaseHaptic& haptic);
+
 /// What of a recorded session answers to poses: one tool, or several, and what they cut. It can be run again.
 class Rerun {
  public:

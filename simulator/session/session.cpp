@@ -44,16 +44,26 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
       stop_(stop),
       patient_(patient ? std::move(patient)
                        : std::make_shared<Patient>(options.case_folder, options.shape, options.contact)),
-      device_(in_workspace(options.own_device ? options.own_device(scene_of(options, say))
-                                              : make_device(options.device, scene_of(options, say)),
-                           options.workspace)),
+      device_(with_board(in_workspace(options.own_device ? options.own_device(scene_of(options, say))
+                                                         : make_device(options.device, scene_of(options, say)),
+                                      options.workspace),
+                         options.board)),
       header_(header_of(options)),
-      proxy_(patient_->contact, patient_->felt.feels, options.force, options.shaft, make_tool(header_.tool)),
       drilling_(patient_->felt.drilling_of(header_, patient_->contact, &patient_->marks)),
       recording_(recording_of(options, header_)),
       ticks_(ticks_of(options)),
-      queue_(queue_size()),
-      servo_(proxy_, *device_, options.servo, recording_ || options.watched ? &queue_ : nullptr, drilling_.get()) {}
+      queue_(queue_size()) {
+  FrameQueue* queue = recording_ || options.watched ? &queue_ : nullptr;
+  const Feels& feels = patient_->felt.feels;
+  if (header_.tools.empty()) {
+    proxy_ = std::make_unique<Proxy>(patient_->contact, feels, options.force, options.shaft, make_tool(header_.tool));
+    servo_.emplace(*proxy_, *device_, options.servo, queue, drilling_.get());
+  } else {
+    belt_ = std::make_unique<ToolBelt>(patient_->contact, feels, options.force, options.shaft, header_.tools,
+                                       drilling_.get());
+    servo_.emplace(*belt_, *device_, options.servo, queue);
+  }
+}
 
 Session::~Session() {
   if (thread_.joinable()) thread_.join();
@@ -71,9 +81,7 @@ DeviceScene Session::scene_of(const SessionOptions& options, const std::function
                     {}};
   const CaseManifest& m = patient_->felt.loaded.manifest;
   if (!options.drilling.drill) return scene;
-  const DrillShapes shapes = drill_shapes_of(m.haptic);
-  for (std::size_t n = 1; n < shapes.size(); ++n)
-    if (shapes[n].cuttable && shapes[n].energy_j_per_mm3 > 0) scene.drilled |= std::uint64_t{1} << n;
+  scene.drilled = drilled_shapes(m.haptic);
   scene.tool_radius_mm = 0.5 * own_tool(options.tool).tool_diameter_mm;
   for (const CaseLandmark& l : m.landmarks) scene.sites.emplace_back(l.name, l.position_mm);
   for (const CaseBurrHole& b : m.burr_holes) scene.sites.emplace_back(b.name, b.position_mm);
@@ -92,6 +100,8 @@ RecordingHeader Session::header_of(const SessionOptions& options) const {
   header.drilling = options.drilling;
   header.law = options.law;
   header.begins_sha256 = options.begins_sha256;
+  if (!options.tools.empty())
+    set_lesson(header, options.tools, options.lesson, options.participant, patient_->felt.loaded.manifest.haptic);
   return header;
 }
 
@@ -100,11 +110,11 @@ std::size_t Session::queue_size() const {
   return options_.servo.paced ? std::size_t(1) << 16 : std::size_t(ticks_);
 }
 
-int Session::tool_points() const { return proxy_.tool_body() ? proxy_.tool_body()->count() : 0; }
+int Session::tool_points() const { return proxy_ && proxy_->tool_body() ? proxy_->tool_body()->count() : 0; }
 
 void Session::run() {
   const double before_s = thread_cpu_s();
-  servo_.run(ticks_, stop_);
+  servo_->run(ticks_, stop_);
   cpu_s_ = thread_cpu_s() - before_s;
   done_ = true;
 }
@@ -138,7 +148,7 @@ void Session::write_frames() {
 
 SessionResult Session::finish() {
   if (thread_.joinable()) thread_.join();
-  SessionResult result{header_, {}, grant_, servo_.statistics(), device_->counts(), queue_.dropped(), {}, {}, cpu_s_};
+  SessionResult result{header_, {}, grant_, servo_->statistics(), device_->counts(), queue_.dropped(), {}, {}, cpu_s_};
   for (const CaseShape& s : patient_->felt.loaded.manifest.haptic.shapes) result.shapes[s.number] = s.name;
   if (drilling_) {
     result.drilled = drilling_->outcome();

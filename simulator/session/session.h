@@ -15,6 +15,7 @@
 #include "device/workspace.h"
 #include "haptics/recording.h"
 #include "haptics/servo.h"
+#include "session/button_board.h"
 #include "session/felt_case.h"
 
 namespace trephine {
@@ -51,7 +52,12 @@ struct SessionOptions {
   DrillingParams drilling;
   DrillParams law;
   ShaftParams shaft;
-  std::filesystem::path record;  ///< every tick is written to this file; empty: no recording
+  /// Of a lesson: the hand holds one of them at a time (haptics/tool_belt.h), and `tool` is ignored. What drills does
+  /// so where the case can be drilled. Empty: `tool` alone.
+  std::vector<BeltToolParams> tools;
+  std::string lesson, participant;           ///< the module and an anonymous token, for the recording's header
+  std::shared_ptr<const ButtonBoard> board;  ///< buttons beside the device's own; may be null
+  std::filesystem::path record;              ///< every tick is written to this file; empty: no recording
 };
 
 /// The results of a session.
@@ -101,10 +107,11 @@ class Session {
   const std::vector<ServoFrame>& last_frames() const { return frames_; }
 
   const RecordingHeader& header() const { return header_; }
-  int tool_points() const;  ///< 0: a point at the tip alone
+  int tool_points() const;                                      ///< 0: a point at the tip alone
+  const Drilling* drilling() const { return drilling_.get(); }  ///< null where nothing cuts
   /// May be called while it runs: the faults latched so far, and how long it has run.
-  std::uint32_t faults() const { return servo_.faults(); }
-  double time_s() const { return double(servo_.ticks_done()) / options_.servo.rate_hz; }
+  std::uint32_t faults() const { return servo_->faults(); }
+  double time_s() const { return double(servo_->ticks_done()) / options_.servo.rate_hz; }
 
  private:
   RecordingHeader header_of(const SessionOptions& options) const;
@@ -118,12 +125,13 @@ class Session {
   std::shared_ptr<Patient> patient_;
   std::unique_ptr<Device> device_;
   RecordingHeader header_;
-  Proxy proxy_;
   std::unique_ptr<Drilling> drilling_;
+  std::unique_ptr<Proxy> proxy_;    // or
+  std::unique_ptr<ToolBelt> belt_;  // of the two one
   std::unique_ptr<RecordingWriter> recording_;
   std::uint64_t ticks_;
   FrameQueue queue_;
-  Servo servo_;
+  std::optional<Servo> servo_;
   std::vector<ServoFrame> frames_;  // on their way from the queue to the disk
   RealtimeGrant grant_;
   double cpu_s_ = 0;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double orbit_rad_per_px = 0.006, zoom_step = 0.9;
 constexpr double cut_step_mm = 1;
+constexpr double ask_again_s = 4;  // within which a lesson's end is asked for twice
 constexpr int left = 0, right = 1, middle = 2;
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
@@ -63,7 +64,7 @@ void Controls::move(double x, double y, Player& player, int width, int height) {
     player.camera.orbit(dx * orbit_rad_per_px, dy * orbit_rad_per_px);
   } else if (buttons_.count(middle)) {
     player.camera.pan(-dx / height, dy / height);
-  } else if (player.by_screen()) {
+  } else if (player.by_screen() && !(buttons_.count(left) && player.draws())) {
     // As far as the cursor went, at the tool's depth.
     const EyeView eye = player.camera.eye(width, height, player.stage().scene().bounds);
     const double depth = -dot(vec(player.frame().tip_mm) - eye.eye_mm, eye.toward);
@@ -74,11 +75,11 @@ void Controls::move(double x, double y, Player& player, int width, int height) {
 }
 
 void Controls::press(int key, int, Player& player, int width, int height) {
-  const auto& tools = all_tool_kinds();
+  const std::vector<std::string> tools = player.tools();
   const auto& views = view_presets();
   said.clear();
   if (key >= GLFW_KEY_1 && key < GLFW_KEY_1 + int(tools.size()) && key <= GLFW_KEY_9) {
-    said = player.take_tool(tools[std::size_t(key - GLFW_KEY_1)].name);
+    said = player.take_tool(tools[std::size_t(key - GLFW_KEY_1)]);
     return;
   }
   if (key >= GLFW_KEY_F1 && key < GLFW_KEY_F1 + int(views.size()) && key <= GLFW_KEY_F8) {
@@ -90,7 +91,25 @@ void Controls::press(int key, int, Player& player, int width, int height) {
       player.quit();
       break;
     case GLFW_KEY_M:
-      player.incise();
+      said = player.incise();
+      break;
+    case GLFW_KEY_E:
+      said = player.lesson_command("erase");
+      break;
+    case GLFW_KEY_N:
+      said = player.lesson_command("next");
+      break;
+    case GLFW_KEY_BACKSPACE:
+      said = player.lesson_command("back");
+      break;
+    case GLFW_KEY_ENTER:
+    case GLFW_KEY_KP_ENTER:
+      if (player.desk() && finish_asked_s_ >= 0 && held_s_ - finish_asked_s_ < ask_again_s) {
+        said = player.lesson_command("finish");
+      } else {
+        finish_asked_s_ = held_s_;
+        said = player.desk() ? "Enter again: the lesson ends" : "this is no lesson";
+      }
       break;
     case GLFW_KEY_X:
       said = player.cut(player.stage().state.cut ? "none" : "tool");
@@ -111,16 +130,16 @@ void Controls::press(int key, int, Player& player, int width, int height) {
       player.aim_at_viewer();
       break;
     case GLFW_KEY_C:
-      player.set_ct_slices(player.stage().state.ct_planes.empty());
+      said = player.set_ct_slices(player.stage().state.ct_planes.empty());
       break;
     case GLFW_KEY_I:
-      player.set_insets(!player.stage().state.insets);
+      said = player.set_insets(!player.stage().state.insets);
       break;
     case GLFW_KEY_K:
       player.set_trace(!player.trace_on());
       break;
     case GLFW_KEY_P:
-      player.pause(!player.paused());
+      player.pause(player.desk() && player.live() ? !player.desk()->paused() : !player.paused());
       break;
     case GLFW_KEY_EQUAL:
     case GLFW_KEY_KP_ADD:
@@ -141,7 +160,9 @@ void Controls::press(int key, int, Player& player, int width, int height) {
   }
 }
 
-void Controls::hold(double wall_s, Player& player) {
+void Controls::hold(double wall_s, Player& player, int width, int height) {
+  held_s_ += wall_s;
+  if (buttons_.count(left) && player.draws()) player.draw_at(cursor_x, cursor_y, width, height);
   const auto down = [&](int key) { return keys_.count(key) ? 1.0 : 0.0; };
   const double ahead = down(GLFW_KEY_W) - down(GLFW_KEY_S);
   if (ahead != 0) player.advance_tool(ahead * params_.advance_mm_per_s * wall_s);

@@ -16,7 +16,7 @@ class Controls {
   void apply(const std::vector<InputEvent>& events, Player& player, int width, int height, bool panel_has_mouse,
              bool panel_has_keys);
   /// What keys do for as long as they are down.
-  void hold(double wall_s, Player& player);
+  void hold(double wall_s, Player& player, int width, int height);
 
   bool panels_shown = true;
   double cursor_x = 0, cursor_y = 0;
@@ -28,6 +28,7 @@ class Controls {
   ScreenHandParams params_;
   std::set<int> keys_, buttons_;
   bool cursor_known_ = false;
+  double finish_asked_s_ = -1, held_s_ = 0;
 };
 
 }  // namespace trephine

@@ -9,22 +9,37 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "window/hud_parts.h"
 
 namespace trephine {
+
+using namespace hud;
+
 namespace {
 
 constexpr float letter_px = 13;
-// Of the colours that are told apart with any kind of colour vision (Okabe and Ito).
-const ImVec4 sky{0.34f, 0.71f, 0.91f, 1}, orange{0.90f, 0.62f, 0.00f, 1}, vermilion{0.84f, 0.37f, 0.00f, 1},
-    grey{0.65f, 0.68f, 0.72f, 1};
 
-void line(const char* what, const std::string& value, const ImVec4& colour = {1, 1, 1, 1}) {
+}  // namespace
+
+namespace hud {
+void line(const char* what, const std::string& value, const ImVec4& colour) {
   ImGui::TextColored(grey, "%s", what);
   ImGui::SameLine(ImGui::GetFontSize() * 9.5f);
   ImGui::TextColored(colour, "%s", value.c_str());
 }
 
-}  // namespace
+void tool_buttons(Player& player, int a_line) {
+  int on_line = 0;
+  for (const std::string& name : player.tools()) {
+    if (on_line++ % a_line != 0) ImGui::SameLine();
+    const bool held = player.tool() == name;
+    if (held) ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.1f, 0.45f, 0.65f, 1));
+    if (ImGui::SmallButton(name.c_str())) player.take_tool(name);
+    if (held) ImGui::PopStyleColor();
+  }
+}
+
+}  // namespace hud
 
 Hud::Hud(GlfwWindow& window, double scale, Language language) : scale_(scale), language_(language) {
   ImGui::CreateContext();
@@ -85,13 +100,7 @@ void Hud::patient_panel(Player& player) {
   if (player.live()) {
     ImGui::TextColored(sky, "%s", say(Text::tool));
     on_line = 0;
-    for (const ToolKind& kind : all_tool_kinds()) {
-      if (on_line++ % 3 != 0) ImGui::SameLine();
-      const bool held = player.tool() == kind.name;
-      if (held) ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.1f, 0.45f, 0.65f, 1));
-      if (ImGui::SmallButton(kind.name)) player.take_tool(kind.name);
-      if (held) ImGui::PopStyleColor();
-    }
+    tool_buttons(player, 3);
   }
   if (ImGui::CollapsingHeader(say(Text::keys))) ImGui::TextUnformatted(say(Text::keys_help));
   ImGui::End();
@@ -104,12 +113,14 @@ void Hud::status_panel(Player& player, const Controls& controls, const PictureTi
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoFocusOnAppearing);
   const ServoFrame& f = player.frame();
-  line(say(Text::time), fmt::format("{:.2f} s", f.time_s));
+  const bool working = player.desk() && player.live();
+  if (!working) line(say(Text::time), fmt::format("{:.2f} s", f.time_s));
   line(say(Text::tool), player.tool() + (f.buttons & Drilling::pedal ? fmt::format(" [{}]", say(Text::pedal)) : ""),
        f.buttons & Drilling::pedal ? orange : ImVec4(1, 1, 1, 1));
   line(say(Text::inside), f.inside ? player.shape_name(f.inside) : say(Text::nothing));
   line(say(Text::depth), fmt::format("{:.1f} mm", player.depth_mm()));
-  if (player.target_mm() >= 0) line(say(Text::to_target), fmt::format("{:.1f} mm", player.target_mm()));
+  if (player.target_mm() >= 0 && !working) line(say(Text::to_target), fmt::format("{:.1f} mm", player.target_mm()));
+  if (!player.desk() && player.ink_mm() > 0) line(say(Text::last_trace), fmt::format("{:.0f}", player.ink_mm()), sky);
   if (player.trace_on()) line(say(Text::trace), fmt::format("{:.0f} mm", player.trace_mm()));
   const double force =
       std::sqrt(f.force_n[0] * f.force_n[0] + f.force_n[1] * f.force_n[1] + f.force_n[2] * f.force_n[2]);
@@ -127,9 +138,10 @@ void Hud::status_panel(Player& player, const Controls& controls, const PictureTi
   if (player.live())
     line(say(Text::servo),
          fmt::format("{:.0f} Hz, {} {:.1f} ms", player.servo_hz(), say(Text::late), player.late_us() / 1000));
-  if (f.faults != 0) line(say(Text::lost_device), fault_names(f.faults), vermilion);
-  const std::string under = has_mouse() ? "" : player.under(controls.cursor_x, controls.cursor_y, width, height);
-  line(say(Text::under_cursor), under.empty() ? "-" : under);
+  if (f.faults != 0) ImGui::TextColored(vermilion, "%s: %s", say(Text::lost_device), fault_names(f.faults).c_str());
+  const std::string under =
+      has_mouse() || working ? "" : player.under(controls.cursor_x, controls.cursor_y, width, height);
+  if (!working) line(say(Text::under_cursor), under.empty() ? "-" : under);
   if (!controls.said.empty()) ImGui::TextColored(orange, "%s", controls.said.c_str());
   ImGui::PushTextWrapPos(0);
   if (!player.notes().empty()) ImGui::TextColored(grey, "%s", player.notes().back().c_str());
@@ -159,7 +171,11 @@ void Hud::draw(Player& player, Controls& controls, const PictureTimes& times, in
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
   if (controls.panels_shown) {
-    patient_panel(player);
+    if (player.desk() && player.live())
+      lesson_panel(player, controls);
+    else
+      patient_panel(player);
+    if (player.desk() && player.playback()) score_panel(player, height);
     status_panel(player, controls, times, width, height);
     if (player.playback()) playback_panel(player, width, height);
   }

@@ -96,10 +96,11 @@ class Loop {
     int width = 0, height = 0;
     window_.width_height(width, height);
     controls_.apply(events, player_, width, height, hud_.has_mouse(), hud_.has_keys());
-    controls_.hold(wall_s, player_);
+    controls_.hold(wall_s, player_, width, height);
     if (remote) remote->poll([&](const std::string& line) { return player_.command(line); });
     if (head) head->poll(player_.head_mm);
     player_.step(wall_s);
+    if (player_.stages() != stages_) reduce();
     if (width > 0 && height > 0) picture(width, height);
     window_.swap();
     if (window_.reset()) throw Error(ExitCode::io, "", "OpenGL", "the graphics driver was reset");
@@ -119,6 +120,7 @@ class Loop {
 
  private:
   void reduce() {
+    stages_ = player_.stages();
     player_.stage().set_quality(reduction_.view(), reduction_.scale());
     shown_.reduced = reduction_.text();
   }
@@ -145,6 +147,7 @@ class Loop {
   PictureTimes shown_;
   std::deque<double> times_;
   std::uint64_t pictures_ = 0;
+  int stages_ = 0;
   Clock::time_point last_ = Clock::now();
 };
 
@@ -200,6 +203,9 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
   outcome.seconds = since(begun);
   outcome.pictures = loop.pictures();
   outcome.picture_ms = loop.typical_ms();
+  if (player->desk() && player->desk()->scored())
+    outcome.score =
+        score_text(player->desk()->scored()->head, *player->desk()->scored()->facts, player->desk()->scored()->score);
   return outcome;
 }
 

@@ -35,6 +35,7 @@ struct PlayOutcome {
   double first_picture_s = 0, seconds = 0, picture_ms = 0;  ///< picture_ms: the median of the last 200
   std::uint64_t pictures = 0;
   std::string driver;
+  std::string score;  ///< of a lesson, as a table; empty where none was judged
 };
 
 /// Opens a window and runs until the user ends it, `stop` is set, or the session ends. `begun`: when the program was

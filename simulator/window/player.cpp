@@ -8,15 +8,15 @@
 
 #include "base/error.h"
 #include "surface/bounds.h"
+#include "window/ways.h"
 
 namespace trephine {
 namespace {
 
 constexpr double begin_mm = 15;    // before the site, where the tool waits
 constexpr double beyond_mm = 150;  // from where the depth of the tip is measured
-constexpr double dot_mm = 1;       // between the dots of a way, at least
 constexpr double drop_mm = 60;     // within which the place is lit where the tool would land
-constexpr std::size_t most_forces = 240, most_dots = 500;
+constexpr std::size_t most_forces = 240;
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -26,34 +26,14 @@ bool can_cut(const Patient& p) {
   return std::any_of(shapes.begin(), shapes.end(), [](const CaseShape& s) { return s.cuttable; });
 }
 
-bool rotates(const std::string& tool) { return tool == "burr" || tool == "ball" || tool == "craniotome"; }
+bool cuts(const std::string& tool) {
+  return tool == "burr" || tool == "ball" || tool == "craniotome" || tool == "scalpel";
+}
 
 // "a.servo", "a-2.servo", ...: one recording for each tool that is taken.
 std::filesystem::path numbered(const std::filesystem::path& file, int n) {
   if (n <= 1) return file;
   return file.parent_path() / (file.stem().string() + "-" + std::to_string(n) + file.extension().string());
-}
-
-// A further dot of a way, where it is far enough from the last; of too many every second one goes, so that a long way
-// costs no more than a short one.
-void add_dot(std::vector<Vec3>& way, Vec3 at, double& apart_mm) {
-  if (!way.empty() && norm(at - way.back()) < apart_mm) return;
-  way.push_back(at);
-  if (way.size() < most_dots) return;
-  for (std::size_t n = 0; 2 * n < way.size(); ++n) way[n] = way[2 * n];
-  way.resize((way.size() + 1) / 2);
-  apart_mm *= 2;
-}
-
-// Where the tool went.
-std::vector<Vec3> way_of(const std::filesystem::path& file, const std::string& token) {
-  const Recording r = read_recording(file);
-  if (r.header.case_token != token)
-    throw Error(ExitCode::bad_input, file.string(), "case", "is " + r.header.case_token + ", not " + token);
-  std::vector<Vec3> way;
-  double apart_mm = dot_mm;
-  for (const ServoFrame& f : r.frames) add_dot(way, vec(f.proxy_mm), apart_mm);
-  return way;
 }
 
 }  // namespace
@@ -68,13 +48,31 @@ Player::Player(const PlayOptions& options, const std::atomic<bool>& stop) : opti
     patient_ = std::make_shared<Patient>(o.case_folder, o.shape, o.contact, LoadParts{true});
   }
   if (!options_.ghost.empty()) ghost_mm_ = way_of(options_.ghost, patient_->felt.loaded.manifest.case_token);
+  if (options_.lesson) desk_ = std::make_unique<LessonDesk>(*options_.lesson, *patient_, o);
+}
+
+// During a lesson nothing is seen that a surgeon would not see.
+void Player::make_stage() {
+  const LoadedCase& loaded = patient_->felt.loaded;
+  ViewParams view = options_.view;
+  const bool works = desk_ && !playback_;
+  if (works) {
+    view.view_site = view.opacity = "";
+    view.cut = ViewParams::Cut::none;
+    view.places = view.insets = false;
+  }
+  stage_ = std::make_unique<Stage>(loaded, view, patient_->uncut.get());
+  ++stages_;
+  if (works)
+    for (double& opacity : stage_->state.opacity) opacity = 1;
+  else
+    stage_->state.ghost_mm = ghost_mm_;
+  if (stages_ == 1) camera = camera_of(view, loaded.manifest, stage_->scene());
 }
 
 void Player::set_stage() {
   const LoadedCase& loaded = patient_->felt.loaded;
-  stage_ = std::make_unique<Stage>(loaded, options_.view, patient_->uncut.get());
-  stage_->state.ghost_mm = ghost_mm_;
-  camera = camera_of(options_.view, loaded.manifest, stage_->scene());
+  make_stage();
   for (const CaseShape& s : loaded.manifest.haptic.shapes) shapes_[s.number] = s.name;
   tool_name_ = options_.session.tool.tool;
   if (playback_) {
@@ -85,7 +83,9 @@ void Player::set_stage() {
   }
   const Bounds& b = stage_->scene().bounds;
   goal_.tip_mm = {(b.min_mm.x + b.max_mm.x) / 2, (b.min_mm.y + b.max_mm.y) / 2, b.max_mm.z + begin_mm};
-  if (const auto a = approach_of(loaded.manifest, stage_->scene(), options_.view.view_site)) {
+  // The way to the target is what a lesson asks for.
+  const std::string site = desk_ ? "" : options_.view.view_site;
+  if (const auto a = approach_of(loaded.manifest, stage_->scene(), site)) {
     goal_.axis = -a->direction;
     goal_.tip_mm = a->site_mm + goal_.axis * begin_mm;
   }
@@ -94,16 +94,25 @@ void Player::set_stage() {
 
 Player::~Player() {
   end_ = true;
+  if (coming_.valid()) coming_.wait();
   session_.reset();
 }
 
 void Player::begin_session() {
   SessionOptions o = options_.session;
   o.watched = true;
-  if (!o.record.empty()) o.record = numbered(o.record, ++sessions_);
-  o.drilling.drill = options_.session.drilling.drill && rotates(o.tool.tool) && can_cut(*patient_);
+  if (desk_) {
+    desk_->set_session(o);
+  } else {
+    if (!o.record.empty()) o.record = numbered(o.record, ++sessions_);
+    o.drilling.drill = options_.session.drilling.drill && cuts(o.tool.tool) && can_cut(*patient_);
+    o.begins_sha256 = begins_sha256_;
+  }
+  stage_->set_tool(own_tool(desk_ ? static_cast<const ToolParams&>(desk_->tool()) : o.tool));
+  if (desk_) tool_name_ = desk_->tool().name;
   screen_hand_ = nullptr;
-  if (o.device.name.empty()) {
+  const bool own = o.device.name.empty();
+  if (own) {
     o.device.name = "screen";
     o.own_device = [this](const DeviceScene&) {
       auto hand = std::make_unique<ScreenHand>(options_.hand, goal_);
@@ -111,34 +120,58 @@ void Player::begin_session() {
       return hand;
     };
   }
-  o.begins_sha256 = begins_sha256_;
-  stage_->set_tool(own_tool(o.tool));
   end_ = false;
+  // A device may have to be waited for: meanwhile the window lives.
+  coming_ = std::async(own ? std::launch::deferred : std::launch::async, [this, o] {
+    const auto say = [this](const std::string& line) {
+      const std::lock_guard<std::mutex> lock(said_mutex_);
+      said_.push_back(line);
+    };
+    return std::make_unique<Session>(o, end_, say, patient_);
+  });
+  if (own) meet_session();
+}
+
+// Takes the session once it is there.
+void Player::meet_session() {
+  {
+    const std::lock_guard<std::mutex> lock(said_mutex_);
+    notes_.insert(notes_.end(), said_.begin(), said_.end());
+    said_.clear();
+  }
+  if (!coming_.valid() || coming_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout) return;
   try {
-    session_ = std::make_unique<Session>(
-        o, end_, [this](const std::string& line) { notes_.push_back(line); }, patient_);
+    session_ = coming_.get();
   } catch (...) {  // the hand has gone with the session that could not begin, and a window without one is of no use
     screen_hand_ = nullptr;
     quit_ = true;
     throw;
   }
-  watch_ = std::make_unique<IncisionWatch>(o.drilling);
+  watch_ = std::make_unique<IncisionWatch>(session_->header());
   session_->start();
   rate_ticks_ = 0;
 }
 
 void Player::end_session() {
-  if (!session_) return;
   end_ = true;
+  if (coming_.valid()) {
+    try {
+      coming_.get();  // it never began
+    } catch (const Cancelled&) {
+    }
+    return;
+  }
+  if (!session_) return;
   const SessionResult r = session_->finish();
   for (const ServoFrame& f : session_->last_frames()) watch_->look(f, incisions_);
   session_.reset();
+  recorded_ = true;
   screen_hand_ = nullptr;
   const ServoStatistics& t = r.statistics;
   notes_.push_back(fmt::format(
       "{}: {} ticks, tick time p50 {:.1f}, p99 {:.1f} us, woken late p50 {:.3f}, p99 {:.3f} ms, {} overruns{}",
-      r.header.tool.tool, t.ticks, t.busy.quantile_ns(0.5) / 1e3, t.busy.quantile_ns(0.99) / 1e3,
-      t.late.quantile_ns(0.5) / 1e6, t.late.quantile_ns(0.99) / 1e6, t.overruns,
+      desk_ ? r.header.lesson : r.header.tool.tool, t.ticks, t.busy.quantile_ns(0.5) / 1e3,
+      t.busy.quantile_ns(0.99) / 1e3, t.late.quantile_ns(0.5) / 1e6, t.late.quantile_ns(0.99) / 1e6, t.overruns,
       t.faults != 0 ? ", faults " + fault_names(t.faults) : ""));
   if (r.frames_lost > 0)
     notes_.push_back(fmt::format("{} frames were not recorded: the disk is too slow", r.frames_lost));
@@ -147,10 +180,17 @@ void Player::end_session() {
   for (const auto& [name, mm3] : r.outcome->removed_mm3)
     removed += fmt::format("{}{} {:.1f} mm3", removed.empty() ? "" : ", ", name, mm3);
   if (!removed.empty()) begins_sha256_ = r.outcome->volume_sha256;
-  if (!removed.empty()) notes_.push_back(fmt::format("{} removed {}", r.header.tool.tool, removed));
+  if (!removed.empty())
+    notes_.push_back(fmt::format("{} removed {}", desk_ ? r.header.lesson : r.header.tool.tool, removed));
 }
 
-void Player::finish() { end_session(); }
+void Player::finish() {
+  end_session();
+  if (!desk_ || !recorded_ || stop_.load(std::memory_order_relaxed)) return;
+  if (!judged_) desk_->judge(false, stop_);
+  judged_ = true;
+  desk_->take_judged(true);
+}
 
 void Player::aim() {
   if (screen_hand_) screen_hand_->aim(goal_);
@@ -173,36 +213,44 @@ void Player::step(double wall_s) {
       stage_->set_tool(playback_->tool());
     }
     look_at(playback_->frame());
-  } else if (session_) {
-    const std::vector<ServoFrame>& frames = session_->take_frames();
-    late_us_ = 0;
-    bool marked = false;
-    for (const ServoFrame& f : frames) {
-      watch_->look(f, incisions_);
-      late_us_ = std::max(late_us_, double(f.late_us));
-      marked = marked || (f.buttons & Drilling::mark);
-    }
-    if (marked && (goal_.buttons & Drilling::mark)) {  // the servo saw it: it is let go
-      goal_.buttons &= ~Drilling::mark;
-      aim();
-    }
-    if (!frames.empty()) look_at(frames.back());
-    if (incisions_.size() > Renderer::most_incisions && !many_incisions_) {
-      many_incisions_ = true;
-      notes_.push_back(
-          fmt::format("more than {} incisions: the oldest look closed, and are not", Renderer::most_incisions));
-    }
-    stage_->show_incisions(incisions_, incisions_.size());
-    if (wall_s_ - rate_wall_s_ > 0.5) {
-      servo_hz_ = rate_ticks_ > 0 ? double(frame_.tick - rate_ticks_) / (wall_s_ - rate_wall_s_) : 0;
-      rate_ticks_ = frame_.tick;
-      rate_wall_s_ = wall_s_;
-    }
-    if (!session_->running()) quit_ = true;
+  } else {
+    meet_session();
+    if (session_) follow_session();
+    if (desk_ && desk_->judging() && desk_->take_judged(false)) begin_review();
   }
   stage_->follow(patient_->marks);
   for (CtPlane& plane : stage_->state.ct_planes) plane.point_mm = vec(frame_.proxy_mm);
   measure();
+}
+
+void Player::follow_session() {
+  const std::vector<ServoFrame>& frames = session_->take_frames();
+  late_us_ = 0;
+  bool marked = false;
+  for (const ServoFrame& f : frames) {
+    watch_->look(f, incisions_);
+    late_us_ = std::max(late_us_, double(f.late_us));
+    marked = marked || (f.buttons & Drilling::mark);
+    if (!desk_) ink(f);
+  }
+  if (marked && (goal_.buttons & Drilling::mark)) {  // the servo saw it: it is let go
+    goal_.buttons &= ~Drilling::mark;
+    aim();
+  }
+  if (!frames.empty()) look_at(frames.back());
+  if (incisions_.size() > Renderer::most_incisions && !many_incisions_) {
+    many_incisions_ = true;
+    notes_.push_back(
+        fmt::format("more than {} incisions: the oldest look closed, and are not", Renderer::most_incisions));
+  }
+  stage_->show_incisions(incisions_, incisions_.size());
+  if (wall_s_ - rate_wall_s_ > 0.5) {
+    servo_hz_ = rate_ticks_ > 0 ? double(frame_.tick - rate_ticks_) / (wall_s_ - rate_wall_s_) : 0;
+    rate_ticks_ = frame_.tick;
+    rate_wall_s_ = wall_s_;
+  }
+  if (!session_->running() && !desk_) quit_ = true;
+  if (desk_) follow_lesson(frames);
 }
 
 // What the panel says of the tool, and the place where it would land.

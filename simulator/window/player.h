@@ -4,7 +4,9 @@
 #include <chrono>
 #include <deque>
 #include <filesystem>
+#include <future>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,6 +14,7 @@
 
 #include "render/stage.h"
 #include "session/session.h"
+#include "window/lesson_desk.h"
 #include "window/screen_hand.h"
 
 namespace trephine {
@@ -23,8 +26,9 @@ struct PlayOptions {
   std::filesystem::path playback;             ///< a recording to be shown, in place of a session
   std::filesystem::path ghost;                ///< a recording whose way is shown; may be empty
   std::vector<std::filesystem::path> before;  ///< the recordings that it follows, in their order
-  int head_port = -1;                         ///< of the loopback interface, for the user's head; below 0: none
-  std::filesystem::path shots = ".";          ///< folder of pictures that the user takes
+  std::optional<LessonPlay> lesson;   ///< done in this session; what tools and recording `session` has is ignored
+  int head_port = -1;                 ///< of the loopback interface, for the user's head; below 0: none
+  std::filesystem::path shots = ".";  ///< folder of pictures that the user takes
 };
 
 /// A case that somebody works on, or a recording that is shown: all that the window's keys, its panels and the remote
@@ -34,23 +38,29 @@ class Player {
   /// Loads the case; no context is needed yet. Throws as Patient and Playback do.
   Player(const PlayOptions& options, const std::atomic<bool>& stop);
   ~Player();
-  /// Makes the scene in the current context and begins the session. Throws as Stage and Session do.
+  /// Makes the scene in the current context and begins the session; a device that has to be waited for is waited for
+  /// in another thread. Throws as Stage and Session do.
   void set_stage();
 
   /// Takes what the servo did since the last call (or shows the recording's next moment), and makes the scene follow.
-  /// `wall_s`: time since the last call.
+  /// `wall_s`: time since the last call. Throws what a session that could not begin throws, and judging a lesson.
   void step(double wall_s);
-  /// Ends the session: its recording is complete then. What was said by sessions is in notes().
+  /// Ends the session: its recording is complete then. What was said by sessions is in notes(). A lesson that nobody
+  /// finished is judged as it is, unless the user cancelled.
   void finish();
 
   // What a user does. Each returns an empty text, or what is wrong with it.
   std::string take_tool(const std::string& name);  ///< puts the other away; the recording goes on in a further file
+  std::string lesson_command(const std::string& name);  ///< of belt_command, or next or back
   std::string set_view(const std::string& preset);
   std::string set_opacity(const std::string& anatomy, double opacity);
   std::string cut(const std::string& how);  ///< none, tool, axial, coronal, sagittal
   void move_cut(double mm);
   void set_pedal(bool down);
-  void incise();
+  std::string incise();
+  /// A marker with its pedal down goes to the surface under the cursor, and on with it.
+  void draw_at(double x, double y, int width, int height);
+  bool draws() const;  ///< such a marker is in hand
   void move_tool(Vec3 by_mm);
   void advance_tool(double mm);  ///< along its axis; not where the hand is held back far behind
   void place_tool(Vec3 tip_mm, const std::optional<Vec3>& axis);  ///< takes it away and to that place
@@ -60,9 +70,9 @@ class Player {
   std::string to_surface(double x, double y, int width, int height);
   void pause(bool on);
   void go_to(double time_s);
-  void set_places(bool shown);
-  void set_ct_slices(bool shown);
-  void set_insets(bool shown);
+  std::string set_places(bool shown);
+  std::string set_ct_slices(bool shown);
+  std::string set_insets(bool shown);
   void set_trace(bool on);
   /// "skull, 12.3, ...", or an empty text.
   std::string under(double x, double y, int width, int height) const;
@@ -73,12 +83,15 @@ class Player {
   OrbitCamera camera;
   Vec3 head_mm;  ///< of the user beside the middle of the window: right, up, towards the user
   Stage& stage() { return *stage_; }
+  int stages() const { return stages_; }  ///< how many there were: the review of a lesson has one of its own
   const Patient& patient() const { return *patient_; }
   bool live() const { return !playback_; }
   const Playback* playback() const { return playback_.get(); }
   const ServoFrame& frame() const { return frame_; }
+  const LessonDesk* desk() const { return desk_.get(); }  ///< null without a lesson
+  std::vector<std::string> tools() const;
   const std::string& tool() const { return tool_name_; }
-  bool pedal() const { return goal_.buttons & Drilling::pedal; }
+  bool pedal() const { return pedal_; }
   bool by_screen() const { return screen_hand_ != nullptr; }
   bool paused() const { return paused_; }
   double speed = 1;                                ///< of a recording that is shown
@@ -86,6 +99,7 @@ class Player {
   double target_mm() const { return target_mm_; }  ///< to the nearest target; negative where there is none
   double trace_mm() const { return trace_mm_; }
   bool trace_on() const { return tracing_; }
+  double ink_mm() const { return ink_mm_; }  ///< length of the marker's last trace, without a lesson
   const std::string& shape_name(int number) const;
   const std::deque<float>& forces() const { return forces_; }  ///< N, one a picture
   double servo_hz() const { return servo_hz_; }
@@ -99,8 +113,16 @@ class Player {
   std::filesystem::path next_shot();
 
  private:
+  void make_stage();
   void begin_session();
+  void meet_session();
   void end_session();
+  void follow_session();
+  void follow_lesson(const std::vector<ServoFrame>& frames);
+  void begin_review();
+  void ink(const ServoFrame& frame);
+  std::string barred() const;
+  std::string lesson_state() const;
   void look_at(const ServoFrame& frame);
   void measure();
   void aim();
@@ -114,7 +136,12 @@ class Player {
   std::shared_ptr<Patient> patient_;
   std::unique_ptr<Playback> playback_;
   std::unique_ptr<Stage> stage_;
+  std::shared_ptr<Patient> worked_on_;  // while patient_ is that of a lesson's review
+  std::unique_ptr<LessonDesk> desk_;
   std::unique_ptr<Session> session_;
+  std::future<std::unique_ptr<Session>> coming_;  // waits for its device
+  std::mutex said_mutex_;
+  std::vector<std::string> said_;      // by sessions that are coming
   ScreenHand* screen_hand_ = nullptr;  // the session's
   std::unique_ptr<IncisionWatch> watch_;
   std::vector<IncisionMark> incisions_;
@@ -124,12 +151,16 @@ class Player {
   Vec3 last_trace_mm_;
   std::map<int, std::string> shapes_;
   std::vector<Vec3> ghost_mm_;
+  Vec3 last_ink_mm_;
+  double ink_mm_ = 0;
+  std::uint32_t seen_buttons_ = 0;
   std::deque<float> forces_;
   double depth_mm_ = 0, target_mm_ = -1, trace_mm_ = 0, trace_apart_mm_ = 1, servo_hz_ = 0, late_us_ = 0,
          rate_wall_s_ = 0;
   double wall_s_ = 0;
   std::uint64_t rate_ticks_ = 0;
-  int sessions_ = 0, shots_ = 0;
+  int sessions_ = 0, shots_ = 0, stages_ = 0;
+  bool pedal_ = false, judged_ = false, recorded_ = false;
   bool paused_ = false, tracing_ = false, quit_ = false, shot_ = false, many_incisions_ = false;
   std::vector<std::string> notes_;
 };

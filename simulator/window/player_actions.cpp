@@ -22,6 +22,7 @@ Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
 std::string Player::take_tool(const std::string& name) {
   if (playback_) return "a recording is shown";
+  if (desk_) return session_ ? desk_->take(name) : "the lesson has ended";
   ToolParams next;
   next.tool = name;
   try {
@@ -50,6 +51,7 @@ std::string Player::set_view(const std::string& preset) {
 }
 
 std::string Player::set_opacity(const std::string& anatomy, double opacity) {
+  if (const std::string why = barred(); !why.empty()) return why;
   const int n = stage_->scene().find(anatomy);
   if (n < 0) return anatomy + ": the case shows none of that name";
   if (!(opacity >= 0 && opacity <= 1)) return "an opacity is a number from 0 to 1";
@@ -58,6 +60,7 @@ std::string Player::set_opacity(const std::string& anatomy, double opacity) {
 }
 
 std::string Player::cut(const std::string& how) {
+  if (const std::string why = barred(); !why.empty()) return why;
   const Vec3 tip = vec(frame_.proxy_mm);
   if (how == "none")
     stage_->state.cut.reset();
@@ -79,13 +82,24 @@ void Player::move_cut(double mm) {
 }
 
 void Player::set_pedal(bool down) {
+  pedal_ = down;
+  if (desk_) {
+    if (session_) desk_->set_pedal(down);
+    return;
+  }
+  if (tool_name_ == "scalpel") {  // it does not run: it cuts where it is
+    if (down) incise();
+    return;
+  }
   goal_.buttons = down ? goal_.buttons | Drilling::pedal : goal_.buttons & ~Drilling::pedal;
   aim();
 }
 
-void Player::incise() {
+std::string Player::incise() {
+  if (desk_) return lesson_command("incise");
   goal_.buttons |= Drilling::mark;
   aim();
+  return "";
 }
 
 void Player::move_tool(Vec3 by_mm) {
@@ -121,6 +135,7 @@ void Player::aim_at_viewer() {
 }
 
 std::string Player::aim_at_target() {
+  if (const std::string why = barred(); !why.empty()) return why;
   const CaseTarget* nearest = nullptr;
   for (const CaseTarget& t : patient_->felt.loaded.manifest.targets)
     if (!nearest || norm(t.position_mm - goal_.tip_mm) < norm(nearest->position_mm - goal_.tip_mm)) nearest = &t;
@@ -138,22 +153,35 @@ std::string Player::to_surface(double x, double y, int width, int height) {
   return "";
 }
 
-void Player::pause(bool on) { paused_ = on; }
+void Player::pause(bool on) {
+  if (desk_ && !playback_)
+    lesson_command(on ? "pause" : "resume");
+  else
+    paused_ = on;
+}
 void Player::go_to(double time_s) {
   if (playback_) playback_->go_to(time_s);
 }
 
-void Player::set_places(bool shown) {
+std::string Player::set_places(bool shown) {
+  if (const std::string why = barred(); !why.empty()) return why;
   stage_->state.markers = shown ? places_of(patient_->felt.loaded.manifest) : std::vector<Marker>();
+  return "";
 }
 
-void Player::set_ct_slices(bool shown) {
+std::string Player::set_ct_slices(bool shown) {
+  if (const std::string why = barred(); !why.empty()) return why;
   stage_->state.ct_planes.clear();
   if (shown)
     for (int axis = 0; axis < 3; ++axis) stage_->state.ct_planes.push_back({axis, vec(frame_.proxy_mm)});
+  return "";
 }
 
-void Player::set_insets(bool shown) { stage_->state.insets = shown; }
+std::string Player::set_insets(bool shown) {
+  if (const std::string why = barred(); !why.empty()) return why;
+  stage_->state.insets = shown;
+  return "";
+}
 
 void Player::set_trace(bool on) {
   tracing_ = on;
@@ -212,7 +240,11 @@ std::string Player::command(const std::string& line) {
     else if (verb == "pedal")
       set_pedal(on());
     else if (verb == "incise")
-      incise();
+      fault = incise();
+    else if (verb == "erase" || verb == "finish" || verb == "next" || verb == "back")
+      fault = lesson_command(verb);
+    else if (verb == "lesson")
+      return lesson_state();
     else if (verb == "move")
       move_tool(point());
     else if (verb == "place") {
@@ -222,11 +254,11 @@ std::string Player::command(const std::string& line) {
     } else if (verb == "aim")
       fault = aim_at_target();
     else if (verb == "places")
-      set_places(on());
+      fault = set_places(on());
     else if (verb == "slices")
-      set_ct_slices(on());
+      fault = set_ct_slices(on());
     else if (verb == "insets")
-      set_insets(on());
+      fault = set_insets(on());
     else if (verb == "head") {
       const Vec3 head = point();
       if (is_finite(head) && norm(head) <= most_mm) head_mm = head;

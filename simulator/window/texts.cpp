@@ -56,6 +56,35 @@ constexpr Row table[] = {
     {Text::reduced, {"Reduced", "Vereinfacht"}},
     {Text::places, {"Landmarks and targets", "Landmarken und Ziele"}},
     {Text::ct_slices, {"CT slices at the tip", "CT-Schichten an der Spitze"}},
+    {Text::lesson, {"Lesson", "Lektion"}},
+    {Text::step_mark, {"Mark: the pedal draws", "Anzeichnen: das Pedal zeichnet"}},
+    {Text::step_erase, {"Traces erased", "Spuren gelöscht"}},
+    {Text::step_incise, {"Skin incised at the last mark", "Hautschnitt an der letzten Marke"}},
+    {Text::step_drill, {"Drill: the pedal runs the burr", "Bohren: das Pedal treibt den Bohrer"}},
+    {Text::step_insert, {"Pass the catheter", "Katheter einführen"}},
+    {Text::step_finish, {"Finished", "Beendet"}},
+    {Text::last_trace, {"Last trace, mm", "Letzte Spur, mm"}},
+    {Text::traces, {"Traces", "Spuren"}},
+    {Text::incisions, {"Incisions", "Hautschnitte"}},
+    {Text::hole, {"Hole", "Bohrloch"}},
+    {Text::through, {"through", "offen"}},
+    {Text::not_through, {"not through", "nicht offen"}},
+    {Text::passes, {"Passes", "Durchgänge"}},
+    {Text::paused, {"PAUSED: nothing is felt", "PAUSE: nichts ist zu spüren"}},
+    {Text::next, {"Next (N)", "Weiter (N)"}},
+    {Text::back, {"Back (Backspace)", "Zurück (Rücktaste)"}},
+    {Text::erase, {"Erase (E)", "Löschen (E)"}},
+    {Text::incise_key, {"Incise (M)", "Schnitt (M)"}},
+    {Text::pause_key, {"Pause (P)", "Pause (P)"}},
+    {Text::finish_key, {"Finish (Enter, twice)", "Beenden (Eingabe, zweimal)"}},
+    {Text::judging, {"The lesson is judged ...", "Die Lektion wird bewertet ..."}},
+    {Text::not_judged, {"not judged", "nicht bewertet"}},
+    {Text::points, {"Points", "Punkte"}},
+    {Text::report, {"Report", "Bericht"}},
+    {Text::review_help,
+     {"Review: orange your own way, green the expert's.\nX: cut away at the tool. F1 to F8: views.",
+      "Nachbetrachtung: orange der eigene Weg, grün der des Experten.\nX: Schnitt am Instrument. F1 bis F8: "
+      "Ansichten."}},
 };
 
 constexpr bool complete() {
@@ -71,6 +100,12 @@ const std::vector<std::pair<std::string, Language>>& languages() {
   static const std::vector<std::pair<std::string, Language>> all = {{"en", Language::english},
                                                                     {"de", Language::german}};
   return all;
+}
+
+std::string translated(Language language, const std::string& english) {
+  for (const Row& row : table)
+    if (english == row.in[0]) return row.in[std::size_t(language)];
+  return english;
 }
 
 const char* text_of(Language language, Text text) { return table[std::size_t(text)].in[std::size_t(language)]; }

@@ -39,10 +39,38 @@ enum class Text {
   reduced,
   places,
   ct_slices,
+  lesson,
+  step_mark,
+  step_erase,
+  step_incise,
+  step_drill,
+  step_insert,
+  step_finish,
+  last_trace,
+  traces,
+  incisions,
+  hole,
+  through,
+  not_through,
+  passes,
+  paused,
+  next,
+  back,
+  erase,
+  incise_key,
+  pause_key,
+  finish_key,
+  judging,
+  not_judged,
+  points,
+  report,
+  review_help,
   count
 };
 enum class Language { english, german };
 const std::vector<std::pair<std::string, Language>>& languages();
 const char* text_of(Language language, Text text);
+/// The table's other word for what a lesson calls its steps and figures in English; itself where there is none.
+std::string translated(Language language, const std::string& english);
 
 }  // namespace trephine

@@ -23,7 +23,7 @@ cp "$library/head-drilled/approved.json" "$library/copy"
 expect 64 '[-]-by: must be' "$OFFLINE" library approve "$library/head" --by "Prof. A"
 expect 64 '[-]-participant: must be' "$TREPHINE" exercise "$library" --participant "A B" --out "$work/results"
 expect 64 'uncertain is no class' "${exercise[@]}" --classes normal,uncertain
-expect 64 'given together' "${exercise[@]}" --script "$work/script.json"
+expect 64 'is given with --script or --play' "${exercise[@]}" --script "$work/script.json"
 
 "${exercise[@]}" >"$work/text"
 grep -Eq '^left out: copy: its folder has another name' "$work/text" || { cat "$work/text"; fail "a copy is taken for a case"; }

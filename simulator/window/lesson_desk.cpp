@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "window/lesson_desk.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "lesson/approval.h"
+
+namespace trephine {
+namespace {
+
+constexpr double dot_mm = 1;  // of ink, apart
+
+std::vector<LessonStep> steps_of(const LessonModule& module, const LessonFacts& facts,
+                                 const std::vector<BeltToolParams>& tools) {
+  std::vector<LessonGuide> guide;
+  if (module.guide) guide = module.guide(facts);
+  if (guide.empty()) {
+    for (const BeltToolParams& t : tools) guide.push_back({t.name, t.name, ""});
+    guide.push_back({"Finished", "", "finish"});
+  }
+  std::vector<LessonStep> steps;
+  for (const LessonGuide& g : guide) {
+    LessonStep& step = steps.emplace_back();
+    step.text = g.text;
+    for (std::size_t n = 0; n < tools.size(); ++n)
+      if (tools[n].name == g.tool) step.tool = int(n);
+    for (int n = 1; n < belt_command::count; ++n)
+      if (g.command == belt_command::names[n]) step.command = n;
+  }
+  return steps;
+}
+
+HapticVolume copy_of(const HapticVolume& v) {
+  HapticVolume out;
+  out.encoding = v.encoding;
+  out.voxels = v.voxels;
+  out.shapes = v.shapes;
+  return out;
+}
+
+CompiledRubric rubric_of(const LessonPlay& p) {
+  validate_token(p.participant, "--participant");
+  CompiledRubric rubric = read_rubric_file(p.rubric);
+  if (rubric.module != p.module)
+    throw Error(ExitCode::bad_input, p.rubric.string(), "module", rubric.module + ", but the lesson is " + p.module);
+  return rubric;
+}
+
+}  // namespace
+
+LessonDesk::LessonDesk(const LessonPlay& play, const Patient& patient, const SessionOptions& o)
+    : play_(play),
+      case_folder_(o.case_folder),
+      rate_hz_(o.servo.rate_hz),
+      module_(lesson_module(play.module)),
+      rubric_(rubric_of(play)) {
+  const LoadedCase& loaded = patient.felt.loaded;
+  with_file((o.case_folder / "case.json").string(), [&] {
+    before_ = copy_of(loaded.haptic);
+    module_.require(loaded.manifest);
+    lesson_ = module_.begin(loaded.manifest, before_, loaded.haptic);
+  });
+  belt_ = std::make_unique<ToolBelt>(patient.contact, patient.felt.feels, o.force, o.shaft, module_.tools(), nullptr);
+  steps_ = steps_of(module_, lesson_->facts(), belt_->tools());
+  tool_ = std::max(0, steps_.front().tool);
+  press();
+}
+
+LessonDesk::~LessonDesk() {
+  if (judging_.valid()) judging_.wait();
+}
+
+void LessonDesk::set_session(SessionOptions& o) const {
+  o.tools = belt_->tools();
+  o.lesson = play_.module;
+  o.participant = play_.participant;
+  o.board = board_;
+  o.record = play_.recording;
+}
+
+// What the board has now. A command is there until the servo saw it, and is let go before the next one.
+void LessonDesk::press() {
+  std::uint32_t buttons = pedal_ ? belt_button::pedal : 0;
+  buttons |= std::uint32_t(tool_) << belt_button::tool_shift;
+  if (resting_ && !commands_.empty()) buttons |= std::uint32_t(commands_.front()) << belt_button::command_shift;
+  board_->buttons.store(buttons, std::memory_order_relaxed);
+}
+
+void LessonDesk::set_pedal(bool down) {
+  pedal_ = down;
+  press();
+}
+
+// The step that begins with this tool or command, if the lesson has one.
+void LessonDesk::note_step(int tool, int command) {
+  for (std::size_t n = 0; n < steps_.size(); ++n)
+    if (command != belt_command::none ? steps_[n].command == command : steps_[n].tool == tool) step_ = n;
+}
+
+std::string LessonDesk::take(const std::string& name) {
+  for (std::size_t n = 0; n < tools().size(); ++n)
+    if (tools()[n].name == name) {
+      tool_ = int(n);
+      pedal_ = false;
+      note_step(tool_, belt_command::none);
+      press();
+      return "";
+    }
+  return name + ": the lesson has no such tool";
+}
+
+std::string LessonDesk::give(const std::string& name) {
+  for (int n = 1; n < belt_command::count; ++n)
+    if (name == belt_command::names[n]) {
+      if (n == belt_command::incise && !belt_->has_mark()) return "the marker has not touched yet";
+      commands_.push_back(n);
+      note_step(-1, n);
+      press();
+      return "";
+    }
+  return name + ": there is no such command";
+}
+
+std::string LessonDesk::next() {
+  if (step_ + 1 >= steps_.size()) return "this is the last step";
+  const LessonStep& s = steps_[step_ + 1];
+  return s.tool >= 0 ? take(tools()[std::size_t(s.tool)].name) : give(belt_command::names[s.command]);
+}
+
+std::string LessonDesk::back() {
+  for (std::size_t n = step_; n-- > 0;)
+    if (steps_[n].tool >= 0) return take(tools()[std::size_t(steps_[n].tool)].name);
+  return "this is the first step";
+}
+
+void LessonDesk::watch(const std::vector<ServoFrame>& frames, const Drilling* drilling) {
+  belt_->watch(drilling);
+  for (const ServoFrame& f : frames) {
+    belt_->follow(input_of(f, rate_hz_), state_of(f));
+    lesson_->watch(f, *belt_);
+    const int command = belt_button::command(f.buttons);
+    if (resting_ && !commands_.empty() && command == commands_.front()) {
+      commands_.pop_front();
+      resting_ = false;
+      press();
+    } else if (!resting_ && command == belt_command::none) {
+      resting_ = true;
+      press();
+    }
+  }
+}
+
+std::vector<LessonStatus> LessonDesk::status() const {
+  return module_.status ? module_.status(lesson_->facts()) : std::vector<LessonStatus>();
+}
+
+bool LessonDesk::take_ink(std::vector<Vec3>& ink) {
+  if (!module_.ink) return false;
+  const std::vector<Vec3> all = module_.ink(lesson_->facts());
+  if (all.size() == ink_points_) return false;
+  ink_points_ = all.size();
+  ink.clear();
+  for (const Vec3 p : all)
+    if (ink.empty() || norm(p - ink.back()) >= dot_mm) ink.push_back(p);
+  return true;
+}
+
+void LessonDesk::judge(bool for_review, const std::atomic<bool>& stop) {
+  judging_ = std::async(std::launch::async, [this, for_review, &stop] {
+    JudgedLesson out;
+    out.scored = score_recording(play_.recording, case_folder_, rubric_);
+    // The report for programs is last: where it is, all of it is.
+    write_report(out.scored, case_folder_, {{}, play_.report.page, play_.report.log});
+    write_report(out.scored, case_folder_, {play_.report.json, {}, {}});
+    if (for_review)
+      out.review = std::make_unique<Playback>(case_folder_, play_.recording, std::vector<std::filesystem::path>(),
+                                              LoadParts{true}, Progress({}, &stop));
+    return out;
+  });
+}
+
+bool LessonDesk::take_judged(bool wait) {
+  if (!judging_.valid()) return false;
+  if (!wait && judging_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
+  judged_ = judging_.get();
+  return true;
+}
+
+}  // namespace trephine

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <deque>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "modules/lesson_module.h"
+#include "scoring/score_recording.h"
+#include "session/playback.h"
+
+namespace trephine {
+
+/// A lesson that is done in the window: who does it, by what it is judged, and where recording and report go.
+struct LessonPlay {
+  std::string module, participant = "anonymous";
+  std::filesystem::path rubric;     ///< as `trephine rubric` compiled it
+  std::filesystem::path recording;  ///< must not be there yet
+  ReportFiles report;               ///< what of it has no path is not written
+};
+
+/// What a lesson leads through, in this order: a tool to be taken, or a command.
+struct LessonStep {
+  std::string text;
+  int tool = -1;
+  int command = belt_command::none;
+};
+
+/// A lesson that has ended. `review`: its recording, to be shown; null where nobody waits for it.
+struct JudgedLesson {
+  ScoredLesson scored;
+  std::unique_ptr<Playback> review;
+};
+
+/// The lesson beside the session in which it is done: what the user presses goes to the session's board, what the
+/// servo's frames tell is followed for the panel, and what was recorded is judged by itself. So the score is that of
+/// `trephine-sim score`, and what the panel shows meanwhile changes nothing in it. In the window's thread.
+class LessonDesk {
+ public:
+  /// `patient`, as its case is, must outlive it. Throws Error 65 where the case does not hold the lesson, as
+  /// read_rubric_file does, and 64 for a participant that is no token.
+  LessonDesk(const LessonPlay& lesson, const Patient& patient, const SessionOptions& session);
+  ~LessonDesk();
+  /// Tools, module, participant, board and recording.
+  void set_session(SessionOptions& session) const;
+
+  // What the hand does besides moving. Each returns an empty text, or what is wrong with it.
+  std::string take(const std::string& tool);
+  std::string give(const std::string& command);  ///< a name of belt_command
+  std::string next();                            ///< does the next step
+  std::string back();                            ///< takes the tool of an earlier step: what was cut stays cut
+  void set_pedal(bool down);
+
+  /// What the servo did. `drilling`: the session's, null where nothing can be cut.
+  void watch(const std::vector<ServoFrame>& frames, const Drilling* drilling);
+  bool ended() const { return lesson_->facts().end != LessonEnd::running; }  ///< as far as was watched
+  bool paused() const { return belt_->paused(); }
+  bool pedal() const { return pedal_; }
+  const BeltToolParams& tool() const {
+    return belt_->tools()[std::size_t(belt_->in_hand() < 0 ? tool_ : belt_->in_hand())];
+  }
+  const std::vector<BeltToolParams>& tools() const { return belt_->tools(); }
+  const std::vector<LessonStep>& steps() const { return steps_; }
+  std::size_t step() const { return step_; }
+  const LessonFacts& facts() const { return lesson_->facts(); }
+  std::vector<LessonStatus> status() const;
+  /// What the marker drew and nobody erased, as dots; true where it changed since the last call.
+  bool take_ink(std::vector<Vec3>& ink_mm);
+
+  /// Begins to judge the recording, which must be complete, and writes the report; in a thread. `for_review`: makes the
+  /// playback as well.
+  void judge(bool for_review, const std::atomic<bool>& stop);
+  bool judging() const { return judging_.valid(); }
+  /// Takes the result where it is there; with `wait`, waits for it. Throws what judging threw.
+  bool take_judged(bool wait);
+  const ScoredLesson* scored() const { return judged_ ? &judged_->scored : nullptr; }
+  std::unique_ptr<Playback> take_review() { return judged_ ? std::move(judged_->review) : nullptr; }
+  const LessonPlay& lesson() const { return play_; }
+
+ private:
+  void press();
+  void note_step(int tool, int command);
+
+  const LessonPlay play_;
+  const std::filesystem::path case_folder_;
+  const double rate_hz_;
+  const LessonModule& module_;
+  const CompiledRubric rubric_;
+  HapticVolume before_;
+  std::unique_ptr<ToolBelt> belt_;  // follows the session's
+  std::unique_ptr<Lesson> lesson_;
+  std::vector<LessonStep> steps_;
+  std::size_t step_ = 0;
+  std::shared_ptr<ButtonBoard> board_ = std::make_shared<ButtonBoard>();
+  std::deque<int> commands_;  // given, and not seen by the servo yet
+  bool pedal_ = false, resting_ = true;
+  int tool_ = 0;
+  std::size_t ink_points_ = 0;
+  std::future<JudgedLesson> judging_;
+  std::optional<JudgedLesson> judged_;
+};
+
+}  // namespace trephine

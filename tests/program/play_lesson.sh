@@ -1,0 +1,192 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# A lesson done in the window: one that begins with a hole, with the catheter passed, finished by its key, judged and reviewed. With
+# LONG=1 also a whole one by mouse, keys and pedal (marked, erased, incised, drilled through), one that is left and one that is
+# cancelled. The recording is judged the same by `score`.
+. "$(dirname "$0")/common.sh"
+: "${OFFLINE:?}" "${WRITE_CASE:?}"
+command -v Xvfb >/dev/null || skip "no Xvfb"
+command -v xdotool >/dev/null || skip "no xdotool"
+export LP_NUM_THREADS=1
+"$OFFLINE" rubric "$SOURCE/configs/rubrics/ventriculostomy.yaml" --output "$work/rubric.json" >/dev/null
+[[ $LONG == 0 ]] || "$WRITE_CASE" "$work/head" head
+"$WRITE_CASE" "$work/head_drilled" head_drilled
+
+Xvfb -displayfd 3 -screen 0 480x360x24 3>"$work/display" >/dev/null 2>&1 &
+screen=$!
+sim=
+trap '[[ -z $sim ]] || kill $sim 2>/dev/null || true; kill $screen 2>/dev/null || true; chmod -R u+w "$work"; rm -rf "$work"' EXIT
+for try in {1..100}; do [[ -s $work/display ]] && break; sleep 0.1; done
+[[ -s $work/display ]] || fail "Xvfb does not start"
+DISPLAY=:$(cat "$work/display")
+export DISPLAY
+
+# begin CASE ARGUMENTS...: opens a window on a lesson and waits for its first picture.
+begin() {
+  local case=$1
+  rm -f "$work/said"
+  shift
+  "$TREPHINE" play "$work/$case" --lesson ventriculostomy --rubric "$work/rubric.json" --participant r-01 --no-realtime \
+    --window-width 480 --window-height 360 --no-panels --remote 0 "$@" >"$work/said" 2>"$work/fault" &
+  sim=$!
+  for try in {1..600}; do
+    grep -qs '^first picture' "$work/said" && break
+    kill -0 $sim 2>/dev/null || { cat "$work/said" "$work/fault" >&2; fail "it ends at once"; }
+    sleep 0.1
+  done
+  exec 4<>"/dev/tcp/127.0.0.1/$(sed -n 's/^remote on port //p' "$work/said")"
+}
+# ask LINE: what the remote answers, into `answer`.
+ask() {
+  echo "$1" >&4
+  IFS= read -r -t 30 -u 4 answer || { cat "$work/said" "$work/fault" >&2; fail "no answer to: $1"; }
+}
+ok() { ask "$1"; [[ $answer == ok ]] || fail "$1: $answer"; }
+field() { sed -E "s/.*\b$1 ([^ ]+).*/\1/" <<<"$answer"; }
+# until_lesson PATTERN: waits until the lesson is there.
+until_lesson() {
+  for try in {1..300}; do
+    ask lesson
+    [[ $answer =~ $1 ]] && return 0
+    sleep 0.1
+  done
+  fail "the lesson never matches $1: $answer"
+}
+finish() {
+  exec 4>&-
+  local code=0
+  wait $sim || code=$?
+  sim=
+  [[ $code == "$1" ]] || { cat "$work/said" "$work/fault" >&2; fail "exit code $code instead of $1"; }
+}
+# catheter MM: from where it was put, W and then short moves lead it to the foramen of the right until it is that near.
+catheter() {
+  local most
+  for most in 18 "$1"; do
+    [[ $most == "$1" ]] || xdotool keydown w
+    for try in {1..200}; do
+      [[ $most != "$1" ]] || ok 'move 0.28 0.14 -0.74'
+      ask state
+      read -r x y z <<<"$(sed -E 's/.* tip ([^ ]+) ([^ ]+) ([^ ]+) .*/\1 \2 \3/' <<<"$answer")"
+      awk -v x="$x" -v y="$y" -v z="$z" -v m="$most" 'BEGIN { exit (x + 3) ^ 2 + (y + 5) ^ 2 + (z - 22) ^ 2 > m * m }' && break
+      sleep 0.05
+    done
+    xdotool keyup w
+    ((try < 200)) || fail "the catheter never comes there: $answer"
+  done
+}
+# judged RECORDING: `score` says of it what the window said.
+judged() {
+  "$TREPHINE" score "$1" --case "$2" --rubric "$work/rubric.json" --json "$work/again.json" >"$work/text"
+  cmp "$work/again.json" "${1%.lesson}.json" || fail "judged again it is not the same"
+  grep -qF "$(tail -1 "$work/text")" "$work/said" || { cat "$work/said" "$work/text"; fail "the window says otherwise"; }
+  [[ -s ${1%.lesson}.html ]] || fail "no page"
+}
+
+# A case with a hole begins at the catheter. Nothing is shown before the end that a surgeon would not see.
+begin head_drilled --out "$work/out" --advance-mm-per-s 12
+until_lesson 'tool catheter step 1 passes_count 0'
+for barred in 'hide skin' 'opacity skin 0.3' aim 'cut tool' 'places on' 'slices on' 'insets on'; do
+  ask "$barred"
+  [[ $answer == 'error: not before the lesson'* ]] || fail "$barred: $answer"
+done
+ask incise
+[[ $answer == 'error: the marker has not touched yet' ]] || fail "an incision without a mark: $answer"
+ok 'place -28.8 -18.2 89.7 -0.351 -0.179 0.920'
+catheter 4
+xdotool key Return
+sleep 0.3
+ask lesson
+[[ $answer == *'end none' ]] || fail "one key ends the lesson: $answer"
+xdotool key Return key Return
+until_lesson 'end finished points [0-9]+ of 20'
+ask 'tool burr'
+[[ $answer == error:* ]] || fail "a tool after the end"
+# The review: back and forth, cut away, with what the case says of places.
+ok 'cut coronal'; ok 'opacity skin 0.2'; ok 'places on'; ok 'go_to 1'
+xdotool key Escape
+finish 0
+one=$work/out/r-01-ventriculostomy-01-head-drilled
+judged $one.lesson "$work/head_drilled"
+python3 - $one.json <<'PY'
+import json, sys
+j = json.load(open(sys.argv[1]))
+rows = {r["name"]: r["score"] for r in j["rows"]}
+assert j["participant"] == "r-01" and j["facts"]["end"] == "finished", j["facts"]
+assert rows["trajectory"] == 5 and rows["tip"] >= 4 and rows["depth"] >= 3, rows
+PY
+[[ $(wc -l <"$work/out/attempts-ventriculostomy.csv") == 2 ]] || fail "no line in the log"
+
+play=("$TREPHINE" play "$work/head_drilled" --lesson ventriculostomy)
+expect 64 '[-]-rubric: is needed' "${play[@]}" --out "$work/out"
+expect 64 '[-]-out: or --record is needed' "${play[@]}" --rubric "$work/rubric.json"
+expect 64 '[-]-participant: must be' "${play[@]}" --rubric "$work/rubric.json" --out "$work/out" --participant "Jane Doe"
+expect 64 'is of a --lesson' "$TREPHINE" play "$work/head_drilled" --participant r-01
+"$WRITE_CASE" "$work/sample" play
+expect 65 'case.json: haptic.shapes: the lesson needs' "$TREPHINE" play "$work/sample" --lesson ventriculostomy --rubric "$work/rubric.json" --out "$work/out"
+[[ $LONG == 1 ]] || exit 0
+
+# The whole lesson.
+begin head --view top --record "$work/whole.lesson" --advance-mm-per-s 12
+xdotool mousemove 240 230 mousedown 1
+for at in 225 220 215 210 205 200 195 190; do xdotool mousemove 240 $at; sleep 0.2; done
+until_lesson 'trace_mm [1-9][0-9]* traces_count [1-9]'
+xdotool mouseup 1
+ok 'place -27.1 -17.5 90'
+ok 'pedal on'; ok 'move 0 0 -5'
+until_lesson 'traces_count [2-9]'
+ok 'pedal off'
+xdotool key e key m
+until_lesson 'incisions_count 1'
+xdotool key n  # the burr
+until_lesson 'tool burr step 4'
+xdotool key BackSpace
+until_lesson 'tool marker step 1'
+xdotool key 2
+until_lesson 'tool burr'
+ok 'place -26.2 -17 83.4 -0.2945 -0.1905 0.9365'
+xdotool keydown space keydown w
+until_lesson 'hole through'
+xdotool keyup w keyup space key p
+sleep 0.5
+ask lesson
+[[ $answer != *paused* ]] || fail "a pause while the burr is in the bone"
+ok 'place -60 -40 180'
+xdotool key p
+until_lesson paused
+xdotool key p key 3
+until_lesson 'tool catheter step 5'
+[[ $answer != *paused* ]] || fail "it does not go on"
+ok 'place -28.8 -18.2 89.7 -0.351 -0.179 0.920'
+catheter 4
+ok finish
+until_lesson 'end finished points [0-9]+ of 30'
+ok quit
+finish 0
+judged "$work/whole.lesson" "$work/head"
+python3 - "$work/whole.json" <<'PY'
+import json, sys
+j = json.load(open(sys.argv[1]))
+rows = {r["name"]: r["score"] for r in j["rows"]}
+assert j["participant"] == "r-01" and j["facts"]["end"] == "finished", j["facts"]
+assert rows["burr_hole"] >= 4 and rows["trajectory"] >= 4 and rows["tip"] >= 4 and rows["depth"] >= 3, rows
+assert j["facts"]["pauses"] == 1 and len(j["facts"]["incisions"]) == 1 and all(t["erased"] for t in j["facts"]["traces"]), j["facts"]
+PY
+grep -q '^ventriculostomy removed .*skull' "$work/said" || { cat "$work/said"; fail "nothing was drilled"; }
+[[ $(wc -l <"$work/attempts-ventriculostomy.csv") == 2 ]] || fail "no line in the log"
+"$TREPHINE" replay "$work/head" "$work/whole.lesson" | grep -q '^replayed bit for bit$' || fail "not bit for bit"
+
+# A window that is closed leaves a lesson that nobody finished.
+begin head_drilled --out "$work/out" --advance-mm-per-s 12
+ok 'place -28.8 -18.2 89.7 -0.351 -0.179 0.920'
+catheter 17
+xdotool key Escape
+finish 0
+judged "$work/out/r-01-ventriculostomy-02-head-drilled.lesson" "$work/head_drilled"
+grep -q 'not finished, catheter passes: 1' "$work/said" || { cat "$work/said"; fail "the end is not said"; }
+begin head_drilled --out "$work/out"
+until_lesson 'time [0-9.]*[1-9]'
+kill -INT $sim
+finish 130
+[[ -s $work/out/r-01-ventriculostomy-03-head-drilled.lesson && ! -e $work/out/r-01-ventriculostomy-03-head-drilled.json ]] ||
+  fail "what was cancelled is kept, and not judged"
