@@ -271,7 +271,8 @@ TEST(HapticsServo, ReplayWithAToolIsBitForBit) {
     path.push_back({0.1 * n,
                     {{3 * std::sin(0.7 * n), 3 * std::cos(0.9 * n), n % 5 == 0 ? 3.0 : -1.0},
                      normalized(Vec3{std::sin(0.5 * n), 0.5 * std::cos(n), 1}),
-                     0}});
+                     0,
+                     {}}});
   Trajectory device(path);
   RecordingHeader header;
   header.tool.tool = "craniotome";

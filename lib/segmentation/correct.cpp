@@ -20,12 +20,6 @@ using segmentation::BitMask;
 constexpr int added = 1, removed = 2;
 constexpr double reach_voxels = 2;  ///< around what changed, the field follows the new mask
 
-BitMask bits_of(const Mask& mask) {
-  return segmentation::make_mask(mask, [&](int j, int k, std::uint8_t* row) {
-    std::copy_n(&mask.voxels[mask.index(0, j, k)], mask.size[0], row);
-  });
-}
-
 BitMask without(BitMask a, const BitMask& b) { return a.remove(b); }
 
 void include(Box& box, const Box& other) {

@@ -139,7 +139,8 @@ Model first_guess(const std::vector<double>& values) {
   std::sort(sorted.begin(), sorted.end());
   segmentation::Histogram h;
   const double low = sorted[sorted.size() / 200], high = sorted[sorted.size() - 1 - sorted.size() / 200];
-  if (!(high > low)) throw refusal("", "the MR has one value in the whole head", {"look at the file"});
+  if (!(high > low))
+    throw refusal("", "the MR has one value in the whole head", {"give another `series` for it in `scans`"});
   h.width = (high - low) / 256;
   h.first = low;
   h.counts.assign(257, 0);
@@ -236,7 +237,9 @@ std::array<double, classes> pure_levels(const HuView& mr, const Samples& s, cons
 }
 
 [[noreturn]] void refuse(const std::string& what) {
-  throw refusal("", what, {"read a T1-weighted scan without contrast agent, or take brain and ventricles from the CT"});
+  throw refusal(
+      "", what,
+      {"give a T1-weighted `series` without contrast agent in `scans`, or take brain and ventricles from the CT"});
 }
 
 /// In T1 the dark class lies around the brain; in T2 and FLAIR the bright one does, or none.

@@ -55,7 +55,10 @@ class Hand {
       throw Error(ExitCode::io, "", "device", "is lost");
     }
     at_ = r.tip_mm;
-    device_.tell({time_s_ += dt_s_, at_, 0, 0, 0});
+    DeviceNews news;
+    news.time_s = time_s_ += dt_s_;
+    news.proxy_mm = at_;
+    device_.tell(news);
     device_.send(force(at_));
   }
   void rest(double seconds) {
