@@ -9,7 +9,6 @@ import shutil
 
 import common
 
-HEAD = '{\n "format": "trephine-case 1.2",'
 ODD = [None, True, False, 0, -1, 1, 2.5, 1e9, -1e300, 2**63, "", "another", "a\nb", "../../case.json", [], {}, [1, 2, 3], [[[[]]]],
        "0" * 64, "\u202etxt", "x" * 70000]
 
@@ -31,14 +30,14 @@ def put(value, path, new):
     value[path[-1]] = new
 
 
-def seal(folder, body):
+def seal(folder, body, head):
     for f in body["files"]:
         try:
             data = (folder / f["name"]).read_bytes()
             f["sha256"], f["bytes"] = hashlib.sha256(data).hexdigest(), len(data)
         except (OSError, TypeError, KeyError, ValueError):
             pass
-    text = HEAD + json.dumps(body, indent=1, ensure_ascii=False)[1:-2]
+    text = head + json.dumps(body, indent=1, ensure_ascii=False)[1:-2]
     text += ',\n "checksum": "' + hashlib.sha256(text.encode()).hexdigest() + '"\n}\n'
     (folder / "case.json").write_bytes(text.encode())
 
@@ -48,8 +47,9 @@ def main():
     good = attack.work / "good"
     shutil.copytree(attack.args.case, good, ignore=shutil.ignore_patterns("report", ".lock"))
     body = json.loads((good / "case.json").read_text())
+    head = '{\n "format": ' + json.dumps(body["format"]) + ","
     del body["format"], body["checksum"]
-    seal(good, body)
+    seal(good, body, head)
     attack.run("sealed again", "check", good, program=attack.args.sim, allowed={0})
     paths = list(leaves(body))
     rnd = attack.random
@@ -78,7 +78,7 @@ def main():
                     continue  # an earlier mutation took the place away
                 what.append(".".join(map(str, path)) + " = " + repr(value)[:40])
         try:
-            seal(folder, mutant)
+            seal(folder, mutant, head)
         except (TypeError, KeyError):
             continue
         attack.run(f"mutant {n}: " + ", ".join(what), "check", folder, program=attack.args.sim, allowed={0, 65, 66})
