@@ -8,6 +8,7 @@ const make = (tag, name, text) => {
   if (text !== undefined) e.textContent = text
   return e
 }
+const again = 'Make it again: trephine page CASE.'
 const tell = text => {
   const box = $('problem')
   box.hidden = false
@@ -17,7 +18,7 @@ const tell = text => {
 // A block's bytes: base64, decoded piece by piece so that no second copy of it is made, then gzip, whose checksum the browser
 // verifies.
 async function unpack(id, bytes) {
-  const damaged = `The page is cut off or damaged (its part ${id}). Make it again: trephine page CASE.`
+  const damaged = `The page is cut off or damaged (part ${id}). ${again}`
   const element = $(id)
   if (!element) throw Error(damaged)
   const text = element.textContent, piece = 1 << 20
@@ -46,7 +47,7 @@ async function unpack(id, bytes) {
 // A surface: positions in LPS mm, smooth normals, and deviations in mm (1e9 where none is known).
 function readSurface(a, u) {
   let at = 0
-  const damaged = () => Error(`The surface ${a.name} in this page is damaged. Make the page again: trephine page CASE.`)
+  const damaged = () => Error(`The surface ${a.name} in this page is damaged. ${again}`)
   const varint = () => {
     let v = 0, scale = 1, b
     do {
@@ -113,13 +114,12 @@ function huOfLevels(levels) {
 }
 
 // Each byte is the difference to the median of left, above, and left + above - above left.
-function undoPrediction(u, [nx, ny, nz]) {
-  for (let at = 0, k = 0; k < nz; ++k)
+function unpredict(u, [nx, ny]) {
+  for (let at = 0; at < u.length;)
     for (let j = 0; j < ny; ++j)
       for (let i = 0, left = 0, corner = 0; i < nx; ++i, ++at) {
-        const above = j ? u[at - nx] : 0, level = left + above - corner
-        const low = left < above ? left : above, high = left < above ? above : left
-        left = u[at] = u[at] + (level < low ? low : level > high ? high : level)
+        const above = j ? u[at - nx] : 0
+        left = u[at] += Math.max(Math.min(left, above), Math.min(Math.max(left, above), left + above - corner))
         left &= 255
         corner = above
       }
@@ -128,7 +128,7 @@ function undoPrediction(u, [nx, ny, nz]) {
 async function readVolume(data, v) {
   if (!v) return null
   const voxels = await unpack(v.block, data.blocks[v.block])
-  if (v.predicted) undoPrediction(voxels, v.size)
+  if (v.predicted) unpredict(voxels, v.size)
   return { size: v.size, spacing: v.spacing_mm, origin: v.origin_mm, voxels }
 }
 
@@ -150,12 +150,12 @@ function tubeOf(hole) {
 }
 
 async function readCase() {
-  if (!$('end')) throw Error('The page is cut off: its end is missing. Make it again: trephine page CASE.')
+  if (!$('end')) throw Error('The page is cut off. ' + again)
   let data
   try {
     data = JSON.parse($('case-data').textContent)
   } catch (e) {
-    throw Error('The page is damaged (its figures). Make it again: trephine page CASE.')
+    throw Error('The page is damaged (its figures). ' + again)
   }
   const meshes = []
   for (const a of data.anatomies) if (a.block) meshes.push(readSurface(a, await unpack(a.block, data.blocks[a.block])))

@@ -82,7 +82,7 @@ function drawSlice(plane, page, state) {
   const where = `${plane.id} ${'LPS'[axis]} ${state.at[axis].toFixed(1)} mm`, low = h - 4 * r
   const places = [[plane.ends[0], 4 * r, h / 2], [plane.ends[1], w - 13 * r, h / 2], [plane.ends[2], w / 2, 12 * r],
     [plane.ends[3], Math.max(w / 2, c.measureText(where).width + 12 * r), low], [where, 4 * r, low]]
-  for (const [text, left, base] of places) outlined(c, text, left, base, '#b9cadb', r)
+  for (const [text, left, base] of places) inked(c, text, left, base, '#b9cadb', r)
   if (state.showMarks) {
     const near = page.marks.filter(l => Math.abs(l.p[axis] - state.at[axis]) < 3)
     drawLabels(c, near.map(l => ({ x: X(l.p[u]), y: Y(l.p[v]), mark: l })), r, places.map(p => boxOf(c, ...p, r)))
@@ -90,9 +90,8 @@ function drawSlice(plane, page, state) {
 }
 
 // Legible on bright bone and on black air.
-function outlined(c, text, left, base, colour, r) {
+function inked(c, text, left, base, colour, r) {
   c.lineWidth = 3 * r
-  c.lineJoin = 'round'
   c.strokeStyle = 'rgba(0,0,0,.75)'
   c.strokeText(text, left, base)
   c.fillStyle = colour
@@ -123,7 +122,7 @@ function drawLabels(c, places, r, taken = []) {
       const box = boxOf(c, mark.label, left, base, r)
       if (taken.some(t => t[0] < box[2] && box[0] < t[2] && t[1] < box[3] && box[1] < t[3])) continue
       taken.push(box)
-      outlined(c, mark.label, left, base, '#fff', r)
+      inked(c, mark.label, left, base, '#fff', r)
       break
     }
   }

@@ -1,5 +1,6 @@
 // Part 2 of 4: the camera, and the surfaces drawn with WebGL2, or by the processor where there is none.
-const halfField = .26 // radians, of the shorter side of the view
+// Radians, of the shorter side of the view.
+const halfField = .26
 
 // az turns about the patient's long axis (0: from the front), el lifts the eye, pan moves the picture (mm).
 function makeCamera(centre, radius) {
@@ -138,7 +139,8 @@ function glPainter(canvas, meshes) {
       gl.uniform1f(at.h, heat === m ? scale : 0)
       gl.disable(gl.BLEND)
       gl.depthFunc(gl.LESS)
-      if (m.opacity < .99) { // the nearest layer alone: depth first, then its colour
+      // The nearest layer alone: depth first, then its colour.
+      if (m.opacity < .99) {
         gl.colorMask(false, false, false, false)
         go()
         gl.colorMask(true, true, true, true)

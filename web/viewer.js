@@ -55,7 +55,7 @@ async function start() {
   // ---- drawing
   const view = $('view'), solid = $('solid'), over = $('over'), root = document.documentElement
   const wanted = location.hash === '#processor' ? null : glPainter(solid, meshes), painter = wanted || softPainter(solid, meshes)
-  if (!wanted) $('mode').textContent = location.hash === '#processor' ? 'drawn by the processor' : 'no WebGL2 here: drawn by the processor, slower'
+  if (!wanted) $('mode').textContent = (location.hash ? '' : 'no WebGL2 here: ') + 'drawn by the processor'
   let heat = null, scale = 1, moving = false
   const render = () => {
     const r = Math.min(2, devicePixelRatio || 1), w = Math.max(1, view.clientWidth * r | 0), h = Math.max(1, view.clientHeight * r | 0), t = performance.now()
@@ -295,7 +295,7 @@ async function start() {
   }
   const voxels = mm => mm.map(v => +v.toFixed(2)).join(' × ')
   const cell = (v, n) => [digits(v, n), v], values = o => Object.entries(o).map(([k, v]) => ({ cells: [[label(k)], [typeof v === 'number' ? digits(v, Number.isInteger(v) ? 0 : 3) : String(v), v]] }))
-  $('source').textContent = page.ct ? ((data.ct.from === 'ct' ? 'Slices: the CT of the case, in 256 grey levels' : 'Slices: the HU of the haptic volume (the case holds no other CT)') + `, on voxels of ${voxels(data.ct.spacing_mm)} mm; the case has ${voxels(data.ct.of_spacing_mm)} mm.`) : page.felt ? 'Slices: the shapes of the haptic volume; the case holds no CT (the scene did not ask for one).' : 'The case holds neither CT nor haptic volume: slices show the cuts of the surfaces alone.'
+  $('source').textContent = page.ct ? `Slices: ${data.ct.from === 'ct' ? 'the CT of the case' : 'the HU of the haptic volume'}, on voxels of ${voxels(data.ct.spacing_mm)} mm; the case has ${voxels(data.ct.of_spacing_mm)} mm.` : page.felt ? 'Slices: the shapes of the haptic volume; the case holds no CT.' : 'The case holds neither CT nor haptic volume.'
   for (const w of data.warnings) $('warnings').append(make('p', 'bad', w))
   if (!data.warnings.length) $('warnings').append(make('p', 'good', 'No warnings.'))
   table('surfaces', ['surface', 'triangles', 'ml', 'cm²', 'max', 'p99', 'RMS', 'used'], data.anatomies.map(a => {
@@ -304,7 +304,7 @@ async function start() {
   }))
   $('surfaces').append(make('p', 'faint', 'max, p99, RMS: two-sided deviation from the surface before decimation, mm; used: of the error budget, mm.'))
   for (const a of data.anatomies) {
-    if (a.from === 'haptic') $('surfaces').append(make('p', 'faint', `${label(a.name)} is displayed from the haptic volume; here it is contoured coarsely (${digits(a.triangles, 0)} triangles).`))
+    if (a.from === 'haptic') $('surfaces').append(make('p', 'faint', `${label(a.name)} is displayed from the haptic volume; here contoured coarsely (${digits(a.triangles, 0)} triangles).`))
     if (a.from === 'none') $('surfaces').append(make('p', 'faint', `${label(a.name)} has no surface here.`))
   }
   const where = p => [p.map(x => x.toFixed(1)).join('\u00a0 '), p.join(', ')]
@@ -328,10 +328,10 @@ async function start() {
 
   new ResizeObserver(both).observe(view)
   render()
-  times.first3d = performance.now() - began
   slices()
   times.first = performance.now() - began
-  window.trephine = { page, data, meshes, cam, at, clip, state, times, planes, render, slices, go, pick, cutSurface, kind: painter.kind } // for tests and the curious
+  // For tests and the curious.
+  window.trephine = { page, data, meshes, cam, at, clip, state, times, planes, render, slices, go, pick, cutSurface, kind: painter.kind }
   root.dataset.ready = '1'
 }
 
