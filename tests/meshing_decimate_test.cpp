@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <random>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -172,6 +174,22 @@ void decimate_noise(std::uint64_t seeds) {
 
 TEST(Decimate, RandomNoise) { decimate_noise(3); }  // high genus, touching sheets
 TEST(LongDecimate, RandomNoise) { decimate_noise(100); }
+
+// Where collapses meet each other all over, they are undone again: how often is bounded, and with it the time.
+TEST(Decimate, ASurfaceOfNoiseIsNotCollapsedInVain) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<float> error(0, 0.75f);
+  Field f = sphere(90, 20);  // voxels of half a millimetre
+  for (float& v : f.voxels) v = std::abs(v) < 2.9f ? v + error(random) : v;
+  Report ignored;
+  ContourParams one;
+  one.min_component_mm3 = 50;
+  const TriMesh m = contour(f, one, ignored);
+  const Result r = decimated(m, 2000, 0, 1.5);
+  EXPECT_EQ(r.text("stopped_by"), "deviation");
+  EXPECT_LT(double(r.count("collapses_undone_count")), 0.5 * double(m.triangles.size()));
+  EXPECT_LT(double(r.mesh.triangles.size()), 0.5 * double(m.triangles.size()));
+}
 
 TEST(Decimate, ScalesAndOffsets) {  // M6
   const Result unit = decimated(surface(sphere(24, 1)), 600, 0, 0);

@@ -24,6 +24,9 @@ namespace {
 /// undo. That is repeated this often, and more often where this share of the target is missing.
 constexpr int rounds_that_collapse = 12, times_made_up = 3, times_share_made_up = 12;
 constexpr double missing_share = 0.01;
+/// Where more than this share of the triangles was undone, as on a surface of noise, nothing is collapsed any more:
+/// most of it would be undone again, and the time would grow without end. Other surfaces lose a few percent.
+constexpr double most_undone_share = 0.1;
 /// Share of the bound that samples may use; the rest is for what lies between them.
 constexpr double sampled_share = 0.9;
 
@@ -127,7 +130,8 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double bound_mm, 
   int made_up = 0;
   bool clean = false;
   for (int round = 0;; ++round) {
-    if (round < rounds_that_collapse || clean)
+    const bool in_vain = double(o.undone) > most_undone_share * double(input.triangles.size());
+    if ((round < rounds_that_collapse && !in_vain) || clean)
       o.limited |= collapse.run(target, round == 0 ? progress.part(0.1, 0.7) : progress.part(0.9, 0.9));
     if (clean && collapse.mesh().live_triangles() == o.mesh.triangles.size()) break;
     clean = false;
@@ -151,7 +155,7 @@ Outcome collapse_all(const TriMesh& input, std::size_t target, double bound_mm, 
     if (faults.empty()) {
       const double most = (1 + missing_share) * static_cast<double>(target);
       const int times = static_cast<double>(o.mesh.triangles.size()) <= most ? times_share_made_up : times_made_up;
-      if (o.mesh.triangles.size() <= target || made_up++ >= times) break;
+      if (o.mesh.triangles.size() <= target || in_vain || made_up++ >= times) break;
       clean = true;
       continue;
     }
