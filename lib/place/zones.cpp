@@ -101,6 +101,8 @@ void check(const Lattice& l, const ZoneShapes& shapes, const ZoneParams& params)
   if (params.what == Zone::dura && params.thickness_mm > 0 && params.thickness_mm < 2 * coarsest)
     throw Error(ExitCode::usage, "", "thickness_mm",
                 "is less than two voxels, which cannot hold a shell: give more, or 0 for all that the dura encloses");
+  if (params.what == Zone::midline && params.half_width_mm < coarsest)
+    throw Error(ExitCode::usage, "", "half_width_mm", "is less than a voxel, which cannot hold a slab: give more");
   if (params.what == Zone::third_ventricle && !shapes.ventricles)
     throw Error(ExitCode::usage, "", "ventricles", "must be given: the third ventricle is a part of them");
 }
