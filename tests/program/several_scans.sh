@@ -80,6 +80,24 @@ sed 's/^  mr:/  t1:/' root/configs/both.yaml >root/configs/other.yaml
 expect 78 'scan: mr, the case has no such scan' "$TREPHINE" run root/configs/other.yaml --series head/dicom \
   --scan t1=head/second/scan.nrrd --out out --quiet
 
+# A burr hole keeps clear of a zone: here of the ventricles, into which the line to the foramen leads.
+"$TREPHINE" contour keep/skull.segment.nrrd --output skull.vtp --quiet
+"$TREPHINE" contour keep/ventricles.ventricles.nrrd --output zone.vtp --quiet
+mapfile -t points < <(python3 - <<'PY'
+import json
+for name, p in json.load(open("head/truth/truth.json"))["landmarks_mm"].items():
+    if name in ("nasion", "inion", "monro_right"):
+        print("--landmark=" + name + "=" + ",".join(str(v) for v in p))
+PY
+)
+hole=("$TREPHINE" burrhole skull.vtp "${points[@]}" --zone zone=zone.vtp --output hole.json --quiet)
+"${hole[@]}" --avoid zone=10 --report hole.r.json 2>said || fail "burrhole: $(cat said)"
+grep -q '"clear_of_zone_mm": [1-9][0-9]' hole.r.json || fail "no distance: $(cat hole.r.json)"
+rm hole.json
+refused 80 'avoid.zone: the trajectory enters the zone by .*move the hole' "${hole[@]}" --toward monro_right --avoid zone=1
+[[ ! -e hole.json ]] || fail "a refused hole was written"
+refused 64 'avoid: sinus, no zone of that name is given' "${hole[@]}" --avoid sinus=1
+
 # A CT is no MR with T1's contrast.
 "$TREPHINE" import head/dicom --output ct.nrrd --quiet
 "$TREPHINE" register ct.nrrd head/second/scan.nrrd --given head/second/truth.tfm --output mr.nrrd --quiet 2>said
