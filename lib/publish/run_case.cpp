@@ -153,6 +153,19 @@ void require_one_patient(Run& run, const Progress& cancelled) {
   }
 }
 
+// A series that says what it is must be what the configuration says.
+void require_modalities(const Run& run) {
+  for (const auto& [name, node] : run.graph.scans) {
+    const int read = run.graph.find(name + ".import");
+    const ParameterValue* said = run.results[static_cast<std::size_t>(read)].report.find("modality");
+    const std::string is = said ? std::get<std::string>(*said) : "";
+    const bool mr = run.config.find_scan(name)->modality == ScanModality::mr;
+    if (is != (mr ? "MR" : "CT") && is != "any")
+      throw Error(ExitCode::bad_input, "", "scans." + name + ".modality",
+                  std::string("is ") + to_text(run.config.find_scan(name)->modality) + ", and the series is " + is);
+  }
+}
+
 // Logs the warnings of every stage that the case needs, published or not. This happens before anything is refused,
 // because they may say why it will be.
 void tell_warnings(Run& run) {
@@ -339,6 +352,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
       run.results =
           execute(run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page), execution, early);
       tell_warnings(run);
+      require_modalities(run);
       publishing_began = Clock::now();
       observer.publishing();
       content = make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version,

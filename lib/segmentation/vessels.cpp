@@ -19,6 +19,7 @@ namespace {
 using namespace segmentation;
 
 constexpr double not_scanned_hu = -950;  ///< register gives air there, and there is none in a cranial cavity
+constexpr double rim_voxels = 1.2;       ///< a voxel holds bone and what is beside it
 constexpr double warned_ratio = 0.05, refused_ratio = 0.5, cut_sigma_mm = 0.7, margin_mm = 4;
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -34,6 +35,10 @@ Field find_vessels(const HuVolume& angiography, const HuVolume& ct, const BitMas
   if (lattice_of(angiography) != lattice_of(ct) || whole_cavity.lattice() != lattice_of(ct))
     throw Error(ExitCode::bad_input, "", "volume", "must lie on the CT's voxels, as `register` gives it");
   const Lattice& all = lattice_of(ct);
+  const double rim_mm =
+      params.rim_mm > 0
+          ? std::max(params.rim_mm, rim_voxels * std::max({all.spacing_mm.x, all.spacing_mm.y, all.spacing_mm.z}))
+          : 0;
   const double least = std::min({all.spacing_mm.x, all.spacing_mm.y, all.spacing_mm.z});
   const Box box = grown(whole_cavity.bounds(), static_cast<int>(std::ceil((margin_mm + params.grow_mm) / least)), all);
   const BitMask cavity = crop(whole_cavity, box);
@@ -54,7 +59,7 @@ Field find_vessels(const HuVolume& angiography, const HuVolume& ct, const BitMas
     for (auto n = static_cast<std::size_t>(from); n < static_cast<std::size_t>(to); ++n)
       more.voxels[n] = bright.voxels[n] - more.voxels[n];
   });
-  const BitMask inner = params.rim_mm > 0 ? eroded(seen, params.rim_mm, progress.part(0, 0.2)) : seen;
+  const BitMask inner = rim_mm > 0 ? eroded(seen, rim_mm, progress.part(0, 0.2)) : seen;
   // Of the inner voxels alone, so that the bone's difference does not bleed in.
   if (params.smoothing_sigma_mm > 0)
     more = masked_gaussian(std::move(more), inner, params.smoothing_sigma_mm, 0, 0.02, progress.part(0.2, 0.6));
@@ -70,8 +75,8 @@ Field find_vessels(const HuVolume& angiography, const HuVolume& ct, const BitMas
   // What lies between a vessel and the bone beside it is vessel: a sinus lies on its groove.
   BitMask rim = seen;
   rim.remove(inner);
-  if (params.rim_mm > 0) {
-    BitMask beside = dilated(vessels, params.rim_mm + least, progress.part(0.6, 0.8));
+  if (rim_mm > 0) {
+    BitMask beside = dilated(vessels, rim_mm + least, progress.part(0.6, 0.8));
     beside &= rim;
     vessels |= beside;
   }

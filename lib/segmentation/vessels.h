@@ -21,9 +21,10 @@ struct VesselsParams {
     v.number(&P::enhancement_hu, "enhancement_hu", Range{10, 1000},
              "By how much the angiography is brighter than the CT in a vessel; about half of what its middle has.");
     v.number(&P::smoothing_sigma_mm, "smoothing_sigma_mm", Range{0, 5}, "Sigma of a Gaussian against noise.");
-    v.number(&P::rim_mm, "rim_mm", Range{0, 5},
-             "So near to bone the difference of two scans is that of their bone; a vessel there is continued from "
-             "beside it.");
+    v.number(
+        &P::rim_mm, "rim_mm", Range{0, 5},
+        "So near to bone (and within 1.2 voxels of it) the difference of two scans is that of their bone; a vessel "
+        "there is continued from beside it.");
     v.number(&P::min_component_ml, "min_component_ml", Range{0, 1000}, "Pieces smaller than this are dropped.");
     v.number(&P::grow_mm, "grow_mm", Range{0, 20}, "Moves the surface outwards by this distance at the end.");
   }
@@ -31,7 +32,8 @@ struct VesselsParams {
 
 /// The opacified vessels in the cranial cavity, as a field that is positive inside them: where an angiography is
 /// brighter than the CT by enhancement_hu. Both lie on the same voxels. `within` (may be null) is an anatomy that they
-/// are sought in, such as the zone of the sagittal sinus.
+/// are sought in, such as the zone of the sagittal sinus. Where one of the scans has voxels coarser than about a
+/// millimetre, or another sharpness than the other, edges of bone may be taken for vessels.
 ///
 /// Reports voxels_count, volume_ml, pieces_count, enhancement_median_hu, and outside_ratio, the share of the cavity
 /// that the angiography does not show; warns where that is above 5 %. Throws Error 65 where the volumes or `within` are

@@ -101,11 +101,35 @@ refused 64 'avoid: sinus, no zone of that name is given' "${hole[@]}" --avoid si
 # A CT is no MR with T1's contrast.
 "$TREPHINE" import head/dicom --output ct.nrrd --quiet
 "$TREPHINE" register ct.nrrd head/second/scan.nrrd --given head/second/truth.tfm --output mr.nrrd --quiet 2>said
-expect 80 'the contrast is not that of T1' "$TREPHINE" t1-contrast ct.nrrd --ct ct.nrrd --output t1.nrrd --quiet
+expect 80 'the contrast is not that of T1|lies outside of the MR' "$TREPHINE" t1-contrast ct.nrrd --ct ct.nrrd --output t1.nrrd --quiet
+
+# A CT series that is said to be an MR; before that its registration would have to pass, so the transform is given.
+printf '#Insight Transform File V1.0\nTransform: AffineTransform_double_3_3\nParameters: 1 0 0 0 1 0 0 0 1 0 0 0\nFixedParameters: 0 0 0\n' \
+  >root/configs/truth.tfm
+sed 's/scene: .*/scene: skin.yaml/; s/pipeline: .*/pipeline: skin_recipe.yaml/; /^set:/d' root/configs/given.yaml >root/configs/wrong.yaml
+printf 'trephine: 1\nanatomies: {bone: {}}\n' >root/configs/skin.yaml
+printf 'trephine: 1\nanatomies: {bone: {shows_face: false, stages: [segment: {scan: mr}, contour, decimate, normals]}}\n' \
+  >root/configs/skin_recipe.yaml
+refused 65 'scans.mr.modality: is mr, and the series is CT' "$TREPHINE" run root/configs/wrong.yaml --series head/dicom \
+  --scan mr=head/dicom --out out4 --quiet --no-pictures --no-page
 
 # Another patient's scan: their PatientID differs, and it appears nowhere.
-"$TREPHINE" phantom other --seed 6 --columns-count 64 --rows-count 64 --slices-count 12 --slice-step-mm 12 --slice-thickness-mm 12 \
-  --mesh-step-mm 0 --no-labels --encoding none --quiet 2>/dev/null
-sed 's/modality: mr,/modality: ct,/' root/configs/both.yaml >root/configs/patients.yaml
-refused 65 'scans.mr: has another PatientID' "$TREPHINE" run root/configs/patients.yaml --series head/dicom --scan mr=other/dicom \
-  --out out3 --quiet --no-pictures --no-page
+cp -r head/dicom other
+python3 - other/* <<'PY'
+import sys
+for name in sys.argv[1:]:
+    data = open(name, "rb").read()
+    tag = b"\x10\x00\x20\x00LO\x08\x00"
+    assert tag + b"PHANTOM " in data
+    open(name, "wb").write(data.replace(tag + b"PHANTOM ", tag + b"SOMEONE "))
+PY
+sed 's/modality: mr,/modality: ct,/; /^set:/d; s/pipeline: .*/pipeline: skin_recipe.yaml/; s/scene: .*/scene: skin.yaml/' \
+  root/configs/both.yaml >root/configs/patients.yaml
+patients() { "$TREPHINE" run root/configs/patients.yaml --series head/dicom --scan mr=other --out out5 --quiet --no-pictures --no-page; }
+refused 65 'scans.mr: has another PatientID' patients
+! grep -q SOMEONE said || fail "the PatientID is told: $(cat said)"
+# With a reason it is used; the reason is recorded, and no ID.
+sed -i 's/modality: ct,/modality: ct, same_patient_reason: the other is from a second hospital,/' root/configs/patients.yaml
+patients 2>said || fail "with a reason: $(cat said)"
+grep -q 'used for the reason given' said && grep -q 'from a second hospital' out5/both/case.json || fail "not recorded"
+! grep -rq SOMEONE out5 said || fail "the PatientID is in the case"
