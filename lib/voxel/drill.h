@@ -13,13 +13,13 @@ namespace trephine {
 
 /// The law of removal.
 struct DrillParams {
-  double power_w = 20, max_rate_per_s = 25, soft_energy_ratio = 0.3;
+  double power_w = 20, max_rate_per_s = 400, soft_energy_ratio = 0.3;
   template <class V>
   static void describe(V& v) {
     using P = DrillParams;
     v.number(&P::power_w, "power_w", Range{0.01, 1000}, "Power of the drill's spindle under load.");
     v.number(&P::max_rate_per_s, "max_rate_per_s", Range{0.01, 10000},
-             "Largest rate at which occupancy falls in the cutter's middle; 25: a full voxel in 40 ms.");
+             "Largest rate at which occupancy falls in the cutter's middle; 400: a full voxel in 2.5 ms.");
     v.number(&P::soft_energy_ratio, "soft_energy_ratio", Range{0.001, 1},
              "Energy for the softest material of a hardness volume, as a share of its shape's.");
   }
@@ -46,7 +46,7 @@ struct Removal {
 /// allows: power / sum of energy * w * voxel volume over voxels that are not empty. Fractions of 1/255 are kept, in
 /// steps of 1/65280, so the removed volume does not depend on the tick's length.
 ///
-/// As the law has no rate, a cutter of more than 15,000 voxels cuts every m-th slice of voxels in a tick, each for the
+/// As the law has no rate, a cutter of more than 12,000 voxels cuts every m-th slice of voxels in a tick, each for the
 /// time since it was last cut.
 ///
 /// Only cuttable shapes are removed. Voxels only fall: the occupancy of no shape rises anywhere, and a voxel beside a
@@ -125,7 +125,7 @@ class Drill {
   bool any_shared_ = false;
 
   int slices_ = 1;
-  static constexpr int most_slices = 16, most_voxels = 15000, incision_voxels = 4000;
+  static constexpr int most_slices = 16, most_voxels = 12000, incision_voxels = 4000;
   std::array<Past, most_slices + 1> past_{};
   std::uint64_t calls_ = 0;
   Vec3 incision_mm_;
