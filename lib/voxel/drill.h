@@ -46,7 +46,7 @@ struct Removal {
 /// allows: power / sum of energy * w * voxel volume over voxels that are not empty. Fractions of 1/255 are kept, in
 /// steps of 1/65280, so the removed volume does not depend on the tick's length.
 ///
-/// As the law has no rate, a cutter of more than 12,000 voxels cuts every m-th slice of voxels in a tick, each for the
+/// As the law has no rate, a cutter of more than 8,000 voxels cuts every m-th slice of voxels in a tick, each for the
 /// time since it was last cut.
 ///
 /// Only cuttable shapes are removed. Voxels only fall: the occupancy of no shape rises anywhere, and a voxel beside a
@@ -125,7 +125,7 @@ class Drill {
   bool any_shared_ = false;
 
   int slices_ = 1;
-  static constexpr int most_slices = 16, most_voxels = 12000, incision_voxels = 4000;
+  static constexpr int most_slices = 16, most_voxels = 8000, incision_voxels = 4000;
   std::array<Past, most_slices + 1> past_{};
   std::uint64_t calls_ = 0;
   Vec3 incision_mm_;
