@@ -58,9 +58,12 @@ ExitCode run_calibrate(const ParsedCommand& given) {
   std::cout << (c.latency_ms >= 0 ? fmt::format("latency {:.2f} ms from a force to its motion\n", c.latency_ms)
                                   : std::string("latency not measured: the pulses did not move it\n"));
   std::cout << fmt::format("workspace {:.1f} x {:.1f} x {:.1f} mm\n", size.x, size.y, size.z);
-  if (c.stable_n_per_mm < 0)
+  if (c.unpressed_n_per_mm > 0)
+    std::cout << fmt::format("the wall of {:.2f} N/mm was not pressed: it and stiffer ones were not measured\n",
+                             c.unpressed_n_per_mm);
+  if (c.stable_n_per_mm < 0 && c.unpressed_n_per_mm < 0)
     std::cout << fmt::format("no wall was stable, not even one of {:g} N/mm\n", params.first_stiffness_n_per_mm);
-  else
+  else if (c.stable_n_per_mm > 0)
     std::cout << fmt::format("stable up to {:.2f} N/mm{}; the case's stiffest face has {:g} N/mm{}\n",
                              c.stable_n_per_mm,
                              c.unstable_n_per_mm > 0 ? fmt::format(", unstable at {:.2f}", c.unstable_n_per_mm) : "",
@@ -73,6 +76,7 @@ ExitCode run_calibrate(const ParsedCommand& given) {
                     {"workspace_mm", {list_of(c.workspace.min_mm), list_of(c.workspace.max_mm)}},
                     {"stable_n_per_mm", c.stable_n_per_mm > 0 ? Json(c.stable_n_per_mm) : Json()},
                     {"unstable_n_per_mm", c.unstable_n_per_mm > 0 ? Json(c.unstable_n_per_mm) : Json()},
+                    {"unpressed_n_per_mm", c.unpressed_n_per_mm > 0 ? Json(c.unpressed_n_per_mm) : Json()},
                     {"case_n_per_mm", case_n_per_mm}};
     write_file(parsed.path("json"), j.dump(1) + "\n");
   }
@@ -89,8 +93,9 @@ Command calibrate_command() {
   c.summary = "measures a device: rate, latency, workspace, and the stiffest wall on which it stays calm";
   c.description =
       "It tells the hand what to do, and sends forces of its own: pulses of --pulse-n, and walls that press with "
-      "--wall-most-n at most. A wall counts as stable where it gave the hand no energy on the whole and the device was "
-      "at rest at its end. The result is compared with the case's stiffest face. --write-settings writes a file for "
+      "--wall-most-n at most. A wall counts as stable where it was pressed, gave the hand no energy on the whole, and "
+      "the device was at rest at its end. The result is compared with the case's stiffest face. --write-settings "
+      "writes a file for "
       "`trephine-sim play --settings`, which puts the middle of the device's workspace to the middle of the case.";
   std::vector<Argument> arguments = session_arguments(DeviceChoice().name);
   for (const Argument& a : arguments)

@@ -21,6 +21,8 @@ constexpr double bite_mm = 0.3;         // how far the hand begins within a wall
 constexpr double at_rest_mm_per_s = 3;  // RMS over the last third of a wall
 constexpr double given_j = 2e-4;        // energy that noise may seem to give
 constexpr int pulses = 9;
+constexpr double least_pressed = 0.2;  // of a wall's time: with less it was not pressed
+constexpr int most_tries = 3;          // of a wall that nobody presses
 
 double median(std::vector<double> v) {
   std::nth_element(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
@@ -120,15 +122,20 @@ double measure_latency(Hand& hand, double pulse_n) {
   return found_ms.size() * 2 > pulses ? std::max(0.0, median(found_ms)) : -1;
 }
 
-bool stable(Hand& hand, const CalibrationParams& p, double stiffness, double floor_mm) {
+enum class Wall { stable, unstable, unpressed };
+
+Wall press_wall(Hand& hand, const CalibrationParams& p, double stiffness, double floor_mm) {
   const double first_n = std::min(stiffness * (floor_mm - hand.at_mm().z), p.wall_most_n);
   const double held_j = first_n * first_n / (2000 * stiffness);
   double work_j = 0, last_mm = hand.at_mm().z, pressed_n = 0, sum = 0;
-  int counted = 0;
+  int counted = 0, pressed = 0, ticks = 0;
   for (double t = 0; t < p.wall_s; t += hand.dt_s()) {
     hand.tick([&](Vec3 at) {
       work_j += pressed_n * (at.z - last_mm) / 1000;  // what the wall's last force did
-      if (t > p.wall_s * 2 / 3) {
+      ++ticks;
+      pressed += pressed_n > 0;
+      // Where nobody presses the wall, being at rest says nothing of it.
+      if (t > p.wall_s * 2 / 3 && pressed_n > 0) {
         const double speed = (at.z - last_mm) / hand.dt_s();
         sum += speed * speed;
         ++counted;
@@ -140,7 +147,9 @@ bool stable(Hand& hand, const CalibrationParams& p, double stiffness, double flo
   }
   // A spring gives back what it held at the begin, and holds at the end what the hand gave it.
   const double stored_j = pressed_n * pressed_n / (2000 * stiffness);
-  return work_j <= given_j + held_j - stored_j && std::sqrt(sum / std::max(1, counted)) < at_rest_mm_per_s;
+  if (work_j > given_j + held_j - stored_j) return Wall::unstable;
+  if (counted == 0 || pressed < least_pressed * ticks) return Wall::unpressed;
+  return std::sqrt(sum / counted) < at_rest_mm_per_s ? Wall::stable : Wall::unstable;
 }
 
 }  // namespace
@@ -155,12 +164,18 @@ Calibration calibrate(Device& device, const CalibrationParams& p, const std::ato
   out.latency_ms = measure_latency(hand, p.pulse_n);
   say("press it gently and steadily down: walls become stiffer until it trembles");
   for (double k = p.first_stiffness_n_per_mm; k <= p.last_stiffness_n_per_mm * (1 + 1e-9); k *= 1.125) {
-    hand.rest(rest_s);
-    if (!stable(hand, p, k, hand.at_mm().z + bite_mm)) {
-      out.unstable_n_per_mm = k;
-      break;
+    Wall wall = Wall::unpressed;
+    for (int n = 0; n < most_tries && wall == Wall::unpressed; ++n) {
+      if (n > 0) say("the wall was not pressed: press it down, gently and steadily");
+      hand.rest(rest_s);
+      wall = press_wall(hand, p, k, hand.at_mm().z + bite_mm);
     }
-    out.stable_n_per_mm = k;
+    if (wall == Wall::stable) {
+      out.stable_n_per_mm = k;
+      continue;
+    }
+    (wall == Wall::unstable ? out.unstable_n_per_mm : out.unpressed_n_per_mm) = k;
+    break;
   }
   hand.rest(hand.dt_s());
   return out;

@@ -36,18 +36,20 @@ struct CalibrationParams {
 
 /// What was measured of a device; negative where it could not be.
 struct Calibration {
-  double poses_hz = 0;            ///< how often its pose changed while it moved
-  double gap_p99_ms = 0;          ///< between two poses
-  double latency_ms = -1;         ///< from a force to the motion that it makes, without the time that the mass takes
-  Bounds workspace;               ///< mm, in the device's own frame
-  double stable_n_per_mm = -1;    ///< the stiffest wall on which it came to rest
-  double unstable_n_per_mm = -1;  ///< the first on which it did not
+  double poses_hz = 0;             ///< how often its pose changed while it moved
+  double gap_p99_ms = 0;           ///< between two poses
+  double latency_ms = -1;          ///< from a force to the motion that it makes, without the time that the mass takes
+  Bounds workspace;                ///< mm, in the device's own frame
+  double stable_n_per_mm = -1;     ///< the stiffest wall on which it came to rest
+  double unstable_n_per_mm = -1;   ///< the first on which it did not
+  double unpressed_n_per_mm = -1;  ///< the first that nobody pressed, which ended the walls
 };
 
 /// Measures a device that somebody holds, in the calling thread: lead it through its workspace; hold it still for the
 /// pulses; then press it down, gently and steadily, against walls that become stiffer by an eighth each. A wall counts
-/// as stable where the wall gave the hand no energy on the whole and the device was at rest at its end. `say` tells the
-/// hand what to do. Throws Error 74 where the device is lost, Cancelled.
+/// as stable where it was pressed, gave the hand no energy on the whole, and the device was at rest at its end; one
+/// that is not pressed is tried again twice. `say` tells the hand what to do. Throws Error 74 where the device is lost,
+/// Cancelled.
 Calibration calibrate(Device& device, const CalibrationParams& params, const std::atomic<bool>& stop,
                       const std::function<void(const std::string&)>& say);
 
