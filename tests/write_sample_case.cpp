@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// write_sample_case FOLDER [full|drill|play|head|head_drilled]: writes a small case of every part, one of full size,
-// one with bone to drill, one with bone under scalp, or a head for lessons, for the tests of programs.
+// write_sample_case FOLDER [full|drill|play|head|head_drilled|chest]: writes a small case of every part, one of full
+// size, one with bone to drill, one with bone under scalp, or a head for lessons, for the tests of programs.
 #include <iostream>
 
 #include "case_samples.h"
-#include "lessons_phantom.h"
+#include "lessons_chest_phantom.h"
 
 int main(int argc, char** argv) {
   if (argc < 2) return 64;
@@ -12,6 +12,10 @@ int main(int argc, char** argv) {
     const std::string kind = argc > 2 ? argv[2] : "";
     if (kind == "head" || kind == "head_drilled") {
       lessons::head_case(kind == "head" ? lessons::Kind::whole : lessons::Kind::drilled).write(argv[1]);
+      return 0;
+    }
+    if (kind == "chest") {
+      lessons_chest::chest_case(false).write(argv[1]);
       return 0;
     }
     (kind == "full"    ? case_samples::full_size_case()

@@ -21,8 +21,8 @@ constexpr int command(std::uint32_t buttons) { return int(buttons >> command_shi
 }  // namespace belt_button
 
 namespace belt_command {
-constexpr int none = 0, erase = 1, incise = 2, finish = 3, pause = 4, resume = 5;
-constexpr const char* names[] = {"none", "erase", "incise", "finish", "pause", "resume"};
+constexpr int none = 0, erase = 1, incise = 2, finish = 3, pause = 4, resume = 5, aspirate = 6;
+constexpr const char* names[] = {"none", "erase", "incise", "finish", "pause", "resume", "aspirate"};
 constexpr int count = int(sizeof names / sizeof *names);
 }  // namespace belt_command
 

@@ -60,6 +60,8 @@ struct LessonModule {
   std::function<std::vector<LessonGuide>(const LessonFacts&)> guide;
   std::function<std::vector<LessonStatus>(const LessonFacts&)> status;
   std::function<std::vector<Vec3>(const LessonFacts&)> ink;
+  /// 1: the tool is shown in green, as it succeeded; -1: in red, as it failed; 0: neither. By the lesson's rubric.
+  std::function<int(const LessonFacts&, const AnyParams& rubric)> verdict;
 
   /// For reports: the facts as JSON, the end of the table in the terminal, what the page's head says beside the time,
   /// and the page's pictures as HTML.

@@ -55,7 +55,12 @@ void Stage::set_quality(const ViewParams& params, double scale) {
   scale_ = scale;
 }
 
-void Stage::set_tool(const ToolParams& own_tool) { renderer_->set_tool(solid_of(own_tool)); }
+void Stage::set_tool(const ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb) {
+  Solid solid = solid_of(own_tool);
+  if (colour_rgb)
+    for (SolidVertex& v : solid.vertices) std::copy(colour_rgb->begin(), colour_rgb->end(), v.colour_rgb);
+  renderer_->set_tool(solid);
+}
 
 std::size_t Stage::follow(DirtyBricks& marks) {
   marked_.clear();

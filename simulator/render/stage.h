@@ -24,7 +24,8 @@ class Stage {
   const ViewParams& view() const { return params_; }
   /// How good pictures are from now on, without another view; `scale` below 1: so many pixels less in each direction.
   void set_quality(const ViewParams& params, double scale);
-  void set_tool(const ToolParams& own_tool);
+  /// `colour_rgb`: of all of it, in place of its own.
+  void set_tool(const ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb = {});
   /// Makes the live surfaces follow the marked bricks; returns how many were made anew.
   std::size_t follow(DirtyBricks& marks);
   /// The incisions that are shown: `count` of them, from the first. Of more than Renderer::most_incisions the oldest

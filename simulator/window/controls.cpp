@@ -96,6 +96,9 @@ void Controls::press(int key, int, Player& player, int width, int height) {
     case GLFW_KEY_E:
       said = player.lesson_command("erase");
       break;
+    case GLFW_KEY_A:
+      said = player.lesson_command("aspirate");
+      break;
     case GLFW_KEY_N:
       said = player.lesson_command("next");
       break;

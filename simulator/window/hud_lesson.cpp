@@ -37,9 +37,16 @@ void Hud::lesson_panel(Player& player, Controls& controls) {
     if (on_line) ImGui::SameLine();
     if (ImGui::SmallButton(say(text))) controls.said = player.lesson_command(name);
   };
-  command(Text::erase, "erase", false);
-  command(Text::incise_key, "incise", true);
-  command(Text::pause_key, desk.paused() ? "resume" : "pause", true);
+  bool on_line = false;
+  for (const LessonStep& step : desk.steps()) {
+    if (step.command == belt_command::none || step.command == belt_command::finish) continue;
+    const Text text = step.command == belt_command::erase    ? Text::erase
+                      : step.command == belt_command::incise ? Text::incise_key
+                                                             : Text::aspirate_key;
+    command(text, belt_command::names[step.command], on_line);
+    on_line = true;
+  }
+  command(Text::pause_key, desk.paused() ? "resume" : "pause", on_line);
   command(Text::back, "back", false);
   command(Text::next, "next", true);
   ImGui::TextColored(grey, "%s", say(Text::finish_key));

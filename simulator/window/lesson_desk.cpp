@@ -155,6 +155,8 @@ std::vector<LessonStatus> LessonDesk::status() const {
   return module_.status ? module_.status(lesson_->facts()) : std::vector<LessonStatus>();
 }
 
+int LessonDesk::verdict() const { return module_.verdict ? module_.verdict(lesson_->facts(), rubric_.rubric) : 0; }
+
 bool LessonDesk::take_ink(std::vector<Vec3>& ink) {
   if (!module_.ink) return false;
   const std::vector<Vec3> all = module_.ink(lesson_->facts());

@@ -66,6 +66,7 @@ class LessonDesk {
   std::size_t step() const { return step_; }
   const LessonFacts& facts() const { return lesson_->facts(); }
   std::vector<LessonStatus> status() const;
+  int verdict() const;  ///< LessonModule::verdict
   /// What the marker drew and nobody erased, as dots; true where it changed since the last call.
   bool take_ink(std::vector<Vec3>& ink_mm);
 

@@ -121,6 +121,7 @@ class Player {
   void follow_lesson(const std::vector<ServoFrame>& frames);
   void begin_review();
   void ink(const ServoFrame& frame);
+  void show_lesson_tool();
   std::string barred() const;
   std::string lesson_state() const;
   void look_at(const ServoFrame& frame);
@@ -154,6 +155,7 @@ class Player {
   Vec3 last_ink_mm_;
   double ink_mm_ = 0;
   std::uint32_t seen_buttons_ = 0;
+  int verdict_ = 0;
   std::deque<float> forces_;
   double depth_mm_ = 0, target_mm_ = -1, trace_mm_ = 0, trace_apart_mm_ = 1, servo_hz_ = 0, late_us_ = 0,
          rate_wall_s_ = 0;

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double above_surface_mm = 2;  // where a tool is put that goes to a surface
 constexpr double most_mm = 1e5, most_ahead_mm = 8;
+constexpr const char* not_now = "not now: the lesson waits for its device, or has ended";
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -22,7 +23,7 @@ Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
 std::string Player::take_tool(const std::string& name) {
   if (playback_) return "a recording is shown";
-  if (desk_) return session_ ? desk_->take(name) : "the lesson has ended";
+  if (desk_) return session_ ? desk_->take(name) : not_now;
   ToolParams next;
   next.tool = name;
   try {
@@ -241,7 +242,7 @@ std::string Player::command(const std::string& line) {
       set_pedal(on());
     else if (verb == "incise")
       fault = incise();
-    else if (verb == "erase" || verb == "finish" || verb == "next" || verb == "back")
+    else if (verb == "erase" || verb == "aspirate" || verb == "finish" || verb == "next" || verb == "back")
       fault = lesson_command(verb);
     else if (verb == "lesson")
       return lesson_state();

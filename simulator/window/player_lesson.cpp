@@ -25,7 +25,7 @@ std::vector<std::string> Player::tools() const {
 
 std::string Player::lesson_command(const std::string& name) {
   if (!desk_) return "this is no lesson";
-  if (!session_) return "the lesson has ended";
+  if (!session_) return "not now: the lesson waits for its device, or has ended";
   return name == "next" ? desk_->next() : name == "back" ? desk_->back() : desk_->give(name);
 }
 
@@ -62,13 +62,20 @@ void Player::ink(const ServoFrame& f) {
   dots.push_back(last_ink_mm_ = at);
 }
 
+// The tool in hand: in green where it succeeded, in red where it failed.
+void Player::show_lesson_tool() {
+  constexpr std::array<float, 3> green{0.10f, 0.75f, 0.35f}, red{0.90f, 0.15f, 0.10f};
+  tool_name_ = desk_->tool().name;
+  verdict_ = desk_->verdict();
+  std::optional<std::array<float, 3>> colour;
+  if (verdict_ != 0) colour = verdict_ > 0 ? green : red;
+  stage_->set_tool(own_tool(desk_->tool()), colour);
+}
+
 void Player::follow_lesson(const std::vector<ServoFrame>& frames) {
   desk_->watch(frames, session_->drilling());
   desk_->take_ink(stage_->state.ink_mm);
-  if (desk_->tool().name != tool_name_) {
-    tool_name_ = desk_->tool().name;
-    stage_->set_tool(own_tool(desk_->tool()));
-  }
+  if (desk_->tool().name != tool_name_ || desk_->verdict() != verdict_) show_lesson_tool();
   // A device's second pedal goes on to the next step.
   bool second = false;
   for (const ServoFrame& f : frames) {
@@ -96,8 +103,7 @@ void Player::begin_review() {
   stage_->state.trace_mm = way_of(own);
   playback_->go_to(playback_->end_s());
   paused_ = true;
-  tool_name_ = playback_->tool_name();
-  stage_->set_tool(playback_->tool());
+  show_lesson_tool();
   const ScoreSum sum = sum_of(desk_->scored()->score);
   notes_.push_back(fmt::format("the lesson is judged: {} of {} points{}", sum.points, sum.most,
                                desk_->lesson().report.page.empty() ? "" : ", " + desk_->lesson().report.page.string()));
@@ -110,6 +116,7 @@ std::string Player::lesson_state() const {
   for (const LessonStatus& s : desk_->status()) text += " " + s.name + " " + s.value;
   text += fmt::format(" end {}", desk_->ended() ? name_of(f.end) : "none");
   if (desk_->paused()) text += " paused";
+  if (const int verdict = desk_->verdict(); verdict != 0) text += verdict > 0 ? " green" : " red";
   if (const ScoredLesson* s = desk_->scored())
     text += fmt::format(" points {} of {}", sum_of(s->score).points, sum_of(s->score).most);
   return text;

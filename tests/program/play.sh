@@ -19,10 +19,11 @@ window=(--window-width 480 --window-height 360 --no-realtime --no-panels)
 
 # begin ARGUMENTS...: opens a window and waits for its first picture.
 begin() {
+  rm -f "$work/said"
   "$TREPHINE" play "$work/sample" "${window[@]}" --remote 0 "$@" >"$work/said" 2>"$work/fault" &
   sim=$!
   for try in {1..300}; do
-    grep -q '^first picture' "$work/said" && break
+    grep -qs '^first picture' "$work/said" && break
     kill -0 $sim 2>/dev/null || { cat "$work/said" "$work/fault" >&2; fail "it ends at once"; }
     sleep 0.1
   done
@@ -114,6 +115,15 @@ until_state 'time [0-9.]*[1-9]'
 kill -INT $sim
 finish 130
 "$TREPHINE" replay "$work/sample" "$work/short.servo" >/dev/null || fail "the recording of an ended session"
+
+# A device that nobody connects keeps the window neither from Ctrl-C nor from being closed.
+begin --device udp --port 0 --tool ball
+kill -INT $sim
+finish 130
+begin --device udp --port 0 --tool ball
+ok quit
+finish 0
+grep -q '^waiting for a device on' "$work/said" || { cat "$work/said"; fail "nobody is told what it waits for"; }
 
 MESA_GL_VERSION_OVERRIDE=3.3 expect 74 'OpenGL: .*4\.3' "$TREPHINE" play "$work/sample" "${window[@]}"
 DISPLAY=:999 expect 74 'display: no window' "$TREPHINE" play "$work/sample"

@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# A lesson done in the window: one that begins with a hole, with the catheter passed, finished by its key, judged and reviewed. With
-# LONG=1 also a whole one by mouse, keys and pedal (marked, erased, incised, drilled through), one that is left and one that is
-# cancelled. The recording is judged the same by `score`.
+# Lessons done in the window: one that begins with a hole, with the catheter passed, finished by its key, judged and reviewed; and a
+# subclavian line. With LONG=1 also a whole one by mouse, keys and pedal (marked, erased, incised, drilled through), one that is
+# left and one that is cancelled. The recording is judged the same by `score`.
 . "$(dirname "$0")/common.sh"
 : "${OFFLINE:?}" "${WRITE_CASE:?}"
 command -v Xvfb >/dev/null || skip "no Xvfb"
 command -v xdotool >/dev/null || skip "no xdotool"
 export LP_NUM_THREADS=1
-"$OFFLINE" rubric "$SOURCE/configs/rubrics/ventriculostomy.yaml" --output "$work/rubric.json" >/dev/null
+for lesson in subclavian ventriculostomy; do
+  "$OFFLINE" rubric "$SOURCE/configs/rubrics/$lesson.yaml" --output "$work/$lesson.json" >/dev/null
+done
 [[ $LONG == 0 ]] || "$WRITE_CASE" "$work/head" head
 "$WRITE_CASE" "$work/head_drilled" head_drilled
 
@@ -26,7 +28,7 @@ begin() {
   local case=$1
   rm -f "$work/said"
   shift
-  "$TREPHINE" play "$work/$case" --lesson ventriculostomy --rubric "$work/rubric.json" --participant r-01 --no-realtime \
+  "$TREPHINE" play "$work/$case" --lesson "$lesson" --rubric "$work/$lesson.json" --participant r-01 --no-realtime \
     --window-width 480 --window-height 360 --no-panels --remote 0 "$@" >"$work/said" 2>"$work/fault" &
   sim=$!
   for try in {1..600}; do
@@ -77,7 +79,7 @@ catheter() {
 }
 # judged RECORDING: `score` says of it what the window said.
 judged() {
-  "$TREPHINE" score "$1" --case "$2" --rubric "$work/rubric.json" --json "$work/again.json" >"$work/text"
+  "$TREPHINE" score "$1" --case "$2" --rubric "$work/$lesson.json" --json "$work/again.json" >"$work/text"
   cmp "$work/again.json" "${1%.lesson}.json" || fail "judged again it is not the same"
   grep -qF "$(tail -1 "$work/text")" "$work/said" || { cat "$work/said" "$work/text"; fail "the window says otherwise"; }
   [[ -s ${1%.lesson}.html ]] || fail "no page"
@@ -117,13 +119,34 @@ assert rows["trajectory"] == 5 and rows["tip"] >= 4 and rows["depth"] >= 3, rows
 PY
 [[ $(wc -l <"$work/out/attempts-ventriculostomy.csv") == 2 ]] || fail "no line in the log"
 
+# A subclavian line, in a chest: the needle turns green with blood, and only then.
+"$WRITE_CASE" "$work/chest" chest
+lesson=subclavian
+begin chest --out "$work/out" --advance-mm-per-s 6
+ok 'place -79.7 -60.2 -5.7 -0.645 -0.753 -0.129'
+xdotool keydown w
+for try in {1..600}; do ask state; [[ $answer == *' in vein '* ]] && break; sleep 0.05; done
+xdotool keyup w
+((try < 600)) || fail "the needle never comes to the vein: $answer"
+ask lesson
+[[ $answer != *green* && $answer == *'syringe -'* ]] || fail "blood without aspiration: $answer"
+xdotool key a
+until_lesson 'passes_count 1 aspirations_count 1 syringe blood .*green'
+ok finish
+until_lesson 'end finished green points [0-9]+ of 30'
+ok quit
+finish 0
+judged "$work/out/r-01-subclavian-01-chest.lesson" "$work/chest"
+grep -q 'green: success at the first pass$' "$work/said" || { cat "$work/said"; fail "the end is not said"; }
+lesson=ventriculostomy
+
 play=("$TREPHINE" play "$work/head_drilled" --lesson ventriculostomy)
 expect 64 '[-]-rubric: is needed' "${play[@]}" --out "$work/out"
-expect 64 '[-]-out: or --record is needed' "${play[@]}" --rubric "$work/rubric.json"
-expect 64 '[-]-participant: must be' "${play[@]}" --rubric "$work/rubric.json" --out "$work/out" --participant "Jane Doe"
+expect 64 '[-]-out: or --record is needed' "${play[@]}" --rubric "$work/ventriculostomy.json"
+expect 64 '[-]-participant: must be' "${play[@]}" --rubric "$work/ventriculostomy.json" --out "$work/out" --participant "Jane Doe"
 expect 64 'is of a --lesson' "$TREPHINE" play "$work/head_drilled" --participant r-01
 "$WRITE_CASE" "$work/sample" play
-expect 65 'case.json: haptic.shapes: the lesson needs' "$TREPHINE" play "$work/sample" --lesson ventriculostomy --rubric "$work/rubric.json" --out "$work/out"
+expect 65 'case.json: haptic.shapes: the lesson needs' "$TREPHINE" play "$work/sample" --lesson ventriculostomy --rubric "$work/ventriculostomy.json" --out "$work/out"
 [[ $LONG == 1 ]] || exit 0
 
 # The whole lesson.

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+
+#include "cases/case.h"
+#include "voxel/haptic_volume.h"
+
+namespace trephine {
+
+/// The shapes of a chest that the lesson knows, by number; 0 where there is none.
+struct ChestShapes {
+  int skin = 0, clavicle = 0, vein = 0, artery = 0, pleura = 0, lung = 0;
+};
+/// Throws Error 65 where the case has no skin, clavicle or vein to be felt: such a case holds no such lesson.
+ChestShapes chest_shapes_of(const CaseManifest& manifest);
+
+/// What a central line is measured by, from the voxels of clavicles and veins. LPS, mm.
+struct ChestFrame {
+  Vec3 notch_mm;    ///< the sternal notch: in the middle between the medial ends of the clavicles
+  Vec3 vein_mm[2];  ///< a point of the vein (0: right, 1: left) under the medial third of that clavicle
+  bool has_vein[2] = {false, false};
+  std::map<int, double> border_z_mm;  ///< the clavicles' lower border: lowest z, by x in steps of border_step_mm
+
+  static constexpr double border_step_mm = 2;
+  /// How far the point lies below the lower border that is nearest to it in x; negative above it.
+  double below_border_mm(Vec3 p) const;
+  /// Between the needle's way (to its tip) and the line from there to the notch, in the frontal plane.
+  double off_notch_deg(Vec3 entry_mm, Vec3 towards) const;
+};
+
+/// Throws Error 65 where the clavicles are not two pieces beside each other.
+ChestFrame chest_frame_of(const HapticVolume& volume, const ChestShapes& shapes);
+
+}  // namespace trephine

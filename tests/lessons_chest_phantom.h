@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// A chest of cylinders and balls in which a needle goes to the vein: every length in it is known.
+#include "lessons_phantom.h"
+
+namespace lessons_chest {
+
+using namespace trephine;
+
+// Along x on both sides: clavicles from 12 to 100 mm beside the middle, veins and arteries under them.
+constexpr double front_y = -50, clavicle_y = -35, clavicle_z = 10, clavicle_r = 6, vein_y = -15, vein_z = 2, vein_r = 6,
+                 artery_y = 3, artery_z = 4, artery_r = 4;
+const Vec3 lung_centre{55, 25, -45};
+constexpr double lung_r = 45, pleura_r = 47;
+
+inline double tube(Vec3 p, double y, double z, double r, double from, double to) {
+  const double x = std::abs(p.x);
+  return std::min({r - std::hypot(p.y - y, p.z - z), x - from, to - x});
+}
+
+inline HapticVolume volume_of(bool artery) {
+  constexpr double side = 1.25;
+  HapticVolume v;
+  Lattice l;
+  l.size = {178, 80, 98};
+  l.spacing_mm = {side, side, side};
+  l.origin_mm = {-side * 177 / 2, -60, -60};
+  v.voxels = Grid<std::int16_t>(l);
+  v.shapes = {occupancy_shape("clavicle", 1), occupancy_shape("vein", 2), occupancy_shape("lung", 3),
+              occupancy_shape("pleura", 4), occupancy_shape("skin", 5)};
+  if (artery) v.shapes.push_back(occupancy_shape("artery", 6));
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
+        const Vec3 beside{std::abs(p.x), p.y, p.z};
+        const double lung = lung_r - norm(beside - lung_centre), pleura = pleura_r - norm(beside - lung_centre);
+        double depth[6] = {tube(p, clavicle_y, clavicle_z, clavicle_r, 12, 100),
+                           tube(p, vein_y, vein_z, vein_r, 5, 80),
+                           lung,
+                           std::min(pleura, -lung),
+                           0,
+                           artery ? tube(p, artery_y, artery_z, artery_r, 5, 80) : -1e3};
+        const double body = std::min({105 - std::abs(p.x), p.y - front_y, 33 - p.y, 55 - std::abs(p.z)});
+        depth[2] = std::min(depth[2], body);
+        depth[3] = std::min(depth[3], body);
+        depth[4] = std::min(body, -std::max({depth[0], depth[1], pleura, depth[5]}));
+        int best = 0;
+        double sum = 0;
+        for (int s = 0; s < 6; ++s) {
+          if (depth[s] > depth[best]) best = s;
+          sum += std::clamp(0.5 + depth[s] / side, 0.0, 1.0);
+        }
+        const double filled = std::clamp(0.5 + depth[best] / side, 0.0, 1.0);
+        const int share = int(std::lround(255 * filled));
+        const int bare = share < 255 && sum - filled < 0.9 * (1 - share / 255.0) ? haptic_bare_offset : 0;
+        if (share > 0) v.voxels.at(i, j, k) = std::int16_t(1000 * (best + 1) + bare + share);
+      }
+  return v;
+}
+
+inline case_samples::MemoryCase chest_case(bool artery) {
+  case_samples::MemoryCase c;
+  CaseManifest& m = c.manifest;
+  m.case_token = artery ? "chest-artery" : "chest";
+  m.program_version = "trephine 0.1.0";
+  m.input_sha256 = sha256_of_bytes("input");
+  const HapticVolume volume = volume_of(artery);
+  m.files.push_back(describe_case_file("haptic", ".nrrd", encode_haptic(volume)));
+  m.haptic.file = m.files.back().name;
+  c.files[m.haptic.file] = encode_haptic(volume);
+  m.haptic.size = volume.voxels.size;
+  m.haptic.spacing_mm = volume.voxels.spacing_mm;
+  // As configs/materials.yaml has them.
+  const CaseFace none{false, 0, 0, 0, 0, 0}, bone{true, 1, 0.0003, 0.35, 0.3, 0};
+  const CaseFace wall{true, 0.2, 0.0002, 0.2, 0.15, 0.7}, far_wall{true, 0.2, 0.0002, 0.2, 0.15, 0.9};
+  lessons::add_shape(m, volume.shapes[0], {"bone", {}, bone, bone, 0, 0, 0.1}, false);
+  lessons::add_shape(m, volume.shapes[1], {"vein", {}, wall, far_wall, 0.001, 0.002, 0}, false);
+  lessons::add_shape(m, volume.shapes[2], {"lung", {}, none, none, 0.001, 0.001, 0}, false);
+  lessons::add_shape(m, volume.shapes[3], {"pleura", {}, {true, 0.15, 0.0002, 0.2, 0.15, 0.5}, none, 0.01, 0.01, 0},
+                     false);
+  lessons::add_shape(m, volume.shapes[4],
+                     {"soft_tissue", {}, {true, 0.15, 0.0003, 0.3, 0.25, 0.8}, none, 0.015, 0.012, 0}, false);
+  if (artery) lessons::add_shape(m, volume.shapes[5], {"vein", {}, wall, far_wall, 0.001, 0.002, 0}, false);
+  c.seal();
+  return c;
+}
+
+}  // namespace lessons_chest
