@@ -37,9 +37,11 @@ std::string ConfigReading::fault_of_anatomy(const std::string& name) const {
 }
 
 std::string ConfigReading::fault_of_landmark(const std::string& name) const {
-  const bool looked_for = out.find_scan_step(StageRole::landmarks) != nullptr;
+  const RecipeStep* looked_for = out.find_scan_step(StageRole::landmarks);
+  if (looked_for && looked_for->type->finds(name)) return "";
   std::vector<std::string> known;
-  if (looked_for) known = findable_landmarks();
+  if (looked_for)
+    for (const StagePoint& point : looked_for->type->points) known.push_back(point.name);
   for (const CaseLandmark& l : out.landmarks) known.push_back(l.name);
   if (std::find(known.begin(), known.end(), name) != known.end()) return "";
   return name + ", no such landmark is given" + (looked_for ? " or can be found" : "") + did_you_mean(name, known);

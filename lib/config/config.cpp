@@ -331,9 +331,13 @@ class Reader {
     std::vector<std::string> used = findable_landmarks();
     for (const CaseDrill& hole : out.burr_holes) used.push_back(hole.params.as<BurrHoleParams>().toward);
     for (const SceneLandmark& l : out.scene_landmarks) used.push_back(l.name);
-    const auto unused = [&](const CaseLandmark& l) { return is_in(points_, l.name) && !is_in(used, l.name); };
+    const RecipeStep* looked_for = out.find_scan_step(StageRole::landmarks);
+    const auto is_used = [&](const std::string& name) {
+      return is_in(used, name) || (looked_for && looked_for->type->finds(name));
+    };
+    const auto unused = [&](const CaseLandmark& l) { return is_in(points_, l.name) && !is_used(l.name); };
     for (const CaseLandmark& l : out.landmarks)
-      if (const std::string near = nearest_name(l.name, used); !is_in(used, l.name) && !near.empty())
+      if (const std::string near = nearest_name(l.name, used); !is_used(l.name) && !near.empty())
         log_warning(printable(l.name) + ", no landmark of that name is used, did you mean " + near + "?");
     out.landmarks.erase(std::remove_if(out.landmarks.begin(), out.landmarks.end(), unused), out.landmarks.end());
   }

@@ -18,8 +18,17 @@ const CaseLandmark* find(const std::vector<CaseLandmark>& all, const std::string
 
 std::string two_digits(double v) { return to_text(ParameterValue(std::round(100 * v) / 100)); }
 
+// The one of that name; of a family the surest.
+const CaseLandmark* surest(const std::vector<CaseLandmark>& all, const std::string& name) {
+  const CaseLandmark* best = find(all, name);
+  if (best) return best;
+  for (const CaseLandmark& l : all)
+    if (l.name.rfind(name + "_", 0) == 0 && (!best || l.confidence > best->confidence)) best = &l;
+  return best;
+}
+
 void require(const SceneLandmark& wanted, const std::vector<CaseLandmark>& known) {
-  const CaseLandmark* l = find(known, wanted.name);
+  const CaseLandmark* l = surest(known, wanted.name);
   if (l && l->confidence >= wanted.min_confidence) return;
   throw refusal("landmarks." + wanted.name,
                 l ? "was found with confidence " + two_digits(l->confidence) + ", the scene needs " +

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stages/stage.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 
 namespace trephine {
@@ -58,10 +60,14 @@ const StageType& stage_of(StageRole role) {
   throw Error(ExitCode::internal, "", "role " + std::to_string(static_cast<int>(role)), "no stage has it");
 }
 
+bool StageType::finds(const std::string& landmark) const {
+  return std::any_of(points.begin(), points.end(), [&](const StagePoint& p) { return p.names(landmark); });
+}
+
 SlicePlane plane_of_landmark(const std::string& name) {
   for (const StageType& t : stage_types())
     for (const StagePoint& point : t.points)
-      if (point.name == name) return point.plane;
+      if (point.names(name)) return point.plane;
   return SlicePlane::coronal;
 }
 

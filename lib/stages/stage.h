@@ -51,7 +51,7 @@ enum class StageRole {
   resample,         ///< puts the scan on other voxels
   prepare,          ///< makes the scan ready before anything is found on it; there may be several
   given_landmarks,  ///< holds the landmarks that a person placed
-  landmarks,        ///< finds landmarks
+  landmarks,        ///< finds landmarks; there are several, of which a recipe names one
   deface,           ///< takes the face off the scan
   face_check,       ///< checks that nothing to be published shows the face
   check,            ///< checks anatomies against each other
@@ -62,10 +62,15 @@ enum class StageRole {
   measure,          ///< measures what decimation and smoothing did
 };
 
-/// A landmark that a stage finds, and the slice in which it is best seen.
+/// A landmark that a stage finds, and the slice in which it is best seen; or a family of them, of which there are as
+/// many as the scan shows: their names begin with this one and "_".
 struct StagePoint {
   std::string name;
   SlicePlane plane = SlicePlane::coronal;
+  bool family = false;
+  bool names(const std::string& landmark) const {
+    return landmark == name || (family && landmark.rfind(name + "_", 0) == 0);
+  }
 };
 
 /// An input of a stage. A name that ends in ".*" stands for any number of them ("cutters.*": cutters.1, ...). The first
@@ -125,6 +130,8 @@ struct StageType {
   std::function<StageData(const AnyParams&, const StageInputs&, Report&, const Progress&)> run;
 
   const Port* find_port(const std::string& port) const;
+  /// Whether it finds landmarks of that name.
+  bool finds(const std::string& landmark) const;
   /// The parameters that name files to be read (declared with names("file")). Their paths are relative to the file that
   /// holds them; in keys and cases the hash of the content stands for them.
   std::vector<std::string> file_params() const;

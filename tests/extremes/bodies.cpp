@@ -18,6 +18,7 @@ Scene spine_on(const std::string& name, const Lattice& l) {
   };
   s.volume = scan_of(l, [&](Vec3 p) { return blend(bone_mm(p), 1.5, 20, 600); });
   s.fields[""] = s.fields["bone"] = sampled(l, bone_mm);
+  s.fields["canal"] = sampled(l, [](Vec3 p) { return 9 - std::hypot(p.x, p.y); });
   add_meshes(s);
   return s;
 }

@@ -81,7 +81,7 @@ Suited suited(const std::string& stage) {
   if (stage == "face_gate") return {Body::head, {"surface.*"}, {}};
   if (stage == "deface") return {Body::head, {}, {}};
   if (stage == "anatomy") return {Body::head, {"skin", "skull", "brain", "ventricles", "landmarks"}, {}};
-  if (stage == "canal") return {Body::spine, {}, {}};
+  if (stage == "canal" || stage == "pedicles") return {Body::spine, {}, {}};
   if (stage == "clavicle" || stage == "vein") return {Body::chest, {}, {}};
   if (stage == "labels") return {Body::balls, {}, {{"file", labels_file()}}};
   if (stage == "correct") return {Body::balls, {}, {{"file", correction_file()}}};

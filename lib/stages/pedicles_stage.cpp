@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "trunk/pedicles.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "stages/stage.h"
+
+namespace trephine {
+namespace {
+
+std::string name_of(const PedicleAxis& p) {
+  return fmt::format("pedicle_{}_{}", p.vertebra, p.left ? "left" : "right");
+}
+
+// Points that a person gave take the place of found ones; the half-width is measured anew.
+void take_given(const Field& bone, const std::vector<CaseLandmark>& given, std::vector<PedicleAxis>& all,
+                std::map<std::string, bool>& is_given, Report& report) {
+  std::map<std::string, PedicleAxis> by_name;
+  for (const PedicleAxis& p : all) by_name[name_of(p)] = p;
+  std::map<std::string, int> ends;  // bit 0 the entry, bit 1 the target
+  for (const CaseLandmark& l : given) {
+    const std::vector<std::string> words = split_at(l.name, '_');
+    const bool entry = words.size() == 4 && words[3] == "entry", target = words.size() == 4 && words[3] == "target";
+    const std::int64_t vertebra = words.size() == 4 ? parse_integer(words[1]).value_or(0) : 0;
+    if (words[0] != "pedicle" || (!entry && !target) || vertebra < 1 || vertebra > 26 ||
+        (words[2] != "left" && words[2] != "right")) {
+      report.warn(printable(l.name) + " is none of the landmarks that are looked for: it is not kept");
+      continue;
+    }
+    if (!is_finite(l.position_mm)) throw Error(ExitCode::bad_input, "", l.name, "is not finite");
+    const std::string name = l.name.substr(0, l.name.rfind('_'));
+    PedicleAxis& p = by_name[name];
+    p.vertebra = int(vertebra);
+    p.left = words[2] == "left";
+    (entry ? p.entry_mm : p.target_mm) = l.position_mm;
+    ends[name] |= entry ? 1 : 2;
+  }
+  for (const auto& [name, which] : ends) {
+    PedicleAxis& p = by_name[name];
+    const bool was_found =
+        std::any_of(all.begin(), all.end(), [&](const PedicleAxis& f) { return name_of(f) == name; });
+    if (which != 3 && !was_found)
+      throw Error(ExitCode::bad_input, "", name, "was not found, so both its entry and its target must be given");
+    const double length = norm(p.target_mm - p.entry_mm);
+    if (!(length >= 10 && length <= 100))
+      throw Error(ExitCode::bad_input, "", name,
+                  fmt::format("entry and target as given are {:.0f} mm apart, of a pedicle 10 to 100", length));
+    p.middle_mm = p.entry_mm + (p.target_mm - p.entry_mm) * 0.4;
+    p.half_width_mm = std::max(0.0, clearance_along(bone, p.entry_mm, p.target_mm));
+    if (p.half_width_mm == 0) report.warn(name + " as given leaves the bone between entry and body");
+    p.confidence = 1;
+    p.doubt.clear();
+    is_given[name] = true;
+  }
+  all.clear();
+  for (const auto& [name, p] : by_name) all.push_back(p);
+  std::sort(all.begin(), all.end(), [](const PedicleAxis& a, const PedicleAxis& b) {
+    return a.vertebra != b.vertebra ? a.vertebra < b.vertebra : a.left && !b.left;
+  });
+}
+
+}  // namespace
+
+StageType pedicles_stage() {
+  StageType s;
+  s.name = "pedicles";
+  s.version = 1;
+  s.typical_s = 3;
+  s.place = StagePlace::scan;
+  s.role = StageRole::landmarks;
+  s.summary = "finds the pedicles of a spine and the axis of each";
+  s.description =
+      "Finds the pedicles beside the spinal canal, and for each the line of largest clearance through it: its entry "
+      "behind, its target in the body, and its half-width. The landmarks are pedicle_N_left_entry, "
+      "pedicle_N_left_target and so on the right; N counts the vertebrae from the lowest whose pedicles the scan "
+      "shows, and names no level, because neither sacrum nor ribs are looked for. One that the scan's end cuts is left "
+      "out; one with a confidence below 0.5 is warned of, with the reason. A given landmark replaces the found one, "
+      "and "
+      "the half-width is measured anew.";
+  s.examples = {"trephine pedicles volume.nrrd --bone bone.nrrd --canal canal.nrrd --output landmarks.json",
+                "trephine pedicles volume.nrrd --bone bone.nrrd --canal canal.nrrd --given points.mrk.json --output "
+                "landmarks.json"};
+  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
+             {"bone", DataKind::field, true, "the spine's bone, filled"},
+             {"canal", DataKind::field, true, "the spinal canal"},
+             {"given", DataKind::landmarks, false, "landmarks that a person placed; they replace found ones"}};
+  s.points = {{"pedicle", SlicePlane::axial, true}};
+  s.output = DataKind::landmarks;
+  s.make_params = [] { return AnyParams::make<PediclesParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    const Field& bone = *in.get<Field>("bone");
+    place_in(bone, lattice_of(*in.get<HuVolume>("volume")));
+    std::vector<PedicleAxis> all =
+        find_pedicles(bone, *in.get<Field>("canal"), params.as<PediclesParams>(), report, progress);
+    std::map<std::string, bool> is_given;
+    if (const auto* given = in.get<HeadLandmarks>("given")) take_given(bone, given->landmarks, all, is_given, report);
+    HeadLandmarks out;
+    for (const PedicleAxis& p : all) {
+      const std::string name = name_of(p);
+      const char* source = is_given[name] ? "given" : "found";
+      out.landmarks.push_back({name + "_entry", p.entry_mm, p.confidence, source});
+      out.landmarks.push_back({name + "_target", p.target_mm, p.confidence, source});
+      report.add(name + "_half_width_mm", p.half_width_mm);
+      report.add(name + "_confidence", p.confidence);
+      if (p.confidence < 0.5)
+        report.warn(fmt::format("{} is doubtful (confidence {:.2f}): {}", name, p.confidence, p.doubt));
+    }
+    return std::make_shared<const HeadLandmarks>(std::move(out));
+  };
+  return s;
+}
+
+}  // namespace trephine

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "trunk/pedicles.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "base/refusal.h"
+#include "mask/filters.h"
+#include "trunk/pedicle_parts.h"
+
+namespace trephine {
+namespace segmentation {
+namespace {
+
+constexpr double raster_mm = 0.6;
+constexpr double aside_mm = 50, before_mm = 60, behind_mm = 60;  // of the canal: what of the bone is looked at
+constexpr double walk_mm = 0.25;
+
+// Half a raster's step within the bone, so that the walls are those of the scan.
+Lattice raster_about(const Field& bone, const Field& canal) {
+  Vec3 low{1e9, 1e9, 1e9}, high{-1e9, -1e9, -1e9};
+  const auto grow = [](const Lattice& l, Vec3& a, Vec3& b) {
+    for (int n = 0; n < 8; ++n) {
+      const Vec3 p =
+          l.to_world_mm({n & 1 ? l.size[0] - 1.0 : 0, n & 2 ? l.size[1] - 1.0 : 0, n & 4 ? l.size[2] - 1.0 : 0});
+      for (int c = 0; c < 3; ++c) a[c] = std::min(a[c], p[c]), b[c] = std::max(b[c], p[c]);
+    }
+  };
+  grow(canal, low, high);
+  Vec3 bone_low{1e9, 1e9, 1e9}, bone_high{-1e9, -1e9, -1e9};
+  grow(bone, bone_low, bone_high);
+  low = low - Vec3{aside_mm, before_mm, 20};
+  high = high + Vec3{aside_mm, behind_mm, 20};
+  Lattice l;
+  l.spacing_mm = {raster_mm, raster_mm, raster_mm};
+  for (int c = 0; c < 3; ++c) {
+    l.origin_mm[c] = std::max(low[c], bone_low[c] - 2);
+    l.size[std::size_t(c)] = std::max(2, int((std::min(high[c], bone_high[c] + 2) - l.origin_mm[c]) / raster_mm) + 1);
+  }
+  return l;
+}
+
+// From `from` until the bone is left for good: gaps narrower than `gap_mm` are vessels.
+Vec3 leaves_bone(const BoneDistance& bone, Vec3 from, Vec3 way, double gap_mm) {
+  Vec3 last = from;
+  double out = 0;
+  for (double t = 0; t < 120 && out <= gap_mm; t += walk_mm) {
+    const Vec3 p = from + way * t;
+    if (bone(p) > 0) {
+      last = p;
+      out = 0;
+    } else {
+      out += walk_mm;
+    }
+  }
+  const double a = bone(last), b = bone(last + way * walk_mm);
+  return b < 0 && b > -walk_mm * 4 ? last + way * (walk_mm * std::clamp(a / (a - b), 0.0, 1.0)) : last;
+}
+
+// How near that point comes to where the scan ends: below this, what lies beyond is not known.
+double to_scan_end_mm(const Field& bone, Vec3 p) {
+  const Vec3 i = bone.to_index(p);
+  return std::min(i.z, bone.size[2] - 1 - i.z) * bone.spacing_mm.z;
+}
+
+// From the axis to the wall within 6 mm of that place, along rays: nearer to the truth than the distance's own raster,
+// which flattens its ridge.
+double to_wall_mm(const BoneDistance& bone, Vec3 at, Vec3 forwards) {
+  double least = 1e9;
+  for (double t = -6; t <= 6; t += 1)
+    least = std::min(least, cross_section(bone, at + forwards * t, forwards).least_mm);
+  return least;
+}
+
+struct Found {
+  PedicleAxis axis;
+  PediclePlace place;
+};
+
+void doubt(PedicleAxis& p, double share, const std::string& why) {
+  p.confidence *= share;
+  if (share < 0.7) p.doubt += (p.doubt.empty() ? "" : "; ") + why;
+}
+
+PedicleAxis axis_of(const BoneDistance& bone, const Field& scan, const PediclePlace& place,
+                    const PediclesParams& params) {
+  const AxisLine line = find_axis(bone, place);
+  PedicleAxis p;
+  p.left = place.left;
+  // The narrowest place, and how closed it is there.
+  CrossSection narrowest;
+  narrowest.area_mm2 = 1e9;
+  for (double t = -8; t <= 8; t += 0.5) {
+    const Vec3 at = line.at_mm + line.forwards * t;
+    const CrossSection s = cross_section(bone, at, line.forwards);
+    if (s.closed_ratio < 0.7 || s.area_mm2 >= narrowest.area_mm2) continue;
+    narrowest = s;
+    p.middle_mm = at;
+  }
+  if (narrowest.area_mm2 > 1e8) {
+    p.middle_mm = line.at_mm;
+    narrowest = cross_section(bone, line.at_mm, line.forwards);
+  }
+  p.half_width_mm = to_wall_mm(bone, line.at_mm, line.forwards);
+  p.entry_mm = leaves_bone(bone, p.middle_mm, -line.forwards, 0.5);
+  const Vec3 front = leaves_bone(bone, p.middle_mm, line.forwards, 4);
+  p.target_mm = p.entry_mm + (front - p.entry_mm) * params.depth_ratio;
+
+  p.confidence = 1;
+  const double least = params.min_half_width_mm;
+  doubt(p, ramp(p.half_width_mm, 0.5 * least, least + 0.5 * least),
+        fmt::format("only {:.1f} mm of bone are about its axis", p.half_width_mm));
+  doubt(p, ramp(narrowest.closed_ratio, 0.6, 0.95),
+        fmt::format("its narrowest cross-section is closed over {:.0f} % alone", 100 * narrowest.closed_ratio));
+  const double lean = lean_deg(place, line.forwards), rise = rise_deg(place, line.forwards);
+  doubt(p, std::min(ramp(lean, -30, -18), ramp(lean, 60, 50)),
+        fmt::format("it leans to the middle by {:.0f} degrees", lean));
+  doubt(p, std::min(ramp(rise, -30, -22), ramp(rise, 30, 22)), fmt::format("it rises by {:.0f} degrees", rise));
+  const double length = norm(front - p.entry_mm);
+  doubt(p, std::min(ramp(length, 15, 28), ramp(length, 90, 75)),
+        fmt::format("it would be {:.0f} mm long, from behind to the body's front", length));
+  doubt(p, ramp(place.height_mm, 30, 22), fmt::format("the bone beside the canal is {:.0f} mm high", place.height_mm));
+  doubt(p, ramp(std::min(to_scan_end_mm(scan, p.entry_mm), to_scan_end_mm(scan, p.target_mm)), 0, 3),
+        "the scan ends there");
+  // Bone close behind the entry: a joint, or a graft.
+  double behind = 12;
+  for (double t = 1; t < behind; t += walk_mm)
+    if (bone(p.entry_mm - line.forwards * t) > 0.3) behind = t;
+  doubt(p, ramp(behind, -1, 4), fmt::format("there is other bone {:.1f} mm behind its entry", behind));
+  return p;
+}
+
+// Left and right of one vertebra mirror each other, about a plane that may be turned a little, as the patient may be.
+void judge_pair(Found& left, Found& right) {
+  const auto forwards = [](const Found& f) { return normalized(f.axis.target_mm - f.axis.entry_mm); };
+  const double l = lean_deg(left.place, forwards(left)), r = lean_deg(right.place, forwards(right));
+  const double converging = 0.5 * (l + r), turned = 0.5 * std::abs(l - r);
+  const double rise = std::abs(rise_deg(left.place, forwards(left)) - rise_deg(right.place, forwards(right)));
+  const double higher = std::abs(dot(left.axis.middle_mm - right.axis.middle_mm, left.place.up));
+  const double share = std::min({ramp(converging, -12, -4), ramp(converging, 45, 38), ramp(turned, 22, 14),
+                                 ramp(rise, 25, 14), ramp(higher, 12, 6)});
+  for (PedicleAxis* p : {&left.axis, &right.axis})
+    doubt(*p, share,
+          fmt::format(
+              "left and right are no mirror images: they converge by {:.0f} degrees and are turned by {:.0f}, rise "
+              "differently by {:.0f}, and are {:.0f} mm apart in height",
+              converging, turned, rise, higher));
+}
+
+// Counts the vertebrae from the lowest, and brings both sides of each together.
+void pair_up(std::vector<Found>& all) {
+  constexpr double same_mm = 12;
+  std::sort(all.begin(), all.end(), [](const Found& a, const Found& b) { return a.place.at_mm.z < b.place.at_mm.z; });
+  int vertebra = 0;
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    Found& a = all[n];
+    a.axis.vertebra = ++vertebra;
+    Found* b = n + 1 < all.size() ? &all[n + 1] : nullptr;
+    if (b && b->axis.left != a.axis.left && b->place.at_mm.z - a.place.at_mm.z < same_mm) {
+      b->axis.vertebra = vertebra;
+      judge_pair(a.axis.left ? a : *b, a.axis.left ? *b : a);
+      ++n;
+    } else {
+      doubt(a.axis, 0.45, "the other side's was not found");
+    }
+  }
+  std::sort(all.begin(), all.end(), [](const Found& a, const Found& b) {
+    return a.axis.vertebra != b.axis.vertebra ? a.axis.vertebra < b.axis.vertebra : a.axis.left && !b.axis.left;
+  });
+}
+
+}  // namespace
+}  // namespace segmentation
+
+std::vector<PedicleAxis> find_pedicles(const Field& bone, const Field& canal, const PediclesParams& params,
+                                       Report& report, const Progress& progress) {
+  using namespace segmentation;
+  place_in(canal, bone);  // the same raster
+  const std::vector<PediclePlace> places = pedicle_places(bone, canal, params);
+  progress.report(0.1);
+  const BoneDistance distance(bone, raster_about(bone, canal), progress.part(0.1, 0.5));
+  std::vector<Found> found;
+  for (const PediclePlace& place : places)
+    if (!place.cut) found.push_back({{}, place});
+  if (found.empty())
+    throw refusal("pedicles", "none is seen beside the canal",
+                  {"lower `lower_hu` of the bone's `segment`, lower `min_height_mm`, or give them as landmarks"});
+  parallel_for(0, std::int64_t(found.size()), 1, [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t n = from; n < to; ++n) {
+      Found& f = found[std::size_t(n)];
+      f.axis = axis_of(distance, bone, f.place, params);
+    }
+  });
+  pair_up(found);
+  std::vector<PedicleAxis> kept;
+  for (const Found& f : found) kept.push_back(f.axis);
+  if (const std::size_t cut = places.size() - found.size(); cut > 0)
+    report.warn(fmt::format("{} at the ends of the scan are cut off and left out", cut));
+  report.add("vertebrae_count", kept.back().vertebra);
+  report.add("pedicles_count", kept.size());
+  progress.report(1);
+  return kept;
+}
+
+double clearance_along(const Field& bone, Vec3 entry, Vec3 target) {
+  using namespace segmentation;
+  const Vec3 low{std::min(entry.x, target.x), std::min(entry.y, target.y), std::min(entry.z, target.z)};
+  const Vec3 high{std::max(entry.x, target.x), std::max(entry.y, target.y), std::max(entry.z, target.z)};
+  Lattice l;
+  l.spacing_mm = {raster_mm, raster_mm, raster_mm};
+  l.origin_mm = low - Vec3{15, 15, 15};
+  for (int c = 0; c < 3; ++c) l.size[std::size_t(c)] = int((high[c] - low[c] + 30) / raster_mm) + 1;
+  const BoneDistance distance(bone, l);
+  double least = 1e9;
+  for (double share = 0.2; share <= 0.6; share += 0.02)
+    least = std::min(least, distance(entry + (target - entry) * share));
+  return least;
+}
+
+}  // namespace trephine
