@@ -3,7 +3,7 @@ if(TARGET trephine_lessons)
 trephine_test(lessons lessons)
 endif()
 if(TARGET trephine-sim AND TARGET trephine)
-foreach(script lesson exercise)
+foreach(script lesson exercise spine_needle)
 add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
 set_tests_properties(program.${script} PROPERTIES TIMEOUT 300
   ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;OFFLINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case")

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// write_sample_case FOLDER [full|drill|play|head|head_drilled|chest]: writes a small case of every part, one of full
-// size, one with bone to drill, one with bone under scalp, or a head for lessons, for the tests of programs.
+// write_sample_case FOLDER [full|drill|play|head|head_drilled|spine|chest]: writes a small case of every part, one of
+// full size, one with bone to drill, one with bone under scalp, or a head, spine or chest for lessons, for the tests of
+// programs.
 #include <iostream>
 
 #include "case_samples.h"
 #include "lessons_chest_phantom.h"
+#include "lessons_phantom.h"
+#include "lessons_spine.h"
 
 int main(int argc, char** argv) {
   if (argc < 2) return 64;
@@ -16,6 +19,10 @@ int main(int argc, char** argv) {
     }
     if (kind == "chest") {
       lessons_chest::chest_case(false).write(argv[1]);
+      return 0;
+    }
+    if (kind == "spine") {
+      lessons::spine_case().write(argv[1]);
       return 0;
     }
     (kind == "full"    ? case_samples::full_size_case()

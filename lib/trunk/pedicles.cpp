@@ -19,7 +19,7 @@ constexpr double raster_mm = 0.6;
 constexpr double aside_mm = 50, before_mm = 60, behind_mm = 60;  // of the canal: what of the bone is looked at
 constexpr double walk_mm = 0.25;
 
-// Half a raster's step within the bone, so that the walls are those of the scan.
+// What of the bone is beside the canal.
 Lattice raster_about(const Field& bone, const Field& canal) {
   Vec3 low{1e9, 1e9, 1e9}, high{-1e9, -1e9, -1e9};
   const auto grow = [](const Lattice& l, Vec3& a, Vec3& b) {

@@ -8,7 +8,18 @@
 namespace trephine {
 namespace {
 
+// Within what a needle pierces: ours. It moves on against drag, and stays where it is when the hand lets go.
+constexpr double pierced_drag_n_s_per_mm = 0.03, pierced_friction_n_per_mm = 0.005;
+
 Feels felt_by(const BeltToolParams& tool, Feels feels) {
+  if (tool.pierce_n > 0)
+    for (ShapeFeel& f : feels) {
+      if (!f.front.touchable || f.front.pop_through_n > 0) continue;
+      f.front.pop_through_n = tool.pierce_n;
+      if (f.back.touchable) f.back.pop_through_n = tool.pierce_n;
+      f.drag_n_s_per_mm = std::max(f.drag_n_s_per_mm, pierced_drag_n_s_per_mm);
+      f.shaft_friction_n_per_mm = std::max(f.shaft_friction_n_per_mm, pierced_friction_n_per_mm);
+    }
   if (tool.blunt)
     for (ShapeFeel& f : feels) f.front.pop_through_n = f.back.pop_through_n = 0;
   return feels;

@@ -21,8 +21,14 @@ constexpr int command(std::uint32_t buttons) { return int(buttons >> command_shi
 }  // namespace belt_button
 
 namespace belt_command {
-constexpr int none = 0, erase = 1, incise = 2, finish = 3, pause = 4, resume = 5, aspirate = 6;
-constexpr const char* names[] = {"none", "erase", "incise", "finish", "pause", "resume", "aspirate"};
+constexpr int none = 0, erase = 1, incise = 2, finish = 3, pause = 4, resume = 5;
+/// Of a C-arm: to a view, or by 5 degrees.
+constexpr int view_ap = 6, view_lateral = 7, view_oblique = 8, orbit_more = 9, orbit_less = 10, tilt_more = 11,
+              tilt_less = 12;
+constexpr int aspirate = 13;  ///< draws on the needle's syringe
+constexpr const char* names[] = {"none",       "erase",     "incise",       "finish",       "pause",
+                                 "resume",     "view_ap",   "view_lateral", "view_oblique", "orbit_more",
+                                 "orbit_less", "tilt_more", "tilt_less",    "aspirate"};
 constexpr int count = int(sizeof names / sizeof *names);
 }  // namespace belt_command
 
@@ -30,6 +36,7 @@ constexpr int count = int(sizeof names / sizeof *names);
 struct BeltToolParams : ToolParams {
   std::string name;
   bool blunt = false, marks = false, cuts = false;
+  double pierce_n = 0;
   template <class V>
   static void describe(V& v) {
     using P = BeltToolParams;
@@ -38,6 +45,8 @@ struct BeltToolParams : ToolParams {
     v.flag(&P::blunt, "blunt", "It enters nothing, however hard it is pressed.");
     v.flag(&P::marks, "marks", "While the pedal is down it draws on what it touches, and its last point is kept.");
     v.flag(&P::cuts, "cuts", "While the pedal is down it drills.");
+    v.number(&P::pierce_n, "pierce_n", Range{0, 100},
+             "Force at which it enters and leaves what else nothing enters, such as bone; 0: it does not.");
   }
 };
 

@@ -14,7 +14,6 @@ namespace trephine::detail {
 namespace {
 
 constexpr int pixels = 160;  // of a mm
-constexpr double low_hu = -20, high_hu = 120;
 
 struct Plane {
   const char* name;
@@ -37,12 +36,12 @@ double hu_at(const Grid<std::int16_t>& ct, Vec3 world_mm) {
   return sum;
 }
 
-std::string picture_of(const Grid<std::int16_t>& ct, Vec3 middle, const Plane& plane) {
+std::string picture_of(const Grid<std::int16_t>& ct, Vec3 middle, const Plane& plane, const PictureWindow& w) {
   std::vector<std::uint8_t> grey(std::size_t(pixels) * pixels);
   for (int y = 0; y < pixels; ++y)
     for (int x = 0; x < pixels; ++x) {
       const Vec3 p = middle + plane.right * (x + 0.5 - pixels / 2) + plane.down * (y + 0.5 - pixels / 2);
-      const double share = (hu_at(ct, p) - low_hu) / (high_hu - low_hu);
+      const double share = (hu_at(ct, p) - w.low_hu) / (w.high_hu - w.low_hu);
       grey[std::size_t(y * pixels + x)] = std::uint8_t(std::lround(255 * std::clamp(share, 0.0, 1.0)));
     }
   return "data:image/png;base64," + base64(grey_png(pixels, pixels, grey));
@@ -69,7 +68,8 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::string slices_html(const LoadedCase& loaded, Vec3 through, const std::vector<PictureMark>& marks) {
+std::string slices_html(const LoadedCase& loaded, Vec3 through, const std::vector<PictureMark>& marks,
+                        const PictureWindow& window) {
   std::string out = "<div class=\"slices\">\n";
   for (const Plane& plane : planes) {
     const auto at = [&](Vec3 p) {
@@ -80,7 +80,7 @@ std::string slices_html(const LoadedCase& loaded, Vec3 through, const std::vecto
         fmt::format("<figure><svg viewBox=\"0 0 {0} {0}\" role=\"img\" aria-label=\"{1} slice\">", pixels, plane.name);
     if (loaded.has_ct())
       out += fmt::format("<image width=\"{0}\" height=\"{0}\" href=\"{1}\"/>", pixels,
-                         picture_of(loaded.ct, through, plane));
+                         picture_of(loaded.ct, through, plane, window));
     for (const PictureMark& mark : marks) {
       if (mark.points_mm.size() == 1) {
         const std::string p = at(mark.points_mm[0]);

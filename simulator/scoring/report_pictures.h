@@ -13,8 +13,13 @@ struct PictureMark {
   std::string kind;             ///< class of the style: way, expert, target, hole, tip
 };
 
+/// What is shown black and what white; by default a brain.
+struct PictureWindow {
+  double low_hu = -20, high_hu = 120;
+};
 /// Three slices of the CT through the point, 160 mm wide, with the marks projected onto them, as HTML.
-std::string slices_html(const LoadedCase& loaded, Vec3 through_mm, const std::vector<PictureMark>& marks);
+std::string slices_html(const LoadedCase& loaded, Vec3 through_mm, const std::vector<PictureMark>& marks,
+                        const PictureWindow& window = {});
 
 /// Text without what HTML takes for its own.
 std::string escaped(const std::string& text);

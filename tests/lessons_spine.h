@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// A spine of plain shapes in which lessons are done: its pedicles are known exactly.
+#include "case_samples.h"
+#include "phantom/spine.h"
+
+namespace lessons {
+
+using namespace trephine;
+
+inline HapticVolume spine_volume(const phantom::Spine& spine) {
+  constexpr double side = 0.8;
+  HapticVolume v;
+  Lattice l = phantom::lattice_about(spine, {side, side, side}, 62);
+  v.voxels = Grid<std::int16_t>(l);
+  v.shapes = {occupancy_shape("bone", 1), occupancy_shape("canal", 2), occupancy_shape("skin", 3)};
+  parallel_for(0, l.size[2], 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < l.size[1]; ++j)
+        for (int i = 0; i < l.size[0]; ++i) {
+          const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
+          const double bone = spine.bone(p), canal = std::min(spine.canal(p), -bone);
+          // Skin: within 55 mm of the middle, so that air is before it in a volume of this size.
+          const double body = 55 - std::abs(p.y - 10);
+          const double depth[3] = {bone, canal, std::min({body, -bone, -spine.canal(p)})};
+          int best = 0;
+          for (int s = 1; s < 3; ++s)
+            if (depth[s] > depth[best]) best = s;
+          const int share = int(std::lround(255 * std::clamp(0.5 + depth[best] / side, 0.0, 1.0)));
+          double others = 0;
+          for (int s = 0; s < 3; ++s)
+            if (s != best) others += std::clamp(0.5 + depth[s] / side, 0.0, 1.0);
+          const int bare = share < 255 && others < 0.9 * (1 - share / 255.0) ? haptic_bare_offset : 0;
+          if (share > 0) v.voxels.at(i, j, k) = std::int16_t(1000 * (best + 1) + bare + share);
+        }
+  });
+  return v;
+}
+
+/// Entry and target of a pedicle, as `trephine pedicles` gives them for the truth.
+inline std::pair<Vec3, Vec3> ends_of(const phantom::Spine& spine, const phantom::Spine::Pedicle& p) {
+  double behind = 0, before = 0;
+  while (spine.bone(p.middle_mm - p.forwards * behind) > 0) behind += 0.1;
+  while (spine.bone(p.middle_mm + p.forwards * before) > 0) before += 0.1;
+  const Vec3 entry = p.middle_mm - p.forwards * behind;
+  return {entry, entry + p.forwards * (0.75 * (behind + before))};
+}
+
+inline case_samples::MemoryCase spine_case(double confidence = 1) {
+  const phantom::Spine spine;
+  case_samples::MemoryCase c;
+  CaseManifest& m = c.manifest;
+  m.case_token = "spine";
+  m.program_version = "trephine 0.1.0";
+  m.input_sha256 = sha256_of_bytes("input");
+  const HapticVolume volume = spine_volume(spine);
+  m.files.push_back(describe_case_file("haptic", ".nrrd", encode_haptic(volume)));
+  m.haptic.file = m.files.back().name;
+  c.files[m.haptic.file] = encode_haptic(volume);
+  m.haptic.size = volume.voxels.size;
+  m.haptic.spacing_mm = volume.voxels.spacing_mm;
+  // As configs/materials.yaml has them.
+  const auto add = [&](const HapticShape& s, const CaseMaterial& material) {
+    CaseShape shape;
+    shape.name = s.name;
+    shape.number = s.number;
+    shape.window_low = s.window_low;
+    shape.window_high = s.window_high;
+    shape.material = material;
+    shape.displayed = "haptic";
+    m.haptic.shapes.push_back(shape);
+    CaseAnatomy a;
+    a.name = s.name;
+    m.anatomies.push_back(a);
+  };
+  const CaseFace bone{true, 1, 0.0003, 0.35, 0.3, 0}, liquor{true, 0.12, 0.0002, 0.2, 0.15, 0.6};
+  add(volume.shapes[0], {"bone", {}, bone, bone, 0, 0, 0.1});
+  add(volume.shapes[1], {"csf", {}, liquor, liquor, 0.001, 0, 0});
+  add(volume.shapes[2], {"soft_tissue", {}, {true, 0.25, 0.0003, 0.35, 0.3, 1}, {}, 0.015, 0.012, 0});
+  for (const phantom::Spine::Pedicle& p : spine.pedicles()) {
+    const auto [entry, target] = ends_of(spine, p);
+    const std::string name = "pedicle_" + std::to_string(p.vertebra + 1) + (p.left ? "_left" : "_right");
+    m.landmarks.push_back({name + "_entry", entry, confidence, "truth"});
+    m.landmarks.push_back({name + "_target", target, confidence, "truth"});
+  }
+  c.seal();
+  return c;
+}
+
+}  // namespace lessons

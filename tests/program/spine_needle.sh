@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The spine needle as its user does it: rubric, script, recording, score, page, log, exercise, and what is refused.
+. "$(dirname "$0")/common.sh"
+: "${OFFLINE:?}" "${WRITE_CASE:?}"
+library=$work/library
+mkdir "$library"
+"$WRITE_CASE" "$library/spine" spine
+"$WRITE_CASE" "$library/head-drilled" head_drilled
+rubric=$work/rubric.json
+"$OFFLINE" rubric "$SOURCE/configs/rubrics/spine_needle.yaml" --output "$rubric" >/dev/null
+lesson=("$TREPHINE" lesson "$library/spine" --script "$SOURCE/examples/lessons/spine_needle.json")
+"${lesson[@]}" --record "$work/one.lesson" --participant r-01 >"$work/text" || { cat "$work/text"; fail "no lesson"; }
+score=("$TREPHINE" score "$work/one.lesson" --case "$library/spine" --rubric "$rubric")
+"${score[@]}" --json "$work/one.json" --page "$work/one.html" --log "$work/log.csv" >"$work/text" || { cat "$work/text"; fail "no score"; }
+grep -Eq '^35 of 35 points; finished, needle passes: 1, exposure [0-9.]+ s in 6 shots, the needle lies in bone$' "$work/text" || {
+  cat "$work/text"; fail "the example is not perfect"; }
+"${score[@]}" --json "$work/two.json" --page "$work/two.html" >/dev/null
+cmp "$work/one.json" "$work/two.json" && cmp "$work/one.html" "$work/two.html" || fail "scored again it is not the same"
+! grep -Eqi '<script|javascript:|https?://' "$work/one.html" || fail "the page does more than show"
+"$TREPHINE" replay "$library/spine" "$work/one.lesson" | grep -q '^replayed bit for bit$' || fail "replays otherwise"
+python3 - "$work/one.json" "$work/log.csv" <<'PY'
+import csv, json, sys
+j = json.load(open(sys.argv[1]))
+assert [r["name"] for r in j["rows"]] == ["entry", "target", "breach", "depth", "exposure", "passes", "time"], j["rows"]
+assert all(l["from"] == "ours" and l["why"] for r in j["rows"] for l in r["limits"].values())
+assert [s["view"] for s in j["facts"]["shots"]] == ["ap", "lateral", "lateral", "ap", "ap", "lateral"], j["facts"]["shots"]
+row = next(csv.DictReader(open(sys.argv[2])))
+assert row["module"] == "spine_needle" and row["breach_score"] == "5" and float(row["entry_off_mm"]) < 2, row
+PY
+# A rubric, a log and a case of another lesson.
+"$OFFLINE" rubric "$SOURCE/configs/rubrics/ventriculostomy.yaml" --output "$work/other.json" >/dev/null
+expect 65 'lesson: spine_needle, but the rubric is of ventriculostomy' "$TREPHINE" score "$work/one.lesson" --case "$library/spine" --rubric "$work/other.json"
+expect 65 'the lesson needs a pedicle' "$TREPHINE" lesson "$library/head-drilled" --script "$SOURCE/examples/lessons/spine_needle.json" --record "$work/x"
+sed 's/module: spine_needle/module: spine/' "$SOURCE/configs/rubrics/spine_needle.yaml" >"$work/wrong.yaml"
+expect 78 'module: spine, no such lesson; known are spine_needle, ventriculostomy' "$OFFLINE" rubric "$work/wrong.yaml" --output "$work/x"
+[[ ! -e $work/x ]] || fail "something was written"
+# A curriculum needs no class of a spine, and leaves a head out.
+for c in spine head-drilled; do "$OFFLINE" library approve "$library/$c" --by prof-1 >/dev/null; done
+"$TREPHINE" exercise "$library" --module spine_needle --participant r-01 --out "$work/results" \
+  --script "$SOURCE/examples/lessons/spine_needle.json" --rubric "$rubric" >"$work/text"
+grep -Eq '^left out: head-drilled: .*needs a pedicle' "$work/text" || { cat "$work/text"; fail "a head is exercised"; }
+grep -Eq '^1 +spine +- +3 +35 of 35 points: 5 5 5 5 5 5 5$' "$work/text" || { cat "$work/text"; fail "the exercise is not done"; }
+[[ $(wc -l <"$work/results/attempts-spine_needle.csv") == 2 ]] || fail "no attempt is logged"
