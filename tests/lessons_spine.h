@@ -73,10 +73,11 @@ inline case_samples::MemoryCase spine_case(double confidence = 1) {
     a.name = s.name;
     m.anatomies.push_back(a);
   };
-  const CaseFace bone{true, 1, 0.0003, 0.35, 0.3, 0}, liquor{true, 0.12, 0.0002, 0.2, 0.15, 0.6};
+  const CaseFace bone{true, 1, 0.0003, 0.35, 0.3, 0}, liquor{true, 0.12, 0.0002, 0.2, 0.15, 0.6},
+      none{false, 0, 0, 0, 0, 0};
   add(volume.shapes[0], {"bone", {}, bone, bone, 0, 0, 0.1});
   add(volume.shapes[1], {"csf", {}, liquor, liquor, 0.001, 0, 0});
-  add(volume.shapes[2], {"soft_tissue", {}, {true, 0.25, 0.0003, 0.35, 0.3, 1}, {}, 0.015, 0.012, 0});
+  add(volume.shapes[2], {"soft_tissue", {}, {true, 0.25, 0.0003, 0.35, 0.3, 1}, none, 0.015, 0.012, 0});
   for (const phantom::Spine::Pedicle& p : spine.pedicles()) {
     const auto [entry, target] = ends_of(spine, p);
     const std::string name = "pedicle_" + std::to_string(p.vertebra + 1) + (p.left ? "_left" : "_right");

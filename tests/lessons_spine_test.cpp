@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 #include <stdexcept>
+#include <tuple>
 
 #include "base/error.h"
 #include "lessons_spine.h"
@@ -106,7 +108,7 @@ TEST(SpineNeedle, APerfectOneScoresFiveInAllRows) {
   ASSERT_EQ(d.facts.shots.size(), 4u);
   EXPECT_EQ(d.facts.shots[0].arm.view(), std::string("ap"));
   EXPECT_EQ(d.facts.shots[1].arm.view(), std::string("lateral"));
-  EXPECT_NEAR(d.facts.exposure_s(), 3 * 0.4 + 1, 0.2);
+  EXPECT_NEAR(d.facts.exposure_s(), 3 * 0.4 + 1, 0.05);
   // The needle is in the picture at once, where it is.
   const NeedlePoint& end = d.facts.passes.back().path.back();
   EXPECT_LT(norm(d.facts.shots[3].tip_mm - end.tip_mm), 1);
@@ -122,23 +124,56 @@ TEST(SpineNeedle, APerfectOneScoresFiveInAllRows) {
             std::string::npos);
 }
 
-TEST(SpineNeedle, ErrorsAreMeasuredAndScoredOnBothSidesOfTheirLimits) {
-  for (const double aside : {1.2, 3.2, 5.2, 8.0}) {
-    const auto d = spine().run(needle(fmt::format("\"entry_aside_mm\": {}, \"target_aside_mm\": {}", aside, aside)) +
-                               R"(, {"shoot": {}}, "finish")");
-    EXPECT_NEAR(d.measured("entry_off_mm"), aside, 0.7);
-    EXPECT_NEAR(d.measured("target_off_mm"), aside, 0.7);
-    EXPECT_EQ(d.points("entry"), shipped().entry_mm.score(d.measured("entry_off_mm")));
-    EXPECT_EQ(d.points("entry"), aside < 2 ? 5 : aside < 4 ? 4 : aside < 6 ? 3 : 2);
+// What is asked of the hand is not what the needle does: a wall of the pedicle turns a grazing one aside. So the
+// figures are compared with the last frame.
+TEST(SpineNeedle, ErrorsAreThoseOfTheLastFrameAndEveryScoreIsGiven) {
+  const auto pedicle = phantom::Spine().pedicles()[2];  // the middle one's left
+  const auto [entry, target] = ends_of(phantom::Spine(), pedicle);
+  std::set<int> entries, targets;
+  for (const auto& [aside, up] : std::vector<std::pair<double, double>>{
+           {0, 0}, {1.2, 0}, {-3, 0}, {0, 5}, {-3, 5}, {8, 0}, {11, 0}, {17, 0}, {0, 8.5}}) {
+    const auto d =
+        spine().run(needle(fmt::format("\"entry_aside_mm\": {0}, \"target_aside_mm\": {1}, \"entry_up_mm\": {2}, "
+                                       "\"target_up_mm\": {3}",
+                                       aside, 1.4 * aside, up, -up)) +
+                    R"(, {"shoot": {}}, "finish")");
+    if (!d.facts.final_pass()) {  // beside the bone
+      EXPECT_EQ(d.points("entry"), 1);
+      entries.insert(1);
+      continue;
+    }
+    const ServoFrame& f = d.recording.frames.back();
+    const Vec3 tip{f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]}, axis{f.axis[0], f.axis[1], f.axis[2]};
+    const auto off = [&](Vec3 at) {
+      const Vec3 p = tip + axis * (dot(at - tip, pedicle.forwards) / dot(axis, pedicle.forwards));
+      return norm(p - at);
+    };
+    EXPECT_NEAR(d.measured("entry_off_mm"), off(entry), 0.3) << aside;
+    EXPECT_NEAR(d.measured("target_off_mm"), off(target), 0.3) << aside;
+    EXPECT_NEAR(d.measured("depth_beyond_target_mm"), dot(tip - target, pedicle.forwards), 0.3) << aside;
+    if (aside == 1.2) EXPECT_NEAR(d.measured("entry_off_mm"), 1.2, 0.7);
+    EXPECT_EQ(d.points("entry"), shipped().entry_mm.score(off(entry))) << off(entry);
+    EXPECT_EQ(d.points("target"), shipped().target_mm.score(off(target))) << off(target);
+    entries.insert(d.points("entry"));
+    targets.insert(d.points("target"));
   }
-  const auto shallow = spine().run(needle("\"short_of_mm\": 15") + R"(, {"shoot": {}}, "finish")");
-  EXPECT_NEAR(shallow.measured("depth_beyond_target_mm"), -15, 1.5);
-  EXPECT_EQ(shallow.points("depth"), 2);
-  EXPECT_EQ(shallow.points("target"), 5);
+  EXPECT_EQ(entries, (std::set<int>{1, 2, 3, 4, 5}));
+  EXPECT_GE(targets.size(), 4u);
+}
+
+TEST(SpineNeedle, DepthIsScoredOnBothSidesOfEachLimit) {
+  std::set<int> scores;
+  for (const double short_of : {0.0, 4.0, 6.5, 10.0, 15.0, 24.0}) {
+    const auto d = spine().run(needle(fmt::format("\"short_of_mm\": {}", short_of)) + R"(, {"shoot": {}}, "finish")");
+    EXPECT_NEAR(d.measured("depth_beyond_target_mm"), -short_of, 1.6);  // tissue holds the hand back a little
+    EXPECT_EQ(d.points("depth"), shipped().depth_mm.score(std::abs(d.measured("depth_beyond_target_mm"))));
+    EXPECT_EQ(d.points("target"), 5);  // its line still goes there
+    scores.insert(d.points("depth"));
+  }
+  EXPECT_EQ(scores, (std::set<int>{1, 2, 3, 4, 5}));
 }
 
 TEST(SpineNeedle, ABreachIsMeasuredWithItsSide) {
-  // The half-width is 4.5 mm, the needle's 1.5: what is moved by d comes d - 3 through the wall.
   const auto at = [](double aside, double up) {
     return spine().run(
         needle(fmt::format(
@@ -146,15 +181,21 @@ TEST(SpineNeedle, ABreachIsMeasuredWithItsSide) {
             up)) +
         R"(, {"shoot": {}}, "finish")");
   };
-  const auto within = at(-2, 0), medial = at(-5, 0), lateral = at(5, 0), lower = at(0, -8.5);
-  EXPECT_EQ(within.points("breach"), 5) << within.row("breach").why;
-  EXPECT_NEAR(medial.measured("breach_mm"), 2, 0.8);
-  EXPECT_NE(medial.row("breach").why.find("medial"), std::string::npos) << medial.row("breach").why;
-  EXPECT_TRUE(medial.score.flag("medial"));
-  EXPECT_NEAR(lateral.measured("breach_mm"), 2, 0.8);
-  EXPECT_NE(lateral.row("breach").why.find("lateral"), std::string::npos) << lateral.row("breach").why;
-  EXPECT_NEAR(lower.measured("breach_mm"), 2.5, 1);
-  EXPECT_NE(lower.row("breach").why.find("lower"), std::string::npos) << lower.row("breach").why;
+  EXPECT_EQ(at(-2, 0).points("breach"), 5);  // the half-width is 4.5 mm, the needle's 1.5
+  const std::vector<std::tuple<double, double, std::string>> ways = {
+      {-6, 0, "medial"}, {6, 0, "lateral"}, {0, -12, "lower"}};
+  for (const auto& [aside, up, side] : ways) {
+    const auto d = at(aside, up);
+    // A wall holds the needle back by up to 2.5 mm before it gives way.
+    const double asked = std::abs(aside) + 1.53 - 4.5 + (up != 0 ? std::abs(up) - 7.5 + 4.5 : 0);
+    EXPECT_LT(d.measured("breach_mm"), asked + 0.8) << side;
+    EXPECT_GT(d.measured("breach_mm"), std::max(0.3, asked - 3.3)) << side;
+    EXPECT_NE(d.row("breach").why.find(side), std::string::npos) << d.row("breach").why;
+    EXPECT_EQ(d.score.flag("medial"), side == "medial");
+    EXPECT_EQ(d.points("breach"), shipped().breach_mm.score(d.measured("breach_mm")));
+    EXPECT_LT(d.points("breach"), 5);
+    EXPECT_TRUE(d.row("breach").decided_s);
+  }
 }
 
 TEST(SpineNeedle, EveryPassIsKeptAndTheWorstBreachCounts) {

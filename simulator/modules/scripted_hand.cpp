@@ -56,7 +56,7 @@ bool ScriptedHand::advance(double part_s) {
   }
   waited_s_ += part_s;
   if (waited_s_ < m.wait_s) return false;
-  return norm(aim_mm_ - body_.position_mm) < arrived_mm || waited_s_ >= m.wait_s + arrive_at_most_s;
+  return m.on_time || norm(aim_mm_ - body_.position_mm) < arrived_mm || waited_s_ >= m.wait_s + arrive_at_most_s;
 }
 
 bool ScriptedHand::read(double dt_s, DeviceReading& out) {

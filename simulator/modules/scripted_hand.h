@@ -22,6 +22,7 @@ struct HandMove {
   double speed_mm_per_s = 100;
   double feed_force_n = 0;  ///< while the arm pulls more than that it waits on its path; 0: never
   double wait_s = 0;        ///< after the path's end
+  bool on_time = false;     ///< then it is over; else it is only when the hand has arrived, or half a second later
   bool lost = false;        ///< the device is gone
 };
 

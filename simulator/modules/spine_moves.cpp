@@ -33,7 +33,7 @@ class SpinePlan : public MovePlan {
  private:
   void shoot(const ShootStep& s) {
     HandMove m = move();
-    m.pedal = true;
+    m.pedal = m.on_time = true;
     m.wait_s = s.seconds;
     add(m);
     m.pedal = false;  // so that the next one is another
