@@ -100,7 +100,7 @@ std::string refused(const std::function<void()>& f) {
 
 TEST(SecondScan, BrainAndVentriclesOfAnMr) {
   const Head head = head_of(phantom::Level::clinical, 4);
-  const Ct ct = ct_of(head, ct_mm);
+  const Ct ct = ct_of(head, 1.6);
   const HuVolume mr = laid(head, phantom::SecondScan::mr, 1.2, lattice_of(ct.volume));
   Report report, ignored;
   T1ContrastParams params;
@@ -149,7 +149,7 @@ TEST(SecondScan, WhatIsNoT1IsRefused) {
 
 void check_vessels(double ct_mm, double cta_mm, bool without) {
   const Head head = head_of(phantom::Level::hard, 3), with = head_of(phantom::Level::hard, 3, true);
-  const Ct ct = ct_of(head, 1.6);
+  const Ct ct = ct_of(head, ct_mm);
   const HuVolume cta = laid(head, phantom::SecondScan::cta, cta_mm, lattice_of(ct.volume), 0.012);
   Report report;
   const Field found = find_vessels(cta, ct.volume, ct.cavity, nullptr, {}, report);

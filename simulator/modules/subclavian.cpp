@@ -32,12 +32,12 @@ void Subclavian::tick(const ServoFrame& f, const ToolBelt& belt, bool) {
     if (f.inside == 0) return;
     in_ = true;
     deepest_mm_ = 0;
-    NeedlePass& p = facts_.passes.emplace_back();
+    VeinPass& p = facts_.passes.emplace_back();
     p.begin_s = f.time_s;
     p.entry_mm = p.tip_mm = f.events & haptic_event::popped ? before : tip;
     p.out = vec(f.axis);
   }
-  NeedlePass& p = facts_.passes.back();
+  VeinPass& p = facts_.passes.back();
   p.end_s = f.time_s;
   if (p.path.empty() || p.path.back().inside != f.inside || norm(tip - p.path.back().tip_mm) >= path_step_mm)
     p.path.push_back({f.time_s, tip, f.inside});
@@ -66,7 +66,7 @@ void Subclavian::command(int command, const ServoFrame& f, const ToolBelt&) {
 void Subclavian::end_pass(double time_s, bool in_place) {
   if (!in_) return;
   in_ = false;
-  NeedlePass& p = facts_.passes.back();
+  VeinPass& p = facts_.passes.back();
   p.end_s = time_s;
   p.in_place = in_place;
   if (in_place) p.path.push_back(last_);

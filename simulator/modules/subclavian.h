@@ -11,19 +11,19 @@ namespace trephine {
 std::vector<BeltToolParams> subclavian_tools();
 
 /// A moment of the needle's way.
-struct NeedlePoint {
+struct VeinPassPoint {
   double time_s = 0;
   Vec3 tip_mm;
   int inside = 0;  ///< the shape
 };
 
 /// The needle in the patient, from the moment it enters the skin until it is drawn out of the place where it did.
-struct NeedlePass {
+struct VeinPass {
   double begin_s = 0, end_s = 0;
-  Vec3 entry_mm, out{0, 0, 1};    ///< where it entered, and the tool's axis there
-  Vec3 tip_mm;                    ///< where it was deepest
-  bool in_place = false;          ///< it was there at the lesson's end
-  std::vector<NeedlePoint> path;  ///< each time the tip moved by 0.25 mm or into another shape; the last is the end
+  Vec3 entry_mm, out{0, 0, 1};      ///< where it entered, and the tool's axis there
+  Vec3 tip_mm;                      ///< where it was deepest
+  bool in_place = false;            ///< it was there at the lesson's end
+  std::vector<VeinPassPoint> path;  ///< each time the tip moved by 0.25 mm or into another shape; the last is the end
 };
 
 /// The command `aspirate`: what the syringe draws.
@@ -35,7 +35,7 @@ struct Aspiration {
 
 /// All that happened in a lesson and may be scored. A time of -1: never.
 struct SubclavianFacts : LessonFacts {
-  std::vector<NeedlePass> passes;
+  std::vector<VeinPass> passes;
   std::vector<Aspiration> aspirations;
   double vein_s = -1, artery_s = -1, pleura_s = -1, lung_s = -1;  ///< when the tip was there first
   double blood_s = -1;  ///< when blood of the vein was drawn last, with the tip still in it
@@ -65,7 +65,7 @@ class Subclavian : public Lesson {
   bool in_ = false;
   double deepest_mm_ = 0;
   Vec3 held_tip_;
-  NeedlePoint last_;
+  VeinPassPoint last_;
 };
 
 }  // namespace trephine

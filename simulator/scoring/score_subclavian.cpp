@@ -7,11 +7,11 @@ namespace trephine {
 namespace {
 
 // The pass that is judged: the one that lies in place, else the last.
-const NeedlePass* judged_pass(const SubclavianFacts& f) { return f.passes.empty() ? nullptr : &f.passes.back(); }
+const VeinPass* judged_pass(const SubclavianFacts& f) { return f.passes.empty() ? nullptr : &f.passes.back(); }
 
 ScoreRow score_puncture(const SubclavianFacts& f, const ChestFrame& frame, const PunctureRubric& r) {
   ScoreRow row{"puncture", "Puncture of the skin", 1, "the needle entered nothing", {}, {}, {}};
-  const NeedlePass* pass = judged_pass(f);
+  const VeinPass* pass = judged_pass(f);
   if (!pass) return row;
   const double below = frame.below_border_mm(pass->entry_mm);
   row.measured = {{"below_border_mm", below}};
@@ -26,7 +26,7 @@ ScoreRow score_puncture(const SubclavianFacts& f, const ChestFrame& frame, const
 
 ScoreRow score_direction(const SubclavianFacts& f, const ChestFrame& frame, const NotchRubric& r) {
   ScoreRow row{"direction", "Direction of the needle", 1, "the needle entered nothing", {}, {}, {}};
-  const NeedlePass* pass = judged_pass(f);
+  const VeinPass* pass = judged_pass(f);
   if (!pass) return row;
   const double off = frame.off_notch_deg(pass->entry_mm, pass->tip_mm - pass->entry_mm);
   row.measured = {{"off_notch_deg", off}};

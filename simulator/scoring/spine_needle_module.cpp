@@ -136,9 +136,9 @@ LessonModule spine_needle_module() {
   m.begin = [](const CaseManifest& manifest, const HapticVolume&, const HapticVolume&) {
     return std::unique_ptr<Lesson>(std::make_unique<SpineNeedle>(manifest));
   };
-  m.score = [](const LessonFacts& facts, const CaseManifest& manifest, const HapticVolume& before,
+  m.score = [](const LessonFacts& facts, const LoadedCase& loaded, const HapticVolume& before,
                const AnyParams& rubric) {
-    return score_spine_needle(own(facts), manifest, before, rubric.as<SpineNeedleRubric>());
+    return score_spine_needle(own(facts), loaded.manifest, before, rubric.as<SpineNeedleRubric>());
   };
   m.facts_json = [](const LessonFacts& facts) { return json_of(own(facts)); };
   m.outcome = outcome;

@@ -20,7 +20,7 @@ const SubclavianFacts& own(const LessonFacts& facts) { return static_cast<const 
 
 Json json_of(const SubclavianFacts& f) {
   Json passes = Json::array(), aspirations = Json::array();
-  for (const NeedlePass& p : f.passes)
+  for (const VeinPass& p : f.passes)
     passes.push_back({{"begin_s", p.begin_s},
                       {"end_s", p.end_s},
                       {"entry_mm", list_of(p.entry_mm)},
@@ -40,14 +40,14 @@ Json json_of(const SubclavianFacts& f) {
 std::string ways_html(const SubclavianFacts& f, const LoadedCase& loaded) {
   const ChestFrame frame = chest_frame_of(loaded.haptic, chest_shapes_of(loaded.manifest));
   std::vector<PictureMark> marks = {{{frame.notch_mm}, "target"}};
-  for (const NeedlePass& p : f.passes) {
+  for (const VeinPass& p : f.passes) {
     PictureMark way{{}, "way"};
-    for (const NeedlePoint& at : p.path) way.points_mm.push_back(at.tip_mm);
+    for (const VeinPassPoint& at : p.path) way.points_mm.push_back(at.tip_mm);
     if (way.points_mm.size() > 1) marks.push_back(way);
   }
   std::string out;
   if (!f.passes.empty()) {
-    const NeedlePass& last = f.passes.back();
+    const VeinPass& last = f.passes.back();
     marks.push_back({{last.entry_mm, frame.notch_mm}, "expert"});
     marks.push_back({{last.entry_mm}, "hole"});
     marks.push_back({{last.tip_mm}, "tip"});
@@ -92,9 +92,9 @@ LessonModule subclavian_module() {
     chest_frame_of(before, chest_shapes_of(manifest));  // refused here rather than by the scorer
     return std::unique_ptr<Lesson>(std::make_unique<Subclavian>(manifest));
   };
-  m.score = [](const LessonFacts& facts, const CaseManifest& manifest, const HapticVolume& before,
+  m.score = [](const LessonFacts& facts, const LoadedCase& loaded, const HapticVolume& before,
                const AnyParams& rubric) {
-    return score_subclavian(own(facts), manifest, before, rubric.as<SubclavianRubric>());
+    return score_subclavian(own(facts), loaded.manifest, before, rubric.as<SubclavianRubric>());
   };
   m.guide = [](const LessonFacts&) {
     return std::vector<LessonGuide>{{"Pass the needle toward the sternal notch", "needle", ""},
