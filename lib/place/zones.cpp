@@ -75,7 +75,7 @@ Field trimmed(const Field& field, Report& report, const char* what) {
       }
   if (count == 0)
     throw refusal("", std::string("nothing of the ") + what + " lies in the scan",
-                  {"take the zone out of the scene's `anatomies`, or give a `series` of the whole head"});
+                  {"take the zone out of the scene's `anatomies`, or take a scan of the whole head"});
   report.add("volume_ml", double(count) * field.voxel_volume_mm3() / 1000);
   return crop(field, grown(box, 2, field));
 }

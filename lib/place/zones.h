@@ -53,9 +53,9 @@ struct ZoneShapes {
 /// the inner occipital protuberance: larger than the vessel, which a plain CT does not show. The brainstem is the
 /// template's.
 ///
-/// Reports volume_ml, and how well the template fits. Throws Error 64 where a shell or a slab is thinner than two voxels
-/// or the third ventricle has no ventricles; 65 where a field is on another raster; 80 where the template is not sure
-/// to fit, and where nothing of the zone lies in the scan. The same bits whatever the thread count.
+/// Reports volume_ml, and how well the template fits. Throws Error 64 where a shell or a slab is thinner than two
+/// voxels or the third ventricle has no ventricles; 65 where a field is on another raster; 80 where the template is not
+/// sure to fit, and where nothing of the zone lies in the scan. The same bits whatever the thread count.
 Field find_zone(const segmentation::BitMask& cavity, const ZoneShapes& shapes, const ZoneParams& params, Report& report,
                 const Progress& progress = {});
 

@@ -139,8 +139,7 @@ Model first_guess(const std::vector<double>& values) {
   std::sort(sorted.begin(), sorted.end());
   segmentation::Histogram h;
   const double low = sorted[sorted.size() / 200], high = sorted[sorted.size() - 1 - sorted.size() / 200];
-  if (!(high > low))
-    throw refusal("", "the MR has one value in the whole head", {"give another `series` for it in `scans`"});
+  if (!(high > low)) throw refusal("", "the MR has one value in the whole head", {"look at the picture of `register`"});
   h.width = (high - low) / 256;
   h.first = low;
   h.counts.assign(257, 0);
@@ -239,7 +238,8 @@ std::array<double, classes> pure_levels(const HuView& mr, const Samples& s, cons
 [[noreturn]] void refuse(const std::string& what) {
   throw refusal(
       "", what,
-      {"give a T1-weighted `series` without contrast agent in `scans`, or take brain and ventricles from the CT"});
+      {"read a T1-weighted scan without contrast agent, or take `t1_contrast` out of the recipe: then brain and "
+       "ventricles are those of the CT"});
 }
 
 /// In T1 the dark class lies around the brain; in T2 and FLAIR the bright one does, or none.

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # anatomies.sh ROOT: no source of lib/pipeline, lib/publish and lib/library names an anatomy or a landmark: which there are,
 # and what is done with each, stands in recipes, configurations and the declarations of stages. The names are those of the
-# anatomies in pipelines/*.yaml and of the landmarks that a stage declares (s.points), word by word, without words of direction (left, right, midline, sagittal) and of count. A
-# name is found in a string literal as a whole word with a quote, a
+# anatomies in pipelines/*.yaml and of the landmarks that a stage declares (s.points), without left, right and the
+# like, which are directions, and other. A name is found in a string literal as a whole word with a quote, a
 # dot or an underscore on at least one side ("skull", "mesh.skull.", "ventricles_ml"). Comments do not count, nor do words
 # of a sentence.
 set -u
@@ -11,7 +11,7 @@ cd "$1" || exit 2
 names=$({
   cat pipelines/*.yaml | perl -ne '$in = /^anatomies:/ if /^\w/; print "$1\n" if $in && /^  (\w+):/'
   cat lib/stages/*_stage.cpp | perl -0777 -ne 'while (/s\.points = \{(.*?)\};/gs) { my $p = $1; print "$1\n" while $p =~ /\{"(\w+)"/g }'
-} | tr '_' '\n' | grep -vxE 'left|right|other|midline|sagittal|third' | sort -u | paste -sd '|')
+} | tr '_' '\n' | grep -vxE 'left|right|midline|sagittal|other' | sort -u | paste -sd '|')
 [[ $names == *'|'* ]] || { echo "$1: no recipe and no stage declares a name"; exit 2; }
 folders=()
 for folder in lib/pipeline lib/publish lib/library; do [ -d "$folder" ] && folders+=("$folder"); done
