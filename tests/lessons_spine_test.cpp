@@ -151,7 +151,9 @@ TEST(SpineNeedle, ErrorsAreThoseOfTheLastFrameAndEveryScoreIsGiven) {
     EXPECT_NEAR(d.measured("entry_off_mm"), off(entry), 0.3) << aside;
     EXPECT_NEAR(d.measured("target_off_mm"), off(target), 0.3) << aside;
     EXPECT_NEAR(d.measured("depth_beyond_target_mm"), dot(tip - target, pedicle.forwards), 0.3) << aside;
-    if (aside == 1.2) EXPECT_NEAR(d.measured("entry_off_mm"), 1.2, 0.7);
+    if (aside == 1.2) {
+      EXPECT_NEAR(d.measured("entry_off_mm"), 1.2, 0.7);
+    }
     EXPECT_EQ(d.points("entry"), shipped().entry_mm.score(off(entry))) << off(entry);
     EXPECT_EQ(d.points("target"), shipped().target_mm.score(off(target))) << off(target);
     entries.insert(d.points("entry"));
