@@ -9,6 +9,7 @@
 #include <random>
 
 #include "device/udp_packet.h"
+#include "haptics/tool_belt.h"
 #include "haptics/proxy.h"
 
 using namespace trephine;
@@ -155,8 +156,18 @@ TEST(HapticsUdpPacket, MalformedPosesOfVersion2AreRefused) {
   };
   ASSERT_TRUE(decodes(good));
   EXPECT_FALSE(decode_pose(good.data(), udp_pose_bytes_1, out)) << "as long as one of version 1";
-  for (const auto& [at, value] : std::map<std::size_t, std::uint8_t>{
-           {0, 'X'}, {4, 1}, {4, 3}, {5, 1}, {6, 2}, {7, 1}, {88, 4}, {91, 1}, {92, 16}, {93, 1}, {94, 6}, {95, 1}})
+  for (const auto& [at, value] : std::map<std::size_t, std::uint8_t>{{0, 'X'},
+                                                                     {4, 1},
+                                                                     {4, 3},
+                                                                     {5, 1},
+                                                                     {6, 2},
+                                                                     {7, 1},
+                                                                     {88, 4},
+                                                                     {91, 1},
+                                                                     {92, 16},
+                                                                     {93, 1},
+                                                                     {94, std::uint8_t(belt_command::count)},
+                                                                     {95, 1}})
     EXPECT_FALSE(decodes(with(at, value))) << at;
   for (const double w : {0.98, 1.02, 1e200}) {
     UdpBytes b = good;

@@ -88,7 +88,7 @@ class Spine {
 
   double vertebra(int n, Vec3 world) const {
     const Vec3 p{world.x, world.y, world.z - level(n)};
-    if (std::abs(p.x) > 60 || p.y < -25 || p.y > 75) return -1e3;  // nothing of it is so far off
+    if (std::abs(p.x) > 60 || p.y < -25 || p.y > 75) return -1e3;           // nothing of it is so far off
     double best = std::min(ellipse(p.x, p.y, 24, 17), 12 - std::abs(p.z));  // the body
     for (const double side : {1.0, -1.0}) {
       const double c = params_.converging_deg * M_PI / 180, r = params_.rising_deg * M_PI / 180;
