@@ -276,6 +276,8 @@ HuVolume t1_contrast(const HuVolume& mr, const HuVolume& ct, const BitMask& cavi
                      Report& report, const Progress& progress) {
   if (lattice_of(mr) != lattice_of(ct) || cavity.lattice() != lattice_of(ct))
     throw Error(ExitCode::bad_input, "", "volume", "must lie on the CT's voxels, as `register` gives it");
+  segmentation::check_finite(mr);
+  segmentation::check_finite(ct);
   const HuView view(mr), bone(ct);
   require_in_scan(view, cavity);
   const Samples samples = samples_of(view, eroded(cavity, rim_mm));

@@ -35,9 +35,9 @@ struct T1ContrastParams {
 ///
 /// Reports csf_share_ratio, grey_share_ratio, white_share_ratio, csf_to_grey_ratio, grey_to_white_ratio, bias_ratio
 /// (half of what the coil's brightness varies by over the cavity). Throws Error 65 where the volumes are on different
-/// voxels; 80 where more than 2 % of the cavity lies outside of the MR, and where the contrast is not that of T1 (the
-/// darkest class is not what lies around the brain, or levels are too near to each other). The same bits whatever the
-/// thread count.
+/// voxels or hold one that is not finite; 80 where more than 2 % of the cavity lies outside of the MR, and where the
+/// contrast is not that of T1 (the darkest class is not what lies around the brain, or levels are too near to each
+/// other). The same bits whatever the thread count.
 HuVolume t1_contrast(const HuVolume& mr, const HuVolume& ct, const segmentation::BitMask& cavity,
                      const T1ContrastParams& params, Report& report, const Progress& progress = {});
 

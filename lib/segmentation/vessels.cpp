@@ -34,6 +34,8 @@ Field find_vessels(const HuVolume& angiography, const HuVolume& ct, const BitMas
                    const VesselsParams& params, Report& report, const Progress& progress) {
   if (lattice_of(angiography) != lattice_of(ct) || whole_cavity.lattice() != lattice_of(ct))
     throw Error(ExitCode::bad_input, "", "volume", "must lie on the CT's voxels, as `register` gives it");
+  check_finite(angiography);
+  check_finite(ct);
   const Lattice& all = lattice_of(ct);
   const double rim_mm =
       params.rim_mm > 0

@@ -16,7 +16,7 @@ StageType zone_stage() {
       "Gives a field in mm that is positive inside the dura, a slab in the midline, the superior sagittal sinus, the "
       "third ventricle or the brainstem. A CT shows inner table and ventricles; the rest is a template's, which is "
       "registered to them. As an anatomy of a recipe it is a zone that burr holes can be held clear of, and by which a "
-      "lesson is scored where the anatomy is named midline, sagittal_sinus, third_ventricle or brainstem.";
+      "lesson is scored where the anatomy is named sagittal_sinus, third_ventricle or brainstem.";
   s.examples = {
       "trephine zone head.nrrd --what sagittal_sinus --skull skull.nrrd --ventricles ventricles.nrrd --output "
       "sinus.nrrd",
