@@ -125,7 +125,9 @@ cp "$work/a.servo" "$work/v1.servo"
 printf '\x01' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
 "$TREPHINE" replay "$work/sample" "$work/v1.servo" | grep -q '^replayed bit for bit$' || fail "version 1 is not read"
 printf '\x04' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
-expect 65 'version: 4, this program reads 1 to 3' "$TREPHINE" replay "$work/sample" "$work/v1.servo"
+expect 65 'frame_bytes: ' "$TREPHINE" replay "$work/sample" "$work/v1.servo"  # of version 4 they are longer
+printf '\x05' | dd of="$work/v1.servo" bs=1 seek=8 conv=notrunc status=none
+expect 65 'version: 5, this program reads 1 to 4' "$TREPHINE" replay "$work/sample" "$work/v1.servo"
 # A recording of before there were tools is of a point.
 python3 - "$work/a.servo" "$work/old.servo" <<'PY'
 import json, sys
@@ -137,6 +139,21 @@ PY
 "$TREPHINE" replay "$work/sample" "$work/old.servo" >"$work/text"
 grep -q '^replayed bit for bit$' "$work/text" || fail "an older recording is not the same"
 expect 64 '[-]-tool-spacing-mm: gives more than 2048 points' "${servo[@]}" --tool catheter --tool-spacing-mm 0.01
+
+# A tool of somebody's own points; its recording holds a replay to the same file.
+printf '# a small rake\n0 0 4\n1.5 0 0.5\n-1.5 0 0.5\n' >"$work/rake.txt"
+"${servo[@]}" --seconds 1 --no-paced --approach-mm 1 --radius-mm 5 --tool points --tool-points "$work/rake.txt" \
+  --record "$work/rake.servo" >"$work/text" || { cat "$work/text"; fail "own points are not felt"; }
+"$TREPHINE" replay "$work/sample" "$work/rake.servo" >"$work/text"
+grep -q '^replayed bit for bit$' "$work/text" || fail "own points are not replayed"
+echo '0 0 6' >>"$work/rake.txt"
+expect 65 'rake\.servo: tool_points_sha256: is not that of the file' "$TREPHINE" replay "$work/sample" "$work/rake.servo"
+echo '0 0' >>"$work/rake.txt"
+expect 65 'rake\.txt: line 6: must be three numbers' "${servo[@]}" --tool points --tool-points "$work/rake.txt"
+rm "$work/rake.txt"
+expect 66 'rake\.txt' "${servo[@]}" --tool points --tool-points "$work/rake.txt"
+expect 64 '[-]-tool-points: is missing' "${servo[@]}" --tool points
+expect 64 '[-]-tool-points: is for --tool points' "${servo[@]}" --tool needle --tool-points "$work/a.servo"
 
 # One bit of one frame.
 cp "$work/a.servo" "$work/c.servo"
