@@ -13,7 +13,7 @@ struct DeviceReading {
   Vec3 tip_mm;
   Vec3 axis{0, 0, 1};  ///< unit, from the tool's tip to its tail
   std::uint32_t buttons = 0;
-  Vec3 across;  ///< unit, a direction across the axis that turns with the tool; zero where the device does not know
+  Vec3 across{};  ///< unit, a direction across the axis that turns with the tool; zero where the device does not know
 };
 
 /// The results of a tick, for a device that shows them.
@@ -22,11 +22,11 @@ struct DeviceNews {
   Vec3 proxy_mm;
   int touched = 0, inside = 0;
   std::uint32_t faults = 0;
-  Vec3 torque_n_mm;            ///< on the hand, about the tool's tip; to be held and let go as the force is
-  Vec3 axis{0, 0, 1}, across;  ///< as the tool is shown
-  std::uint32_t events = 0;    ///< of this tick
-  bool locked = false;         ///< the tool's orientation is
-  int tool = 0;                ///< in hand, of a session with several
+  Vec3 torque_n_mm{};            ///< on the hand, about the tool's tip; to be held and let go as the force is
+  Vec3 axis{0, 0, 1}, across{};  ///< as the tool is shown
+  std::uint32_t events = 0;      ///< of this tick
+  bool locked = false;           ///< the tool's orientation is
+  int tool = 0;                  ///< in hand, of a session with several
 };
 
 /// The interface between the servo loop and a device. read, tell and send are called in the servo thread and may
