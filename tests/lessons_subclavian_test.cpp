@@ -95,6 +95,20 @@ TEST(LessonsSubclavian, WhatMustNotBeEnteredIsSeen) {
   EXPECT_FALSE(artery.score.flag("success"));
 }
 
+TEST(LessonsSubclavian, ALungThatTheCaseDoesNotShowIsNotJudged) {
+  const Chest::Done d = chest().run(puncture() + R"(, "aspirate", "finish")");
+  // The right one is soft tissue, as where it holds no air.
+  HapticVolume volume = volume_of(false);
+  const int width = volume.voxels.size[0];
+  for (std::size_t n = 0; n < volume.voxels.voxels.size(); ++n)
+    if (std::int16_t& v = volume.voxels.voxels[n];
+        int(n % std::size_t(width)) < width / 2 && (v / 1000 == 3 || v / 1000 == 4))
+      v = 5255;
+  const LessonScore score = score_subclavian(d.facts, chest().felt().loaded.manifest, volume, Chest::rubric());
+  EXPECT_FALSE(score.rows[4].score) << score.rows[4].name << ": " << score.rows[4].why;
+  EXPECT_EQ(d.points("lung"), 5);
+}
+
 TEST(LessonsSubclavian, PunctureAndDirectionHaveTheirLimits) {
   const auto from = [](const char* offset) {
     return std::string(R"({"puncture": {"from": {"at": "vein_right", "offset_mm": )") + offset +

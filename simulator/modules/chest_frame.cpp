@@ -83,7 +83,12 @@ ChestFrame chest_frame_of(const HapticVolume& volume, const ChestShapes& shapes)
     for (int side = 0; side < 2; ++side)
       if (std::abs(p.x - thirds[side]) < slab_mm) veins[side].add(p);
   });
+  double lung_voxels[2] = {0, 0};
+  for (const int shape : {shapes.lung, shapes.pleura})
+    if (shape != 0) each_voxel(volume, shape, [&](Vec3 p) { ++lung_voxels[f.side_of(p)]; });
+  const Vec3 s = volume.voxels.spacing_mm;
   for (int side = 0; side < 2; ++side) {
+    f.has_lung[side] = lung_voxels[side] * s.x * s.y * s.z >= 1000 * ChestFrame::least_lung_ml;
     f.has_vein[side] = veins[side].count > 0;
     if (f.has_vein[side]) f.vein_mm[side] = veins[side].value();
   }

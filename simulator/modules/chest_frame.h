@@ -21,9 +21,11 @@ struct ChestFrame {
   Vec3 notch_mm;    ///< the sternal notch: in the middle between the medial ends of the clavicles
   Vec3 vein_mm[2];  ///< a point of the vein (0: right, 1: left) under the medial third of that clavicle
   bool has_vein[2] = {false, false};
+  bool has_lung[2] = {false, false};  ///< at least least_lung_ml of lung or pleura on that side of the notch
   std::map<int, double> border_z_mm;  ///< the clavicles' lower border: lowest z, by x in steps of border_step_mm
 
-  static constexpr double border_step_mm = 2;
+  static constexpr double border_step_mm = 2, least_lung_ml = 20;
+  int side_of(Vec3 p) const { return p.x > notch_mm.x ? 1 : 0; }
   /// How far the point lies below the lower border that is nearest to it in x; negative above it.
   double below_border_mm(Vec3 p) const;
   /// Between the needle's way (to its tip) and the line from there to the notch, in the frontal plane.

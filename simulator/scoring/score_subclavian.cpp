@@ -58,10 +58,11 @@ ScoreRow score_vein(const SubclavianFacts& f, const ChestShapes& shapes) {
   return row;
 }
 
-ScoreRow score_untouched(const char* name, const char* title, bool known, double entered_s, const std::string& entered,
-                         double end_s) {
-  ScoreRow row{name, title, {}, "the case has none", {}, {}, {}};
-  if (!known) return row;
+// What must not be entered. Where the case does not show it, nobody knows whether the needle was there.
+ScoreRow score_untouched(const char* name, const char* title, bool known, const char* unknown, double entered_s,
+                         const std::string& entered, double end_s) {
+  ScoreRow row{name, title, {}, unknown, {}, {}, {}};
+  if (!known && entered_s < 0) return row;
   row.score = entered_s < 0 ? 5 : 1;
   row.why = entered_s < 0 ? "not entered" : entered + " was entered";
   row.decided_s = entered_s < 0 ? end_s : entered_s;
@@ -115,15 +116,21 @@ LessonScore score_subclavian(const SubclavianFacts& f, const CaseManifest& manif
   const ChestShapes shapes = chest_shapes_of(manifest);
   const ChestFrame frame = chest_frame_of(before, shapes);
   const double lung_s = earlier(f.pleura_s, f.lung_s);
+  bool lung_known = frame.has_lung[0] && frame.has_lung[1];
+  if (!f.passes.empty()) {
+    lung_known = true;
+    for (const NeedlePass& p : f.passes) lung_known = lung_known && frame.has_lung[frame.side_of(p.entry_mm)];
+  }
   LessonScore score;
-  score.rows = {score_puncture(f, frame, rubric.puncture),
-                score_direction(f, frame, rubric.direction),
-                score_vein(f, shapes),
-                score_untouched("artery", "Artery", shapes.artery != 0, f.artery_s, "the artery", f.end_s),
-                score_untouched("lung", "Pleura and lung", shapes.pleura != 0 || shapes.lung != 0, lung_s,
-                                f.lung_s >= 0 ? "the lung" : "the pleura", f.end_s),
-                score_passes(f, rubric.passes),
-                score_time(f, rubric.time)};
+  score.rows = {
+      score_puncture(f, frame, rubric.puncture),
+      score_direction(f, frame, rubric.direction),
+      score_vein(f, shapes),
+      score_untouched("artery", "Artery", shapes.artery != 0, "the case has none", f.artery_s, "the artery", f.end_s),
+      score_untouched("lung", "Pleura and lung", lung_known, "the case shows no lung on that side", lung_s,
+                      f.lung_s >= 0 ? "the lung" : "the pleura", f.end_s),
+      score_passes(f, rubric.passes),
+      score_time(f, rubric.time)};
   const bool success = needle_colour(f, rubric) == NeedleColour::green && f.end == LessonEnd::finished;
   score.figures = {{"success", success},
                    {"first_pass", success && f.passes.size() == 1},

@@ -6,8 +6,8 @@
 
 namespace trephine {
 
-/// Scores a subclavian line. Pure: the same facts, case, volume as the lesson began, and rubric give the same rows. A
-/// case without artery, or without pleura and lung, has those rows not judged.
+/// Scores a subclavian line. Pure: the same facts, case, volume as the lesson began, and rubric give the same rows.
+/// Where the case shows no artery, or no lung on a side on which the needle was, that row is not judged.
 LessonScore score_subclavian(const SubclavianFacts& facts, const CaseManifest& manifest, const HapticVolume& before,
                              const SubclavianRubric& rubric);
 

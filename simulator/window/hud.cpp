@@ -175,7 +175,7 @@ void Hud::draw(Player& player, Controls& controls, const PictureTimes& times, in
       lesson_panel(player, controls);
     else
       patient_panel(player);
-    if (player.desk() && player.playback()) score_panel(player, height);
+    if (player.desk() && player.playback()) score_panel(player, width, height);
     status_panel(player, controls, times, width, height);
     if (player.playback()) playback_panel(player, width, height);
   }

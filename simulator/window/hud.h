@@ -34,7 +34,7 @@ class Hud {
   void patient_panel(Player& player);
   void status_panel(Player& player, const Controls& controls, const PictureTimes& times, int width, int height);
   void lesson_panel(Player& player, Controls& controls);
-  void score_panel(const Player& player, int height);
+  void score_panel(const Player& player, int width, int height);
   void playback_panel(Player& player, int width, int height);
   const char* say(Text text) const { return text_of(language_, text); }
   double scale_;

@@ -54,12 +54,13 @@ void Hud::lesson_panel(Player& player, Controls& controls) {
   ImGui::End();
 }
 
-void Hud::score_panel(const Player& player, int height) {
+void Hud::score_panel(const Player& player, int width, int height) {
   const ScoredLesson* scored = player.desk()->scored();
   if (!scored) return;
   const ScoreSum sum = sum_of(scored->score);
-  ImGui::SetNextWindowPos({8, float(height) - 8}, ImGuiCond_FirstUseEver, {0, 1});
-  ImGui::SetNextWindowSize({ImGui::GetFontSize() * 34, 0}, ImGuiCond_FirstUseEver);
+  // Above the recording's panel, beside the anatomies.
+  ImGui::SetNextWindowPos({float(width) - 8, float(height) - 5 * ImGui::GetFontSize()}, ImGuiCond_FirstUseEver, {1, 1});
+  ImGui::SetNextWindowSize({ImGui::GetFontSize() * 30, 0}, ImGuiCond_FirstUseEver);
   ImGui::Begin(fmt::format("{}###scores", say(Text::lesson)).c_str(), nullptr, ImGuiWindowFlags_NoFocusOnAppearing);
   ImGui::TextColored(sky, "%s: %d / %d", say(Text::points), sum.points, sum.most);
   ImGui::PushTextWrapPos(0);
