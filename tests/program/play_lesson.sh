@@ -50,6 +50,7 @@ until_lesson() {
   for try in {1..300}; do
     ask lesson
     [[ $answer =~ $1 ]] && return 0
+    [[ $answer != *'device lost'* ]] || fail "the servo stood still for a second, which ends a lesson: $answer"
     sleep 0.1
   done
   fail "the lesson never matches $1: $answer"
