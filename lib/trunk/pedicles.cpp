@@ -15,7 +15,7 @@ namespace trephine {
 namespace segmentation {
 namespace {
 
-constexpr double raster_mm = 0.5;
+constexpr double raster_mm = 0.6;
 constexpr double aside_mm = 50, before_mm = 60, behind_mm = 60;  // of the canal: what of the bone is looked at
 constexpr double walk_mm = 0.25;
 

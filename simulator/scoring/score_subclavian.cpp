@@ -119,7 +119,7 @@ LessonScore score_subclavian(const SubclavianFacts& f, const CaseManifest& manif
   bool lung_known = frame.has_lung[0] && frame.has_lung[1];
   if (!f.passes.empty()) {
     lung_known = true;
-    for (const NeedlePass& p : f.passes) lung_known = lung_known && frame.has_lung[frame.side_of(p.entry_mm)];
+    for (const VeinPass& p : f.passes) lung_known = lung_known && frame.has_lung[frame.side_of(p.entry_mm)];
   }
   LessonScore score;
   score.rows = {
