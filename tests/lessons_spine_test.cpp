@@ -13,7 +13,8 @@
 #include "modules/lesson_run.h"
 #include "scoring/attempts.h"
 #include "scoring/report_page.h"
-#include "scoring/score_spine_needle.h"
+#include "scoring/score_pedicle_screw.h"
+#include "scoring/score_report.h"
 #include "scratch_folder.h"
 
 using namespace lessons;
@@ -32,6 +33,15 @@ SpineNeedleRubric shipped() {  // the test's own reading of configs/rubrics/spin
   are(r.procedure_s, 180, 300, 480, 720);
   r.least_confidence_ratio = {0.5, RubricLimit::From::ours, "test"};
   r.farthest_mm = {25, RubricLimit::From::ours, "test"};
+  return r;
+}
+
+PedicleScrewRubric shipped_screw() {  // and of configs/rubrics/pedicle_screw.yaml
+  PedicleScrewRubric r;
+  r.module = "pedicle_screw";
+  const auto is = [](RubricLimit& m, double limit) { m = {limit, RubricLimit::From::ours, "test"}; };
+  is(r.entry_mm, 4), is(r.axial_deg, 8), is(r.sagittal_deg, 8), is(r.length_mm, 6), is(r.breach_mm, 0);
+  is(r.most_errors_count, 2), is(r.least_confidence_ratio, 0.5), is(r.farthest_mm, 25);
   return r;
 }
 
@@ -59,12 +69,14 @@ class SpineCase {
       return std::nan("");
     }
   };
-  Done run(const std::string& steps, double noise_mm = 0) {
+  Done run(const std::string& steps, const std::string& module = "spine_needle", double noise_mm = 0,
+           std::int64_t seed = 1) {
     felt_->loaded.haptic = whole_;
     LessonOptions o;
-    o.script = parse_lesson_script(R"({"module": "spine_needle", "steps": [)" + steps + "]}");
+    o.script = parse_lesson_script("{\"module\": \"" + module + "\", \"steps\": [" + steps + "]}");
     o.servo.rate_hz = 500;
     o.aim.aim_noise_mm = noise_mm;
+    o.aim.seed = seed;
     o.most_s = 9000;
     const std::atomic<bool> stop{false};
     Done d;
@@ -75,7 +87,9 @@ class SpineCase {
   void score(Done& d) {
     felt_->loaded.haptic = whole_;
     d.facts = dynamic_cast<const SpineNeedleFacts&>(*facts_of_recording(*felt_, "test", d.recording));
-    d.score = score_spine_needle(d.facts, felt_->loaded.manifest, whole_, shipped());
+    d.score = d.recording.header.lesson == "spine_needle"
+                  ? score_spine_needle(d.facts, felt_->loaded.manifest, whole_, shipped())
+                  : score_pedicle_screw(d.facts, felt_->loaded.manifest, whole_, shipped_screw());
   }
   FeltCase& felt() { return *felt_; }
 
@@ -249,6 +263,20 @@ TEST(SpineNeedleHostile, ALostDeviceEndsItAndKeepsWhatWasDone) {
   EXPECT_EQ(d.facts.passes.size(), 1u);
 }
 
+TEST(SpineNeedle, HandsThatAimWorseScoreLess) {
+  std::vector<double> means;
+  for (const double noise : {0.0, 2.0, 5.0, 10.0}) {
+    double sum = 0;
+    for (int seed = 1; seed <= 8; ++seed)
+      sum += sum_of(spine().run(needle() + R"(, {"shoot": {}}, "finish")", "spine_needle", noise, seed).score).points /
+             8.0;
+    means.push_back(sum);
+    RecordProperty("mean_at_" + std::to_string(int(noise)), std::to_string(sum));
+    std::cout << "aim noise " << noise << " mm: " << sum << " of 35 points\n";
+  }
+  for (std::size_t n = 1; n < means.size(); ++n) EXPECT_LT(means[n], means[n - 1] - 0.5) << n;
+}
+
 TEST(SpineNeedle, ADoubtfulPedicleIsNotJudged) {
   SpineCase doubtful(0.3);
   const auto d = doubtful.run(needle() + R"(, {"shoot": {}}, "finish")");
@@ -269,4 +297,57 @@ TEST(SpineNeedle, ScriptsOfAnotherLessonAndPlacesThatAreNotThereAreRefused) {
   refused(R"("incise")", "steps[0]");
   refused(needle("", "pedicle_9_left"), "steps[0].needle: pedicle");
   refused(R"({"take": {"tool": "burr"}})", "steps[0].take: tool");
+}
+
+// The five errors of chapter 8.2.2, and that two are acceptable and three are not.
+TEST(PedicleScrew, ErrorsAreCountedAndUpToTwoAreAcceptable) {
+  const auto screw = [](const std::string& more) {
+    return spine().run(R"({"take": {"tool": "finder"}}, )" + needle("\"short_of_mm\": 5") +
+                           R"(, {"withdraw": {"by_mm": 160}}, {"take": {"tool": "screw_5.5x45"}}, )" + needle(more) +
+                           R"(, "finish")",
+                       "pedicle_screw");
+  };
+  const auto errors = [](const SpineCase::Done& d) {
+    std::set<std::string> all;
+    for (const ScoreRow& r : d.score.rows)
+      if (r.score == 1 && r.name != "acceptable") all.insert(r.name);
+    return all;
+  };
+  using Names = std::set<std::string>;
+  const auto perfect = screw("");
+  EXPECT_EQ(errors(perfect), Names());
+  EXPECT_TRUE(perfect.score.flag("acceptable"));
+  EXPECT_EQ(std::get<double>(perfect.score.figure("screw_length_mm").value), 45);
+  ASSERT_EQ(perfect.facts.passes.size(), 2u);  // the finder's and the screw's
+  EXPECT_EQ(perfect.facts.passes[0].tool, "finder");
+
+  EXPECT_EQ(errors(screw("\"short_of_mm\": 8")), Names({"length"}));
+  // Turned about the pedicle's middle, about two fifths of the way.
+  const auto tilted = screw("\"entry_up_mm\": 4.5, \"target_up_mm\": -6.5");
+  EXPECT_EQ(tilted.points("sagittal"), 1) << tilted.measured("sagittal_off_deg");
+  EXPECT_EQ(tilted.points("axial"), 5) << tilted.measured("axial_off_deg");
+  EXPECT_EQ(tilted.points("entry"), 1) << tilted.measured("coronal_entry_off_mm");
+  const auto short_and_tilted = screw("\"entry_up_mm\": 3, \"target_up_mm\": -5, \"short_of_mm\": 10");
+  EXPECT_EQ(errors(short_and_tilted), Names({"length", "sagittal"}));
+  EXPECT_EQ(short_and_tilted.score.count("errors_count"), 2);
+  EXPECT_TRUE(short_and_tilted.score.flag("acceptable"));
+  EXPECT_EQ(short_and_tilted.points("acceptable"), 5);
+  const auto bad = screw("\"entry_up_mm\": 5.5, \"target_up_mm\": -7, \"short_of_mm\": 10");
+  EXPECT_GE(bad.score.count("errors_count"), 3);
+  EXPECT_FALSE(bad.score.flag("acceptable"));
+  EXPECT_EQ(bad.points("acceptable"), 1);
+  const auto breached = screw("\"entry_aside_mm\": -7, \"target_aside_mm\": -7");
+  EXPECT_EQ(breached.points("breach"), 1) << breached.measured("breach_mm");
+}
+
+TEST(PedicleScrew, AFinderThatIsLeftThereIsNoScrew) {
+  const auto d = spine().run(R"({"take": {"tool": "finder"}}, )" + needle() + R"(, "finish")", "pedicle_screw");
+  EXPECT_FALSE(d.score.flag("screw_in_bone"));
+  for (const ScoreRow& r : d.score.rows) EXPECT_EQ(r.score, 1) << r.name;
+  // Another tool taken while it lies in bone is another pass.
+  const auto swapped =
+      spine().run(R"({"take": {"tool": "finder"}}, )" + needle() + R"(, {"take": {"tool": "screw_6.5x50"}}, "finish")",
+                  "pedicle_screw");
+  ASSERT_FALSE(swapped.facts.passes.empty());
+  EXPECT_FALSE(swapped.facts.passes[0].in_place);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "modules/spine_needle.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -24,6 +26,27 @@ std::vector<BeltToolParams> spine_needle_tools() {
   static_cast<ToolParams&>(needle) = own_tool(needle);
   needle.pierce_n = 2.5;
   return {needle};
+}
+
+std::vector<BeltToolParams> pedicle_screw_tools() {
+  BeltToolParams finder;
+  finder.name = "finder";
+  finder.tool = "jamshidi";
+  finder.tool_diameter_mm = 4;
+  finder.tool_length_mm = 80;
+  finder.pierce_n = 2;  // ours: less than a needle's, for it comes from the exposed bone
+  std::vector<BeltToolParams> all = {finder};
+  for (const double diameter : {5.5, 6.5})
+    for (const double length : {35.0, 40.0, 45.0, 50.0}) {
+      BeltToolParams screw = finder;
+      screw.name = fmt::format("screw_{}x{:.0f}", diameter, length);
+      screw.tool_diameter_mm = diameter;
+      screw.tool_length_mm = length;
+      screw.tool_spacing_mm = 3;  // not more points than a tool may have
+      all.push_back(screw);
+    }
+  for (BeltToolParams& t : all) static_cast<ToolParams&>(t) = own_tool(t);
+  return all;
 }
 
 std::vector<CasePedicle> pedicles_of(const CaseManifest& manifest) {
@@ -97,12 +120,11 @@ double SpineNeedleFacts::exposure_s() const {
 
 SpineNeedle::SpineNeedle(const CaseManifest& manifest) : bone_(spine_bone_of(manifest)) {}
 
-void SpineNeedle::begin(const ServoFrame&, const ToolBelt& belt) {
-  facts_.needle_mm = belt.tools()[std::size_t(belt.in_hand())].tool_diameter_mm;
-}
-
 void SpineNeedle::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
   const Vec3 tip = vec(f.proxy_mm), axis = vec(f.axis);
+  const BeltToolParams& tool = belt.tools()[std::size_t(belt.in_hand())];
+  if (belt.in_hand() != in_hand_) end_pass(f.time_s, false);  // another tool is another pass
+  in_hand_ = belt.in_hand();
   if (pedal && !exposing_) {
     facts_.shots.emplace_back();
     facts_.shots.back().begin_s = f.time_s - f.dt_s;
@@ -114,6 +136,8 @@ void SpineNeedle::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
     s.arm = arm_;
     s.tip_mm = tip;
     s.axis = axis;
+    s.needle_mm = tool.tool_diameter_mm;
+    s.length_mm = tool.tool_length_mm;
   }
   if (belt.paused()) return;
   const bool inside = f.inside == bone_;
@@ -124,6 +148,9 @@ void SpineNeedle::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
     p.begin_s = f.time_s;
     p.entry_mm = tip;
     p.axis = axis;
+    p.tool = tool.name;
+    p.diameter_mm = tool.tool_diameter_mm;
+    p.length_mm = tool.tool_length_mm;
     facts_.passes.push_back(p);
   }
   NeedlePass& p = facts_.passes.back();

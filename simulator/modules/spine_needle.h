@@ -12,6 +12,9 @@ namespace trephine {
 /// The tool of the lesson [Rizzi, chapter 7.2]: a Jamshidi needle, which is pushed through bone. Its pedal is the
 /// C-arm's.
 std::vector<BeltToolParams> spine_needle_tools();
+/// Those of the open exercise [Rizzi, chapter 8.2.2]: a pedicle finder, and screws of several sizes, each a tool named
+/// by its diameter and length: screw_5.5x40.
+std::vector<BeltToolParams> pedicle_screw_tools();
 
 /// A pedicle of the case, from the landmarks NAME_entry and NAME_target (pedicle_1_left_entry, ...). LPS, mm.
 struct CasePedicle {
@@ -37,7 +40,7 @@ CArmParams arm_of(const CaseManifest& manifest, const ArmPose& pose);
 
 /// X-rays that were on without a break.
 struct FluoroShot {
-  double begin_s = 0, end_s = 0;
+  double begin_s = 0, end_s = 0, needle_mm = 0, length_mm = 0;
   ArmPose arm;        ///< at its end
   Vec3 tip_mm, axis;  ///< of the needle at its end; the axis from tip to tail
 };
@@ -53,6 +56,8 @@ struct NeedlePoint {
 struct NeedlePass {
   double begin_s = 0, end_s = 0;
   Vec3 entry_mm, axis;
+  std::string tool;  ///< what it was
+  double diameter_mm = 0, length_mm = 0;
   bool in_place = false;          ///< it was there at the lesson's end
   std::vector<NeedlePoint> path;  ///< each time the tip moved by 0.25 mm, or into another shape; the last is the end
 };
@@ -60,7 +65,6 @@ struct NeedlePass {
 struct SpineNeedleFacts : LessonFacts {
   std::vector<FluoroShot> shots;
   std::vector<NeedlePass> passes;
-  double needle_mm = 0;  ///< its diameter
   double exposure_s() const;
   const NeedlePass* final_pass() const { return !passes.empty() && passes.back().in_place ? &passes.back() : nullptr; }
 };
@@ -78,7 +82,6 @@ class SpineNeedle : public Lesson {
 
  protected:
   LessonFacts& noted() override { return facts_; }
-  void begin(const ServoFrame& frame, const ToolBelt& belt) override;
   void tick(const ServoFrame& frame, const ToolBelt& belt, bool pedal) override;
   void command(int command, const ServoFrame& frame, const ToolBelt& belt) override;
 
@@ -87,6 +90,7 @@ class SpineNeedle : public Lesson {
   int bone_;
   SpineNeedleFacts facts_;
   ArmPose arm_;
+  int in_hand_ = -1;
   bool in_bone_ = false, exposing_ = false;
   NeedlePoint last_;
 };

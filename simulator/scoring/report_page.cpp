@@ -38,7 +38,7 @@ std::string title_of(const std::string& measured) {
 std::string unit_of(const std::string& measured) {
   const std::size_t unit = measured.rfind('_');
   const std::string name = unit == std::string::npos ? "" : measured.substr(unit + 1);
-  return name == "mm3" ? "mm³" : name == "ratio" ? "" : name;
+  return name == "mm3" ? "mm³" : name == "ratio" || name == "count" ? "" : name == "deg" ? "°" : name;
 }
 
 std::string rows_html(const LessonScore& score) {

@@ -46,17 +46,20 @@ struct Rows {
   NeedleErrors errors;
   std::string doubt;  ///< why nothing is measured from the pedicle; empty: it is
 
-  ScoreRow row(const char* name, const char* title, const FourLimits& limits) const {
+  ScoreRow row(const char* name, const char* title, const FourLimits& limits, const std::string& unit) const {
     ScoreRow r;
     r.name = name;
     r.title = title;
-    r.limits = {{"five", limits.five}, {"four", limits.four}, {"three", limits.three}, {"two", limits.two}};
+    r.limits = {{"five_" + unit, limits.five},
+                {"four_" + unit, limits.four},
+                {"three_" + unit, limits.three},
+                {"two_" + unit, limits.two}};
     return r;
   }
   // Of a figure that needs a needle in place and a pedicle that is sure.
   ScoreRow at_pedicle(const char* name, const char* title, const FourLimits& limits, const char* figure, double value,
                       const std::string& why) const {
-    ScoreRow r = row(name, title, limits);
+    ScoreRow r = row(name, title, limits, "mm");
     if (!pass) {
       r.score = 1;
       r.why = "no needle lies in bone";
@@ -102,8 +105,7 @@ NeedleErrors nearest_pedicle(const std::vector<CasePedicle>& pedicles, Vec3 tip,
   return best;
 }
 
-PedicleBreach find_breach(const CasePedicle& p, const NeedlePass& pass, double needle_mm, const HapticVolume& volume,
-                          int bone) {
+PedicleBreach find_breach(const CasePedicle& p, const NeedlePass& pass, const HapticVolume& volume, int bone) {
   const Vec3 f = p.forwards();
   const double length = norm(p.target_mm - p.entry_mm);
   const Vec3 up = normalized(Vec3{0, 0, 1} - f * f.z), across = cross(up, f);
@@ -115,7 +117,7 @@ PedicleBreach find_breach(const CasePedicle& p, const NeedlePass& pass, double n
     const Vec3 on_axis = p.entry_mm + f * along;
     for (int n = 0; n < directions; ++n) {  // each side of the needle
       const double turn = 2 * M_PI * n / directions;
-      const Vec3 off = at - on_axis + (across * std::cos(turn) + up * std::sin(turn)) * (0.5 * needle_mm);
+      const Vec3 off = at - on_axis + (across * std::cos(turn) + up * std::sin(turn)) * (0.5 * pass.diameter_mm);
       const double off_mm = norm(off);
       if (!(off_mm > 1e-6)) continue;
       const double beyond = off_mm - wall_mm(decoder, bone, on_axis, off / off_mm);
@@ -125,7 +127,8 @@ PedicleBreach find_breach(const CasePedicle& p, const NeedlePass& pass, double n
   for (const NeedlePoint& n : pass.path) look(n.tip_mm, n.time_s);
   if (!pass.path.empty()) {
     const NeedlePoint& last = pass.path.back();
-    for (double t = 0; t < length + 40; t += 0.5) look(last.tip_mm + last.axis * t, last.time_s);
+    for (double t = 0; t < std::min(length + 40, pass.length_mm); t += 0.5)
+      look(last.tip_mm + last.axis * t, last.time_s);
   }
   // Less than the volume's own step is none.
   if (worst.depth_mm < 0.5 * volume.voxels.spacing_mm.x) worst = {};
@@ -161,10 +164,10 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const CaseManifest
       continue;
     }
     any = true;
-    const PedicleBreach b = find_breach(*e.pedicle, pass, facts.needle_mm, before, bone);
+    const PedicleBreach b = find_breach(*e.pedicle, pass, before, bone);
     if (b.depth_mm > worst.depth_mm) worst = b;
   }
-  ScoreRow breach = rows.row("breach", "Breach of the pedicle's wall", r.breach_mm);
+  ScoreRow breach = rows.row("breach", "Breach of the pedicle's wall", r.breach_mm, "mm");
   if (any || facts.passes.empty() || !doubtful) {
     breach.score = any ? r.breach_mm.score(worst.depth_mm) : 1;
     breach.why = !any                 ? "the needle entered no pedicle"
@@ -184,14 +187,14 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const CaseManifest
   score.rows.push_back(rows.at_pedicle("depth", "Depth of the tip", r.depth_mm, "depth_beyond_target_mm", depth,
                                        depth > 0 ? "beyond the target" : "before the target"));
 
-  ScoreRow exposure = rows.row("exposure", "Fluoroscopic exposure", r.exposure_s);
+  ScoreRow exposure = rows.row("exposure", "Fluoroscopic exposure", r.exposure_s, "s");
   exposure.measured = {{"exposure_s", facts.exposure_s()}, {"shots_count", double(facts.shots.size())}};
   exposure.score = facts.shots.empty() ? 1 : r.exposure_s.score(facts.exposure_s());
   exposure.why = facts.shots.empty() ? "no picture was taken" : "X-rays were on";
   if (!facts.shots.empty()) exposure.decided_s = facts.shots.back().end_s;
   score.rows.push_back(exposure);
 
-  ScoreRow passes = rows.row("passes", "Passes of the needle", r.passes_count);
+  ScoreRow passes = rows.row("passes", "Passes of the needle", r.passes_count, "count");
   const int count = int(facts.passes.size());
   passes.measured = {{"passes_count", double(count)}};
   passes.score = rows.pass ? r.passes_count.score(count) : 1;
@@ -199,7 +202,7 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const CaseManifest
   if (count > 0) passes.decided_s = facts.passes.back().begin_s;
   score.rows.push_back(passes);
 
-  ScoreRow time = rows.row("time", "Time to complete procedure", r.procedure_s);
+  ScoreRow time = rows.row("time", "Time to complete procedure", r.procedure_s, "s");
   time.measured = {{"procedure_s", facts.procedure_s()}};
   if (facts.paused_s > 0) time.measured.emplace_back("paused_s", facts.paused_s);
   time.decided_s = facts.end_s;

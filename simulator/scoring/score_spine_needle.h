@@ -32,8 +32,7 @@ struct PedicleBreach {
 /// For each moment of the pass, and for the whole needle at its last one: the wall is where a straight line from the
 /// ideal axis, across it, leaves the bone. Looked at from 4 mm past the entry on to the target, where the bone about
 /// the axis is a pedicle or a body; farther than 40 mm off there is no wall.
-PedicleBreach find_breach(const CasePedicle& pedicle, const NeedlePass& pass, double needle_mm,
-                          const HapticVolume& volume, int bone);
+PedicleBreach find_breach(const CasePedicle& pedicle, const NeedlePass& pass, const HapticVolume& volume, int bone);
 
 /// Scores a needle in a pedicle. A pure function: the same facts, case, volume and rubric give the same rows. A pedicle
 /// whose axis is doubtful is not judged.

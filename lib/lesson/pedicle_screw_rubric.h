@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "lesson/rubric.h"
+
+namespace trephine {
+
+/// The five errors of a pedicle screw, and how many are acceptable [Rizzi, chapter 8.2.2]. The dissertation names the
+/// errors and says 2; from where on each is one it does not say.
+struct PedicleScrewRubric {
+  std::string module;
+  RubricLimit entry_mm, axial_deg, sagittal_deg, length_mm, breach_mm, most_errors_count, least_confidence_ratio,
+      farthest_mm;
+  template <class V>
+  static void describe(V& v) {
+    using P = PedicleScrewRubric;
+    v.word(&P::module, "module", {"pedicle_screw"}, "The lesson that it scores.").is_required();
+    v.group(&P::entry_mm, "entry_mm", "Farther from the ideal entry, in the coronal plane, is an error.").is_required();
+    v.group(&P::axial_deg, "axial_deg", "More off the ideal axis in the axial plane is an error.").is_required();
+    v.group(&P::sagittal_deg, "sagittal_deg", "The same in the sagittal plane.").is_required();
+    v.group(&P::length_mm, "length_mm", "A tip farther before or beyond the target is an error of length.")
+        .is_required();
+    v.group(&P::breach_mm, "breach_mm", "Farther through the pedicle's wall is an error.").is_required();
+    v.group(&P::most_errors_count, "most_errors_count", "A screw with more errors is not acceptable.").is_required();
+    v.group(&P::least_confidence_ratio, "least_confidence_ratio",
+            "A pedicle of less confidence is doubtful: what is measured from it is not judged.")
+        .is_required();
+    v.group(&P::farthest_mm, "farthest_mm", "A screw that enters farther from every pedicle's entry is at none.")
+        .is_required();
+  }
+  std::string fault() const {
+    return least_confidence_ratio.limit > 1 ? "least_confidence_ratio.limit: is above 1" : std::string();
+  }
+};
+
+}  // namespace trephine

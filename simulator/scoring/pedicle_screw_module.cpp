@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "modules/spine_moves.h"
+#include "scoring/score_pedicle_screw.h"
+#include "scoring/spine_report.h"
+
+namespace trephine {
+
+LessonModule pedicle_screw_module() {
+  LessonModule m;
+  m.name = "pedicle_screw";
+  m.summary = "a pedicle finder and a screw, judged by five errors";
+  m.rows = {"entry", "axial", "sagittal", "length", "breach", "acceptable"};
+  const auto measured = [&](const char* row, const char* name) {
+    m.columns.push_back({name, std::string("measured for the row ") + row, row});
+  };
+  measured("entry", "coronal_entry_off_mm");
+  measured("axial", "axial_off_deg");
+  measured("sagittal", "sagittal_off_deg");
+  measured("length", "tip_beyond_target_mm");
+  measured("breach", "breach_mm");
+  m.columns.push_back({"errors_count", "of the five", ""});
+  m.columns.push_back({"acceptable", "1 or 0: not more errors than the rubric allows", ""});
+  m.columns.push_back({"screw_length_mm", "of the screw in place; 0: none", ""});
+  m.columns.push_back({"screw_diameter_mm", "of the screw in place; 0: none", ""});
+  m.columns.push_back({"passes_count", "how often a tool entered bone", ""});
+  m.steps = spine_steps();
+  m.require = [](const CaseManifest& manifest) { spine_bone_of(manifest); };
+  m.tools = pedicle_screw_tools;
+  m.plan = plan_spine_moves;
+  m.begin = [](const CaseManifest& manifest, const HapticVolume&, const HapticVolume&) {
+    return std::unique_ptr<Lesson>(std::make_unique<SpineNeedle>(manifest));
+  };
+  m.score = [](const LessonFacts& facts, const CaseManifest& manifest, const HapticVolume& before,
+               const AnyParams& rubric) {
+    return score_pedicle_screw(static_cast<const SpineNeedleFacts&>(facts), manifest, before,
+                               rubric.as<PedicleScrewRubric>());
+  };
+  m.facts_json = spine_facts_json;
+  m.outcome = [](const LessonFacts&, const LessonScore& score) {
+    return fmt::format("passes: {}, errors: {}, {}", score.count("passes_count"), score.count("errors_count"),
+                       !score.flag("screw_in_bone") ? "no screw lies in bone"
+                       : score.flag("acceptable")   ? "acceptable"
+                                                    : "not acceptable");
+  };
+  m.headline = [](const LessonFacts&, const LessonScore& score) {
+    return fmt::format("errors of the screw: {}", score.count("errors_count"));
+  };
+  m.pictures = spine_pictures;
+  return m;
+}
+
+}  // namespace trephine

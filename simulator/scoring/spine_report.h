@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "modules/lesson_module.h"
+
+namespace trephine {
+
+/// What the lessons in a spine share: the steps of their scripts, the facts (SpineNeedleFacts) as JSON, and the page's
+/// pictures: what was seen under fluoroscopy, and the last tool beside the ideal axis over the CT.
+std::vector<StepChoice> spine_steps();
+nlohmann::ordered_json spine_facts_json(const LessonFacts& facts);
+std::string spine_pictures(const LessonFacts& facts, const LoadedCase& loaded);
+
+}  // namespace trephine
