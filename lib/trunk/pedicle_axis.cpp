@@ -183,7 +183,7 @@ AxisLine find_axis(const BoneDistance& bone, const PediclePlace& place) {
   AxisLine middle;
   double most = -1e9;
   const auto settle = [&](AxisLine line) {
-    for (int n = 0; n < 5; ++n)
+    for (int n = 0; n < 15; ++n)
       if (!through_middles(bone, line)) return;
     const double c = clearance_mm(bone, line);
     if (!(c > most + 1e-3)) return;
