@@ -34,9 +34,9 @@ LessonModule pedicle_screw_module() {
   m.begin = [](const CaseManifest& manifest, const HapticVolume&, const HapticVolume&) {
     return std::unique_ptr<Lesson>(std::make_unique<SpineNeedle>(manifest));
   };
-  m.score = [](const LessonFacts& facts, const CaseManifest& manifest, const HapticVolume& before,
+  m.score = [](const LessonFacts& facts, const LoadedCase& loaded, const HapticVolume& before,
                const AnyParams& rubric) {
-    return score_pedicle_screw(static_cast<const SpineNeedleFacts&>(facts), manifest, before,
+    return score_pedicle_screw(static_cast<const SpineNeedleFacts&>(facts), loaded.manifest, before,
                                rubric.as<PedicleScrewRubric>());
   };
   m.facts_json = spine_facts_json;
