@@ -9,8 +9,8 @@
 #include <random>
 
 #include "device/udp_packet.h"
-#include "haptics/tool_belt.h"
 #include "haptics/proxy.h"
+#include "haptics/tool_belt.h"
 
 using namespace trephine;
 

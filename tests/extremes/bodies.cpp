@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "body_samples.h"
+#include "phantom/spine.h"
 #include "scenes.h"
 
 namespace trephine::extremes {
@@ -19,6 +20,19 @@ Scene spine_on(const std::string& name, const Lattice& l) {
   s.volume = scan_of(l, [&](Vec3 p) { return blend(bone_mm(p), 1.5, 20, 600); });
   s.fields[""] = s.fields["bone"] = sampled(l, bone_mm);
   s.fields["canal"] = sampled(l, [](Vec3 p) { return 9 - std::hypot(p.x, p.y); });
+  add_meshes(s);
+  return s;
+}
+
+Scene lumbar_on(const std::string& name, const Lattice& l) {
+  phantom::SpineParams params;
+  params.vertebrae_count = 2;
+  const phantom::Spine spine(params);
+  Scene s;
+  s.name = name;
+  s.volume = scan_of(l, [&](Vec3 p) { return blend(spine.bone(p), 1.5, 20, 600); });
+  s.fields[""] = s.fields["bone"] = sampled(l, [&](Vec3 p) { return spine.bone(p); });
+  s.fields["canal"] = sampled(l, [&](Vec3 p) { return spine.canal(p); });
   add_meshes(s);
   return s;
 }

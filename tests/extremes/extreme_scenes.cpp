@@ -165,9 +165,9 @@ std::vector<ExtremeScene> of_body(Scene (*on)(const std::string&, const Lattice&
 }  // namespace
 
 const std::vector<ExtremeScene>& extreme_scenes(Body body) {
-  static const std::vector<ExtremeScene> all[] = {of_balls(), of_body(head_on, head_lattice()),
-                                                  of_body(spine_on, spine_lattice()),
-                                                  of_body(chest_on, chest_lattice())};
+  static const std::vector<ExtremeScene> all[] = {
+      of_balls(), of_body(head_on, head_lattice()), of_body(spine_on, spine_lattice()),
+      of_body(chest_on, chest_lattice()), of_body(lumbar_on, lumbar_lattice())};
   return all[int(body)];
 }
 

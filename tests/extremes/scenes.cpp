@@ -115,7 +115,8 @@ Scene scene_of(const std::string& name, const Lattice& l, const Shape& shape) {
 const Scene& usual_scene(Body body) {
   static const Scene balls_scene = scene_of("a sphere in a sphere", cube({32, 32, 32}, {0.5, 0.5, 0.5}), balls(6, {}));
   static const Scene head = head_on("a head", head_lattice()), spine = spine_on("a spine", spine_lattice()),
-                     chest = chest_on("a chest", chest_lattice());
+                     chest = chest_on("a chest", chest_lattice()),
+                     lumbar = lumbar_on("two vertebrae", lumbar_lattice());
   switch (body) {
     case Body::head:
       return head;
@@ -123,6 +124,8 @@ const Scene& usual_scene(Body body) {
       return spine;
     case Body::chest:
       return chest;
+    case Body::lumbar:
+      return lumbar;
     case Body::balls:
       break;
   }

@@ -35,14 +35,16 @@ Lattice cube(std::array<int, 3> size, Vec3 spacing_mm, Vec3 centre = {});
 
 /// What a stage can work on: a sphere in a sphere (32^3 voxels of 0.5 mm, 6 mm), a head (skin, skull, brain and
 /// ventricles as ellipsoids, landmarks given), a spine (rings and bodies of bone around a canal), a chest (sternum,
-/// clavicles, ribs, lungs).
-enum class Body { balls, head, spine, chest };
+/// clavicles, ribs, lungs), and two vertebrae with pedicles.
+enum class Body { balls, head, spine, chest, lumbar };
 const Scene& usual_scene(Body body);
 Scene head_on(const std::string& name, const Lattice& lattice);
 Scene spine_on(const std::string& name, const Lattice& lattice);
 Scene chest_on(const std::string& name, const Lattice& lattice);
+Scene lumbar_on(const std::string& name, const Lattice& lattice);
 inline Lattice head_lattice() { return cube({60, 76, 72}, {3, 3, 3}, {0, -5, 30}); }
 inline Lattice spine_lattice() { return cube({36, 44, 40}, {1.5, 1.5, 2.5}, {0, -12, 0}); }
+inline Lattice lumbar_lattice() { return cube({60, 60, 42}, {1.5, 1.5, 2}, {0, 22, 0}); }
 inline Lattice chest_lattice() { return cube({104, 60, 40}, {3, 3, 3}, {0, -5, -5}); }
 
 /// One for each extreme of the input; made when it is first asked for.

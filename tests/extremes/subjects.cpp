@@ -81,7 +81,10 @@ Suited suited(const std::string& stage) {
   if (stage == "face_gate") return {Body::head, {"surface.*"}, {}};
   if (stage == "deface") return {Body::head, {}, {}};
   if (stage == "anatomy") return {Body::head, {"skin", "skull", "brain", "ventricles", "landmarks"}, {}};
-  if (stage == "canal" || stage == "pedicles") return {Body::spine, {}, {}};
+  if (stage == "canal") return {Body::spine, {}, {}};
+  if (stage == "pedicles") return {Body::lumbar, {}, {}};
+  if (stage == "t1_contrast" || stage == "vessels") return {Body::head, {"skull"}, {}};
+  if (stage == "zone") return {Body::head, {"skull", "ventricles"}, {}};
   if (stage == "clavicle" || stage == "vein") return {Body::chest, {}, {}};
   if (stage == "labels") return {Body::balls, {}, {{"file", labels_file()}}};
   if (stage == "correct") return {Body::balls, {}, {{"file", correction_file()}}};
