@@ -140,6 +140,9 @@ TEST(Registration, TakesAGivenTransform) {
   EXPECT_NE(given_registration(ct, HuVolume(second.volume), away, {}, report).doubts, "");
   wide.matrix.column[1] = wide.matrix.column[1] * 1.01;
   EXPECT_THROW(given_registration(ct, HuVolume(second.volume), wide, {}, report), Error);
+  LinearMap mirrored = second.truth;
+  mirrored.matrix.column[0] = -mirrored.matrix.column[0];
+  EXPECT_THROW(given_registration(ct, HuVolume(second.volume), mirrored, {}, report), Error) << "left would be right";
 }
 
 TEST(Registration, SaysThatAResultIsDoubtful) {

@@ -54,6 +54,14 @@ const CaseScan* CaseConfig::find_scan(const std::string& name) const {
   return nullptr;
 }
 
+template <class P>
+bool is_as_declared(const P& params) {
+  const AnyParams said = AnyParams::make(params), plain = AnyParams::make<P>();
+  for (const Parameter& p : said.set->parameters)
+    if (said.get(p) != plain.get(p)) return false;
+  return true;
+}
+
 void add_scans(ConfigReading& r, const Named<CaseScanParams>& said, const Fault& fault) {
   for (const auto& [name, scan] : said) {
     const std::string where = "scans." + name;
@@ -63,6 +71,8 @@ void add_scans(ConfigReading& r, const Named<CaseScanParams>& said, const Fault&
     if (name == first_scan) {  // another way to say `series`
       if (scan.modality != ScanModality::ct)
         fault(where, "ct is the scan that others are laid on: modality must be ct");
+      else if (!is_as_declared(scan.import) || !is_as_declared(scan.registration) || !scan.same_patient_reason.empty())
+        fault(where, "ct takes series and modality alone: how it is read stands in `import`");
       else if (!r.out.series.empty() && r.overrides.series.empty())
         fault(where, "is what `series` names, say one of them");
       else if (r.out.series.empty())

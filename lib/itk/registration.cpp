@@ -200,6 +200,8 @@ Registration given_registration(const HuVolume& fixed, const HuVolume& moving, c
       if (!(std::abs(dot(map.matrix.column[a], map.matrix.column[b]) - (a == b)) <= stretch))
         throw Error(ExitCode::bad_input, params.given, "transform",
                     "stretches or shears, which two scans of one patient do not");
+  if (params.kind == RegistrationKind::rigid && !(determinant(map.matrix) > 0))
+    throw Error(ExitCode::bad_input, params.given, "transform", "mirrors: left would be right");
   const Lattice& at = lattice_of(moving);
   std::int64_t body = 0, both = 0;
   std::visit(

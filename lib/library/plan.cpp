@@ -140,7 +140,8 @@ class Planner {
         // A fault that all cases share is reported once and unchanged, with every line.
         const bool own = !c.entry.landmarks.empty() || users[c.entry.config] < static_cast<int>(plan_.cases.size());
         if (!own || plan_.cases.size() == 1) throw;
-        c.fault = e;
+        // A second scan's folder may be named after the patient.
+        c.fault = e.field().rfind("scans.", 0) == 0 ? Error(e.code(), "", e.field(), e.what()) : e;
       }
     }
   }

@@ -64,6 +64,10 @@ CaseSettings read_case_settings(const LibraryCase& one, const std::vector<fs::pa
   for (const CaseLandmark& l : config.landmarks)
     out.values["landmarks." + l.name] = to_text(l.position_mm.x) + ", " + to_text(l.position_mm.y) + ", " +
                                         to_text(l.position_mm.z) + ", " + l.source + " " + to_text(l.confidence);
+  for (const CaseScan& scan : config.scans) {
+    out.values["scans." + scan.name + ".modality"] = to_text(scan.modality);
+    out.values["scans." + scan.name + ".same_patient_reason"] = scan.same_patient_reason;
+  }
   out.values["pictures"] = pictures ? "true" : "false";
   out.values["program"] = program_version;
   out.sha256 = sha256_of_bytes(settings_json(out));

@@ -272,6 +272,13 @@ Preview preview_stage(const PreviewRequest& request, RunObserver& observer) {
       !depends_on(whole, wanted[0], whole.deface))
     throw Error(ExitCode::privacy, "", "--stage",
                 request.params.stage + " is made before the face is taken away, which the scene demands");
+  // A second scan shows the face wherever it is not confined to the cavity; a run's gate is not asked here.
+  for (const auto& [name, node] : whole.scans)
+    if (without_face && depends_on(whole, wanted[0], node))
+      throw Error(ExitCode::privacy, "", "--stage",
+                  request.params.stage + " reads the scan " + name +
+                      ", whose face is not taken away; run the case, "
+                      "whose gate checks what is published");
   const Graph graph = needed_part(whole, wanted);
   const StageCache cache(request.cache);
   ExecuteOptions options;

@@ -14,6 +14,7 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "base/text.h"
 #include "base/write_file.h"
 #include "cases/case.h"
 #include "page/page_notes.h"
@@ -143,7 +144,7 @@ void require_one_patient(Run& run, const Progress& cancelled) {
     if (!same)
       run.about_patients.push_back(name + ".import: that it is of the same patient as the CT is taken on trust: " +
                                    "one of the two has no PatientID");
-    else if (!*same && scan.same_patient_reason.empty())
+    else if (!*same && trimmed(scan.same_patient_reason).empty())
       throw Error(ExitCode::bad_input, "", "scans." + name,
                   "has another PatientID than the CT; where it is the same patient nevertheless, say why with "
                   "same_patient_reason");

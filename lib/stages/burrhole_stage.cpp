@@ -99,7 +99,7 @@ void check_zones(const BurrHoleParams& params, const BurrHole& hole, const Stage
 StageType burrhole_stage() {
   StageType s;
   s.name = "burrhole";
-  s.version = 7;
+  s.version = 8;
   s.place = StagePlace::scene;
   s.role = StageRole::burr_hole;
   s.summary = "places a burr hole on a head";

@@ -8,7 +8,7 @@ namespace trephine {
 StageType decimate_stage() {
   StageType s;
   s.name = "decimate";
-  s.version = 8;
+  s.version = 9;
   s.typical_s = 5;
   s.summary = "reduces the triangles of a surface within a bound in mm";
   s.description =

@@ -8,7 +8,7 @@ namespace trephine {
 StageType deface_stage() {
   StageType s;
   s.name = "deface";
-  s.version = 2;
+  s.version = 3;
   s.typical_s = 3;
   s.place = StagePlace::scan;
   s.role = StageRole::deface;

@@ -53,9 +53,12 @@ void take_given(const Field& bone, const std::vector<CaseLandmark>& given, std::
     p.middle_mm = p.entry_mm + (p.target_mm - p.entry_mm) * 0.4;
     p.half_width_mm = std::max(0.0, clearance_along(bone, p.entry_mm, p.target_mm));
     if (p.half_width_mm == 0) report.warn(name + " as given leaves the bone between entry and body");
+    // Of a pedicle of which one end alone was given, the other one is as sure as it was found.
+    if (which & 1) is_given[name + "_entry"] = true;
+    if (which & 2) is_given[name + "_target"] = true;
+    if (which != 3) continue;
     p.confidence = 1;
     p.doubt.clear();
-    is_given[name] = true;
   }
   all.clear();
   for (const auto& [name, p] : by_name) all.push_back(p);
@@ -102,9 +105,12 @@ StageType pedicles_stage() {
     HeadLandmarks out;
     for (const PedicleAxis& p : all) {
       const std::string name = name_of(p);
-      const char* source = is_given[name] ? "given" : "found";
-      out.landmarks.push_back({name + "_entry", p.entry_mm, p.confidence, source});
-      out.landmarks.push_back({name + "_target", p.target_mm, p.confidence, source});
+      const auto add = [&](const std::string& end, Vec3 at) {
+        const bool given = is_given[end];
+        out.landmarks.push_back({end, at, given ? 1.0 : p.confidence, given ? "given" : "found"});
+      };
+      add(name + "_entry", p.entry_mm);
+      add(name + "_target", p.target_mm);
       report.add(name + "_half_width_mm", p.half_width_mm);
       report.add(name + "_confidence", p.confidence);
       if (p.confidence < 0.5)

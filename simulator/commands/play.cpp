@@ -41,6 +41,9 @@ struct PlayParams {
 LessonPlay lesson_of(const ParsedCommand& parsed) {
   LessonPlay l;
   l.module = parsed.text("lesson");
+  if (lesson_module(l.module).needs_pictures)
+    throw Error(ExitCode::usage, "", "--lesson",
+                l.module + " needs fluoroscopic pictures, which the window does not show: do it by `lesson`");
   if (parsed.has("participant")) l.participant = parsed.text("participant");
   validate_token(l.participant, "--participant");
   for (const char* other : {"playback", "before", "shape"})

@@ -40,6 +40,7 @@ struct LessonModule {
   std::vector<std::string> rows;      ///< the names of the score's rows, in their order
   std::vector<LessonColumn> columns;  ///< of the log, after the rows
   std::vector<StepChoice> steps;      ///< what its scripts may say
+  bool needs_pictures = false;        ///< fluoroscopy shows where the tool is
   /// The patients' classes that are exercised in turn. None: a case needs no class, and --classes is ignored.
   std::vector<std::string> classes;
 

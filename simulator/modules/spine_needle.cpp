@@ -57,6 +57,8 @@ std::vector<CasePedicle> pedicles_of(const CaseManifest& manifest) {
         l.name.compare(l.name.size() - entry.size(), entry.size(), entry) != 0)
       continue;
     const std::string name = l.name.substr(0, l.name.size() - entry.size());
+    // Medial and lateral hang on the side, so a pedicle that does not say it is none.
+    if (name.find("_left") == std::string::npos && name.find("_right") == std::string::npos) continue;
     for (const CaseLandmark& t : manifest.landmarks)
       if (t.name == name + "_target" && norm(t.position_mm - l.position_mm) > 1)
         all.push_back({name, l.position_mm, t.position_mm, std::min(l.confidence, t.confidence)});
@@ -139,6 +141,10 @@ void SpineNeedle::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
     s.needle_mm = tool.tool_diameter_mm;
     s.length_mm = tool.tool_length_mm;
   }
+  // A needle that was lifted away, or moved in a pause, comes again from elsewhere.
+  const bool elsewhere =
+      f.buttons & haptic_button::lifted || (belt.paused() && norm(tip - last_.tip_mm) > withdrawn_mm);
+  if (in_bone_ && f.inside == 0 && elsewhere) end_pass(f.time_s, false);
   if (belt.paused()) return;
   const bool inside = f.inside == bone_;
   if (!in_bone_) {

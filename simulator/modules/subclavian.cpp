@@ -22,8 +22,12 @@ std::vector<BeltToolParams> subclavian_tools() {
 Subclavian::Subclavian(const CaseManifest& manifest) : shapes_(chest_shapes_of(manifest)) {}
 
 void Subclavian::tick(const ServoFrame& f, const ToolBelt& belt, bool) {
-  if (belt.paused()) return;
   const Vec3 tip = vec(f.proxy_mm);
+  // A needle that was lifted away, or moved in a pause, comes again from elsewhere.
+  const bool elsewhere =
+      f.buttons & haptic_button::lifted || (belt.paused() && norm(tip - last_.tip_mm) > withdrawn_mm);
+  if (in_ && f.inside == 0 && elsewhere) end_pass(f.time_s, false);
+  if (belt.paused()) return;
   // The tip pops through by some millimetres: it entered where it was held before.
   const Vec3 before = held_tip_;
   held_tip_ = tip;

@@ -23,7 +23,8 @@ const ScoreRow* row_of(const LessonScore& score, const std::string& name) {
   return nullptr;
 }
 
-std::string text_of(const std::variant<bool, int, double>& value) {
+std::string text_of(const decltype(LessonFigure::value)& value) {
+  if (std::holds_alternative<std::monostate>(value)) return "";
   if (const bool* flag = std::get_if<bool>(&value)) return *flag ? "1" : "0";
   if (const int* count = std::get_if<int>(&value)) return std::to_string(*count);
   return to_text(std::get<double>(value));

@@ -23,7 +23,7 @@ struct ScoreRow {
 /// What the table does not score, and studies count: yes or no, a count, or a measure whose name ends in its unit.
 struct LessonFigure {
   std::string name;
-  std::variant<bool, int, double> value;
+  std::variant<bool, int, double, std::monostate> value;  ///< nothing where it could not be judged
 };
 
 struct LessonScore {
@@ -31,6 +31,7 @@ struct LessonScore {
   std::vector<LessonFigure> figures;
   /// The figure of that name; throws Error 70 where the module has none.
   const LessonFigure& figure(const std::string& name) const;
+  bool known(const std::string& name) const { return !std::holds_alternative<std::monostate>(figure(name).value); }
   bool flag(const std::string& name) const { return std::get<bool>(figure(name).value); }
   int count(const std::string& name) const { return std::get<int>(figure(name).value); }
 };

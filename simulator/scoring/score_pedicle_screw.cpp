@@ -51,7 +51,7 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifes
     s.name = name;
     s.title = title;
     s.limits = {{limit_name, limit}};
-    if (pass) s.measured = {{figure, value}};
+    if (pass && doubt.empty()) s.measured = {{figure, value}};
     if (!none.empty() || doubt.empty()) {
       const bool wrong = !none.empty() || std::abs(value) > limit.limit;
       errors += wrong;
@@ -83,11 +83,13 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifes
     if (pass) last.decided_s = pass->end_s;
   }
   score.rows.push_back(last);
-  score.figures = {{"errors_count", judged ? errors : 0},
-                   {"acceptable", judged && acceptable},
+  using Value = decltype(LessonFigure::value);
+  const Value unknown = std::monostate();
+  score.figures = {{"errors_count", judged ? Value(errors) : unknown},
+                   {"acceptable", judged ? Value(acceptable) : unknown},
                    {"screw_in_bone", pass != nullptr},
-                   {"screw_length_mm", pass ? pass->length_mm : 0.0},
-                   {"screw_diameter_mm", pass ? pass->diameter_mm : 0.0},
+                   {"screw_length_mm", pass ? Value(pass->length_mm) : unknown},
+                   {"screw_diameter_mm", pass ? Value(pass->diameter_mm) : unknown},
                    {"passes_count", int(facts.passes.size())}};
   return score;
 }

@@ -56,7 +56,15 @@ std::string score_json(const ReportHead& head, const LessonFacts& facts, const L
   Json rows = Json::array();
   for (const ScoreRow& row : score.rows) rows.push_back(json_of(row));
   Json figures = Json::object();
-  for (const LessonFigure& f : score.figures) std::visit([&](const auto& value) { figures[f.name] = value; }, f.value);
+  for (const LessonFigure& f : score.figures)
+    std::visit(
+        [&](const auto& value) {
+          if constexpr (std::is_same_v<std::decay_t<decltype(value)>, std::monostate>)
+            figures[f.name] = nullptr;
+          else
+            figures[f.name] = value;
+        },
+        f.value);
   const ScoreSum sum = sum_of(score);
   const Json out = {{"trephine_score", 1},
                     {"module", head.module},

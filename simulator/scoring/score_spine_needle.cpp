@@ -66,12 +66,12 @@ struct Rows {
       return r;
     }
     r.decided_s = pass->end_s;
-    r.measured = {{figure, value}};
     if (!doubt.empty()) {
       r.why = doubt;
       r.decided_s.reset();
       return r;
     }
+    r.measured = {{figure, value}};
     if (errors.entry_mm > rubric.farthest_mm.limit) {
       r.score = 1;
       r.why = "at no pedicle";
@@ -143,7 +143,7 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const CaseManifest
   if (rows.pass) {
     const NeedlePoint& end = rows.pass->path.back();
     rows.errors = nearest_pedicle(pedicles, end.tip_mm, end.axis);
-    if (rows.errors.pedicle->confidence < r.least_confidence_ratio.limit)
+    if (rows.errors.entry_mm <= r.farthest_mm.limit && rows.errors.pedicle->confidence < r.least_confidence_ratio.limit)
       rows.doubt = rows.errors.pedicle->name + " of this case is doubtful";
   }
   LessonScore score;
@@ -168,7 +168,9 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const CaseManifest
     if (b.depth_mm > worst.depth_mm) worst = b;
   }
   ScoreRow breach = rows.row("breach", "Breach of the pedicle's wall", r.breach_mm, "mm");
-  if (any || facts.passes.empty() || !doubtful) {
+  // A clean pass beside says nothing of the pedicle that is doubtful; a breach that was seen stays one.
+  const bool breach_judged = !doubtful || worst.depth_mm > 0;
+  if (breach_judged) {
     breach.score = any ? r.breach_mm.score(worst.depth_mm) : 1;
     breach.why = !any                 ? "the needle entered no pedicle"
                  : worst.depth_mm > 0 ? "through the " + worst.side + " wall"
@@ -207,18 +209,22 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const CaseManifest
   if (facts.paused_s > 0) time.measured.emplace_back("paused_s", facts.paused_s);
   time.decided_s = facts.end_s;
   const bool finished = facts.end == LessonEnd::finished;
-  time.score = finished ? r.procedure_s.score(facts.procedure_s()) : 1;
-  time.why = finished ? "completed" : std::string("not completed: ") + name_of(facts.end);
+  const bool done = finished && count > 0;
+  time.score = done ? r.procedure_s.score(facts.procedure_s()) : 1;
+  time.why = done ? "completed"
+                  : std::string("not completed: ") + (finished ? "the needle entered no bone" : name_of(facts.end));
   score.rows.push_back(time);
 
   const bool judged = rows.pass && rows.doubt.empty() && rows.errors.entry_mm <= r.farthest_mm.limit;
+  using Value = decltype(LessonFigure::value);
+  const Value unknown = std::monostate();
   score.figures = {{"passes_count", count},
                    {"shots_count", int(facts.shots.size())},
                    {"in_bone", rows.pass != nullptr},
                    {"at_pedicle", judged},
-                   {"breached", worst.depth_mm > 0},
-                   {"medial", worst.side == "medial"},
-                   {"turned_deg", rows.errors.turned_deg}};
+                   {"breached", breach_judged ? Value(worst.depth_mm > 0) : unknown},
+                   {"medial", breach_judged ? Value(worst.side == "medial") : unknown},
+                   {"turned_deg", judged ? Value(rows.errors.turned_deg) : unknown}};
   return score;
 }
 

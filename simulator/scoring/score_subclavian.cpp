@@ -59,13 +59,18 @@ ScoreRow score_vein(const SubclavianFacts& f, const ChestShapes& shapes) {
 }
 
 // What must not be entered. Where the case does not show it, nobody knows whether the needle was there.
-ScoreRow score_untouched(const char* name, const char* title, bool known, const char* unknown, double entered_s,
-                         const std::string& entered, double end_s) {
+ScoreRow score_untouched(const SubclavianFacts& f, const char* name, const char* title, bool known, const char* unknown,
+                         double entered_s, const std::string& entered) {
   ScoreRow row{name, title, {}, unknown, {}, {}, {}};
+  if (f.passes.empty()) {  // who does nothing spares nothing
+    row.score = 1;
+    row.why = "the needle entered nothing";
+    return row;
+  }
   if (!known && entered_s < 0) return row;
   row.score = entered_s < 0 ? 5 : 1;
   row.why = entered_s < 0 ? "not entered" : entered + " was entered";
-  row.decided_s = entered_s < 0 ? end_s : entered_s;
+  row.decided_s = entered_s < 0 ? f.end_s : entered_s;
   return row;
 }
 
@@ -85,8 +90,8 @@ ScoreRow score_time(const SubclavianFacts& f, const LineTimeRubric& r) {
   ScoreRow row{"time", "Time to complete procedure", 1, "", {{"procedure_s", time}}, {}, f.end_s};
   row.limits = {
       {"ideal_s", r.ideal_s}, {"good_s", r.good_s}, {"acceptable_s", r.acceptable_s}, {"allotted_s", r.allotted_s}};
-  if (f.end != LessonEnd::finished) {
-    row.why = std::string("not completed: ") + name_of(f.end);
+  if (f.end != LessonEnd::finished || f.passes.empty()) {
+    row.why = std::string("not completed: ") + (f.passes.empty() ? "the needle entered nothing" : name_of(f.end));
     return row;
   }
   row.score = time < r.ideal_s.limit         ? 5
@@ -126,9 +131,9 @@ LessonScore score_subclavian(const SubclavianFacts& f, const CaseManifest& manif
       score_puncture(f, frame, rubric.puncture),
       score_direction(f, frame, rubric.direction),
       score_vein(f, shapes),
-      score_untouched("artery", "Artery", shapes.artery != 0, "the case has none", f.artery_s, "the artery", f.end_s),
-      score_untouched("lung", "Pleura and lung", lung_known, "the case shows no lung on that side", lung_s,
-                      f.lung_s >= 0 ? "the lung" : "the pleura", f.end_s),
+      score_untouched(f, "artery", "Artery", shapes.artery != 0, "the case has none", f.artery_s, "the artery"),
+      score_untouched(f, "lung", "Pleura and lung", lung_known, "the case shows no lung on that side", lung_s,
+                      f.lung_s >= 0 ? "the lung" : "the pleura"),
       score_passes(f, rubric.passes),
       score_time(f, rubric.time)};
   const bool success = needle_colour(f, rubric) == NeedleColour::green && f.end == LessonEnd::finished;

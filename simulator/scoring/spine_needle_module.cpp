@@ -46,6 +46,7 @@ LessonModule spine_needle_module() {
   m.begin = [](const CaseManifest& manifest, const HapticVolume&, const HapticVolume&) {
     return std::unique_ptr<Lesson>(std::make_unique<SpineNeedle>(manifest));
   };
+  m.needs_pictures = true;
   m.score = [](const LessonFacts& facts, const LoadedCase& loaded, const HapticVolume& before,
                const AnyParams& rubric) {
     return score_spine_needle(own(facts), loaded.manifest, before, rubric.as<SpineNeedleRubric>());

@@ -15,6 +15,7 @@ class BoardDevice : public Device {
       : device_(std::move(device)), board_(std::move(board)) {}
 
   double damping_n_s_per_mm() const override { return device_->damping_n_s_per_mm(); }
+  bool knows_across() const override { return device_->knows_across(); }
   bool read(double dt_s, DeviceReading& out) override {
     const bool there = device_->read(dt_s, out);
     const std::uint32_t board = board_->buttons.load(std::memory_order_relaxed);
