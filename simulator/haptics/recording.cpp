@@ -25,7 +25,8 @@ constexpr std::size_t fixed_bytes = 16, header_bytes = 8192;
 
 // Added later: earlier recordings lack them, and were made without.
 bool is_newer(const std::string& name) {
-  for (const char* newer : {"max_torque_n_mm", "turn_stiffness_n_mm_per_rad", "tool_points", "tool_points_sha256", "pierce_n"})
+  for (const char* newer :
+       {"max_torque_n_mm", "turn_stiffness_n_mm_per_rad", "tool_points", "tool_points_sha256", "pierce_n"})
     if (name == newer) return true;
   return false;
 }
