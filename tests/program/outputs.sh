@@ -21,7 +21,7 @@ expect_no_old_files() {
 scene 'skin: , skull: '
 "${run[@]}"
 expect_no_old_files
-[[ $(pictures) == "report/axial.png report/coronal.png report/overview.png report/sagittal.png report/skin.png report/skull.png" ]] ||
+[[ $(pictures) == "report/axial.png report/coronal.png report/overview.png report/removed_by_body.png report/sagittal.png report/skin.png report/skull.png" ]] ||
   fail "pictures: $(pictures)"
 
 # Refused by the scene's limit after all was computed: the old case and its pictures stay as they were, and the warnings,
@@ -42,7 +42,7 @@ rm "$work/series/cut"
 scene 'skull: '
 "${run[@]}"
 expect_no_old_files
-[[ $(pictures) == "report/axial.png report/coronal.png report/overview.png report/sagittal.png report/skull.png" ]] ||
+[[ $(pictures) == "report/axial.png report/coronal.png report/overview.png report/removed_by_body.png report/sagittal.png report/skull.png" ]] ||
   fail "pictures: $(pictures)"
 first=$(case_digest "$case")
 echo note >"$work/series/notes.txt"
