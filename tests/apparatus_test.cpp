@@ -12,8 +12,7 @@
 #include "head_recipe.h"
 #include "mask/filters.h"
 #include "mask/hu_view.h"
-#include "phantom/head.h"
-#include "phantom/phantom.h"
+#include "phantom_heads.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -23,17 +22,9 @@ using Volume = Grid<std::int16_t>;
 
 const Volume& head() {
   static const Volume v = [] {
-    phantom::HeadParams who;
-    who.level = phantom::Level::clinical;
-    who.seed = 5;
-    phantom::ScanParams how;
-    how.columns_count = how.rows_count = 220;
-    how.field_of_view_mm = 264;
-    how.slices_count = 140;
-    how.slice_step_mm = how.slice_thickness_mm = 1.5;
-    how.noise_hu = 8;
+    phantom::ScanParams how = phantom_heads::scan_of(220, 140, 8, 140 * 1.5, 264);
     how.table = false;
-    return phantom::volume_of(phantom::scan(phantom::Head(who), how));
+    return phantom::volume_of(phantom::scan(phantom_heads::head_of(phantom::Level::clinical, 5), how));
   }();
   return v;
 }
@@ -136,6 +127,31 @@ TEST(Body, CouchHolderAndClampGoTogetherWithAMask) {
   EXPECT_LT(c.apparatus_ml, 6);  // where the block lies on the skin
   EXPECT_LT(c.lost_ml, 3);
   EXPECT_LT(c.mean_mm, 0.15);
+}
+
+// Side plates of a head holder, small and near as ears are, but dense: the ears that lean on them stay.
+TEST(Body, DensePlatesThatTheEarsTouchGo) {
+  const Volume& v = head();
+  double left = 0, right = 0;
+  for (int k = 0; k < v.size[2]; ++k)
+    for (int j = 0; j < v.size[1]; ++j)
+      for (int i = 0; i < v.size[0]; ++i)
+        if (inside_mm().at(i, j, k) > 0) {
+          const double x = v.to_world_mm(Vec3{double(i), double(j), double(k)}).x;
+          left = std::max(left, x);
+          right = std::min(right, x);
+        }
+  const auto plates = [&](Vec3 p, double) {
+    const bool beside = std::min(std::abs(p.x - left - 1), std::abs(p.x - right + 1)) < 1.8;
+    return beside && std::abs(p.y - 30) < 55 && std::abs(p.z) < 40 ? 330 : -1e6;
+  };
+  Report report;
+  const HuVolume out = keep_body(with(plates), {}, report);
+  EXPECT_GT(figure(report, "apparatus_ml"), 50);  // two plates of 3.6 x 110 x 80 mm hold 63 ml
+  const Compared c = compare(out);
+  EXPECT_LT(c.apparatus_ml, 2);  // an ear's edge on the plate
+  EXPECT_LT(c.lost_ml, 1);
+  EXPECT_LT(c.mean_mm, 0.1);
 }
 
 TEST(Body, AVolumeWithoutABodyStaysAndIsSaid) {

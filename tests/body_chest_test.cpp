@@ -254,6 +254,32 @@ INSTANTIATE_TEST_SUITE_P(LongContrast, Veins,
                          testing::Values(Trial{"faint", 50, 10, 0.3, 0.8, 5}, Trial{"bright", 300, 20, 0.25, 0.9, 4}),
                          name_of);
 
+TEST(Vein, ASideThatShowsNoLungIsSaid) {
+  const Chest chest;
+  const HuVolume volume = chest.volume(0);
+  const Lattice l = lattice_of(volume);
+  // 100 ml on the left, and what is no more than a windpipe's end on the right.
+  Field lung(l, -1.f);
+  for (int k = 0; k < l.size[2]; ++k)
+    for (int j = 0; j < l.size[1]; ++j)
+      for (int i = 0; i < l.size[0]; ++i) {
+        const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
+        if (norm(p - Vec3{50, 0, -10}) < 29 || norm(p - Vec3{-30, 0, -20}) < 10) lung.at(i, j, k) = 1;
+      }
+  VeinParams estimated;
+  estimated.source = VeinSource::estimated;
+  Report report;
+  find_vein(volume, bone_of(volume), estimated, report, {}, &lung);
+  EXPECT_NEAR(figure(report, "left_lung_ml"), 102, 5);
+  EXPECT_NEAR(figure(report, "right_lung_ml"), 4, 1);
+  const auto said = [&](const std::string& part) {
+    return std::any_of(report.warnings.begin(), report.warnings.end(),
+                       [&](const std::string& w) { return w.find(part) != std::string::npos; });
+  };
+  EXPECT_TRUE(said("4 ml of the right lung"));
+  EXPECT_FALSE(said("of the left lung"));
+}
+
 TEST(Vein, WithoutContrastIsEstimatedAndSaysSo) {
   for (const double noise : {60.}) {
     const Chest chest;

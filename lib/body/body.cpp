@@ -27,6 +27,7 @@ constexpr double plate_rim_mm = 0.75;               ///< of a plate, beyond what
 constexpr double dense_hu = 250;                    ///< of plates of plastic and metal; cartilage and skin have less
 constexpr double least_dense_ml = 5;
 constexpr double dense_rim_mm = 1.5;  ///< the blurred edge of a dense plate
+constexpr double skin_mm = 4;         ///< a plate pressed against the body reaches no deeper
 constexpr double piece_ml = 0.05;     ///< smaller pieces of apparatus are not counted
 constexpr double sheet_ml = 1;        ///< more thin apparatus than this means that there is a mask or a table
 constexpr double rim_ml = 0.5;        ///< a thin part of the body (rim of an ear) is smaller
@@ -74,21 +75,34 @@ BitMask both(BitMask a, const BitMask& b) { return a &= b; }
 
 /// What of `piece` (apparatus that touches the body) is the body's: what is left of it beside the apparatus' own dense
 /// or thick parts, touches the body, and is as small as an ear; and what lies in the body's hollows. How thick a plate
-/// is, is not known: the choice is taken that leaves most to the body.
+/// is, is not known: of the choices that recognize any of it, the one is taken that leaves most to the body. Where
+/// `only_dense`, none but the dense parts are the apparatus' own.
 BitMask left_beside(const BitMask& piece, const BitMask& dense, const BitMask& body, const Cores& cores,
-                    const BodyParams& p, const Progress& progress) {
+                    const BodyParams& p, bool only_dense, const Progress& progress) {
   const Lattice& l = piece.lattice();
   const double voxel_ml = l.voxel_volume_mm3() / 1000;
   const Box box = grown(piece.bounds(), 2, l);
   const BitMask here = crop(piece, box), near = crop(cores.near, box), beside = dilated_6(crop(body, box));
   const BitMask beyond = without(here, near), hull = crop(cores.hull, box);
-  BitMask best(here.lattice());
-  std::size_t most = 0;
-  const auto try_core = [&](const BitMask& core, double rim_mm, double least_ml) {
+  // The apparatus' own parts: those of the core that are large, or go on beyond what an ear reaches.
+  const auto own_parts = [&](const BitMask& core, double rim_mm, double least_ml) {
     const Components parts = components(core);
     std::vector<char> own = touching(parts, beyond);
     for (std::size_t c = 0; c < own.size(); ++c) own[c] = own[c] || parts.list[c].voxels * voxel_ml > least_ml;
-    const BitMask outside = without(here, dilated(select(parts, own), rim_mm, progress));
+    return dilated(select(parts, own), rim_mm, progress);
+  };
+  std::vector<BitMask> recognized;
+  if (!only_dense)
+    for (const double core_mm : plate_cores_mm)
+      recognized.push_back(own_parts(eroded(here, core_mm, progress), core_mm + plate_rim_mm, p.most_part_ml / 4));
+  recognized.push_back(own_parts(both(crop(dense, box), here), dense_rim_mm, least_dense_ml));
+  recognized.erase(std::remove_if(recognized.begin(), recognized.end(), [](const BitMask& m) { return !m.any(); }),
+                   recognized.end());
+  if (recognized.empty()) recognized.emplace_back(here.lattice());
+  BitMask best(here.lattice());
+  std::size_t most = 0;
+  for (const BitMask& apparatus : recognized) {
+    const BitMask outside = without(here, apparatus);
     const Components rest = components(both(without(outside, hull), near));
     std::vector<char> keep(rest.list.size());
     for (std::size_t c = 0; c < keep.size(); ++c) keep[c] = rest.list[c].voxels * voxel_ml <= p.most_part_ml;
@@ -100,10 +114,7 @@ BitMask left_beside(const BitMask& piece, const BitMask& dense, const BitMask& b
       most = count;
       best = std::move(left);
     }
-  };
-  for (const double core_mm : plate_cores_mm)
-    try_core(eroded(here, core_mm, progress), core_mm + plate_rim_mm, p.most_part_ml / 4);
-  try_core(both(crop(dense, box), here), dense_rim_mm, least_dense_ml);
+  }
   return placed(best, l);
 }
 
@@ -113,6 +124,14 @@ std::vector<double> ml_outside(const Components& parts, const BitMask& mask) {
   for_each_voxel(parts, [&](int component, int i, int j, int k) { ml[component] += !mask.get(i, j, k); });
   for (double& v : ml) v *= parts.lattice.voxel_volume_mm3() / 1000;
   return ml;
+}
+
+/// The pieces of the dense mask that do not reach into the body's depth, as the bones of nose and cheek do.
+BitMask apart_from(const BitMask& depth, const BitMask& dense) {
+  const Components pieces = components(dense);
+  std::vector<char> apart = touching(pieces, depth);
+  for (char& c : apart) c = !c;
+  return select(pieces, apart);
 }
 
 /// Tissue of the body alone: its inside, and what grows out of it as ears and nose do.
@@ -126,19 +145,29 @@ BitMask body_tissue(const HuView& hu, const BitMask& tissue, const BodyParams& p
   thick.remove(cores.others);
   thick |= cores.body;
   BitMask body = grown_within(cores.body, thick, shell_mm, progress);
-  // Ears and nose are small and end within reach; a plate or a frame is large, or goes on.
+  // Ears and nose are small, end within reach and hold no dense plate of their own; a plate or a frame is large, or
+  // goes on, or is dense.
   const Components parts = components(without(thick, body));
   const std::vector<char> beside = touching(parts, dilated_6(body));
   const std::vector<char> far = touching(parts, without(thick, cores.near));
   const std::vector<double> outside_ml = ml_outside(parts, cores.hull);
-  std::vector<char> keep(parts.list.size()), part(parts.list.size());
+  const BitMask dense = above(hu, dense_hu);
+  const BitMask plates = apart_from(eroded(cores.body, skin_mm, progress), dense);
+  BitMask no_plate = plates;
+  no_plate.invert() |= cores.hull;
+  const std::vector<double> plate_ml = ml_outside(parts, no_plate);
+  std::vector<char> keep(parts.list.size()), part(keep), plate(keep);
   for (std::size_t c = 0; c < keep.size(); ++c) {
-    const bool apparatus = far[c] || outside_ml[c] > p.most_part_ml;
+    const bool large = far[c] || outside_ml[c] > p.most_part_ml;
+    const bool apparatus = large || plate_ml[c] > least_dense_ml;
     keep[c] = beside[c] && !apparatus;
-    part[c] = beside[c] && apparatus;
+    part[c] = beside[c] && large;
+    plate[c] = beside[c] && apparatus && !large;
   }
-  if (const BitMask pieces = select(parts, part); pieces.any())
-    body |= left_beside(pieces, above(hu, dense_hu), body, cores, p, progress);
+  const BitMask before = body;
+  for (const bool only_dense : {false, true})
+    if (const BitMask pieces = select(parts, only_dense ? plate : part); pieces.any())
+      body |= left_beside(pieces, only_dense ? plates : dense, before, cores, p, only_dense, progress);
   body |= select(parts, keep);
   progress.report(0.6);
 

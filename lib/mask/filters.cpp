@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
+#include "base/error.h"
 #include "base/parallel.h"
 
 namespace trephine::segmentation {
@@ -239,6 +241,17 @@ float median(std::vector<float>& values, float otherwise) {
   const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+void check_finite(const Field& f) {
+  for (std::size_t n = 0; n < f.voxels.size(); ++n)
+    if (!std::isfinite(f.voxels[n])) {
+      const std::size_t row = n / f.size[0];
+      throw Error(ExitCode::bad_input, "",
+                  "voxel " + std::to_string(n % f.size[0]) + " " + std::to_string(row % f.size[1]) + " " +
+                      std::to_string(row / f.size[1]),
+                  "is not finite");
+    }
 }
 
 }  // namespace trephine::segmentation

@@ -39,6 +39,9 @@ inline double ramp(double value, double zero, double one) {
   return std::clamp((value - zero) / (one - zero), 0.0, 1.0);
 }
 
+/// Throws Error 65, naming the voxel, where one is not finite.
+void check_finite(const Field& field);
+
 /// The median of the values; `otherwise` where there are none. Reorders the values.
 float median(std::vector<float>& values, float otherwise);
 

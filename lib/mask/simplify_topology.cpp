@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "mask/bits.h"
+#include "mask/filters.h"
 
 namespace trephine {
 namespace {
@@ -284,21 +285,10 @@ double distance_mm(const BitMask& shape, int i, int j, int k, double reach_mm) {
   return std::sqrt(best);
 }
 
-void check_finite(const Field& f) {
-  for (std::size_t n = 0; n < f.voxels.size(); ++n)
-    if (!std::isfinite(f.voxels[n])) {
-      const std::size_t row = n / f.size[0];
-      throw Error(ExitCode::bad_input, "",
-                  "voxel " + std::to_string(n % f.size[0]) + " " + std::to_string(row % f.size[1]) + " " +
-                      std::to_string(row / f.size[1]),
-                  "is not finite");
-    }
-}
-
 }  // namespace
 
 Field simplify_topology(const Field& field, const SimplifyParams& params, Report& report, const Progress& progress) {
-  check_finite(field);
+  segmentation::check_finite(field);
   Field out = field;
   const BitMask shape = segmentation::positive(field, field);
   if (!shape.any()) report.warn("nothing is inside: there is nothing to simplify");

@@ -192,6 +192,7 @@ Field corrected(const Field& field, const Lattice& volume, const LabelFile& corr
                 const Progress& progress) {
   for (const float v : field.voxels)
     if (!std::isfinite(v)) throw Error(ExitCode::bad_input, "", "field", "holds a voxel that is not finite");
+  with_field("field", [&] { place_in(field, volume); });
   const Wanted wanted = wanted_on(volume, correction);
   BitMask touched = wanted.plus;
   touched |= wanted.minus;

@@ -19,7 +19,8 @@ namespace {
 using namespace segmentation;
 
 constexpr double not_scanned_hu = -950;  ///< register gives air there, and there is none in a cranial cavity
-constexpr double rim_voxels = 1.2;       ///< a voxel holds bone and what is beside it
+constexpr float least_tissue_hu = -150;
+constexpr double rim_voxels = 1.2;  ///< a voxel holds bone and what is beside it
 constexpr double warned_ratio = 0.05, refused_ratio = 0.5, cut_sigma_mm = 0.7, margin_mm = 4;
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -30,8 +31,18 @@ constexpr double warned_ratio = 0.05, refused_ratio = 0.5, cut_sigma_mm = 0.7, m
 
 }  // namespace
 
+BitMask soft_tissue_around(const HuVolume& ct, const BitMask& bone) {
+  const HuView hu(ct);
+  const Lattice& l = lattice_of(ct);
+  BitMask tissue = make_mask(l, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0; i < l.size[0]; ++i) row[i] = hu(i, j, k) > least_tissue_hu;
+  });
+  tissue.remove(bone);
+  return tissue;
+}
+
 Field find_vessels(const HuVolume& angiography, const HuVolume& ct, const BitMask& whole_cavity, const Field* within,
-                   const VesselsParams& params, Report& report, const Progress& progress) {
+                   const Field* without, const VesselsParams& params, Report& report, const Progress& progress) {
   if (lattice_of(angiography) != lattice_of(ct) || whole_cavity.lattice() != lattice_of(ct))
     throw Error(ExitCode::bad_input, "", "volume", "must lie on the CT's voxels, as `register` gives it");
   check_finite(angiography);
@@ -52,11 +63,12 @@ Field find_vessels(const HuVolume& angiography, const HuVolume& ct, const BitMas
   });
   const double outside = 1 - double(seen.count()) / std::max(1.0, double(cavity.count()));
   report.add("outside_ratio", outside);
+  const char* region = params.region == VesselRegion::cranial_cavity ? "cranial cavity" : "soft tissue";
   if (outside > refused_ratio)
-    refuse(fmt::format("{:.0f} % of the cranial cavity lies outside of the angiography", 100 * outside));
+    refuse(fmt::format("{:.0f} % of the {} lies outside of the angiography", 100 * outside, region));
   if (outside > warned_ratio)
-    report.warn(fmt::format("{:.0f} % of the cranial cavity lies outside of the angiography: vessels there are unknown",
-                            100 * outside));
+    report.warn(fmt::format("{:.0f} % of the {} lies outside of the angiography: vessels there are unknown",
+                            100 * outside, region));
   parallel_for(0, static_cast<std::int64_t>(more.voxels.size()), 1 << 16, [&](std::int64_t from, std::int64_t to) {
     for (auto n = static_cast<std::size_t>(from); n < static_cast<std::size_t>(to); ++n)
       more.voxels[n] = bright.voxels[n] - more.voxels[n];
@@ -69,6 +81,9 @@ Field find_vessels(const HuVolume& angiography, const HuVolume& ct, const BitMas
     for (int i = 0; i < l.size[0]; ++i) row[i] = inner.get(i, j, k) && more.at(i, j, k) > params.enhancement_hu;
   });
   if (within) vessels &= positive(*within, l);
+  BitMask left_out(l);
+  if (without) left_out = dilated_6(positive(*without, l));
+  vessels.remove(left_out);
   vessels = at_least_ml(components(vessels, true), params.min_component_ml);
   if (!vessels.any()) refuse("no vessel is found in the angiography");
   std::vector<float> values;
@@ -80,6 +95,7 @@ Field find_vessels(const HuVolume& angiography, const HuVolume& ct, const BitMas
   if (rim_mm > 0) {
     BitMask beside = dilated(vessels, rim_mm + least, progress.part(0.6, 0.8));
     beside &= rim;
+    beside.remove(left_out);
     vessels |= beside;
   }
   Field edge(l);

@@ -8,7 +8,11 @@
 
 namespace trephine {
 
+/// Where vessels are sought.
+enum class VesselRegion { cranial_cavity, soft_tissue };
+
 struct VesselsParams {
+  VesselRegion region = VesselRegion::cranial_cavity;
   double enhancement_hu = 80;
   double smoothing_sigma_mm = 0.6;
   double rim_mm = 1.5;
@@ -18,6 +22,11 @@ struct VesselsParams {
   template <class V>
   static void describe(V& v) {
     using P = VesselsParams;
+    v.choice(
+        &P::region, "region",
+        {{"cranial_cavity", VesselRegion::cranial_cavity}, {"soft_tissue", VesselRegion::soft_tissue}},
+        "Where they are sought: in the cranial cavity, or, of a neck or trunk, in all that is neither bone nor air "
+        "nor lung. A trunk breathes: there, give `within`, and look at the result.");
     v.number(&P::enhancement_hu, "enhancement_hu", Range{10, 1000},
              "By how much the angiography is brighter than the CT in a vessel; about half of what its middle has.");
     v.number(&P::smoothing_sigma_mm, "smoothing_sigma_mm", Range{0, 5}, "Sigma of a Gaussian against noise.");
@@ -30,16 +39,21 @@ struct VesselsParams {
   }
 };
 
-/// The opacified vessels in the cranial cavity, as a field that is positive inside them: where an angiography is
-/// brighter than the CT by enhancement_hu. Both lie on the same voxels. `within` (may be null) is an anatomy that they
-/// are sought in, such as the zone of the sagittal sinus. Where one of the scans has voxels coarser than about a
-/// millimetre, or another sharpness than the other, edges of bone may be taken for vessels.
+/// Soft tissue of the CT, the region of a trunk's vessels: above -150 HU and no bone.
+segmentation::BitMask soft_tissue_around(const HuVolume& ct, const segmentation::BitMask& bone);
+
+/// The opacified vessels in the cavity (or another region), as a field that is positive inside them: where an
+/// angiography is brighter than the CT by enhancement_hu. Both lie on the same voxels. `within` (may be null) is an
+/// anatomy that they are sought in, such as the zone of the sagittal sinus; `without` (may be null) one that is left
+/// out, with a voxel around it, such as the vein where the artery is sought. Where one of the scans has voxels coarser
+/// than about a millimetre, or another sharpness than the other, edges of bone may be taken for vessels.
 ///
 /// Reports voxels_count, volume_ml, pieces_count, enhancement_median_hu, and outside_ratio, the share of the cavity
 /// that the angiography does not show; warns where that is above 5 %. Throws Error 65 where the volumes or `within` are
 /// on other voxels; 80 where more than half of the cavity lies outside, and where no vessel is found. The same bits
 /// whatever the thread count.
 Field find_vessels(const HuVolume& angiography, const HuVolume& ct, const segmentation::BitMask& cavity,
-                   const Field* within, const VesselsParams& params, Report& report, const Progress& progress = {});
+                   const Field* within, const Field* without, const VesselsParams& params, Report& report,
+                   const Progress& progress = {});
 
 }  // namespace trephine

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mask/shape_interpolate.h"
+
+#include "stages/stage.h"
+
+namespace trephine {
+
+StageType shape_interpolate_stage() {
+  StageType s;
+  s.name = "shape_interpolate";
+  s.version = 1;
+  s.summary = "adds slices between thick ones, so that surfaces have no terraces";
+  s.description =
+      "Thick slices make a surface that is nearly parallel to them a flight of terraces. Between two slices the "
+      "outline "
+      "is led smoothly from one to the next (shape-based interpolation); the outlines of the given slices stay where "
+      "they are, and thin parts stay joined. A scan of thin slices passes unchanged.";
+  s.examples = {"trephine shape-interpolate skin.nrrd --output smooth.nrrd"};
+  s.ports = {{"field", DataKind::field, true, "field of the segment stage"}};
+  s.output = DataKind::field;
+  s.changes_raster = true;
+  s.make_params = [] { return AnyParams::make<ShapeInterpolateParams>(); };
+  s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    return std::make_shared<const Field>(
+        shape_interpolate(*in.get<Field>("field"), params.as<ShapeInterpolateParams>(), report, progress));
+  };
+  return s;
+}
+
+}  // namespace trephine
