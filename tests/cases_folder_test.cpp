@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A case on disk: published, read, damaged, published again.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include "cases/case.h"
 #include "cases/glb.h"
 #include "cases_manifest.h"
+#include "scratch_folder.h"
 
 namespace trephine {
 namespace {
@@ -36,13 +36,6 @@ void put(const fs::path& f, const std::string& bytes) { std::ofstream(f, std::io
 
 class CaseTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("trephine-case-" + std::to_string(::getpid()) + "-" +
-                                           testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   // A published case of one surface; returns what was written.
   CaseManifest publish() const {
     CaseManifest m = sample_manifest();
@@ -63,7 +56,8 @@ class CaseTest : public testing::Test {
     }
     return "";
   }
-  fs::path folder_;
+  ScratchFolder scratch_;
+  const fs::path folder_ = scratch_.path();
 };
 
 TEST_F(CaseTest, PublishedAndRead) {

@@ -70,6 +70,30 @@ TEST(DicomSeries, TheHashSeesPixelsAndGeometryButNoNames) {
   EXPECT_NE(hash(other), first);
 }
 
+TEST(DicomSeries, OfOnePatientIsSaidWherePatientIdsTellThemApart) {
+  const auto of_one = [](const char* first, const char* second) {
+    const ScratchFolder folders[2];
+    for (int n = 0; n < 2; ++n) {
+      Scan s = small();
+      const std::string id = n == 0 ? first : second;
+      s.edit = [&](int, DataSet& d) {
+        if (!id.empty()) d.text(tag(0x10, 0x20), "LO", id);
+      };
+      s.write(folders[n]);
+    }
+    return of_one_patient({folders[0].path(), {}}, {folders[1].path(), {}});
+  };
+  EXPECT_EQ(of_one("H-4711", "H-4711"), true);
+  EXPECT_EQ(of_one("H-4711", "H-4712"), false);
+  EXPECT_EQ(of_one("ANONYMOUS", "H-4711"), false);
+  EXPECT_EQ(of_one("", "H-4711"), std::nullopt);
+  for (const char* everybody :
+       {"ANONYMOUS", "anonymous^", "Anonymized", "DE-IDENTIFIED", "0", "000000", "XXXX", "unknown", "n/a", "-"})
+    EXPECT_EQ(of_one(everybody, everybody), std::nullopt) << everybody;
+  for (const char* patient : {"ANON-0815", "TEST7", "10", "PATIENT 3"})
+    EXPECT_EQ(of_one(patient, patient), true) << patient;
+}
+
 TEST(DicomSeries, AChoiceIsAskedFor) {
   const ScratchFolder folder;
   Scan a = small(), b = small();

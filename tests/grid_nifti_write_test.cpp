@@ -99,5 +99,24 @@ TEST(NiftiWrite, AllTypesPlainAndCompressed) {
   EXPECT_THROW(encode_nifti(Mask(l), false), Error);
 }
 
+// A place that float32 cannot say comes back to the last bit, unless another program moved the volume.
+TEST(NiftiWrite, PlaceToTheLastBit) {
+  Lattice l;
+  l.size = {5, 4, 3};
+  l.spacing_mm = {0.4785156, 0.4785156, 1.5};
+  l.origin_mm = {-122.49999, -167.49999, 116};
+  const Mask mask(l, 1);
+  const std::string bytes = encode_nifti(mask, false);
+  EXPECT_TRUE(static_cast<const Lattice&>(std::get<Mask>(decode_nifti(bytes).grid)) == l);
+  EXPECT_EQ(bytes.size() % 4, mask.count() % 4);
+  std::string moved = bytes;
+  const float other = 167.6f;
+  std::memcpy(moved.data() + 280 + 28, &other, 4);
+  EXPECT_NEAR(std::get<Mask>(decode_nifti(moved).grid).origin_mm.y, -167.6, 1e-5);
+  // What float32 says exactly needs no extension.
+  l.origin_mm = {-122.5, -167.5, 116};
+  EXPECT_EQ(encode_nifti(Mask(l, 1), false).size(), 352 + mask.count());
+}
+
 }  // namespace
 }  // namespace trephine

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "base/parallel.h"
 #include "base/write_file.h"
 #include "grid/nrrd.h"
+#include "scratch_folder.h"
 
 namespace trephine {
 namespace {
@@ -19,12 +19,6 @@ namespace fs = std::filesystem;
 
 class NrrdTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("trephine-nrrd-" + std::to_string(::getpid()) + "-" +
-                                           testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   fs::path file(const std::string& name) const { return folder_ / name; }
   std::string bytes(const fs::path& f) const {
     const auto b = read_file(f);
@@ -44,7 +38,8 @@ class NrrdTest : public testing::Test {
     }
     return "read";
   }
-  fs::path folder_;
+  ScratchFolder scratch_;
+  const fs::path folder_ = scratch_.path();
 };
 
 std::string header(const std::string& replaced = "", const std::string& by = "") {

@@ -2,11 +2,14 @@
 // Filters against what they must leave: edges where they are, everything beyond the box, and the same bytes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "itk/denoise.h"
+#include "itk/non_local_means.h"
 #include "phantom/random.h"
 
 using namespace trephine;
@@ -67,7 +70,8 @@ TEST(Denoise, CalmsNoiseAndLeavesEdges) {
     double sigma_mm, edge_hu, most_noise_hu;
   };
   for (const Case& c : {Case{DenoiseMethod::curvature, 0.8, 60, 7}, Case{DenoiseMethod::bilateral, 1.5, 40, 4},
-                        Case{DenoiseMethod::median, 1.2, 60, 4}, Case{DenoiseMethod::gaussian, 1, 60, 4}}) {
+                        Case{DenoiseMethod::median, 1.2, 60, 4}, Case{DenoiseMethod::gaussian, 1, 60, 4},
+                        Case{DenoiseMethod::non_local_means, 1, 20, 4}}) {
     const DenoiseParams p{c.method, c.sigma_mm, c.edge_hu};
     EXPECT_NEAR(noise_within(noisy), 10, 0.5);
     EXPECT_LT(noise_within(calm(noisy, p)), c.most_noise_hu) << static_cast<int>(c.method);
@@ -101,8 +105,8 @@ TEST(Denoise, LeavesWhatIsBeyondTheBox) {
 
 TEST(Denoise, DoesNotDependOnThreads) {
   const Grid<float> noisy = noisy_ball(10);
-  for (const DenoiseMethod m :
-       {DenoiseMethod::curvature, DenoiseMethod::bilateral, DenoiseMethod::median, DenoiseMethod::gaussian}) {
+  for (const DenoiseMethod m : {DenoiseMethod::curvature, DenoiseMethod::bilateral, DenoiseMethod::median,
+                                DenoiseMethod::gaussian, DenoiseMethod::non_local_means}) {
     set_thread_count(1);
     const Grid<float> one = calm(noisy, {m, 1, 60});
     for (const int threads : {2, 8}) {
@@ -111,4 +115,34 @@ TEST(Denoise, DoesNotDependOnThreads) {
     }
   }
   set_thread_count(0);
+}
+
+// Against the mean written out as its definition says it.
+TEST(Denoise, NonLocalMeansAreWhatTheyAreDefinedAs) {
+  const Grid<float> noisy = noisy_ball(10);
+  const NonLocalMeans p{3, 1, 10};
+  const Grid<float> own = non_local_means(noisy, p);
+  const auto at = [&](int i, int j, int k) {
+    return double(noisy.at(std::clamp(i, 0, 43), std::clamp(j, 0, 39), std::clamp(k, 0, 35)));
+  };
+  for (const auto& v : {std::array<int, 3>{20, 20, 18}, std::array<int, 3>{0, 0, 0}, std::array<int, 3>{43, 20, 7}}) {
+    double sum = 0, weight = 0;
+    for (int c = -3; c <= 3; ++c)
+      for (int b = -3; b <= 3; ++b)
+        for (int a = -3; a <= 3; ++a) {
+          if (a * a + b * b + 1.44 * c * c > 9) continue;
+          double d = 0;
+          for (int z = -1; z <= 1; ++z)
+            for (int y = -1; y <= 1; ++y)
+              for (int x = -1; x <= 1; ++x) {
+                const double e = at(v[0] + x, v[1] + y, v[2] + z) - at(v[0] + a + x, v[1] + b + y, v[2] + c + z);
+                d += e * e / 27;
+              }
+          const double t = std::max(0.0, d / 100 - 2), w = t < 8 ? std::pow(1 - t / 8, 8) : 0;
+          sum += w * at(v[0] + a, v[1] + b, v[2] + c);
+          weight += w;
+        }
+    EXPECT_NEAR(own.at(v[0], v[1], v[2]), sum / weight, 1e-3);
+  }
+  EXPECT_EQ(patches_compared(noisy, p), 88u);
 }

@@ -12,16 +12,10 @@
 
 using namespace trephine;
 using phantom::Head;
-using phantom::HeadParams;
 
 namespace {
 
-Head clinical_head(int seed) {
-  HeadParams p;
-  p.level = phantom::Level::clinical;
-  p.seed = seed;
-  return Head(p);
-}
+Head clinical_head(int seed) { return phantom_heads::head_of(phantom::Level::clinical, seed); }
 
 phantom::Second mr_of(const Head& head, double voxel_mm, int seed) {
   phantom::SecondScanParams p;
@@ -33,12 +27,7 @@ phantom::Second mr_of(const Head& head, double voxel_mm, int seed) {
   return phantom::second_scan(head, p);
 }
 
-Head hard_head(int seed) {
-  HeadParams p;
-  p.level = phantom::Level::hard;
-  p.seed = seed;
-  return Head(p);
-}
+Head hard_head(int seed) { return phantom_heads::head_of(phantom::Level::hard, seed); }
 
 /// With contrast agent, which the first scan has not.
 phantom::Second angiography_of(const Head& head, double voxel_mm, int seed) {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "itk/registration.h"
-#include "phantom/phantom.h"
 #include "phantom/random.h"
+#include "phantom_heads.h"
 
 namespace trephine {
 
@@ -24,13 +24,9 @@ inline HuVolume quick_ct(const phantom::Head& head, double voxel_mm) {
 
 /// A head's CT as the scanner's model makes it.
 inline HuVolume head_ct(const phantom::Head& head, double voxel_mm, double noise_hu) {
-  phantom::ScanParams p;
-  p.columns_count = p.rows_count = static_cast<int>(240 / voxel_mm);
-  p.field_of_view_mm = 240;
-  p.slice_step_mm = p.slice_thickness_mm = voxel_mm;
-  p.slices_count = static_cast<int>(190 / voxel_mm);
-  p.noise_hu = noise_hu;
-  return phantom::volume_of(phantom::scan(head, p));
+  const int slices = static_cast<int>(190 / voxel_mm);
+  return phantom::volume_of(phantom::scan(
+      head, phantom_heads::scan_of(static_cast<int>(240 / voxel_mm), slices, noise_hu, slices * voxel_mm)));
 }
 
 /// The scan as if the patient had lain otherwise: turned and shifted by `by`.

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "base/write_file.h"
 #include "itk/transform.h"
+#include "itk/transform_file.h"
+#include "scratch_folder.h"
 
 using namespace trephine;
 
@@ -71,4 +74,43 @@ TEST(Transform, RefusesWhatIsNone) {
   EXPECT_NE(
       fault(std::string(head_line) + "Transform: BSplineTransform_double_3_3\nParameters: 1\n" + fixed).find("affine"),
       std::string::npos);
+}
+
+// HDF5, which ITK reads and a composite of which 3D Slicer and ANTs write.
+TEST(Transform, SurvivesHdf5) {
+  const ScratchFolder folder;
+  const LinearMap map = rigid_map({12.5, -33, 71}, {3, -4, 100.25}, {10, 20, -30});
+  const auto file = folder.path() / "t.h5";
+  write_transform(file, map);
+  const LinearMap back = read_transform(file);
+  EXPECT_TRUE(back.matrix == map.matrix);
+  EXPECT_TRUE(back.offset_mm == map.offset_mm);
+  const std::vector<char> once = read_file(file);
+  timespec second{1, 100000000};
+  nanosleep(&second, nullptr);
+  write_transform(file, map);
+  EXPECT_EQ(read_file(file), once) << "no date in it";
+  write_transform(folder.path() / "t.tfm", map);
+  EXPECT_TRUE(read_transform(folder.path() / "t.tfm").matrix == map.matrix);
+  EXPECT_THROW(write_transform(folder.path() / "t.txt", map), Error);
+  for (const std::size_t cut : {std::size_t{0}, once.size() / 3, once.size() - 100}) {
+    write_file(file, {once.data(), cut});
+    try {
+      read_transform(file);
+      ADD_FAILURE() << "read although cut short at " << cut;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::bad_input) << e.what();
+    }
+  }
+  // A byte here and there damaged: the map, another one, or refused, and the process lives.
+  for (std::size_t at = 0; at < once.size(); at += 97) {
+    std::vector<char> mutant = once;
+    mutant[at] = static_cast<char>(~mutant[at]);
+    write_file(file, {mutant.data(), mutant.size()});
+    try {
+      read_transform(file);
+    } catch (const Error& e) {
+      EXPECT_TRUE(e.code() == ExitCode::bad_input || e.code() == ExitCode::internal) << e.what();
+    }
+  }
 }

@@ -13,6 +13,7 @@ Command measure_command();
 Command run_command();
 Command trade_command();
 Command export_command();
+Command convert_command();
 Command page_command();
 Command diff_command();
 Command correction_command();

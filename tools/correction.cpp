@@ -2,6 +2,7 @@
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "commands.h"
+#include "itk/volume_write.h"
 #include "segmentation/correct.h"
 #include "stage_command.h"
 
@@ -35,11 +36,10 @@ Command correction_command() {
       "docs/other-programs.md goes through it step by step.";
   c.examples = {"trephine correction labels.seg.nrrd painted.seg.nrrd --label skull --output skull_correction.nrrd",
                 "trephine correction labels.nii.gz painted.nii.gz --label 2 --output skull_correction.nrrd"};
-  Argument before =
-      argument("before", Kind::in_file, "Labels as `export --labels` wrote them (.seg.nrrd, .nii.gz, .nrrd).");
-  Argument after = argument("after", Kind::in_file, "The same labels after painting.");
-  Argument output = argument("output", Kind::out_file, "Where the correction goes (.nrrd).");
-  before.positional = after.positional = before.required = after.required = output.required = true;
+  const Argument before = positional_argument(
+      "before", Kind::in_file, "Labels as `export --labels` wrote them (.seg.nrrd, .nii.gz, .mha, ...).");
+  const Argument after = positional_argument("after", Kind::in_file, "The same labels after painting.");
+  const Argument output = required_argument("output", Kind::out_file, "Where the correction goes (.nrrd).");
   c.arguments = {before, after, output, report_argument()};
   c.groups = {ParameterGroup::of<CorrectionParams>("Parameters")};
   c.run = [](const ParsedCommand& parsed) {
@@ -47,8 +47,8 @@ Command correction_command() {
     run_with_report(parsed, [&](const Progress&) {
       Report report;
       const LabelFile made =
-          correction_between(read_labels(parsed.path("before")), read_labels(parsed.path("after")), params.label,
-                             params.painted_label.empty() ? params.label : params.painted_label, report);
+          correction_between(read_label_file(parsed.path("before")), read_label_file(parsed.path("after")),
+                             params.label, params.painted_label.empty() ? params.label : params.painted_label, report);
       write_file(parsed.path("output"), encode_labels(made));
       return report;
     });

@@ -56,9 +56,10 @@ Command diff_command() {
                 "trephine diff library/head-01 trial/head-01 --json changes.json --max-deviation-mm 0.5",
                 "trephine diff library trial --json changes.json",
                 "trephine diff old/head-01 new/head-01 --quiet --max-deviation-mm 0.3 --max-point-mm 1"};
-  Argument old_case = argument("old", Kind::in_folder, "The older case's folder, or the older library.");
-  Argument new_case = argument("new", Kind::in_folder, "The newer case's folder, or the newer library.");
-  old_case.positional = new_case.positional = old_case.required = new_case.required = true;
+  const Argument old_case =
+      positional_argument("old", Kind::in_folder, "The older case's folder, or the older library.");
+  const Argument new_case =
+      positional_argument("new", Kind::in_folder, "The newer case's folder, or the newer library.");
   c.arguments = {old_case, new_case, argument("json", Kind::out_file, "Write everything that was compared as JSON.")};
   c.groups = {ParameterGroup::of<CompareParams>("Parameters")};
   c.run = [](const ParsedCommand& parsed) {

@@ -8,6 +8,7 @@
 #include "base/write_file.h"
 #include "cases/case.h"
 #include "cases/glb.h"
+#include "cli/argument.h"
 #include "cli/progress_display.h"
 #include "commands.h"
 #include "export_parts.h"
@@ -301,9 +302,8 @@ Command export_command() {
   Argument format = argument("format", Argument::Kind::text,
                              "Formats, with commas between them: " + with_commas(format_choices()) + ".");
   format.required = format.repeated = true;
-  Argument out =
-      argument("out", Argument::Kind::out_folder, "Folder for the files; files of the same name are replaced.");
-  out.required = true;
+  const Argument out = required_argument("out", Argument::Kind::out_folder,
+                                         "Folder for the files; files of the same name are replaced.");
   Argument anatomy =
       argument("anatomy", Argument::Kind::text, "Anatomies of the case to export; all where none is given.");
   Argument texture = argument("texture_coordinates", Argument::Kind::text,

@@ -57,8 +57,8 @@ Command import_command() {
       "refused and why. Otherwise it reads one series: slices are ordered and placed by their positions, HU are "
       "computed slice by slice, a tilted gantry and uneven spacing are rectified by resampling, and padding becomes "
       "air. A series that cannot be read correctly is refused, naming file and tag. Names, IDs and UIDs of the patient "
-      "are never written anywhere. A volume file that is no DICOM (NIfTI, MetaImage, NRRD, GIPL, VTK) is read where "
-      "--volume-values says what its values are.";
+      "are never written anywhere. A volume file that is no DICOM (NIfTI, MetaImage, NRRD, GIPL, VTK, MINC), or a "
+      "volume of a 3D Slicer scene (.mrml, .mrb), is read where --volume-values says what its values are.";
   c.examples = {"trephine import DICOM-FOLDER --list", "trephine import DICOM-FOLDER-OR-ZIP --output head.nrrd",
                 "trephine import DICOM-FOLDER --series s2 --gaps interpolate --output head.nrrd",
                 "trephine import head.nii.gz --volume-values hu --output head.nrrd"};

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cstdio>
+#include <optional>
 
 #include "cases/load_case.h"
 #include "cli/argument.h"
 #include "commands.h"
 #include "lesson/approval.h"
+#include "publish/case_lock.h"
 
 namespace trephine {
 namespace {
@@ -33,16 +35,18 @@ Command library_approve_command() {
       "case is checked as a simulator checks it.";
   c.examples = {"trephine library approve library/normal-1 --by reviewer-2 --difficulty-level 2",
                 "trephine library approve library/normal-1 --by reviewer-2 --withdraw"};
-  Argument folder = argument("case", Kind::in_folder, "The case's folder.");
-  folder.positional = folder.required = true;
-  Argument by = argument("by", Kind::text, "Token of the reviewer: a-z, 0-9, _ and -; never a name.");
-  by.required = true;
+  const Argument folder = positional_argument("case", Kind::in_folder, "The case's folder.");
+  const Argument by = required_argument("by", Kind::text, "Token of the reviewer: a-z, 0-9, _ and -; never a name.");
   c.arguments = {folder, by};
   c.groups = {ParameterGroup::of<ApproveParams>("Parameters")};
   c.run = [](const ParsedCommand& parsed) {
     const ApproveParams& p = parsed.params<ApproveParams>();
     const std::filesystem::path folder = parsed.path("case");
     validate_token(parsed.text("by"), "--by");
+    // What is approved is what was checked: no run may publish another case in between. The lock's file would stay in a
+    // folder that is no case.
+    std::optional<CaseLock> lock;
+    if (std::filesystem::exists(folder / "case.json")) lock.emplace(folder);
     if (p.withdraw) {
       const bool was = remove_approval(folder);
       if (!parsed.quiet) std::printf("%s: %s\n", folder.c_str(), was ? "no longer approved" : "was not approved");

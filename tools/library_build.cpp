@@ -23,10 +23,9 @@ Command library_build_command() {
                 "trephine library build LIBRARY.yaml --out library --dry-run",
                 "trephine library build LIBRARY.yaml --out library --why head-01",
                 "trephine library build LIBRARY.yaml --out library --set skull.decimate.max_deviation_mm=0.2"};
-  Argument config = argument("config", Kind::in_file, "The library's configuration (.yaml).");
-  config.positional = config.required = true;
-  Argument out = argument("out", Kind::out_folder, "The library: the folder in which the cases' folders are made.");
-  out.required = true;
+  const Argument config = positional_argument("config", Kind::in_file, "The library's configuration (.yaml).");
+  const Argument out =
+      required_argument("out", Kind::out_folder, "The library: the folder in which the cases' folders are made.");
   Argument only = argument("case", Kind::text, "Build only this case.");
   Argument why = argument("why", Kind::text, "Say why this case would be built, and build nothing.");
   Argument set = argument("set", Kind::text, "Override anatomy.stage.parameter=value in every case.");

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "base/write_file.h"
+#include "cli/argument.h"
 #include "cli/progress_display.h"
 #include "commands.h"
 #include "library/job.h"
@@ -13,12 +14,7 @@ namespace trephine {
 namespace {
 
 Argument library_argument() {
-  Argument a;
-  a.name = "library";
-  a.kind = Argument::Kind::in_folder;
-  a.help = "The library's folder.";
-  a.positional = a.required = true;
-  return a;
+  return positional_argument("library", Argument::Kind::in_folder, "The library's folder.");
 }
 
 Argument json_argument() {
@@ -81,11 +77,7 @@ Command library_show_command() {
   c.description =
       "Shows surfaces, felt shapes, landmarks, burr holes, the patient's figures, and the warnings of the case's run.";
   c.examples = {"trephine library show library head-01"};
-  Argument token;
-  token.name = "case";
-  token.kind = Argument::Kind::text;
-  token.help = "Name of the case.";
-  token.positional = token.required = true;
+  const Argument token = positional_argument("case", Argument::Kind::text, "Name of the case.");
   c.arguments = {library_argument(), token, json_argument()};
   c.run = [](const ParsedCommand& parsed) {
     const CaseRow row = read_library_case(parsed.path("library"), parsed.text("case"));
@@ -146,12 +138,7 @@ Command library_job_command() {
   c.name = "library job";
   c.summary = "does one job of a library build";
   c.hidden = true;
-  Argument name;
-  name.name = "name";
-  name.kind = Argument::Kind::text;
-  name.help = "Which of the build's jobs.";
-  name.positional = name.required = true;
-  c.arguments = {name};
+  c.arguments = {positional_argument("name", Argument::Kind::text, "Which of the build's jobs.")};
   c.run = [](const ParsedCommand& parsed) { return static_cast<ExitCode>(run_library_job(parsed.text("name"))); };
   return c;
 }

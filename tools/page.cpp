@@ -39,8 +39,7 @@ Command page_command() {
       "checks it. Deviations and warnings are shown where the case's report folder holds them.";
   c.examples = {"trephine page library/head-01", "trephine page library/head-01 --output head-01.html",
                 "trephine page library/head-01 --max-mb 12"};
-  Argument folder = argument("case", Kind::in_folder, "The case's folder.");
-  folder.positional = folder.required = true;
+  const Argument folder = positional_argument("case", Kind::in_folder, "The case's folder.");
   c.arguments = {folder, argument("output", Kind::out_file, "Write the page here, instead of CASE/report/view.html.")};
   c.groups = {ParameterGroup::of<PageParams>("Page")};
   c.run = [](const ParsedCommand& parsed) {

@@ -10,28 +10,35 @@ Command phantom_command() {
   using namespace phantom;
   Command c;
   c.name = "phantom";
-  c.summary = "makes a synthetic head as a CT series, with its truth";
+  c.summary = "makes a synthetic head or spine as a CT series, with its truth";
   c.description =
       "Scans an analytic head (skin, skull, brain, ventricles), whose surfaces are known to a fraction of a "
       "micrometre, with a simulated CT scanner: partial volume, kernel blur, correlated noise, tilt and, at clinical "
       "level, cupping, streaks and sulci. FOLDER/dicom holds the series; FOLDER/truth holds its labels, surfaces, "
       "landmarks and truth.json, which `measure --truth` reads; FOLDER/second, if asked for, another scan of the head "
       "and "
-      "where it lies. The same parameters give the same bytes.";
+      "where it lies. With --body spine it is a lumbar spine of plain shapes, "
+      "whose pedicles truth.json holds. The same parameters give the same bytes.";
   c.examples = {"trephine phantom head --variant hydrocephalic --seed 7",
                 "trephine phantom head --level clinical --tilt-deg 13.5 --slice-step-mm 2.5 --slices-count 80",
-                "trephine phantom head --level hard --mask --couch --clamps --noise-hu 30 --second-kernel-mm 0.6"};
+                "trephine phantom head --level hard --mask --couch --clamps --noise-hu 30 --second-kernel-mm 0.6",
+                "trephine phantom spine --body spine --columns-count 256 --rows-count 256 --field-of-view-mm 240"};
   Argument out;
   out.name = "folder";
   out.kind = Argument::Kind::out_folder;
   out.help = "Folder in which dicom/ and truth/ are made.";
   out.required = out.positional = true;
   c.arguments = {out, report_argument()};
-  c.groups = {ParameterGroup::of<HeadParams>("Head"),    ParameterGroup::of<HardParams>("Hard"),
-              ParameterGroup::of<ScanParams>("Scanner"), ParameterGroup::of<SeriesParams>("Series"),
-              ParameterGroup::of<TruthParams>("Truth"),  ParameterGroup::of<SecondScanParams>("Second scan")};
+  c.groups = {ParameterGroup::of<BodyParams>("Body"),
+              ParameterGroup::of<HeadParams>("Head"),
+              ParameterGroup::of<HardParams>("Hard"),
+              ParameterGroup::of<ScanParams>("Scanner"),
+              ParameterGroup::of<SeriesParams>("Series"),
+              ParameterGroup::of<TruthParams>("Truth"),
+              ParameterGroup::of<SecondScanParams>("Second scan")};
   c.run = [](const ParsedCommand& parsed) {
     PhantomParams params;
+    params.body = parsed.params<BodyParams>();
     params.head = parsed.params<HeadParams>();
     params.head.hard = parsed.params<HardParams>();
     params.scan = parsed.params<ScanParams>();

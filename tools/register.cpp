@@ -8,6 +8,7 @@
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "commands.h"
+#include "itk/transform_file.h"
 #include "picture/slice.h"
 #include "stage_command.h"
 #include "stages/data_files.h"
@@ -92,19 +93,20 @@ Command register_command() {
   Command c = make_stage_command(stage);
   for (Argument& a : c.arguments)
     if (a.name == "moving") a.positional = true;
-  c.arguments.push_back(
-      argument("transform", Argument::Kind::out_file,
-               "Write the transform, from the CT to the second scan, as 3D Slicer and ITK read it (.tfm)."));
-  c.arguments.push_back(
-      argument("picture", Argument::Kind::out_file,
-               "Write slices of both scans as a checkerboard, and with the CT's outlines (.png); also "
-               "of a doubtful result, so that it can be seen what is wrong."));
+  c.arguments.push_back(argument(
+      "transform", Argument::Kind::out_file,
+      "Write the transform, from the CT to the second scan, as 3D Slicer and ITK read it (.tfm, or .h5: HDF5)."));
+  c.arguments.push_back(argument(
+      "picture", Argument::Kind::out_file,
+      "Write slices of both scans as a checkerboard, and with the CT's outlines (.png); also "
+      "of a doubtful result, so that it can be seen what is wrong. It shows the face of whoever was scanned: keep it "
+      "as you keep the scans."));
   c.run = [stage](const ParsedCommand& parsed) {
     const auto& params = parsed.params<RegistrationParams>();
     if (parsed.path("output").extension() != ".nrrd")
       throw Error(ExitCode::usage, parsed.text("output"), "output", "must end in .nrrd");
-    if (parsed.has("transform") && parsed.path("transform").extension() != ".tfm")
-      throw Error(ExitCode::usage, parsed.text("transform"), "transform", "must end in .tfm");
+    if (parsed.has("transform") && !is_transform_file(parsed.path("transform")))
+      throw Error(ExitCode::usage, parsed.text("transform"), "transform", "must end in .tfm or .h5");
     run_with_report(parsed, [&](const Progress& progress) {
       const StageInputs inputs = stage_inputs(stage, parsed, progress.part(0, 0.1));
       Report report;
@@ -123,7 +125,7 @@ Command register_command() {
         throw;
       }
       picture();
-      if (parsed.has("transform")) write_file(parsed.path("transform"), encode_tfm(map_of(report)));
+      if (parsed.has("transform")) write_transform(parsed.path("transform"), map_of(report));
       save_data(parsed.path("output"), made);
       return report;
     });

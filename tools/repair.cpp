@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "meshing/repair.h"
 #include "base/error.h"
+#include "cli/argument.h"
 #include "commands.h"
 #include "meshio/read_mesh.h"
 #include "stage_command.h"
@@ -15,14 +16,10 @@ Command repair_command() {
   c.summary = stage.summary;
   c.description = stage.description;
   c.examples = stage.examples;
-  Argument input, output;
-  input.name = "surface";
-  input.help = "Triangles of any kind (.vtp, .stl, .ply, .obj, .vtk, .glb).";
-  input.positional = input.required = true;
-  output.name = "output";
-  output.kind = Argument::Kind::out_file;
-  output.help = "File for the surface (.vtp).";
-  output.required = true;
+  using Kind = Argument::Kind;
+  const Argument input =
+      positional_argument("surface", Kind::in_file, "Triangles of any kind (.vtp, .stl, .ply, .obj, .vtk, .glb).");
+  const Argument output = required_argument("output", Kind::out_file, "File for the surface (.vtp).");
   c.arguments = {input, output, report_argument()};
   c.groups = {{"Parameters", stage.make_params}};
   c.run = [stage](const ParsedCommand& parsed) {

@@ -21,10 +21,8 @@ Command rubric_command() {
       "that this command writes, which is checked and carries the SHA-256 of what it says. docs/lessons.md tells what "
       "each row measures.";
   c.examples = {"trephine rubric configs/rubrics/ventriculostomy.yaml --output ventriculostomy.rubric.json"};
-  Argument file = argument("config", Kind::in_file, "The rubric (.yaml).");
-  file.positional = file.required = true;
-  Argument output = argument("output", Kind::out_file, "Write the compiled rubric here.");
-  output.required = true;
+  const Argument file = positional_argument("config", Kind::in_file, "The rubric (.yaml).");
+  const Argument output = required_argument("output", Kind::out_file, "Write the compiled rubric here.");
   c.arguments = {file, output};
   c.run = [](const ParsedCommand& parsed) {
     const std::filesystem::path from = parsed.path("config");

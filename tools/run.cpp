@@ -60,10 +60,9 @@ Command run_command() {
   c.examples = {"trephine run configs/sample.yaml --out out",
                 "trephine run configs/ct_head.yaml --series DICOM-FOLDER --out library --case head-01",
                 "trephine run configs/sample.yaml --out out --set skull.decimate.max_deviation_mm=0.2"};
-  Argument config = argument("config", Kind::in_file, "Configuration of the case (.yaml).");
-  config.positional = config.required = true;
-  Argument out = argument("out", Kind::out_folder, "Library: the folder in which the case's folder is made.");
-  out.required = true;
+  const Argument config = positional_argument("config", Kind::in_file, "Configuration of the case (.yaml).");
+  const Argument out =
+      required_argument("out", Kind::out_folder, "Library: the folder in which the case's folder is made.");
   Argument set = argument("set", Kind::text, "Override anatomy.stage.parameter=value, or import.parameter=value.");
   Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
   Argument scan = argument("scan", Kind::text,

@@ -21,10 +21,8 @@ Command trade_command() {
   c.examples = {"trephine trade configs/sample.yaml --out trade",
                 "trephine trade configs/ct_head.yaml --series head/dicom --truth head/truth/truth.json --out trade",
                 "trephine trade configs/sample.yaml --plan configs/trade/quick.yaml --out trade --repeats-count 1"};
-  Argument config = argument("config", Kind::in_file, "Configuration of the case (.yaml).");
-  config.positional = config.required = true;
-  Argument out = argument("out", Kind::out_folder, "Folder for the results.");
-  out.required = true;
+  const Argument config = positional_argument("config", Kind::in_file, "Configuration of the case (.yaml).");
+  const Argument out = required_argument("out", Kind::out_folder, "Folder for the results.");
   Argument set = argument("set", Kind::text, "Override of all points, as for `run`; swept parameters win over it.");
   Argument root = argument("root", Kind::in_folder, "A further folder that paths in the configuration may lead to.");
   set.repeated = root.repeated = true;

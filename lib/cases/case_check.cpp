@@ -17,7 +17,7 @@ namespace {
   throw Error(ExitCode::internal, "case.json", field, what);
 }
 
-// False for NaN.
+// The comparison is false for NaN, so NaN is refused as well.
 void check_range(double v, double least, double most, const std::string& field, const char* what) {
   if (!(v >= least && v <= most)) contradiction(field, what);
 }
@@ -50,7 +50,7 @@ void check_unique(std::set<std::string>& seen, const std::string& name, const st
   if (!seen.insert(name).second) contradiction(field, "'" + name + "' is named twice");
 }
 
-// A figure's name ends in its unit; what has a unit is a number, and what is counted a whole one.
+// A figure's name ends in its unit. A figure with a unit must be a number, and a count must be a whole one.
 void check_values(const CaseValues& values, const std::string& at) {
   std::set<std::string> names;
   for (const auto& [name, value] : values) {
@@ -75,7 +75,7 @@ std::set<std::string> check_files(const CaseManifest& m) {
     if (f.bytes > most_file_bytes) contradiction("files." + f.name, "is larger than a file of a case can be");
     check_unique(names, f.name, "files");
   }
-  // What a file is used for says how it is read.
+  // The use of a file decides how it is read.
   std::set<std::string> used;
   for (const auto& a : m.anatomies)
     if (!a.file.empty()) check_unique(used, a.file, "anatomies." + a.name + ".file");

@@ -14,7 +14,7 @@ namespace {
 
 double finite(double v, const std::string& field) {
   if (!std::isfinite(v)) contradiction(field, "is not finite");
-  return v + 0.0;  // one zero
+  return v + 0.0;  // -0 becomes 0, so that equal values give equal bytes
 }
 
 Json to_list(Vec3 v, const std::string& field) {

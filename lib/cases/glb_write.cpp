@@ -24,7 +24,7 @@ Float3 to_unit_float(Vec3 v) {
   return {float(v.x), float(v.y), float(v.z)};
 }
 
-// Digits beyond these are the C library's.
+// Further digits would depend on the C library.
 double linear_of_srgb(double s) {
   const double v = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
   return std::round(v * 1e6) / 1e6;
@@ -43,7 +43,7 @@ Arrays rounded(const TriMesh& mesh, Vec3 center_mm) {
   a.positions.reserve(mesh.points_mm.size());
   for (const Vec3 p : mesh.points_mm) {
     const Vec3 q = shift + p;
-    // + 0.f: one zero, whatever its sign was.
+    // + 0.f turns -0 into 0, so that equal positions give equal bytes.
     const Float3 f{float(q.x) + 0.f, float(q.y) + 0.f, float(q.z) + 0.f};
     for (int c = 0; c < 3; ++c) {
       if (!std::isfinite(f[c])) throw Error(ExitCode::bad_input, "", "glb", "a point does not fit float32");

@@ -5,7 +5,7 @@ namespace trephine::detail {
 
 namespace {
 
-// Before anything is allocated: how deep it is nested, how many keys and values it can hold at most.
+// Bounds the nesting and the number of keys and values before anything is allocated.
 void check_structure(std::string_view text) {
   constexpr int most_levels = 16;
   // Looking for a key walks over all keys before it.

@@ -27,7 +27,7 @@ void require_same(const T& file, const T& manifest, const std::string& field) {
   if (file != manifest) refuse(field, std::to_string(file) + ", case.json says " + std::to_string(manifest));
 }
 
-// What is summed up over float32 positions, against what was summed up before they were rounded.
+// Compares a sum over float32 positions with the sum that was made before the positions were rounded.
 void require_near(double file, double manifest, double smallest, const std::string& field) {
   if (!(std::abs(file - manifest) <= smallest + 1e-3 * std::abs(manifest)))
     refuse(field, to_text(file) + ", case.json says " + to_text(manifest));
@@ -107,7 +107,7 @@ class Loader {
     for (const CaseFile& f : out_.manifest.files) out_.bytes += f.bytes;
   }
 
-  // Size and checksum are right.
+  // From here on size and checksum are known to be right.
   std::vector<char> bytes_of(const std::string& name) const {
     const CaseFile& file = *out_.manifest.find_file(name);
     std::vector<char> bytes;
@@ -166,7 +166,7 @@ class Loader {
       if (!planned.count(f.name)) tasks_.push_back([this, &f] { bytes_of(f.name); });
   }
 
-  // Whichever thread finds a fault first, the one that comes first in the plan is told.
+  // The fault that comes first in the plan is reported, whichever thread finds its own first.
   void run() {
     std::vector<std::exception_ptr> faults(tasks_.size());
     parallel_for(0, static_cast<std::int64_t>(tasks_.size()), 1, [&](std::int64_t task, std::int64_t) {

@@ -6,8 +6,7 @@
 namespace trephine {
 namespace {
 
-constexpr double deepest_mm =
-    30;  ///< a face that is pushed in farther than that before it gives way is a slip of the pen
+constexpr double deepest_mm = 30;  ///< a face that gives way only beyond this depth is taken for a mistake in the file
 
 /// The declared ranges, by the declarations themselves; comparisons that NaN fails.
 template <class P>

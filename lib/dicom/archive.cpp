@@ -72,8 +72,8 @@ constexpr std::size_t long_head = 16 << 10, short_head = 256, most_of_heads = 64
 
 class Unzipper {
  public:
-  Unzipper(ChildRequest& request, std::string file, const ArchiveLimits& limits)
-      : request_(request), file_(std::move(file)), limits_(limits) {}
+  Unzipper(ChildRequest& request, std::string file, const ArchiveLimits& limits, std::vector<std::string> whole)
+      : request_(request), file_(std::move(file)), limits_(limits), whole_(std::move(whole)) {}
 
   void run() {
     struct stat st {};
@@ -123,7 +123,7 @@ class Unzipper {
     }
     std::array<char, 1 << 18> buffer{};
     std::size_t have = read(member.get(), buffer.data(), std::min<std::uint64_t>(buffer.size(), s.size));
-    if (!begins_as_dicom({buffer.data(), have})) {
+    if (!begins_as_dicom({buffer.data(), have}) && !is_taken_whole(name.text)) {
       const std::size_t head = std::min(have, heads_ < most_of_heads ? long_head : short_head);
       heads_ += head;
       put(Kind::member, name.text, head);
@@ -145,6 +145,12 @@ class Unzipper {
     }
     // libzip compares the checksum at the member's end. A byte more would mean that the stated size is wrong.
     if (read(member.get(), buffer.data(), 1) != 0) refuse("a member is damaged: longer than its size");
+  }
+
+  bool is_taken_whole(const std::string& name) const {
+    return std::any_of(whole_.begin(), whole_.end(), [&](const std::string& end) {
+      return name.size() >= end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+    });
   }
 
   /// Damage must not make a slice look like a file of another kind, so that it is left out silently. Therefore a member
@@ -180,6 +186,7 @@ class Unzipper {
   ChildRequest& request_;
   const std::string file_;
   const ArchiveLimits limits_;
+  const std::vector<std::string> whole_;
   std::uint64_t archive_bytes_ = 0, taken_ = 0, checked_ = 0, heads_ = 0;
 };
 
@@ -189,7 +196,9 @@ const ChildWorker worker(worker_name, [](ChildRequest& request) {
   ArchiveLimits limits;
   for (std::uint64_t* v : {&limits.members, &limits.member_bytes, &limits.bytes, &limits.ratio, &limits.free_of_ratio})
     *v = in.number();
-  Unzipper(request, file, limits).run();
+  std::vector<std::string> whole;
+  while (!in.empty()) whole.emplace_back(in.text());
+  Unzipper(request, file, limits, std::move(whole)).run();
 });
 
 }  // namespace
@@ -205,7 +214,8 @@ bool is_zip(const std::filesystem::path& file) {
   }
 }
 
-Archive read_archive(const std::filesystem::path& file, const Progress& progress, const ArchiveLimits& given) {
+Archive read_archive(const std::filesystem::path& file, const Progress& progress, const ArchiveLimits& given,
+                     const std::vector<std::string>& whole) {
   ArchiveLimits limits = given;
   struct sysinfo memory {};
   if (::sysinfo(&memory) == 0)  // what is taken lies in memory, beside the volume made of it
@@ -214,6 +224,7 @@ Archive read_archive(const std::filesystem::path& file, const Progress& progress
   request.text(std::filesystem::absolute(file).string());
   for (const std::uint64_t v : {limits.members, limits.member_bytes, limits.bytes, limits.ratio, limits.free_of_ratio})
     request.number(v);
+  for (const std::string& name : whole) request.text(name);
   ChildLimits bounds;
   bounds.memory_bytes = (std::uint64_t{2} << 30) + limits.bytes;
   bounds.cpu_s = 60 + static_cast<double>(limits.bytes) / 20e6;

@@ -39,7 +39,9 @@ bool is_zip(const std::filesystem::path& file);
 /// Reads an archive in the bounded child (libzip). Archives within it are members like any other and are not opened.
 /// Throws Error 65, field "archive", where it is damaged or truncated (checksums included), encrypted, compressed by an
 /// unsupported method, above a limit, or has a member whose name leads out of it ("..", an absolute path); 70 where the
-/// child dies; 74 where the archive cannot be read.
-Archive read_archive(const std::filesystem::path& file, const Progress& progress, const ArchiveLimits& limits = {});
+/// child dies; 74 where the archive cannot be read. Of a member whose name is, or ends in, one of `whole` all bytes are
+/// taken, under the limits of images, whatever they are.
+Archive read_archive(const std::filesystem::path& file, const Progress& progress, const ArchiveLimits& limits = {},
+                     const std::vector<std::string>& whole = {});
 
 }  // namespace trephine::dicom

@@ -18,7 +18,9 @@
 #include "dicom/hu.h"
 #include "dicom/mixtures.h"
 #include "dicom/resample.h"
+#include "dicom/values.h"
 #include "dicom/volume_import.h"
+#include "dicom/volume_source.h"
 #include "itk/volume_file.h"
 
 namespace trephine {
@@ -300,8 +302,9 @@ Report describe(const Series& series, const Plan& plan, const HuCounts& counts, 
 
 ImportResult import_series(const std::filesystem::path& folder_or_file, const ImportParams& params,
                            const Progress& progress) {
-  const auto file = find_volume_file(folder_or_file);
-  if (!file.empty()) return with_file(file.string(), [&] { return import_volume_file(file, params, progress); });
+  const VolumeSource volume = chosen_volume(folder_or_file, params.series, progress.part(0, 0.1));
+  if (!volume.file.empty())
+    return with_file(folder_or_file.string(), [&] { return import_volume_file(volume.file, params, progress); });
   return with_file(folder_or_file.string(), [&] {
     const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.2));
     const Series& series = choose(catalogue, params.series);
@@ -319,8 +322,8 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
 
 std::string hash_of_series_input(const std::filesystem::path& folder_or_file, const ImportParams& params,
                                  const Progress& progress, Report* folder) {
-  const auto file = find_volume_file(folder_or_file);
-  if (!file.empty()) return hash_of_volume_file(file);
+  const VolumeSource volume = chosen_volume(folder_or_file, params.series, progress);
+  if (!volume.file.empty()) return hash_of_volume_file(volume.file);
   return with_file(folder_or_file.string(), [&] {
     const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.5));
     const Series& series = choose(catalogue, params.series);
@@ -332,11 +335,12 @@ std::string hash_of_series_input(const std::filesystem::path& folder_or_file, co
 std::optional<bool> of_one_patient(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress) {
   std::string ids[2];
   for (const SeriesChoice* c : {&a, &b}) {
-    if (!find_volume_file(c->folder_or_file).empty()) return std::nullopt;
+    if (!volume_sources(c->folder_or_file, progress).empty()) return std::nullopt;
     const Catalogue catalogue = scan(c->folder_or_file, c->params.modality, progress);
     ids[c == &b] = choose(catalogue, c->params.series).slices.front().header->patient_id;
   }
   if (ids[0].empty() || ids[1].empty()) return std::nullopt;
+  if (ids[0] == ids[1] && is_shared_patient_id(ids[0])) return std::nullopt;
   return ids[0] == ids[1];
 }
 

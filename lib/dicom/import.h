@@ -129,7 +129,8 @@ struct SeriesChoice {
 };
 
 /// Whether two series are of one patient, by PatientID; nothing where one of them does not say (a volume file, an
-/// anonymised series without ID). The IDs are compared here and leave nothing behind. Throws as import_series does up
+/// anonymised series without ID), or where both have the same one that anonymising programs give to everybody
+/// (is_shared_patient_id). The IDs are compared here and leave nothing behind. Throws as import_series does up
 /// to the decoding.
 std::optional<bool> of_one_patient(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress = {});
 

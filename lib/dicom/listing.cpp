@@ -107,8 +107,8 @@ SeriesSummary summary_of(const Series& series, const ImportParams& params, const
 
 SeriesList list_series(const std::filesystem::path& folder_or_file, const ImportParams& params,
                        const Progress& progress) {
-  const auto file = find_volume_file(folder_or_file);
-  if (!file.empty()) return with_file(file.string(), [&] { return list_volume_file(file, params, progress); });
+  if (auto volumes = volume_sources(folder_or_file, progress.part(0, 0.1)); !volumes.empty())
+    return list_volumes(folder_or_file, std::move(volumes), params, progress);
   return with_file(folder_or_file.string(), [&] {
     const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.5));
     if (catalogue.series.empty()) choose(catalogue, "");  // says what there is instead

@@ -71,6 +71,22 @@ constexpr SopClass sop_classes[] = {
 
 }  // namespace
 
+bool is_shared_patient_id(std::string_view id) {
+  std::string plain;
+  for (const char c : id) {
+    if (c >= 'a' && c <= 'z') plain += static_cast<char>(c - 'a' + 'A');
+    if ((c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')) plain += c;
+  }
+  if (plain.find_first_not_of(plain.empty() ? '0' : plain[0]) == std::string::npos) return true;  // 0, 000, XXXX, "-"
+  constexpr std::string_view shared[] = {
+      "ANON",    "ANONYM",      "ANONYMOUS", "ANONYMISED",   "ANONYMIZED",  "ANONYMOUSPATIENT", "ANONYMOUSID",
+      "ANONID",  "ANONPATIENT", "PSEUDONYM", "DEIDENTIFIED", "DEID",        "REMOVED",          "DELETED",
+      "HIDDEN",  "REDACTED",    "UNKNOWN",   "UNDEFINED",    "UNSPECIFIED", "NOTKNOWN",         "NONE",
+      "NOID",    "NULL",        "NA",        "NOTAVAILABLE", "PATIENT",     "PATIENTID",        "NONAME",
+      "NONAMED", "TEST",        "ID",        "EMPTY"};
+  return contains(shared, plain);
+}
+
 std::string_view trimmed(std::string_view text) {
   const auto blank = [](char c) { return c == ' ' || c == '\0' || c == '\t'; };
   while (!text.empty() && blank(text.front())) text.remove_prefix(1);

@@ -27,6 +27,10 @@ std::string known_rescale_type(std::string_view text);
 /// HFS, FFP, ..., else "unknown"; empty stays empty.
 std::string known_patient_position(std::string_view text);
 
+/// Whether a PatientID says nothing of the patient, because programs that anonymise, or people who know none, write it
+/// for everybody: ANONYMOUS, UNKNOWN, 0, XXXX and the like, whatever their case and punctuation.
+bool is_shared_patient_id(std::string_view id);
+
 enum class Encoding { native, jpeg, jpeg_ls, jpeg_2000, rle, unsupported };
 struct TransferSyntax {
   const char* uid;

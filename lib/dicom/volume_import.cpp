@@ -105,24 +105,41 @@ ImportResult import_volume_file(const std::filesystem::path& file, const ImportP
   return result;
 }
 
-SeriesList list_volume_file(const std::filesystem::path& file, const ImportParams& params, const Progress& progress) {
-  SeriesList list;
+namespace {
+
+SeriesSummary summary_of(const std::filesystem::path& path, VolumeSource& source, const ImportParams& params,
+                         const Progress& progress) {
   SeriesSummary s;
-  const VolumeFile read = read_volume_file(file, progress.part(0, 0.5));
-  const Lattice& lattice = lattice_of(read.volume);
-  s.size = lattice.size;
-  s.spacing_mm = lattice.spacing_mm;
-  s.smallest_step_mm = s.largest_gap_mm = lattice.spacing_mm.z;
-  s.token = fmt::format("s1-{}x{}x{}", s.size[0], s.size[1], s.size[2]);
-  s.modality = read.format;
+  s.token = source.token;
   try {
-    import_volume_file(file, params, progress.part(0.5, 1));
+    unpack(path, source, progress.part(0, 0.2));
+    const VolumeFile read = read_volume_file(source.file, progress.part(0.2, 0.6));
+    const Lattice& lattice = lattice_of(read.volume);
+    s.size = lattice.size;
+    s.spacing_mm = lattice.spacing_mm;
+    s.smallest_step_mm = s.largest_gap_mm = lattice.spacing_mm.z;
+    s.token = fmt::format("{}-{}x{}x{}", source.token, s.size[0], s.size[1], s.size[2]);
+    s.modality = read.format;
+    import_volume_file(source.file, params, progress.part(0.6, 1));
     s.usable = true;
     s.verdict = "usable";
   } catch (const Error& e) {
     s.verdict = "refused: " + e.field() + ": " + e.what();
   }
-  list.series.push_back(std::move(s));
+  return s;
+}
+
+}  // namespace
+
+SeriesList list_volumes(const std::filesystem::path& path, std::vector<VolumeSource> volumes,
+                        const ImportParams& params, const Progress& progress) {
+  SeriesList list;
+  const double share = 1.0 / static_cast<double>(volumes.size());
+  for (VolumeSource& v : volumes) {
+    const double at = share * static_cast<double>(list.series.size());
+    list.series.push_back(summary_of(path, v, params, progress.part(at, at + share)));
+    v.unpacked.reset();  // one unpacked file at a time
+  }
   return list;
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <vector>
+
 #include "dicom/import.h"
+#include "dicom/volume_source.h"
 
 namespace trephine::dicom {
 
@@ -11,8 +14,8 @@ namespace trephine::dicom {
 ImportResult import_volume_file(const std::filesystem::path& file, const ImportParams& params,
                                 const Progress& progress = {});
 
-/// list_series of a volume file.
-SeriesList list_volume_file(const std::filesystem::path& file, const ImportParams& params,
-                            const Progress& progress = {});
+/// list_series of the volumes that a path means (volume_source.h); nothing of a file's or a volume's name is told.
+SeriesList list_volumes(const std::filesystem::path& path, std::vector<VolumeSource> volumes,
+                        const ImportParams& params, const Progress& progress = {});
 
 }  // namespace trephine::dicom

@@ -213,6 +213,15 @@ LabelFile decode_labels(std::string_view bytes) {
   return map;
 }
 
+LabelFile labels_of(AnyGrid samples, const std::string& format) {
+  LabelFile map;
+  map.format = format;
+  map.lattice = std::visit([](const auto& g) -> Lattice { return g; }, samples);
+  map.samples = std::move(samples);
+  check_whole(map);
+  return map;
+}
+
 LabelFile read_labels(const std::filesystem::path& file) {
   const std::vector<char> bytes = read_file(file);
   return with_file(file.string(), [&] { return decode_labels({bytes.data(), bytes.size()}); });

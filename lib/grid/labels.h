@@ -32,6 +32,9 @@ LabelFile decode_labels(std::string_view bytes);
 /// The same for a file; throws Error 66, and 65 with the file.
 LabelFile read_labels(const std::filesystem::path& file);
 
+/// Voxels that another reader read, as labels. Throws Error 65 where one is negative or no whole number.
+LabelFile labels_of(AnyGrid samples, const std::string& format);
+
 /// The bytes of a NRRD file (gzip) that decode_labels reads back: a map of one layer of uint8 or int16, its segments by
 /// name, ID and value. Throws Error 70 for any other map.
 std::string encode_labels(const LabelFile& map);

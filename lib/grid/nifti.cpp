@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -14,12 +13,14 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "grid/nifti_place.h"
 #include "grid/nrrd_header.h"
 
 namespace trephine {
 namespace {
 
 constexpr std::uint64_t most_extension_bytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t most_place_bytes = 4096;
 constexpr std::size_t piece_bytes = std::size_t{8} << 20;
 
 [[noreturn]] void refuse(const std::string& field, const std::string& what) {
@@ -114,20 +115,7 @@ class Fields {
   bool swapped_;
 };
 
-/// The number that was meant by a float: itself where it has few digits, as 0.478515625; else the decimal with the
-/// fewest digits that is stored as this float, as 0.4785156 is: what the DICOM said that the file was made of.
-double meant(float stored) {
-  char text[40];
-  const auto digits_of = [&text](auto r) {
-    return std::count_if(text, r.ptr, [](char c) { return c >= '0' && c <= '9'; });
-  };
-  const double exact = stored;
-  if (!std::isfinite(exact) || digits_of(std::to_chars(text, text + sizeof text, exact)) <= 12) return exact;
-  double decimal = exact;
-  std::from_chars(text, std::to_chars(text, text + sizeof text, stored).ptr, decimal);
-  return decimal;
-}
-double meant(double stored) { return stored; }
+using detail::meant;
 
 template <class Real, class Code, class Size>
 void take_fields(Header& h, const Fields& f, const std::array<std::size_t, 10>& at) {
@@ -370,13 +358,22 @@ Nifti decode_nifti(std::string_view bytes) {
   Source in(bytes);
   const Header h = header_of(in);
   Nifti out;
-  const Lattice l = lattice_of(h, out);
+  Lattice l = lattice_of(h, out);
   const double header_bytes = h.version == 1 ? 348 : 540;
   if (!(h.vox_offset >= header_bytes && h.vox_offset <= header_bytes + double(most_extension_bytes)) ||
       h.vox_offset != std::floor(h.vox_offset))
     refuse("vox_offset", to_text(std::isfinite(h.vox_offset) ? h.vox_offset : -1) + " is no place of data");
   if (!in.may_hold(std::uint64_t(h.vox_offset - header_bytes))) refuse("vox_offset", "lies beyond the file");
-  in.skip(std::uint64_t(h.vox_offset - header_bytes));
+  const auto between = std::uint64_t(h.vox_offset - header_bytes);
+  if (h.version == 1 && out.frame == "sform" && h.units == 2 && !h.swapped && between <= most_place_bytes) {
+    std::string extension(between, '\0');
+    in.read(extension.data(), extension.size());
+    std::array<std::array<float, 4>, 3> sform{};
+    for (std::size_t i = 0; i < 12; ++i) sform[i / 4][i % 4] = static_cast<float>(h.srow[i / 4][i % 4]);
+    detail::take_place_extension(extension, sform, l);
+  } else {
+    in.skip(between);
+  }
 
   struct Type {
     std::int64_t code, bits;

@@ -29,7 +29,9 @@ bool may_be_nifti(std::string_view bytes);
 Nifti decode_nifti(std::string_view bytes);
 
 /// The bytes of a NIfTI-1 file (.nii, or .nii.gz with `gzip`, which holds no time or name): mm, RAS, the place as
-/// float32 in the sform and, where its quaternion is exact to 0.005 mm, in the qform, and nothing of a patient. Throws
+/// float32 in the sform and, where its quaternion is exact to 0.005 mm, in the qform, and nothing of a patient. Where
+/// float32 does not say the place to the last bit, a comment extension does, which decode_nifti takes as long as the
+/// sform is the same. Throws
 /// Error 65 where an axis has more than 32,767 voxels.
 std::string encode_nifti(const HuVolume& volume, bool gzip);
 std::string encode_nifti(const Mask& mask, bool gzip);

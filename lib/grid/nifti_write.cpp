@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "grid/nifti.h"
+#include "grid/nifti_place.h"
 #include "grid/nrrd_header.h"
 
 namespace trephine {
@@ -73,12 +74,8 @@ void put_frame(std::string& header, const Lattice& l) {
     unit[std::size_t(a)] = {0 - c.x, 0 - c.y, c.z};
   }
   const Vec3 origin{0 - l.origin_mm.x, 0 - l.origin_mm.y, l.origin_mm.z};
-  for (int row = 0; row < 3; ++row) {
-    for (int a = 0; a < 3; ++a)
-      put(header, 280 + 16 * std::size_t(row) + 4 * std::size_t(a), float(unit[std::size_t(a)][row] * l.spacing_mm[a]));
-    put(header, 280 + 16 * std::size_t(row) + 12, float(origin[row]));
-    put(header, 268 + 4 * std::size_t(row), float(origin[row]));
-  }
+  put(header, 280, detail::sform_of(l));
+  for (int row = 0; row < 3; ++row) put(header, 268 + 4 * std::size_t(row), float(origin[row]));
   const bool mirrored = dot(cross(unit[0], unit[1]), unit[2]) < 0;
   if (mirrored) unit[2] = -unit[2];
   const auto q = quaternion_of(unit);
@@ -91,6 +88,18 @@ void put_frame(std::string& header, const Lattice& l) {
   for (int a = 0; a < 3; ++a) put(header, 80 + 4 * std::size_t(a), float(l.spacing_mm[a]));
   put(header, 252, std::int16_t{rounding_mm(unit, rounded, l) <= most_rounding_mm});
   put(header, 254, std::int16_t{1});
+}
+
+/// Whether the place that single precision holds is read as the lattice's, to the last bit: of a volume of one voxel.
+bool says_the_place(std::string bytes, const Lattice& l) {
+  for (std::size_t a = 0; a < 3; ++a) put(bytes, 42 + 2 * a, std::int16_t{1});
+  put(bytes, 70, Datatype<std::uint8_t>::code);
+  put(bytes, 72, std::int16_t{8});
+  put(bytes, 108, float(data_at));
+  bytes += '\0';
+  const Nifti one = decode_nifti(bytes);
+  const Lattice& read = std::get<Mask>(one.grid);
+  return read.spacing_mm == l.spacing_mm && read.origin_mm == l.origin_mm && read.direction == l.direction;
 }
 
 template <class T>
@@ -107,11 +116,12 @@ std::string encoded(const Grid<T>& grid, bool gzip) {
   for (std::size_t a = 3; a < 7; ++a) put(bytes, 42 + 2 * a, std::int16_t{1});
   put(bytes, 70, Datatype<T>::code);
   put(bytes, 72, std::int16_t(8 * sizeof(T)));
-  put(bytes, 108, float(data_at));
   put(bytes, 112, 1.f);
   bytes[123] = 2;  // mm
   put_frame(bytes, grid);
   std::memcpy(bytes.data() + 344, "n+1", 4);
+  if (!says_the_place(bytes, grid)) bytes.replace(header_bytes, 4, detail::place_extension(grid));
+  put(bytes, 108, float(bytes.size()));
   bytes.append(reinterpret_cast<const char*>(grid.voxels.data()), grid.voxels.size() * sizeof(T));
   return gzip ? detail::gzip_compress(bytes) : bytes;
 }

@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "itk/denoise_message.h"
 #include "itk/itk_child.h"
+#include "itk/non_local_means.h"
 
 namespace trephine {
 namespace {
@@ -54,9 +55,12 @@ Grid<float> floats_in(const Grid<T>& grid, const Box& box) {
   return out;
 }
 
+NonLocalMeans means_of(const DenoiseParams& p) { return {p.search_mm, p.patch_mm, p.edge_hu / 2}; }
+
 // How many values each voxel is made of (median, bilateral), or how often the volume is gone through (curvature).
 double effort_of(const DenoiseParams& p, const Lattice& l, int iterations) {
   if (p.method == DenoiseMethod::gaussian) return 1;
+  if (p.method == DenoiseMethod::non_local_means) return static_cast<double>(patches_compared(l, means_of(p)));
   if (p.method == DenoiseMethod::curvature) return iterations;
   double count = 1;
   for (int a = 0; a < 3; ++a)
@@ -64,12 +68,30 @@ double effort_of(const DenoiseParams& p, const Lattice& l, int iterations) {
   return count;
 }
 
+ChildResult filtered_by_itk(const Grid<float>& before, const DenoiseTask& task, double effort,
+                            const Progress& progress) {
+  MessageWriter request = itk_child::request();
+  request.value(task);
+  itk_child::put(request, before);
+  ChildLimits limits;
+  const std::uint64_t bytes = before.voxels.size() * sizeof(float);
+  limits.memory_bytes = (std::uint64_t{4} << 30) + 10 * bytes;
+  limits.cpu_s = 120 + 2e-6 * effort * static_cast<double>(before.voxels.size());
+  limits.wall_s = 2 * limits.cpu_s;
+  ChildResult result = itk_child::run(denoise_worker_name, request, limits, progress);
+  if (result.bytes().size() != bytes)
+    throw Error(ExitCode::internal, "", denoise_worker_name, "the child gave another number of bytes");
+  return result;
+}
+
 }  // namespace
 
 HuVolume denoise(const HuVolume& volume, const Field* within, const DenoiseParams& params, Report& report,
                  const Progress& progress) {
   const Lattice& lattice = lattice_of(volume);
-  const Box box = box_of(lattice, within, 4 * params.sigma_mm);
+  const double margin_mm =
+      params.method == DenoiseMethod::non_local_means ? params.search_mm + params.patch_mm : 4 * params.sigma_mm;
+  const Box box = box_of(lattice, within, margin_mm);
   const Grid<float> before = std::visit([&](const auto& grid) { return floats_in(grid, box); }, volume);
   if (params.method == DenoiseMethod::gaussian && *std::min_element(before.size.begin(), before.size.end()) < 4)
     throw Error(ExitCode::bad_input, "", "volume",
@@ -85,27 +107,19 @@ HuVolume denoise(const HuVolume& volume, const Field* within, const DenoiseParam
   task.step = time / task.iterations;
   const double effort = effort_of(params, lattice, task.iterations);
   if (effort > most_effort)
-    throw Error(ExitCode::usage, "", "sigma_mm",
+    throw Error(ExitCode::usage, "", params.method == DenoiseMethod::non_local_means ? "search_mm" : "sigma_mm",
                 "needs " + to_text(effort) + " steps a voxel of this size, at most " + to_text(most_effort) +
                     ": take less, or method gaussian");
-  MessageWriter request = itk_child::request();
-  request.value(task);
-  itk_child::put(request, before);
-  ChildLimits limits;
-  const std::uint64_t bytes = before.voxels.size() * sizeof(float);
-  limits.memory_bytes = (std::uint64_t{4} << 30) + 10 * bytes;
-  limits.cpu_s = 120 + 2e-6 * effort * static_cast<double>(before.voxels.size());
-  limits.wall_s = 2 * limits.cpu_s;
-  const ChildResult result = itk_child::run(denoise_worker_name, request, limits, progress.part(0.1, 0.9));
-  if (result.bytes().size() != bytes)
-    throw Error(ExitCode::internal, "", denoise_worker_name, "the child gave another number of bytes");
+  const bool own = params.method == DenoiseMethod::non_local_means;
+  const ChildResult result = own ? ChildResult() : filtered_by_itk(before, task, effort, progress.part(0.1, 0.9));
+  const Grid<float> means = own ? non_local_means(before, means_of(params), progress.part(0.1, 0.9)) : Grid<float>();
   HuVolume out = volume;
   double sum = 0, square = 0;
   std::size_t soft = 0;
   std::visit(
       [&](auto& grid) {
         using T = typename std::decay_t<decltype(grid)>::Sample;
-        const char* from = result.bytes().data();
+        const char* from = own ? reinterpret_cast<const char*>(means.voxels.data()) : result.bytes().data();
         for (int k = box.begin[2]; k < box.end[2]; ++k)
           for (int j = box.begin[1]; j < box.end[1]; ++j)
             for (int i = box.begin[0]; i < box.end[0]; ++i, from += sizeof(float)) {

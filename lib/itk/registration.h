@@ -33,13 +33,14 @@ struct RegistrationParams {
         &P::moving, "moving_values", {{"any", MovingValues::any}, {"hu", MovingValues::hu}},
         "Values of the second scan: HU, which are compared within lower_hu and upper_hu, or any (MR, angiography), "
         "of which the middle 99 % are.");
-    v.text(
-         &P::initial, "initial",
-         "Transform to begin with (.tfm, from the CT to the second scan); empty: the centres of mass are laid on each "
-         "other and several turns are tried.")
+    v.text(&P::initial, "initial",
+           "Transform to begin with (.tfm or .h5, from the CT to the second scan); empty: the centres of mass are laid "
+           "on each "
+           "other and several turns are tried.")
         .names("file");
     v.text(&P::given, "given",
-           "Transform to take instead of registering (.tfm, from the CT to the second scan), made and looked at in "
+           "Transform to take instead of registering (.tfm or .h5, from the CT to the second scan), made and looked at "
+           "in "
            "another program. Only that it does not stretch and the overlap are checked.")
         .names("file");
     v.number(&P::lower_hu, "lower_hu", Range{-1024, 30000}, "HU below this count as this: air and foam are one.");

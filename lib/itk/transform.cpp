@@ -49,9 +49,14 @@ Mat3 rotation_of_versor(Vec3 v) {
                     2 * (v.x * v.z - v.y * w), 2 * (v.y * v.z + v.x * w), 1 - 2 * (v.x * v.x + v.y * v.y)});
 }
 
-LinearMap map_of(const std::string& kind, const std::vector<double>& p, const std::vector<double>& fixed) {
+}  // namespace
+
+LinearMap linear_map(const std::string& kind, const std::vector<double>& p, const std::vector<double>& fixed) {
   const std::string name = kind.substr(0, kind.find('_'));
   if (kind != name + "_double_3_3" && kind != name + "_float_3_3") bad("Transform", "is not of three dimensions");
+  for (const std::vector<double>* numbers : {&p, &fixed})
+    for (const double v : *numbers)
+      if (!std::isfinite(v)) bad("Parameters", "holds what is no finite number");
   const auto needs = [&](std::size_t count) {
     if (p.size() != count) bad("Parameters", "must hold " + std::to_string(count) + " numbers");
   };
@@ -78,8 +83,6 @@ LinearMap map_of(const std::string& kind, const std::vector<double>& p, const st
   }
   bad("Transform", "is no affine or rigid transform");
 }
-
-}  // namespace
 
 LinearMap then(const LinearMap& first, const LinearMap& second) {
   return {product(second.matrix, first.matrix), second(first.offset_mm)};
@@ -139,8 +142,8 @@ LinearMap decode_tfm(std::string_view text) {
   }
   for (const char* key : {"Transform", "Parameters"})
     if (keys.count(key) == 0) bad(key, "is missing");
-  const LinearMap map = map_of(keys["Transform"], numbers_of("Parameters", keys["Parameters"]),
-                               numbers_of("FixedParameters", keys["FixedParameters"]));
+  const LinearMap map = linear_map(keys["Transform"], numbers_of("Parameters", keys["Parameters"]),
+                                   numbers_of("FixedParameters", keys["FixedParameters"]));
   inverse(map);
   return map;
 }

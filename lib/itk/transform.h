@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/vec3.h"
 
@@ -36,6 +37,10 @@ std::string encode_tfm(const LinearMap& map);
 /// VersorRigid3DTransform and TranslationTransform of three dimensions, double or float. Throws Error 65 naming the
 /// line's key: another kind, several transforms, a number that is none or not finite, a map that cannot be inverted.
 LinearMap decode_tfm(std::string_view text);
+
+/// The map that an ITK transform of that kind ("Euler3DTransform_double_3_3"), parameters and fixed parameters is; the
+/// kinds and errors of decode_tfm.
+LinearMap linear_map(const std::string& kind, const std::vector<double>& parameters, const std::vector<double>& fixed);
 
 /// Throws 66, 65 with the file.
 LinearMap read_tfm(const std::filesystem::path& file);

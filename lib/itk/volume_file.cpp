@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-enum class Kind { none, nifti, nrrd, detached_nrrd, meta_image, gipl, vtk, analyze };
+enum class Kind { none, nifti, nrrd, detached_nrrd, meta_image, gipl, vtk, minc, analyze };
 
 bool ends_in(const std::string& name, std::string_view end) {
   return name.size() > end.size() && std::equal(end.rbegin(), end.rend(), name.rbegin(), [](char a, char b) {
@@ -37,7 +37,8 @@ Kind kind_of(const fs::path& file) {
   static const std::pair<const char*, Kind> endings[] = {
       {".nii", Kind::nifti},      {".nii.gz", Kind::nifti},   {".nrrd", Kind::nrrd},   {".nhdr", Kind::detached_nrrd},
       {".mha", Kind::meta_image}, {".mhd", Kind::meta_image}, {".gipl", Kind::gipl},   {".gipl.gz", Kind::gipl},
-      {".vtk", Kind::vtk},        {".hdr", Kind::analyze},    {".img", Kind::analyze}, {".img.gz", Kind::analyze}};
+      {".vtk", Kind::vtk},        {".mnc", Kind::minc},       {".hdr", Kind::analyze}, {".img", Kind::analyze},
+      {".img.gz", Kind::analyze}};
   const std::string name = file.filename().string();
   for (const auto& [ending, kind] : endings)
     if (ends_in(name, ending)) return kind;
@@ -178,6 +179,8 @@ VolumeFile read_any(const fs::path& file, const Progress& progress) {
       out.warnings.push_back(out.format + " does not say which way its axes lie: they are taken as left, back and up");
       return out;
     }
+    case Kind::minc:
+      return read_with_itk(file, ItkFormat::minc, "MINC", progress);
     case Kind::analyze:
       throw Error(ExitCode::bad_input, "", "format",
                   "Analyze does not say which side is left: write it as NIfTI with the program that knows");
@@ -189,17 +192,19 @@ VolumeFile read_any(const fs::path& file, const Progress& progress) {
 
 }  // namespace
 
-fs::path find_volume_file(const fs::path& path) {
+std::vector<fs::path> find_volume_files(const fs::path& path) {
   std::error_code none;
-  if (fs::is_regular_file(path, none)) return kind_of(path) != Kind::none && !is_dicom(path) ? path : fs::path();
+  const auto is_volume = [](const fs::path& file) { return kind_of(file) != Kind::none && !is_dicom(file); };
+  if (fs::is_regular_file(path, none) && is_volume(path)) return {path};
   if (!fs::is_directory(path, none)) return {};
-  fs::path found;
+  std::vector<fs::path> found;
   for (const fs::directory_entry& entry : fs::directory_iterator(path, none)) {
     if (!entry.is_regular_file(none)) return {};
     if (is_data_file(entry.path())) continue;
-    if (!found.empty() || kind_of(entry.path()) == Kind::none || is_dicom(entry.path())) return {};
-    found = entry.path();
+    if (!is_volume(entry.path())) return {};
+    found.push_back(entry.path());
   }
+  std::sort(found.begin(), found.end());
   return found;
 }
 
@@ -211,15 +216,19 @@ VolumeFile read_volume_file(const fs::path& file, const Progress& progress) {
   });
 }
 
-std::string hash_of_volume_file(const fs::path& file) {
-  Sha256 sha;
-  sha.text("trephine volume file 1").text(sha256_of_file(file));
+fs::path data_file_of(const fs::path& file) {
   const Kind kind = kind_of(file);
-  const fs::path data = with_file(file.string(), [&] {
+  return with_file(file.string(), [&] {
     return kind == Kind::meta_image                            ? check_meta_header(head_of(file), file).data_file
            : kind == Kind::detached_nrrd || kind == Kind::nrrd ? check_nrrd_text(head_of(file), file).data_file
                                                                : fs::path();
   });
+}
+
+std::string hash_of_volume_file(const fs::path& file) {
+  Sha256 sha;
+  sha.text("trephine volume file 1").text(sha256_of_file(file));
+  const fs::path data = data_file_of(file);
   if (!data.empty()) sha.text(sha256_of_file(data));
   return sha.hex();
 }

@@ -12,20 +12,21 @@ namespace trephine {
 /// A volume of one value a voxel from a file that is no DICOM. LPS, mm; whole numbers as int16 where all fit.
 struct VolumeFile {
   HuVolume volume;
-  std::string format;  ///< "NIfTI", "NRRD", "MetaImage", "GIPL", "VTK image"
+  std::string format;  ///< "NIfTI", "NRRD", "MetaImage", "GIPL", "VTK image", "MINC"
   std::vector<std::string> warnings;
 };
 
-/// The volume file that a path means: the file itself, or the one of a folder that holds nothing else but its data
-/// files. Empty where the path is something else (DICOM, most likely). Nothing is read but names and the first bytes.
-std::filesystem::path find_volume_file(const std::filesystem::path& file_or_folder);
+/// The volume files that a path means: the file itself, or those of a folder that holds nothing else but them and their
+/// data files, by name. Empty where the path is something else (DICOM, most likely). Nothing is read but names and the
+/// first bytes.
+std::vector<std::filesystem::path> find_volume_files(const std::filesystem::path& file_or_folder);
 
 /// Reads NIfTI (.nii, .nii.gz) and NRRD (.nrrd, raw and gzip) with our own parsers, and MetaImage (.mha, .mhd), NRRD
-/// with a data file of its own or in another encoding (.nhdr), GIPL (.gipl, .gipl.gz) and VTK's legacy image (.vtk)
-/// with ITK in a bounded child. What ITK makes of a file is not taken on trust: it is read twice, into memory of
-/// different content, so that a voxel that the file does not hold shows; a MetaImage must say its spacing, place and
-/// direction, and ITK must have understood the same; the bytes must be as many as the header says; a data file must lie
-/// beside its header.
+/// with a data file of its own or in another encoding (.nhdr), GIPL (.gipl, .gipl.gz), VTK's legacy image (.vtk)
+/// and MINC 2 (.mnc) with ITK in a bounded child. What ITK makes of a file is not taken on trust: it is read twice,
+/// into memory of different content, so that a voxel that the file does not hold shows; a MetaImage must say its
+/// spacing, place and direction, and ITK must have understood the same (as must the attributes of a MINC file, whose
+/// RAS becomes LPS); the bytes must be as many as the header says; a data file must lie beside its header.
 ///
 /// GIPL and VTK do not say which way the axes lie: they are taken as LPS, with a warning. Analyze 7.5 is refused: it
 /// does not say which side is left. Metres and micrometres become mm where the file has units.
@@ -34,6 +35,9 @@ std::filesystem::path find_volume_file(const std::filesystem::path& file_or_fold
 /// finite, over 4e9 voxels; 70 as run_child.
 VolumeFile read_volume_file(const std::filesystem::path& file, const Progress& progress = {});
 
+/// The file beside a header (.mhd, .nhdr) that holds its voxels; empty where they are in the file itself. Throws Error
+/// 65 where the header is refused.
+std::filesystem::path data_file_of(const std::filesystem::path& file);
 /// Hash of the bytes of the file and of its data file. Throws as read_volume_file does.
 std::string hash_of_volume_file(const std::filesystem::path& file);
 

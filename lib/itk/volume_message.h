@@ -8,9 +8,12 @@
 namespace trephine {
 
 constexpr const char* read_worker_name = "itk-read";
+constexpr const char* write_worker_name = "itk-write";
 
-/// The formats that ITK reads for us.
-enum class ItkFormat : std::int32_t { meta_image, nrrd, gipl, vtk };
+/// The formats that ITK reads for us, and of which it writes all but NRRD.
+enum class ItkFormat : std::int32_t { meta_image, nrrd, gipl, vtk, minc };
+/// What voxels are written as.
+enum class ItkSample : std::int32_t { int16, float32, uint8 };
 
 /// Head of the answer to a format and a file's path; then the voxels, int16 or float, i fastest. The geometry is as ITK
 /// gives it, unchecked.

@@ -46,6 +46,8 @@ Filter::Pointer filter_of(const DenoiseTask& task, const Lattice& lattice) {
       f->SetRadius(radius);
       return f.GetPointer();
     }
+    case DenoiseMethod::non_local_means:  // ours (non_local_means.h)
+      break;
     case DenoiseMethod::gaussian: {
       auto f = itk::SmoothingRecursiveGaussianImageFilter<Image, Image>::New();
       f->SetSigma(task.sigma_mm);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reads one volume with the reader of its format.
+#include <hdf5.h>
 #include <itkGiplImageIO.h>
+#include <itkMINCImageIO.h>
 #include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
 #include <itkVTKImageIO.h>
@@ -12,7 +14,9 @@
 #include "base/child.h"
 #include "base/error.h"
 #include "itk/itk_child.h"
+#include "itk/volume_header.h"
 #include "itk/volume_message.h"
+#include "minc.h"
 
 namespace trephine {
 namespace {
@@ -33,6 +37,8 @@ itk::ImageIOBase::Pointer reader_of(ItkFormat format) {
       return itk::GiplImageIO::New().GetPointer();
     case ItkFormat::vtk:
       return itk::VTKImageIO::New().GetPointer();
+    case ItkFormat::minc:
+      return itk::MINCImageIO::New().GetPointer();
   }
   bad("", "no reader of that format");
 }
@@ -90,6 +96,7 @@ void put_voxels_of(itk::ImageIOBase::IOComponentEnum type, const ItkVolume& head
 }
 
 void read(ItkFormat format, const std::string& file, ChildRequest& request) {
+  if (format == ItkFormat::minc) minc_geometry(file);  // refuses, with a reason, what libminc would stumble over
   const itk::ImageIOBase::Pointer io = reader_of(format);
   io->SetFileName(file);
   if (!io->CanReadFile(file.c_str())) bad("", "is not of the format that its name says");
@@ -110,6 +117,18 @@ void read(ItkFormat format, const std::string& file, ChildRequest& request) {
     for (unsigned b = 0; b < 3; ++b) head.axis[a][b] = io->GetDirection(a).at(b);
   }
   if (count > most_voxels) bad("size", "more than 4e9 voxels");
+  if (format == ItkFormat::minc) {
+    for (std::size_t r = 0; r < 2; ++r) {
+      head.origin[r] = 0 - head.origin[r];
+      for (auto& axis : head.axis) axis[r] = 0 - axis[r];
+    }
+    VolumeHeader own;
+    own.said = minc_geometry(file);
+    own.require_same(head);
+    const std::int32_t whole = head.is_int16;
+    head = *own.said;  // ITK holds the directions in single precision
+    head.is_int16 = whole;
+  }
   itk::ImageIORegion region(io->GetNumberOfDimensions());
   for (unsigned a = 0; a < io->GetNumberOfDimensions(); ++a) {
     region.SetIndex(a, 0);
@@ -123,7 +142,11 @@ void read(ItkFormat format, const std::string& file, ChildRequest& request) {
   request.report(0.4);
   // What the reader does not fill keeps the byte that was there before.
   std::vector<char> again(bytes.size(), '\x5a');
-  io->Read(again.data());
+  const itk::ImageIOBase::Pointer second = reader_of(format);  // GIPL's reader goes on where it ended
+  second->SetFileName(file);
+  second->ReadImageInformation();
+  second->SetIORegion(region);
+  second->Read(again.data());
   if (bytes != again) bad("data", "the file is cut short or damaged");
   again = {};
   request.report(0.8);
@@ -134,6 +157,7 @@ const ChildWorker worker(read_worker_name, [](ChildRequest& request) {
   MessageReader in = itk_child::opened(read_worker_name, request.request());
   const auto format = in.value<ItkFormat>();
   const std::string file(in.text());
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // HDF5 prints what it stumbles over
   try {
     read(format, file, request);
   } catch (const itk::ExceptionObject&) {  // its text quotes paths and the file

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Volumes written in other programs' formats, and scenes of 3D Slicer that hold them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+
+#include "base/error.h"
+#include "base/write_file.h"
+#include "dicom/import.h"
+#include "dicom/slicer_scene.h"
+#include "itk/volume_file.h"
+#include "itk/volume_write.h"
+#include "phantom/random.h"
+#include "scratch_folder.h"
+#include "zip_writer.h"
+
+using namespace trephine;
+namespace fs = std::filesystem;
+
+namespace {
+
+Lattice lattice(bool oblique) {
+  Lattice l;
+  l.size = {24, 20, 18};
+  l.spacing_mm = {2.5, 3, 4};
+  l.origin_mm = {-30, -41.5, 12.25};
+  if (oblique) l.direction = {{Vec3{0.8, 0.6, 0}, Vec3{-0.6, 0.8, 0}, Vec3{0, 0, 1}}};
+  return l;
+}
+
+// Air, a ball of tissue, a shell of bone: what passes for HU.
+Grid<std::int16_t> small_ct(bool oblique = true) {
+  Grid<std::int16_t> g(lattice(oblique));
+  for (int k = 0; k < 18; ++k)
+    for (int j = 0; j < 20; ++j)
+      for (int i = 0; i < 24; ++i) {
+        const double r = norm(Vec3{i - 11.5, (j - 9.5) * 1.2, (k - 8.5) * 1.4});
+        g.at(i, j, k) = static_cast<std::int16_t>(r > 11 ? -1000 + i % 7 : r > 9 ? 900 + j : 30 + k % 5);
+      }
+  return g;
+}
+
+std::string fault(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return std::to_string(static_cast<int>(e.code())) + " " + e.field() + ": " + e.what();
+  }
+  return "";
+}
+
+std::string scene(const std::string& volumes) {
+  return "<MRML version=\"Slicer4.4.0\" userTags=\"\">\n <!-- a > comment -->\n" + volumes + "</MRML>\n";
+}
+std::string volume(int n, const std::string& file, const std::string& more = "") {
+  const std::string id = std::to_string(n);
+  return "  <Volume\n  id=\"vtkMRMLScalarVolumeNode" + id + "\" name=\"A &amp; B\" references=\"display:d" + id +
+         ";storage:vtkMRMLVolumeArchetypeStorageNode" + id + ";" + more +
+         "\" ></Volume>\n  <VolumeArchetypeStorage id=\"vtkMRMLVolumeArchetypeStorageNode" + id + "\" fileName=\"" +
+         file + "\" ></VolumeArchetypeStorage>\n";
+}
+
+}  // namespace
+
+TEST(VolumeWrite, EveryFormatAndSampleComesBack) {
+  const ScratchFolder folder;
+  const Grid<std::int16_t> ct = small_ct(false);
+  Grid<float> field(static_cast<const Lattice&>(ct));
+  Mask labels(static_cast<const Lattice&>(ct));
+  for (std::size_t n = 0; n < ct.voxels.size(); ++n) {
+    field.voxels[n] = 0.123f * static_cast<float>(ct.voxels[n]);
+    labels.voxels[n] = ct.voxels[n] > 226 ? 2 : ct.voxels[n] > -500;
+  }
+  for (const std::string& ending : written_volume_endings())
+    for (const AnyGrid& grid : {AnyGrid(ct), AnyGrid(field), AnyGrid(labels)}) {
+      const fs::path file = folder.path() / ("v" + ending);
+      write_volume_file(file, grid);
+      const AnyGrid back = read_grid_file(file, nullptr, nullptr);
+      const Lattice& at = std::visit([](const auto& g) -> const Lattice& { return g; }, back);
+      ASSERT_EQ(at.size, ct.size) << ending;
+      for (const Vec3 v : {Vec3{0, 0, 0}, Vec3{23, 19, 17}})
+        EXPECT_LT(norm(at.to_world_mm(v) - ct.to_world_mm(v)), 1e-4) << ending;
+      for (std::size_t n = 0; n < ct.voxels.size(); ++n)
+        ASSERT_EQ(std::visit([&](const auto& g) { return double(g.voxels[n]); }, back),
+                  std::visit([&](const auto& g) { return double(g.voxels[n]); }, grid))
+            << ending;
+      const std::vector<char> once = read_file(file);
+      write_volume_file(file, grid);
+      EXPECT_EQ(read_file(file), once) << ending << ": the same bytes again";
+    }
+  EXPECT_EQ(fault([&] { write_volume_file(folder.path() / "v.hdr", ct); }).substr(0, 2), "64");
+}
+
+TEST(VolumeWrite, DirectionsAreKeptOrRefused) {
+  const ScratchFolder folder;
+  Grid<std::int16_t> ct = small_ct();
+  for (const bool left_handed : {false, true}) {
+    if (left_handed) ct.direction.column[2] = -ct.direction.column[2];
+    for (const std::string& ending : written_volume_endings()) {
+      const fs::path file = folder.path() / ("o" + ending);
+      const std::string said = fault([&] { write_volume_file(file, ct); });
+      if (ending == ".vtk" || ending.substr(0, 5) == ".gipl") {
+        EXPECT_EQ(said.substr(0, 12), "65 direction") << ending;
+        EXPECT_FALSE(fs::exists(file));
+        continue;
+      }
+      EXPECT_EQ(said, "") << ending;
+      const VolumeFile back = read_volume_file(file);
+      const auto& g = std::get<Grid<std::int16_t>>(back.volume);
+      EXPECT_GT(determinant(g.direction), 0) << ending;
+      for (const auto& at : {std::array<int, 3>{2, 3, 4}, std::array<int, 3>{20, 11, 15}}) {
+        const Vec3 v = g.to_index(ct.to_world_mm({double(at[0]), double(at[1]), double(at[2])}));
+        EXPECT_EQ(g.at(int(std::lround(v.x)), int(std::lround(v.y)), int(std::lround(v.z))), ct.at(at[0], at[1], at[2]))
+            << ending;
+      }
+    }
+  }
+}
+
+TEST(VolumeWrite, LabelsOfEveryFormat) {
+  const ScratchFolder folder;
+  Mask labels(lattice(false));
+  for (std::size_t n = 0; n < labels.voxels.size(); ++n) labels.voxels[n] = n % 5;
+  for (const char* name : {"l.mha", "l.mnc", "l.gipl", "l.vtk", "l.nii.gz", "l.nrrd"}) {
+    write_volume_file(folder.path() / name, labels);
+    const LabelFile read = read_label_file(folder.path() / name);
+    EXPECT_EQ(pick_label(read, "3").voxels, labels.voxels.size() / 5) << name;
+  }
+  Grid<float> none(lattice(false), 0.5f);
+  write_volume_file(folder.path() / "f.mha", none);
+  EXPECT_EQ(fault([&] { read_label_file(folder.path() / "f.mha"); }).substr(0, 7), "65 data");
+}
+
+TEST(SlicerScene, ItsVolumesAndWhatLiesElsewhere) {
+  using dicom::scene_volumes;
+  const auto two = scene_volumes(scene(volume(1, "CT%20head.nrrd") + volume(2, "./Data/mr.nrrd", "transform:t1;")));
+  ASSERT_EQ(two.size(), 2u);
+  EXPECT_EQ(two[0].file, "CT head.nrrd");
+  EXPECT_FALSE(two[0].transformed);
+  EXPECT_EQ(two[1].file, "Data/mr.nrrd");
+  EXPECT_TRUE(two[1].transformed);
+  for (const char* file : {"/etc/passwd", "../x.nrrd", "a/%2e%2e/x.nrrd", "C:/x.nrrd", "..%5Cx.nrrd", ""})
+    EXPECT_NE(fault([&] { scene_volumes(scene(volume(1, file))); }), "") << file;
+  EXPECT_NE(fault([&] { scene_volumes("<html><Volume></html>"); }).find("no scene"), std::string::npos);
+  const std::string whole = scene(volume(1, "a.nrrd"));
+  for (std::size_t end = 0; end < whole.size() - 8; ++end) try {  // cut short anywhere: read or refused
+      scene_volumes(std::string_view(whole).substr(0, end));
+    } catch (const Error& e) {
+      EXPECT_EQ(e.field(), "scene");
+    }
+}
+
+TEST(SlicerScene, IsImportedFromFolderAndArchive) {
+  const ScratchFolder folder;
+  const Grid<std::int16_t> ct = small_ct();
+  Grid<std::int16_t> second = ct;
+  second.voxels[5] = -990;
+  fs::create_directories(folder.path() / "scene/Data");
+  write_volume_file(folder.path() / "scene/Data/CT head.nrrd", ct);
+  write_volume_file(folder.path() / "scene/Data/b.nrrd", second);
+  const auto bytes = [&](const char* name) {
+    const std::vector<char> b = read_file(folder.path() / "scene/Data" / name);
+    return std::string(b.begin(), b.end());
+  };
+  const std::string both = scene(volume(1, "Data/CT%20head.nrrd") + volume(2, "Data/b.nrrd")),
+                    one = scene(volume(1, "Data/CT%20head.nrrd")),
+                    moved = scene(volume(1, "Data/CT%20head.nrrd", "transform:t;"));
+  ImportParams p;
+  p.volume_values = VolumeValues::hu;
+  std::string sha;
+  for (const bool archive : {false, true}) {
+    const auto made = [&](const std::string& mrml) {
+      const fs::path path = folder.path() / (archive ? "s.mrb" : "scene/s.mrml");
+      write_file(path, archive ? synthetic::zip_bytes({{"s/s.mrml", mrml},
+                                                       {"s/Data/CT head.nrrd", bytes("CT head.nrrd")},
+                                                       {"s/Data/b.nrrd", bytes("b.nrrd")}})
+                               : mrml);
+      return path;
+    };
+    p.series = "";
+    const ImportResult r = import_series(made(one), p);
+    EXPECT_EQ(std::get<Grid<std::int16_t>>(r.volume).voxels, ct.voxels);
+    EXPECT_TRUE(sha.empty() || sha == r.input_sha256) << "the same content is the same input";
+    sha = r.input_sha256;
+    EXPECT_EQ(hash_of_series_input(made(one), p), sha);
+    EXPECT_NE(fault([&] { import_series(made(both), p); }).find("2 volumes, choose one by its token: s1, s2"),
+              std::string::npos);
+    EXPECT_EQ(list_series(made(both), p).series.size(), 2u);
+    EXPECT_EQ(list_series(made(both), p).series[1].token, "s2-24x20x18");
+    p.series = "s2-24x20x18";
+    EXPECT_EQ(std::get<Grid<std::int16_t>>(import_series(made(both), p).volume).voxels, second.voxels);
+    p.series = "s3";
+    EXPECT_EQ(fault([&] { import_series(made(both), p); }).substr(0, 9), "64 series");
+    p.series = "";
+    EXPECT_NE(fault([&] { import_series(made(moved), p); }).find("harden the transform"), std::string::npos);
+    EXPECT_NE(
+        fault([&] { import_series(made(scene(volume(1, "Data/gone.nrrd"))), p); }).find("scene: the volume's file"),
+        std::string::npos);
+  }
+}
+
+TEST(VolumeFolder, OfSeveralMetaImages) {
+  const ScratchFolder folder;
+  const Grid<std::int16_t> ct = small_ct();
+  fs::create_directories(folder.path() / "many");
+  write_volume_file(folder.path() / "many/a.mha", small_ct(false));
+  write_volume_file(folder.path() / "many/b.mha", ct);
+  ImportParams p;
+  p.volume_values = VolumeValues::hu;
+  EXPECT_EQ(fault([&] { import_series(folder.path() / "many", p); }).substr(0, 9), "64 series");
+  EXPECT_EQ(list_series(folder.path() / "many", p).series.size(), 2u);
+  p.series = "s2";
+  const ImportResult r = import_series(folder.path() / "many", p);
+  EXPECT_EQ(std::get<Grid<std::int16_t>>(r.volume).voxels, ct.voxels);
+  EXPECT_LT(norm(lattice_of(r.volume).to_world_mm({0, 19, 0}) - ct.to_world_mm({0, 19, 0})), 1e-9);
+}
+
+// Damaged MINC files: the parent lives, and what is read lies where the file's attributes now say.
+namespace {
+
+void read_minc_mutants(std::uint64_t count, std::uint64_t seed) {
+  const ScratchFolder folder;
+  const Grid<std::int16_t> ct = small_ct();
+  const fs::path file = folder.path() / "m.mnc";
+  write_volume_file(file, ct);
+  const std::vector<char> whole = read_file(file);
+  // Where each step lies in the file: these doubles occur once.
+  std::array<std::size_t, 3> step_at{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double step = ct.spacing_mm[static_cast<int>(a)];
+    const char* raw = reinterpret_cast<const char*>(&step);
+    const auto at = std::search(whole.begin(), whole.end(), raw, raw + 8);
+    ASSERT_NE(at, whole.end());
+    ASSERT_EQ(std::search(at + 1, whole.end(), raw, raw + 8), whole.end()) << "the step's double occurs twice";
+    step_at[a] = static_cast<std::size_t>(at - whole.begin());
+  }
+  int read = 0, refused = 0, died = 0, other_voxels = 0, other_place = 0;
+  for (std::uint64_t n = 0; n < count; ++n) {
+    std::vector<char> mutant = whole;
+    for (std::uint64_t m = 0; m <= n % 3; ++m) {
+      const auto bits = phantom::random_bits(seed, 2 + m, n);
+      mutant[bits % mutant.size()] = static_cast<char>(bits >> 40);
+    }
+    write_file(file, {mutant.data(), mutant.size()});
+    try {
+      const VolumeFile v = read_volume_file(file);
+      ++read;
+      const Lattice& l = lattice_of(v.volume);
+      ASSERT_EQ(l.count(), ct.count()) << n;
+      for (std::size_t a = 0; a < 3; ++a) {
+        double said;
+        std::memcpy(&said, mutant.data() + step_at[a], 8);
+        ASSERT_NEAR(l.spacing_mm[static_cast<int>(a)], std::fabs(said), 1e-9 * std::fabs(said)) << n;
+      }
+      other_place += norm(l.to_world_mm({0, 0, 0}) - ct.to_world_mm({0, 0, 0})) > 1e-6;
+      const auto* grid = std::get_if<Grid<std::int16_t>>(&v.volume);
+      other_voxels += !grid || grid->voxels != ct.voxels;
+    } catch (const Error& e) {
+      ASSERT_TRUE(e.code() == ExitCode::bad_input || e.code() == ExitCode::internal) << e.what();
+      ++refused;
+      died += e.code() == ExitCode::internal;
+    }
+  }
+  std::printf("MINC: %d read (%d with other voxels, %d elsewhere), %d refused, %d of them by the child's death\n", read,
+              other_voxels, other_place, refused, died);
+  EXPECT_GT(refused, 0);
+  EXPECT_GT(read, 0);
+}
+
+}  // namespace
+
+TEST(VolumeWrite, DamagedMinc) { read_minc_mutants(100, 1); }
+
+class LongDamagedMinc : public testing::TestWithParam<int> {};
+TEST_P(LongDamagedMinc, AThousandOfTen) { read_minc_mutants(1000, static_cast<std::uint64_t>(100 + GetParam())); }
+INSTANTIATE_TEST_SUITE_P(Volumes, LongDamagedMinc, testing::Range(0, 10));

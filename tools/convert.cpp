@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "cli/argument.h"
+#include "commands.h"
+#include "grid/nrrd.h"
+#include "itk/volume_write.h"
+#include "stage_command.h"
+#include "voxel/haptic_file.h"
+
+namespace trephine {
+namespace {
+
+std::string endings_text() {
+  std::string text;
+  for (const std::string& e : written_volume_endings()) text += (text.empty() ? "" : ", ") + e;
+  return text;
+}
+
+const char* sample_name(const AnyGrid& grid) {
+  constexpr const char* names[] = {"int16", "float32", "uint8"};
+  return names[grid.index()];
+}
+
+Report convert(const ParsedCommand& parsed, const Progress& progress) {
+  const std::filesystem::path input = parsed.path("input");
+  if (input.extension() == ".nrrd" && with_file(input.string(), [&] {
+        try {
+          return read_nrrd(input).keys.count(haptic_file_key) > 0;
+        } catch (const Error&) {
+          return false;  // another encoding, which ITK reads, or a fault that is told below
+        }
+      }))
+    throw Error(ExitCode::usage, input.string(), "input",
+                "is a haptic volume, whose values mean nothing to another program: convert a field of it");
+  Report report;
+  std::string format;
+  std::vector<std::string> warnings;
+  const AnyGrid grid = read_grid_file(input, &format, &warnings, progress.part(0, 0.5));
+  write_volume_file(parsed.path("output"), grid, progress.part(0.5, 1));
+  const Lattice& lattice = std::visit([](const auto& g) -> const Lattice& { return g; }, grid);
+  report.add("format", format);
+  report.add("size", fmt::format("{}x{}x{}", lattice.size[0], lattice.size[1], lattice.size[2]));
+  report.add("spacing_x_mm", lattice.spacing_mm.x);
+  report.add("spacing_y_mm", lattice.spacing_mm.y);
+  report.add("spacing_z_mm", lattice.spacing_mm.z);
+  report.add("sample_type", sample_name(grid));
+  for (const std::string& w : warnings) report.warn(w);
+  return report;
+}
+
+}  // namespace
+
+Command convert_command() {
+  using Kind = Argument::Kind;
+  Command c;
+  c.name = "convert";
+  c.summary = "writes a volume, a field or labels in another program's format";
+  c.description =
+      "Reads a volume (NRRD, NIfTI, MetaImage, GIPL, VTK image, MINC 2) and writes its voxels as they are, in the "
+      "format "
+      "that the output's ending says. Place and axes are kept, in each format's own convention, and the file is read "
+      "back before it gets its name. GIPL and VTK images hold no directions, so only volumes along left, back and up "
+      "are written so. Nothing else of the input is carried over: no name, date or comment. The values are not judged; "
+      "`import` reads a CT into HU.";
+  c.examples = {"trephine convert head.nrrd --output head.mnc", "trephine convert skull.nrrd --output skull.mha",
+                "trephine convert painted.mha --output painted.nii.gz"};
+  Argument input = argument("input", Kind::in_file, "The volume.");
+  Argument output = argument("output", Kind::out_file, "Where it goes (" + endings_text() + ").");
+  input.positional = input.required = output.required = true;
+  c.arguments = {input, output, report_argument()};
+  c.run = [](const ParsedCommand& parsed) {
+    run_with_report(parsed, [&](const Progress& progress) { return convert(parsed, progress); });
+    return ExitCode::ok;
+  };
+  return c;
+}
+
+}  // namespace trephine
