@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// bench_drilled_hole CASE RECORDING...: what a recorded session drilled, against the solid that its cutter swept.
-// For each recording: the time, the removed volume against the part of the swept solid that was bone, bone that was
-// swept and stands, and how far the breach that was noticed lies from the inner table.
+// bench_drilled_hole [--hole DRILLED_CASE] CASE RECORDING...: what a recorded session drilled, against the solid that
+// its cutter swept, and against the boolean's hole. For each recording: the time, the removed volume against the part
+// of the swept solid that was bone, bone that was swept and stands, how far the breach that was noticed lies from the
+// inner table, the hole beside a cylinder that cut_volume takes out along the same axis (and beside that of a case of
+// the same head whose hole was cut by the pipeline), and the bricks that followed beside a surface made anew and a
+// contour.
 //
 // The swept solid is that of a ball of the tool's diameter about its recorded centres, on a lattice four times finer
 // than the voxels. A part of it counts by the occupancy of the voxel in which it lies, as removal does.
@@ -9,8 +12,11 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <memory>
+#include <string>
 #include <vector>
 
+#include "beside_boolean.h"
 #include "session/felt_case.h"
 #include "session/session.h"
 
@@ -96,7 +102,7 @@ Volumes volumes(const HapticVolume& before, const HapticVolume& after, const Dri
   return out;
 }
 
-void look_at(const char* folder, const char* file) {
+void look_at(const char* folder, const char* file, const std::string& drilled_case) {
   const Recording r = read_recording(file);
   const RecordingHeader& h = r.header;
   FeltCase felt = felt_again(folder, file, h);
@@ -105,10 +111,18 @@ void look_at(const char* folder, const char* file) {
   before.voxels = felt.loaded.haptic.voxels;
   before.shapes = felt.loaded.haptic.shapes;
   ContactVolume contact(felt.loaded.haptic, h.contact), uncut(before);
-  Rerun rerun(felt, contact, file, h);
-  rerun.run(r.frames);
-  if (!rerun.drilling()) throw std::runtime_error("the tool of this recording does not cut");
   const DrillShapes shapes = drill_shapes_of(felt.loaded.manifest.haptic);
+  DirtyBricks marks(before.voxels);
+  Rerun rerun(felt, contact, file, h, &marks);
+  std::vector<std::pair<int, std::unique_ptr<LiveSurface>>> surfaces;
+  for (const HapticShape& s : before.shapes)
+    if (bits_of(shapes) >> s.number & 1)
+      surfaces.emplace_back(s.number, std::make_unique<LiveSurface>(felt.loaded.haptic, s.number));
+  std::vector<std::size_t> marked;
+  rerun.run(r.frames);
+  marks.take(marked);
+  for (const auto& [number, surface] : surfaces) surface->update(marked);
+  if (!rerun.drilling()) throw std::runtime_error("the tool of this recording does not cut");
   const double radius_mm = 0.5 * own_tool(h.tool).tool_diameter_mm;
   const Volumes v = volumes(before, felt.loaded.haptic, shapes, centres_of(r, radius_mm, 0.02), radius_mm);
   const DrillingOutcome& o = rerun.drilling()->outcome();
@@ -121,6 +135,8 @@ void look_at(const char* folder, const char* file) {
       "mm3 stand\n",
       file, r.frames.back().time_s, o.drilled_s, o.stalled_s, removed, v.swept_mm3, 100 * (removed / v.swept_mm3 - 1),
       v.standing_mm3);
+  beside_boolean(before, felt.loaded.haptic, shapes, r, radius_mm, drilled_case);
+  for (const auto& [number, surface] : surfaces) beside_contour(felt.loaded.haptic, number, *surface);
   if (!o.breached) {
     std::printf("  no breach\n");
     return;
@@ -143,12 +159,14 @@ void look_at(const char* folder, const char* file) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    std::fprintf(stderr, "bench_drilled_hole CASE RECORDING...\n");
+  const bool hole = argc > 2 && std::string(argv[1]) == "--hole";
+  const int first = hole ? 3 : 1;
+  if (argc < first + 2) {
+    std::fprintf(stderr, "bench_drilled_hole [--hole DRILLED_CASE] CASE RECORDING...\n");
     return 64;
   }
   try {
-    for (int n = 2; n < argc; ++n) look_at(argv[1], argv[n]);
+    for (int n = first + 1; n < argc; ++n) look_at(argv[first], argv[n], hole ? argv[2] : "");
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return 70;

@@ -83,8 +83,8 @@ TEST(HapticsKinds, ToolsHaveAShape) {
     ToolParams params;
     params.tool = kind.name;
     if (kind.from_file) continue;  // HapticsTorque.FilesOfPointsAreChecked
-    EXPECT_EQ(make_tool(params).points_mm.empty(), !(kind.length_mm > 0) || kind.exact_ball);
-    EXPECT_EQ(make_tool(params).ball_radius_mm > 0, kind.exact_ball);
+    EXPECT_EQ(make_tool(params).points_mm.empty(), !(kind.length_mm > 0) || kind.exact);
+    EXPECT_EQ(!make_tool(params).round.empty(), kind.exact);
   }
   EXPECT_EQ(names.count(ToolParams().tool), 1u) << "the default is one";
   ToolParams params;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Random sessions with every thread that a servo has beside it: a recorder, a device's socket with a client and a
-// stranger, somebody who removes voxels, somebody who looks. What sanitizers watch (presets headless-tsan,
-// headless-asan).
+// Random sessions with every thread that a servo has beside it: a recorder, a device's socket with a client that may
+// vanish, one that comes after it, and a stranger; a servo that drills beside a mesher and somebody who settles, or
+// somebody else who removes voxels; somebody who looks. What sanitizers watch (presets headless-tsan, headless-asan).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,6 +20,8 @@
 #include "haptics/tool.h"
 #include "haptics_scene.h"
 #include "haptics_udp_client.h"
+#include "voxel/live_surface.h"
+#include "voxel/raw_voxel.h"
 
 using namespace trephine;
 using namespace trephine::scene;
@@ -39,6 +41,81 @@ HapticVolume balls(std::mt19937_64& rng) {
   fill(v, 2, [&](Vec3 p) { return 0.6 * r - norm(p); });
   return v;
 }
+
+// What a servo that drills has beside it, and what must hold of the voxels when it has ended.
+class Cutting {
+ public:
+  Cutting(HapticVolume& volume, ContactVolume& contact, const ToolParams& tool)
+      : volume_(volume), contact_(contact), before_(volume.voxels), marks_(volume.voxels) {
+    DrillShapes shapes;
+    shapes[1] = {true, 0.05};
+    shapes[2] = {true, 0};  // cut by the incision alone
+    DrillingParams params;
+    params.drill = true;
+    params.incision_radius_mm = 4;
+    drilling_ = std::make_unique<Drilling>(volume, contact, shapes, params, DrillParams{},
+                                           cutter_of(params, own_tool(tool)), &marks_);
+    for (const int number : {1, 2}) surfaces_.push_back(std::make_unique<LiveSurface>(volume, number));
+  }
+  Drilling* drilling() { return drilling_.get(); }
+
+  void mesh(const std::atomic<bool>& stop) {
+    while (!stop) {
+      follow();
+      sleep_ms(16);
+    }
+  }
+  void settle(std::uint64_t seed, const std::atomic<bool>& stop) {
+    std::mt19937_64 rng(seed);
+    while (!stop) {
+      Box box;
+      for (std::size_t a = 0; a < 3; ++a) {
+        box.begin[a] = int(rng() % std::uint64_t(volume_.voxels.size[a] - 10));
+        box.end[a] = box.begin[a] + 10;
+      }
+      contact_.settle(box);
+      sleep_ms(int(rng() % 10));
+    }
+  }
+  // When all threads have ended: no shape's share is larger anywhere, and the bricks are those of a surface made anew.
+  std::int64_t finish() {
+    follow();
+    int risen = 0, differ = 0;
+    for (int k = 0; k < before_.size[2]; ++k)
+      for (int j = 0; j < before_.size[1]; ++j)
+        for (int i = 0; i < before_.size[0]; ++i) {
+          if (before_.at(i, j, k) == volume_.voxels.at(i, j, k)) continue;
+          for (const int shape : {1, 2})
+            risen += detail::share_of(volume_.voxels, shape, i, j, k) > detail::share_of(before_, shape, i, j, k);
+        }
+    EXPECT_EQ(risen, 0);
+    for (std::size_t n = 0; n < surfaces_.size(); ++n) {
+      const LiveSurface fresh(volume_, int(n) + 1);
+      for (std::size_t b = 0; b < fresh.layout().count(); ++b) {
+        const BrickMesh &is = surfaces_[n]->brick(b), &wanted = fresh.brick(b);
+        differ += is.indices != wanted.indices || is.vertices.size() != wanted.vertices.size() ||
+                  (!is.vertices.empty() && std::memcmp(is.vertices.data(), wanted.vertices.data(),
+                                                       is.vertices.size() * sizeof(LiveVertex)) != 0);
+      }
+    }
+    EXPECT_EQ(differ, 0) << "bricks";
+    return drilling_->outcome().units[1] + drilling_->outcome().units[2];
+  }
+
+ private:
+  void follow() {
+    marked_.clear();
+    marks_.take(marked_);
+    for (const auto& s : surfaces_) s->update(marked_);
+  }
+  HapticVolume& volume_;
+  ContactVolume& contact_;
+  const Grid<std::int16_t> before_;
+  DirtyBricks marks_;
+  std::unique_ptr<Drilling> drilling_;
+  std::vector<std::unique_ptr<LiveSurface>> surfaces_;
+  std::vector<std::size_t> marked_;
+};
 
 // Lowers voxels along a random way, as a drill does, and lets the contact volume know.
 void drill(HapticVolume& volume, ContactVolume& contact, std::uint64_t seed, const std::atomic<bool>& stop) {
@@ -65,19 +142,22 @@ void drill(HapticVolume& volume, ContactVolume& contact, std::uint64_t seed, con
   }
 }
 
-// A client that strokes, jumps and rests, sends some poses twice, and whose last pose may not be finite.
+// A client that strokes, jumps and rests, sends some poses twice, may vanish after some of them, and whose last pose
+// may not be finite.
 void client_of(int port, std::uint64_t seed, bool ends_badly, const std::atomic<bool>& stop) {
   std::mt19937_64 rng(seed);
+  const std::uint64_t vanishes = rng() % 3 == 0 ? 20 + rng() % 800 : std::uint64_t(-1);
   UdpClient client(port, std::uint32_t(seed));
   UdpForce answer;
   Vec3 at{0, 0, 30}, to = at;
-  while (!stop) {
+  for (std::uint64_t n = 0; !stop; ++n) {
+    if (n == vanishes) return;
     if (rng() % 50 == 0) to = Vec3{uniform(rng, -25, 25), uniform(rng, -25, 25), uniform(rng, -25, 25)};
     if (rng() % 500 == 0) at = to;
     at += (to - at) * 0.05;
     if (rng() % 20 == 0)
       client.next.reading.axis = normalized(Vec3{uniform(rng, -1, 1), uniform(rng, -1, 1), 1 + uniform(rng, 0, 1)});
-    client.next.reading.buttons = std::uint32_t(rng() % 4);
+    if (rng() % 40 == 0) client.next.pedals = std::uint32_t(rng() % 4);
     client.send_pose(at);
     if (rng() % 30 == 0) client.again();
     client.receive(answer, 1);
@@ -99,7 +179,8 @@ void stranger_of(int port, std::uint64_t seed, const std::atomic<bool>& stop) {
 }
 
 struct Seen {
-  std::uint64_t episodes = 0, ticks = 0, touching = 0, poses = 0, lost = 0;
+  std::uint64_t episodes = 0, ticks = 0, touching = 0, poses = 0, lost = 0, drilled = 0;
+  double removed_mm3 = 0;
 };
 
 // One scene, one device, one tool, for about that long.
@@ -120,6 +201,12 @@ void episode(std::uint64_t seed, double seconds, Seen& seen) {
   ToolParams tool_params;
   const ToolKind& kind = all_tool_kinds()[rng() % all_tool_kinds().size()];
   if (!kind.from_file) tool_params.tool = kind.name;
+  const bool cuts = rng() % 2 == 0;  // the servo itself
+  if (cuts) {
+    constexpr const char* cutters[] = {"burr", "ball", "round_burr", "craniotome", "scalpel"};
+    tool_params.tool = cutters[rng() % 5];
+    if (tool_params.tool != "scalpel" && rng() % 2) tool_params.tool_diameter_mm = uniform(rng, 1.5, 7);
+  }
   ShaftParams shaft;
   shaft.shaft_length_mm = rng() % 2 ? 30 : 0;
   const ForceParams force;
@@ -134,7 +221,9 @@ void episode(std::uint64_t seed, double seconds, Seen& seen) {
   UdpDevice* udp = nullptr;
   std::vector<std::thread> threads;
   std::atomic<bool> stop{false}, client_stop{false};
-  const bool ends_badly = rng() % 3 == 0, drilled = rng() % 2 == 0;
+  const bool ends_badly = rng() % 3 == 0, drilled = !cuts && rng() % 2 == 0;
+  std::unique_ptr<Cutting> cutting;
+  if (cuts) cutting = std::make_unique<Cutting>(volume, contact, tool_params);
   if (by_udp) {
     UdpParams p;
     p.port = 0;
@@ -144,22 +233,33 @@ void episode(std::uint64_t seed, double seconds, Seen& seen) {
     device = std::move(made);
     threads.emplace_back(client_of, udp->port(), rng(), ends_badly, std::cref(client_stop));
     threads.emplace_back(stranger_of, udp->port(), rng(), std::cref(stop));
+    if (rng() % 2)  // somebody who holds the tool when the first one is gone
+      threads.emplace_back([&client_stop, port = udp->port(), after_ms = 100 + int(rng() % 600), seed2 = rng()] {
+        sleep_ms(after_ms);
+        client_of(port, seed2, false, client_stop);
+      });
     udp->wait(Progress{});
   } else {
     HandPathParams task;
     task.radius_mm = uniform(rng, 0, 4);
     task.depth_mm = uniform(rng, 0, 6);
     HandPath path = path_over(contact, touchable_of(feels), task);
-    device = std::make_unique<SimulatedHand>(HandParams{}, std::move(path.points_mm), path.loop_from);
+    auto hand = std::make_unique<SimulatedHand>(HandParams{}, std::move(path.points_mm), path.loop_from);
+    hand->drills = cuts;
+    device = std::move(hand);
   }
   FrameQueue queue(1 << 12);
-  Servo servo(proxy, *device, params, &queue);
+  Servo servo(proxy, *device, params, &queue, cutting ? cutting->drilling() : nullptr);
   std::atomic<bool> done{false};
   std::thread servo_thread([&] {
     servo.run(std::uint64_t(-1), stop);
     done = true;
   });
   if (drilled) threads.emplace_back(drill, std::ref(volume), std::ref(contact), rng(), std::cref(stop));
+  if (cutting) {
+    threads.emplace_back([&] { cutting->mesh(stop); });
+    threads.emplace_back([&, settles = rng()] { cutting->settle(settles, stop); });
+  }
 
   std::vector<ServoFrame> frames;
   Vec3 last;
@@ -194,6 +294,11 @@ void episode(std::uint64_t seed, double seconds, Seen& seen) {
   servo_thread.join();
   for (std::thread& t : threads) t.join();
   look();
+  if (cutting) {
+    const std::int64_t units = cutting->finish();
+    seen.removed_mm3 += double(units) / haptic_full * volume.voxels.voxel_volume_mm3();
+    seen.drilled += units > 0;
+  }
   ++seen.episodes;
   seen.ticks += servo.statistics().ticks;
   seen.touching += servo.statistics().touching;
@@ -206,12 +311,16 @@ void session(double seconds, std::uint64_t seed) {
   const auto begin = Clock::now();
   while (Clock::now() - begin < std::chrono::duration<double>(seconds) && !testing::Test::HasFatalFailure())
     episode(seed++, std::min(2.0, 0.25 * seconds), seen);
-  std::printf("  %llu episodes, %llu ticks, %llu in contact, %llu poses by UDP, %llu devices lost\n",
-              static_cast<unsigned long long>(seen.episodes), static_cast<unsigned long long>(seen.ticks),
-              static_cast<unsigned long long>(seen.touching), static_cast<unsigned long long>(seen.poses),
-              static_cast<unsigned long long>(seen.lost));
+  std::printf(
+      "  %llu episodes, %llu ticks, %llu in contact, %llu poses by UDP, %llu devices lost; %llu drilled, %.0f mm3\n",
+      static_cast<unsigned long long>(seen.episodes), static_cast<unsigned long long>(seen.ticks),
+      static_cast<unsigned long long>(seen.touching), static_cast<unsigned long long>(seen.poses),
+      static_cast<unsigned long long>(seen.lost), static_cast<unsigned long long>(seen.drilled), seen.removed_mm3);
   EXPECT_GT(seen.ticks, 100u);
   EXPECT_GT(seen.touching, 0u);
+  if (seconds < 30) return;
+  EXPECT_GT(seen.lost, 0u);
+  EXPECT_GT(seen.drilled, 0u);
 }
 
 }  // namespace

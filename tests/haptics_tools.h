@@ -33,6 +33,11 @@ inline int points_in(const Proxy& proxy, const ContactVolume& contact, std::uint
   return n;
 }
 
+// Filled as voxelize does, with a ramp of a voxel to each side.
+inline void fill_wide(HapticVolume& v, int number, const std::function<double(Vec3)>& level) {
+  fill(v, number, [&](Vec3 p) { return 0.5 * level(p); });
+}
+
 inline HapticVolume floor_volume(int n = 40) {
   HapticVolume v = empty(n, {0.5, 0.5, 0.5});
   fill(v, 1, [](Vec3 p) { return -p.z; });

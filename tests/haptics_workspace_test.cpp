@@ -42,8 +42,9 @@ TEST(HapticsWorkspace, ScalesAndLetsGoWhileTheClutchIsDown) {
   EXPECT_EQ(r.buttons, 1u);
   EXPECT_EQ(hand.felt, (Vec3{1, 2, 3}));
   EXPECT_EQ(at({10, 20, 30}, 3), (Vec3{105, 10, 15}));
-  EXPECT_EQ(r.buttons, 1u) << "the clutch is no button of the tool";
-  EXPECT_EQ(at({-60, 0, 0}, 2), (Vec3{105, 10, 15})) << "the tool rests";
+  EXPECT_EQ(r.buttons, 0u) << "the clutch is no button of the tool, and a tool that rests does not drill";
+  EXPECT_EQ(at({-60, 0, 0}, 2 | 5u << 8), (Vec3{105, 10, 15})) << "the tool rests";
+  EXPECT_EQ(r.buttons, 5u << 8) << "what else the device says counts at once";
   EXPECT_EQ(hand.felt, Vec3{});
   EXPECT_EQ(at({-60, 0, 0}, 0), (Vec3{105, 10, 15})) << "and goes on from there";
   EXPECT_EQ(at({-60, 0, 8}, 0), (Vec3{105, 10, 19}));

@@ -125,9 +125,12 @@ class ContactVolume {
   /// order. Zero where boxes are felt.
   Vec3 exact_normal(const Contact& contact, Vec3 way) const;
 
-  /// Writes the samples within reach of the centre to `out`, at most `most`, without normals; returns how many. There
-  /// is one on each edge between voxel centres whose ends are in different shapes, so they lie about a voxel apart.
-  int samples_near(Vec3 centre_mm, double reach_mm, SurfaceSample* out, int most) const;
+  /// Writes the samples within reach of the line (or point) to `out`, at most `most`, without normals; returns how
+  /// many. There is one on each edge between voxel centres whose ends are in different shapes, so they lie about a
+  /// voxel apart.
+  int samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, SurfaceSample* out, int most) const;
+  /// How often loosen() was called, modulo 2^32.
+  std::uint32_t loosened() const { return __atomic_load_n(&loosened_, __ATOMIC_ACQUIRE); }
 
   const HapticVolume& volume() const { return volume_; }
   const ContactParams& params() const { return params_; }
@@ -197,6 +200,7 @@ class ContactVolume {
   HapticVolume& volume_;
   ContactParams params_;
   double smallest_side_mm_ = 1;
+  std::uint32_t loosened_ = 0;
   Mat3 to_index_;                     ///< of world minus origin
   std::vector<std::uint32_t> table_;  ///< by raw value, as contact_cell.h takes it apart
   static constexpr int block_bits = 2, mixed_block = 255, outer_block = 256;

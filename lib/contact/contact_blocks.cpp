@@ -40,6 +40,7 @@ Box ContactVolume::blocks_of(const Box& box) const {
 }
 
 void ContactVolume::loosen(const Box& box) {
+  __atomic_fetch_add(&loosened_, 1, __ATOMIC_ACQ_REL);
   const Box blocks = blocks_of(box);
   for (int k = blocks.begin[2]; k < blocks.end[2]; ++k)
     for (int j = blocks.begin[1]; j < blocks.end[1]; ++j)

@@ -23,32 +23,53 @@ double crossing_of(std::uint32_t a, std::uint32_t b) {
   return own + other > 0 ? std::clamp(own / (own + other), 0.0, 1.0) : 0.5;
 }
 
+// A part of a line, of its length.
+struct Part {
+  double begin, end;
+};
+
 }  // namespace
 
-int ContactVolume::samples_near(Vec3 centre_mm, double reach_mm, SurfaceSample* out, int most) const {
-  if (!detail::usable(centre_mm)) return 0;
+int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, SurfaceSample* out, int most) const {
+  if (!detail::usable(from_mm) || !detail::usable(to_mm)) return 0;
   const Grid<std::int16_t>& v = volume_.voxels;
-  const Vec3 c = to_index(centre_mm);
-  int low[3], high[3];
-  for (int a = 0; a < 3; ++a) {
-    const double reach = reach_mm / v.spacing_mm[a] + 1;
-    low[a] = int(std::clamp(std::floor(c[a] - reach), -1.0, double(v.size[std::size_t(a)])));
-    high[a] = int(std::clamp(std::ceil(c[a] + reach), -1.0, double(v.size[std::size_t(a)])));
-  }
+  const Vec3 c = to_index(from_mm), along = to_index(to_mm) - c, way = to_mm - from_mm;
+  const double way_squared = dot(way, way);
+  Vec3 reach;  // in voxels
+  for (int a = 0; a < 3; ++a) reach[a] = reach_mm / v.spacing_mm[a] + 1;
+  // The voxels along axis a that the line's part t reaches, and the part that reaches some of them.
+  const auto voxels_of = [&](int a, Part t) {
+    const double p = c[a] + along[a] * t.begin, q = c[a] + along[a] * t.end, most_voxel = v.size[std::size_t(a)];
+    return std::array<int, 2>{int(std::clamp(std::floor(std::min(p, q) - reach[a]), -1.0, most_voxel)),
+                              int(std::clamp(std::ceil(std::max(p, q) + reach[a]), -1.0, most_voxel))};
+  };
+  constexpr int side = 1 << block_bits;
+  const auto part_near = [&](int a, Part t, int block) {
+    if (std::abs(along[a]) < 1e-9) return t;
+    const double p = (block * side - reach[a] - 1 - c[a]) / along[a];
+    const double q = (block * side + side + reach[a] + 1 - c[a]) / along[a];
+    return Part{std::max(t.begin, std::min(p, q)), std::min(t.end, std::max(p, q))};
+  };
   const std::size_t step[3] = {1, std::size_t(v.size[0]), std::size_t(v.size[0]) * std::size_t(v.size[1])};
   const bool hu = volume_.encoding == HapticEncoding::hu;
   int count = 0;
-  constexpr int side = 1 << block_bits;
   const auto entry_at = [&](int i, int j, int k) {
     return v.contains(i, j, k) ? table_[std::uint16_t(detail::load_voxel(v.at(i, j, k)))] : 0;
   };
-  for (int bk = low[2] >> block_bits; bk <= high[2] >> block_bits; ++bk)
-    for (int bj = low[1] >> block_bits; bj <= high[1] >> block_bits; ++bj)
-      for (int bi = low[0] >> block_bits; bi <= high[0] >> block_bits; ++bi) {
+  const auto [low_k, high_k] = voxels_of(2, {0, 1});
+  for (int bk = low_k >> block_bits; bk <= high_k >> block_bits; ++bk) {
+    const Part of_slice = part_near(2, {0, 1}, bk);
+    if (of_slice.begin > of_slice.end) continue;
+    const auto [low_j, high_j] = voxels_of(1, of_slice);
+    for (int bj = low_j >> block_bits; bj <= high_j >> block_bits; ++bj) {
+      const Part of_row = part_near(1, of_slice, bj);
+      if (of_row.begin > of_row.end) continue;
+      const auto [low_i, high_i] = voxels_of(0, of_row);
+      for (int bi = low_i >> block_bits; bi <= high_i >> block_bits; ++bi) {
         if (shape_of_block(bi * side, bj * side, bk * side) != mixed_block) continue;
-        for (int k = std::max(low[2], bk * side); k <= std::min(high[2], bk * side + side - 1); ++k)
-          for (int j = std::max(low[1], bj * side); j <= std::min(high[1], bj * side + side - 1); ++j) {
-            for (int i = std::max(low[0], bi * side); i <= std::min(high[0], bi * side + side - 1); ++i) {
+        for (int k = std::max(low_k, bk * side); k <= std::min(high_k, bk * side + side - 1); ++k)
+          for (int j = std::max(low_j, bj * side); j <= std::min(high_j, bj * side + side - 1); ++j) {
+            for (int i = std::max(low_i, bi * side); i <= std::min(high_i, bi * side + side - 1); ++i) {
               const bool inner =
                   i >= 0 && j >= 0 && k >= 0 && i + 1 < v.size[0] && j + 1 < v.size[1] && k + 1 < v.size[2];
               const std::int16_t* at = inner ? v.voxels.data() + v.index(i, j, k) : nullptr;
@@ -61,13 +82,17 @@ int ContactVolume::samples_near(Vec3 centre_mm, double reach_mm, SurfaceSample* 
                 if (other == shape) continue;
                 Vec3 p{double(i), double(j), double(k)};
                 p[a] += hu ? 0.5 : crossing_of(here, next);
-                const Vec3 world = v.to_world_mm(p), d = world - centre_mm;
+                const Vec3 world = v.to_world_mm(p);
+                Vec3 d = world - from_mm;
+                if (way_squared > 0) d = d - way * std::clamp(dot(d, way) / way_squared, 0.0, 1.0);
                 if (dot(d, d) > reach_mm * reach_mm || count == most) continue;
                 out[count++] = {world, {}, std::uint8_t(shape), std::uint8_t(other)};
               }
             }
           }
       }
+    }
+  }
   return count;
 }
 

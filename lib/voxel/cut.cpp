@@ -20,7 +20,7 @@ using detail::SolidOnLattice;
 
 constexpr int volume_unit = 2 * haptic_full;  // what a full voxel counts in sums of volume
 
-// By 32 numbers; [0] is unused.
+// By the shape's number, 1 to 32; [0] is unused.
 using Sums = std::array<std::int64_t, haptic_max_shapes + 1>;
 
 int counted(int share) { return std::clamp(haptic_full + 2 * (2 * share - haptic_full), 0, volume_unit); }
@@ -107,12 +107,12 @@ void cut_occupancy(const Cut& c, const Progress& progress) {
     if (!c.cut[std::size_t(v.number)] && !c.cut[std::size_t(other)]) return;
     const int left = c.solid.at(i, j, k).left;
     detail::change_voxel(c.volume.voxels.at(i, j, k), [&](std::int16_t raw) {
-      // A voxel that is drilled meanwhile is bare, and maybe of its other shape.
+      // A voxel that a drill cuts meanwhile becomes bare, and may then belong to its other shape.
       const RawVoxel is = detail::split(raw);
       return is.number == 0 ? raw : lowered(is, is.bare || is.share == haptic_full ? 0 : other, c.cut, left);
     });
   });
-  // What the rest of a voxel belongs to hangs on its neighbours. Where they changed it must not pass to another shape.
+  // The neighbours decide to which shape the rest of a voxel belongs. Where that has changed, the rest becomes EMPTY.
   const Box beside = grown(c.box, 1, c.volume.voxels);
   for_each_voxel(beside, progress, [&](int i, int j, int k) {
     std::int16_t& raw = c.volume.voxels.at(i, j, k);

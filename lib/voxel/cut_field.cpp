@@ -38,7 +38,7 @@ std::vector<double> slopes_at_surface(const Field& field, const Box& box) {
   return slopes;
 }
 
-// The field's unit a mm near the solid, else anywhere on its surface, else 1.
+// The field's slope per mm: near the solid; where it has no surface there, on all of its surface; else 1.
 double unit_per_mm(const Field& field, const Box& box) {
   std::vector<double> slopes = slopes_at_surface(field, box);
   if (slopes.empty()) slopes = slopes_at_surface(field, whole_box(field));

@@ -37,7 +37,7 @@ SolidOnLattice::Sample SolidOnLattice::at(int i, int j, int k) const {
     gradient[a] = solid_(after) - solid_(before);
   }
   const double length = norm(gradient);
-  // On a medial axis there is no direction; any ramp will do.
+  // On a medial axis no direction is defined, and every ramp is as good.
   const double ramp = length > 0 && std::isfinite(length) ? ramp_mm(lattice_, gradient / length) : widest;
   return {d, ramp, 255 - share_at(d, ramp)};
 }

@@ -51,7 +51,7 @@ double CutterSweep::dose(Vec3 point_mm) const {
   const double outside = dot(q, q) - 1, along = dot(q, d);
   if (step_squared_ < 1e-18) return outside < 0 && t0 < t1 ? -outside * (t1 - t0) : 0;
   const double at_end = outside - 2 * along + step_squared_;
-  if (!(outside <= 0 && at_end <= 0)) {  // it is left or entered on the way
+  if (!(outside <= 0 && at_end <= 0)) {  // the solid is left or entered on the way
     const double root = along * along - step_squared_ * outside;
     if (!(root > 0)) return 0;
     const double half = std::sqrt(root);

@@ -91,7 +91,7 @@ const Removal& Drill::cut(const ToolPose& pose, double dt_s, double power_ratio)
   const ToolPose& from = past_[(calls_ - 1 - back) % ring].pose;
   const Vec3 way = pose.tip_mm - from.tip_mm;
   if (!(norm(way) <= most_way_mm) || !(time_s > 0)) return out_;
-  // A cylinder turns in steps of 0.02 rad at most; a ball does not care.
+  // A cylinder turns in steps of 0.02 rad at most; the turn of a ball has no effect.
   int steps = 1;
   if (cutter_.kind == Cutter::Kind::cylinder) {
     const double angle =
@@ -106,7 +106,7 @@ const Removal& Drill::cut(const ToolPose& pose, double dt_s, double power_ratio)
       part.frame.column[a] = normalized(from.frame.column[a] * (1 - t) + pose.frame.column[a] * t);
     if (cutter_.kind == Cutter::Kind::ball) part.frame = pose.frame;
     Vec3 to = from.tip_mm + way * (double(n + 1) / steps);
-    if (cutter_.kind == Cutter::Kind::ball) {  // what counts is its centre
+    if (cutter_.kind == Cutter::Kind::ball) {  // of a ball only the centre matters
       const Vec3 shift = (from.frame.column[2] - pose.frame.column[2]) * cutter_.radius_mm;
       part.tip_mm += shift;
     }
@@ -120,7 +120,7 @@ const Removal& Drill::cut(const ToolPose& pose, double dt_s, double power_ratio)
   return out_;
 }
 
-// The rate K at which the entries take the budget. What a voxel cannot give because it ends within the tick goes to the
+// The rate K at which the entries use up the budget. What a voxel that empties within the tick leaves over goes to the
 // others, so that a long tick removes what many short ones do.
 double Drill::rate_for(double budget_j) {
   double rate = params_.max_rate_per_s;
@@ -197,7 +197,7 @@ bool Drill::keeps_own(int own, int share, int other, int rest, bool incision) co
   return own_stays != other_stays ? own_stays : share >= rest;
 }
 
-// Notes the voxel's new value: each removable part of it falls.
+// Notes the voxel's new value, in which every part that may be removed is lower.
 void Drill::lower(const Entry& e, bool incision) {
   const detail::RawVoxel v = detail::split(detail::load_voxel(volume_.voxels.voxels[e.at]));
   if (v.number == 0) return;
@@ -226,7 +226,7 @@ void Drill::lower(const Entry& e, bool incision) {
   }
 }
 
-// The voxels of two shapes around what changes, with the shape that their rest belongs to so far.
+// The voxels of two shapes around the change, with the shape to which their rest has belonged so far.
 void Drill::keep_shared() {
   const Box box = grown(changing_, 1, volume_.voxels);
   for (int k = box.begin[2]; k < box.end[2]; ++k)
@@ -311,7 +311,7 @@ const Removal& Drill::go_on() {
     for (; next_row_ < incision_.end[1]; ++next_row_) {
       looked += incision_.end[0] - incision_.begin[0];
       if (looked > incision_voxels && !entries_.empty()) return apply(0, true), out_;
-      if (looked > 8 * incision_voxels) return out_;  // nothing there so far
+      if (looked > 8 * incision_voxels) return out_;  // nothing to remove was found so far
       for (int i = incision_.begin[0]; i < incision_.end[0]; ++i) {
         const std::uint32_t at = std::uint32_t(l.index(i, next_row_, next_));
         const std::uint8_t kind = kind_[std::uint16_t(detail::load_voxel(volume_.voxels.voxels[at]))];

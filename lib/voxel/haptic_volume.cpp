@@ -99,6 +99,14 @@ const HapticShape* HapticVolume::find_shape(const std::string& name) const {
   return nullptr;
 }
 
+HapticVolume copy_without_hardness(const HapticVolume& volume) {
+  HapticVolume out;
+  out.encoding = volume.encoding;
+  out.voxels = volume.voxels;
+  out.shapes = volume.shapes;
+  return out;
+}
+
 HapticShape occupancy_shape(const std::string& name, int number) {
   const int base = haptic_base_step * number;
   return {name, number, std::int16_t(base + 1), std::int16_t(base + haptic_bare_offset + haptic_full)};

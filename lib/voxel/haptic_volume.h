@@ -48,6 +48,9 @@ struct HapticVolume {
   const HapticShape* find_shape(const std::string& name) const;
 };
 
+/// A volume of the same shapes, whose voxels are a copy; without the hardness, which nothing but a drill reads.
+HapticVolume copy_without_hardness(const HapticVolume& volume);
+
 /// The windows that encoding `occupancy` gives to shape `number`.
 HapticShape occupancy_shape(const std::string& name, int number);
 

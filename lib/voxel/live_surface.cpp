@@ -72,7 +72,7 @@ bool ShadowVolume::copy(std::size_t brick) {
 const std::vector<std::size_t>& ShadowVolume::follow(const std::vector<std::size_t>& marked) {
   stale_.clear();
   copied_.clear();
-  // What was marked late shows in a value; so bricks are made anew by what changed, not by what was marked.
+  // A mark may come after its change, so a brick is made anew where its values changed, and not where it is marked.
   for (const std::size_t b : marked)
     if (copy(b)) copied_.push_back(b);
   for (const std::size_t b : copied_) {

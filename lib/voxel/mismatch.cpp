@@ -42,7 +42,8 @@ double fall_between(const FeltShape& shape, const SurfaceSample& s, double from,
 
 double nearest_fall(const FeltShape& shape, const SurfaceSample& s, double step, double reach) {
   const auto felt = [&](double offset) { return shape.holds(s.point_mm + s.normal * offset); };
-  // Outwards and inwards at once, so that the first stretch with a fall is the nearest one, or the other of the pair.
+  // Searches outwards and inwards step by step: the nearest fall lies in one of the two stretches of the first step
+  // that has any.
   const int steps = std::max(1, int(std::ceil(reach / step)));
   const bool here = felt(0);
   bool outer = here, inner = here;
@@ -135,7 +136,7 @@ Mismatch measure_mismatch(const TriMesh& mesh, const HapticVolume& volume, const
   std::sort(magnitude.begin(), magnitude.end());
   m.bias_mm = sum / double(magnitude.size());
   m.rms_mm = std::sqrt(squares / double(magnitude.size()));
-  // Nearest rank: the smallest that at least 99 % do not exceed.
+  // Nearest rank: the smallest value that at least 99 % of the samples do not exceed.
   m.p99_mm = magnitude[(magnitude.size() * 99 + 99) / 100 - 1];
   m.max_mm = magnitude.back();
   return m;

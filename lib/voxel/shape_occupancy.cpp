@@ -85,7 +85,7 @@ class Slab {
         const std::size_t row = index(0, j, k);
         const Vec3 start = local(0, j, k);
         const double height = dot(normal, start - a);
-        // Where the row is near the triangle's plane.
+        // The part of the row that is near the triangle's plane.
         int first = begin[0], last = end[0];
         if (std::abs(rise) > 1e-6 * lattice_.spacing_mm.x) {
           const double middle = -height / rise, half = widest / std::abs(rise);
@@ -184,7 +184,7 @@ Mask cells_near(const TriMesh& mesh, const Lattice& lattice, double reach_mm) {
   return near;
 }
 
-// What a voxel's result says of those that follow it in its row.
+// What follows from a voxel's result for the next ones in its row.
 struct RowState {
   std::uint32_t seed = 0;  ///< triangle to begin the search at
   int known_to = 0;        ///< voxels before this one have `value`

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::int64_t voxels_a_piece = 1 << 16;
 
-// What the shapes so far have of a voxel, of 255: the two largest shares, and all together.
+// The shares of a voxel that the shapes so far have, of 255: the two largest ones, and their sum.
 struct Shares {
   std::uint8_t first = 0, first_share = 0, second = 0, second_share = 0, sum = 0;
 
@@ -34,7 +34,7 @@ struct Shares {
       second_share = std::uint8_t(share);
     }
   }
-  // Whether the second shape should get all the rest: that is less wrong than giving it nothing, and nobody grows by
+  // Whether the second shape should get all the rest: that is less wrong than giving it nothing, and no shape grows by
   // more than a sliver.
   bool rest_is_seconds() const {
     const int rest = haptic_full - first_share;
@@ -116,14 +116,14 @@ void keep_behind_walls(detail::Clearance& clear, const Grid<std::uint8_t>& wante
   });
 }
 
-// What the shape asks for. `largest`: its largest share of a voxel before its clearance or others take from it.
+// The share that the shape claims. `largest`: its largest share of a voxel before its clearance and other shapes.
 Grid<std::uint8_t> occupancy_of(const VoxelizeShape& shape, const Lattice& lattice, const std::vector<Shares>& shares,
                                 int& largest, const Progress& progress) {
   const bool clear = shape.clear_of != nullptr;
   Grid<std::uint8_t> own = detail::solid_occupancy(*shape.surface, lattice, progress.part(0, clear ? 0.6 : 1));
   largest = own.voxels.empty() ? 0 : *std::max_element(own.voxels.begin(), own.voxels.end());
   if (!clear) return own;
-  // Only where the shape would get something is it asked how near the other surface is.
+  // The distance to the other surface is needed only where the shape would get something.
   Grid<std::uint8_t> wanted(lattice, 0);
   for_each_piece(shares.size(), progress, [&](std::size_t from, std::size_t to, std::size_t) {
     for (std::size_t i = from; i < to; ++i) wanted.voxels[i] = own.voxels[i] > 0 && shares[i].sum < haptic_full;

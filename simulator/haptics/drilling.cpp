@@ -15,15 +15,6 @@ constexpr double least_depth_mm = 1;    // of a way through bone that counts as 
 
 double smooth(double value, double to, double dt_s) { return value + (to - value) * dt_s / (dt_s + slowness_s); }
 
-// A volume of the same shapes, whose voxels are a copy.
-HapticVolume copy_of(const HapticVolume& v) {
-  HapticVolume out;
-  out.encoding = v.encoding;
-  out.voxels = v.voxels;
-  out.shapes = v.shapes;
-  return out;
-}
-
 }  // namespace
 
 DrillShapes drill_shapes_of(const CaseHaptic& haptic) {
@@ -48,9 +39,11 @@ Cutter cutter_of(const DrillingParams& params, const ToolParams& tool) {
     c.radius_mm = 0.5;
     return c;
   }
-  const bool round = tool.tool == "burr" || tool.tool == "ball", craniotome = tool.tool == "craniotome";
+  const bool round = tool.tool == "burr" || tool.tool == "round_burr" || tool.tool == "ball";
+  const bool craniotome = tool.tool == "craniotome";
   if (!round && !craniotome)
-    throw Error(ExitCode::usage, "", "--drill", "needs --tool burr, ball, craniotome or scalpel, not " + tool.tool);
+    throw Error(ExitCode::usage, "", "--drill",
+                "needs --tool burr, round_burr, ball, craniotome or scalpel, not " + tool.tool);
   const bool ball =
       params.cutter == DrillingParams::Cutter::own ? round : params.cutter == DrillingParams::Cutter::ball;
   c.kind = ball ? Cutter::Kind::ball : Cutter::Kind::cylinder;
@@ -66,7 +59,7 @@ Drilling::Drilling(HapticVolume& volume, ContactVolume& contact, const DrillShap
       params_(params),
       power_w_(law.power_w),
       shapes_(shapes),
-      before_(copy_of(volume)),
+      before_(copy_without_hardness(volume)),
       before_decoder_(before_),
       drill_(volume, shapes, cutter, law, marks) {
   const double radius_mm = cutter.kind == Cutter::Kind::ball ? cutter.radius_mm : cutter.semi_a_mm;
@@ -105,7 +98,7 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   if ((in.buttons & pedal) && !lifted) {
     ToolPose pose;
     pose.tip_mm = in.tip_mm;
-    pose.frame = frame_of(in.axis, in.across);
+    pose.frame = frame_of(in.axis, usable_across(in.across, in.axis));
     if (params_.cutter_turn_deg != 0) {
       const double a = params_.cutter_turn_deg * M_PI / 180;
       const Vec3 u = pose.frame.column[0], v = pose.frame.column[1];

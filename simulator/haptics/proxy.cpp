@@ -30,7 +30,7 @@ Proxy::Proxy(const ContactVolume& contact, const Feels& feels, const ForceParams
              const Tool& tool)
     : contact_(contact), feels_(feels), force_(force), shaft_(shaft), faces_(touchable_of(feels)), tool_(tool) {
   if (!tool.points_mm.empty()) body_.emplace(contact, tool.points_mm);
-  if (tool.ball_radius_mm > 0) ball_.emplace(contact, tool.ball_radius_mm);
+  if (!tool.round.empty()) round_.emplace(contact, tool.round);
   if (!(shaft_.shaft_length_mm > 0)) shaft_.shaft_length_mm = tool.length_mm;
   const Vec3 s = contact.volume().voxels.spacing_mm;
   margin_mm_ = 1e-3 * contact.smallest_side_mm();
@@ -61,14 +61,14 @@ const HapticState& Proxy::update(const HapticInput& given) {
     state_.force_n = state_.torque_n_mm = {};
     return state_;
   }
-  if (!usable(in.across) || norm(cross(in.across, in.axis)) < 0.1) in.across = {};
+  in.across = usable_across(in.across, in.axis);
   if (in.buttons & haptic_button::lifted) {
     reset();
     state_.proxy_mm = in.tip_mm;
     if (in.axis != Vec3{}) state_.axis = normalized(in.axis);
     return state_;
   }
-  if (ball_) in.axis = in.axis == Vec3{} ? state_.axis : normalized(in.axis);
+  if (round_) in.axis = in.axis == Vec3{} ? state_.axis : normalized(in.axis);
   if (!begun_) begin(in);
   if (!begun_) return state_;  // a tool that is still looking for its way out
   const HapticState before = state_;
@@ -81,10 +81,10 @@ const HapticState& Proxy::update(const HapticInput& given) {
   Vec3 pressed_mm = in.tip_mm;  // what the planes are for
   if (body_) {
     follow_tool(in);
-  } else if (ball_) {
-    follow_ball(in);
-    pressed_mm += in.axis * ball_->radius_mm();
-    state_.proxy_mm = ball_mm_;
+  } else if (round_) {
+    follow_round(in);
+    pressed_mm += state_.axis * round_->centre_mm();
+    state_.proxy_mm = centre_mm_;
   } else {
     state_.axis = in.axis;
     follow(in.tip_mm);
@@ -96,7 +96,7 @@ const HapticState& Proxy::update(const HapticInput& given) {
   }
 
   Vec3 force = surface_force(pressed_mm);
-  if (ball_) state_.proxy_mm = ball_mm_ - in.axis * ball_->radius_mm();
+  if (round_) state_.proxy_mm = centre_mm_ - state_.axis * round_->centre_mm();
   force += inside_force(in) + in.extra_n;
   if (since_s_ < force_.ramp_s) force = force * (since_s_ / force_.ramp_s);
   const double size = norm(force);
@@ -131,6 +131,9 @@ void Proxy::set_torque(const HapticInput& in, Vec3 before) {
   if (body_ && in.axis != Vec3{}) {
     const Mat3 aim = in.across == Vec3{} ? turned(body_->frame(), in.axis) : frame_of(in.axis, in.across);
     torque += rotation_between(aim, body_->frame()) * force_.turn_stiffness_n_mm_per_rad;
+  } else if (round_ && !(state_.axis == in.axis)) {
+    const Mat3 aim = frame_along(in.axis);
+    torque += rotation_between(aim, turned(aim, state_.axis)) * force_.turn_stiffness_n_mm_per_rad;
   }
   if (since_s_ < force_.ramp_s) torque = torque * (since_s_ / force_.ramp_s);
   const double size = norm(torque), most = force_.max_torque_n_mm;
@@ -151,7 +154,7 @@ void Proxy::begin(const HapticInput& in) {
   since_s_ = drawn_mm_ = 0;
   std::fill(sample_shape_, sample_shape_ + max_samples, std::uint8_t{0});
   if (body_) return begin_tool(in);
-  if (ball_) return begin_ball(in);
+  if (round_) return begin_round(in);
   const CaseFace& front = feels_[std::size_t(state_.inside)].front;
   if (state_.inside == 0 || !front.touchable || front.pop_through_n > 0) return;
   double nearest = farthest_exit_mm;

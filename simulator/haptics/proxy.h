@@ -6,9 +6,9 @@
 
 #include "base/vec3.h"
 #include "contact/contact.h"
-#include "haptics/ball_body.h"
 #include "haptics/constraints.h"
 #include "haptics/feel.h"
+#include "haptics/round_body.h"
 #include "haptics/tool.h"
 #include "haptics/tool_body.h"
 
@@ -83,8 +83,9 @@ struct HapticState {
 /// While the button haptic_button::lifted is down there is neither contact nor force, and the tool is shown at the
 /// device; then it starts again.
 ///
-/// A ball (Tool::ball_radius_mm) is exactly round: the proxy holds its centre off all surfaces by its radius
-/// (BallBody).
+/// A round tool (Tool::round) is exactly round: the proxy holds the middle lines of its parts off all surfaces by their
+/// radii (RoundBody). A ball alone turns with the device. Another round tool turns as far as surfaces let it, where its
+/// tip may give way; it does not lock, and for a fast turn it takes some frames.
 ///
 /// update() does not allocate, lock or throw and makes no system call; equal inputs give equal bits.
 class Proxy {
@@ -142,11 +143,13 @@ class Proxy {
   void open_behind();
   TouchableFaces closed_faces() const;
 
-  // The functions of proxy_ball.cpp: the same for a ball.
-  void begin_ball(const HapticInput& in);
-  void follow_ball(const HapticInput& in);
-  BallBody::Touch move_ball(Vec3 goal_mm);
-  bool meet_ball(const BallBody::Touch& touch, Vec3 device_mm, Vec3& goal_mm);
+  // The functions of proxy_round.cpp: the same for a round tool.
+  void begin_round(const HapticInput& in);
+  bool round_is_free(Vec3 centre_mm, Vec3 axis);
+  void follow_round(const HapticInput& in);
+  void turn_round(Vec3 axis);
+  RoundBody::Touch move_round(Vec3 goal_mm);
+  bool meet_round(const RoundBody::Touch& touch, Vec3 device_mm, Vec3& goal_mm);
 
   static constexpr double same_surface =
       0.8;  // cosine between normals of one curved surface, not of two that meet in an edge
@@ -182,8 +185,8 @@ class Proxy {
 
   Tool tool_;
   std::optional<ToolBody> body_;
-  std::optional<BallBody> ball_;
-  Vec3 ball_mm_;  // its centre
+  std::optional<RoundBody> round_;
+  Vec3 centre_mm_;  // its
   TouchableFaces open_{0, 0},
       crossed_{0, 0};  // faces that were popped through, and those of them found along the axis in this round
   double exit_mm_ = nearest_exit_mm;  // the distance and direction to be examined next; -1: along the axis

@@ -88,6 +88,18 @@ std::vector<Vec3> points_of(const ToolParams& p) {
   });
 }
 
+// A ball, a rod, or a ball and the rod behind it.
+std::vector<RoundPart> round_parts(const ToolParams& p, double radius, double neck) {
+  if (p.tool == "ball") return {{radius, radius, radius}};
+  if (p.tool_tip != Tip::ball && p.tool_tip != Tip::round)
+    throw Error(ExitCode::usage, "", "--tool-tip", "must be round or ball for --tool " + p.tool);
+  if (p.tool_length_mm < 2 * radius)
+    throw Error(ExitCode::bad_config, "", "tool_length_mm", "is less than the diameter " + to_text(2 * radius));
+  const double end = p.tool_length_mm - neck;
+  if (p.tool_tip == Tip::round) return {{radius, end, radius}};
+  return {{radius, radius, radius}, {radius, std::max(radius, end), neck}};
+}
+
 }  // namespace
 
 ToolParams own_tool(const ToolParams& params) {
@@ -116,14 +128,15 @@ Tool make_tool(const ToolParams& params) {
     return tool;
   }
   if (!(tool_kind(p.tool).length_mm > 0)) return tool;
-  if (tool_kind(p.tool).exact_ball) {
-    tool.ball_radius_mm = 0.5 * p.tool_diameter_mm;
-    tool.length_mm = p.tool_diameter_mm;
+  const double radius = 0.5 * p.tool_diameter_mm;
+  const double neck = p.tool_tip == Tip::ball ? neck_ratio * radius : radius;
+  if (tool_kind(p.tool).exact) {
+    tool.round = round_parts(p, radius, neck);
+    tool.length_mm = tool.round.back().to_mm + tool.round.back().radius_mm;
     return tool;
   }
   tool.length_mm = p.tool_length_mm;
-  const double radius = 0.5 * p.tool_diameter_mm, length = p.tool_length_mm;
-  const double neck = p.tool_tip == Tip::ball ? neck_ratio * radius : radius;
+  const double length = p.tool_length_mm;
   Outline o;
   // More than that along the outline, or around it, is too much anyway, and is not laid out first.
   if ((length + 4 * radius) / p.tool_spacing_mm > most_tool_points ||
@@ -172,6 +185,10 @@ Mat3 frame_along(Vec3 axis) {
   f.column[0] = normalized(cross(std::abs(w.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}, w));
   f.column[1] = cross(w, f.column[0]);
   return f;
+}
+
+Vec3 usable_across(Vec3 across, Vec3 axis) {
+  return norm(cross(across, axis)) >= 0.1 && norm(across) <= 1e6 ? across : Vec3{};  // not for NaN
 }
 
 Mat3 frame_of(Vec3 axis, Vec3 across) {

@@ -66,7 +66,7 @@ struct ToolKind {
   const char* help;  ///< what it is, in a few words
   ToolParams::Tip tip = ToolParams::Tip::own;
   double diameter_mm = 0, length_mm = 0, spacing_mm = 0;  ///< length 0: a point at the tip alone
-  bool exact_ball = false;                                ///< a ball without points
+  bool exact = false;                                     ///< exactly round, without points
   bool from_file = false;                                 ///< points of ToolParams::tool_points
 };
 const std::vector<ToolKind>& all_tool_kinds();
@@ -77,12 +77,18 @@ const ToolKind& tool_kind(const std::string& name);
 /// Throws Error 66 where that cannot be read, 64 where it is missing for its kind or given for another.
 ToolParams own_tool(const ToolParams& params);
 
+/// A rod with round ends about a tool's axis, or a ball where its middle line has no length.
+struct RoundPart {
+  double from_mm = 0, to_mm = 0;  ///< of the middle line, from the tip
+  double radius_mm = 0;
+};
+
 /// A tool ready for the servo loop, in its own coordinates: the tip is at 0 and the tail towards +z. Points ascend from
 /// the tip to the tail in rings about the axis, with each second ring turned by half a step.
 struct Tool {
   std::vector<Vec3> points_mm;  ///< none: a point at the tip alone
   double length_mm = 0;
-  double ball_radius_mm = 0;  ///< above 0: an exact ball, without points, whose foremost point is the tip
+  std::vector<RoundPart> round;  ///< not empty: exactly round, without points; the first part has the tip
   ToolParams::Search search = ToolParams::Search::both;
   double lock_distance_mm = 3;
 };
@@ -94,6 +100,9 @@ Tool make_tool(const ToolParams& params);
 
 /// A frame whose third column is the axis; the other two follow from it.
 Mat3 frame_along(Vec3 axis);
+/// The direction across the axis, or zero where it gives no plane with the axis: it is parallel to it, or not finite,
+/// as a recording of another program may have it.
+Vec3 usable_across(Vec3 across, Vec3 axis);
 /// A frame whose third column is the axis, and whose first lies in the plane of the axis and `across`, which are not
 /// parallel; frame_along() where `across` is zero.
 Mat3 frame_of(Vec3 axis, Vec3 across);

@@ -74,7 +74,7 @@ const HapticState& ToolBelt::update(const HapticInput& given) {
     state_ = {};
     state_.proxy_mm = given.tip_mm;
     state_.axis = given.axis;
-    state_.across = given.across;
+    state_.across = usable_across(given.across, given.axis);
     if (!before_paused) left_n_ = sent;
     if (faults != 0) proxy.latch(faults);
     state_.faults = faults;

@@ -13,6 +13,8 @@ const std::vector<ToolKind>& all_tool_kinds() {
       {"catheter", "for a ventricle", Tip::round, 2.5, 100, 2},
       {"burr", "a ball on a thinner neck", Tip::ball, 5, 30, 1.2},
       {"ball", "a burr's ball alone, exactly round", Tip::ball, 5, 5, 1.2, true},
+      {"round_burr", "a ball on a thinner neck, exactly round", Tip::ball, 5, 30, 1.2, true},
+      {"rod", "a rod with round ends, exactly round", Tip::round, 2.5, 30, 2, true},
       {"craniotome", "a cylinder with a flat end", Tip::flat, 2.3, 20, 1.2},
       {"jamshidi", "a needle of 11 gauge, for bone", Tip::cone, 3.05, 100, 2},
       {"points", "points of your own, from a file", Tip::own, 0, 0, 0, false, true},

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # trephine-sim servo --device udp with the reference client: both ends of a closed loop on a case, the forces that the client
-# got are those that were recorded, a client that is killed, and a second one.
+# got are those that were recorded, torque and events come back, its pedal drills, a client that is killed, and a second one.
 . "$(dirname "$0")/common.sh"
 "${CC:-cc}" -std=c99 -pedantic -Wall -Wextra -Werror -O1 -o "$work/client" "$SOURCE/examples/udp_client/udp_client.c" -lm
 [[ $(wc -l <"$SOURCE/examples/udp_client/udp_client.c") -lt 200 ]] || fail "200 lines or more"
@@ -9,7 +9,7 @@
 
 begin() {  # FLAGS...: a servo in the background; port is where it listens
   rm -f "$work/text"
-  "$TREPHINE" servo "$work/sample" --device udp --port 0 --no-realtime "$@" >"$work/text" 2>"$work/stderr" &
+  "$TREPHINE" servo "$case" --device udp --port 0 --no-realtime "$@" >"$work/text" 2>"$work/stderr" &
   servo=$!
   for _ in $(seq 3000); do
     port=$(sed -n 's/^waiting for a device on 127\.0\.0\.1:\([0-9]*\)$/\1/p' "$work/text" 2>/dev/null || true)
@@ -19,30 +19,51 @@ begin() {  # FLAGS...: a servo in the background; port is where it listens
   done
   fail "no port"
 }
-# Down on the sample's outer surface, 1.3 mm below the start.
+# Down on the sample's outer surface, 1.3 mm below the start; on top of the bone of the case to drill.
 client() ( exec "$work/client" 127.0.0.1 "$port" "$1" 1 -20 384 0 0 -1 3 "${@:2}" )
+on_bone() ( exec "$work/client" 127.0.0.1 "$port" "$1" 1 -20 317 0 0 -1 "${@:2}" )
+"$WRITE_CASE" "$work/drill" drill
 
-begin --timeout-ms 5000 --seconds 2 --record "$work/a.servo" --json "$work/a.json"
-client 3 "$work/log" >"$work/client_text" || fail "the client: $(cat "$work/client_text")"
+case=$work/drill
+
+begin --timeout-ms 5000 --seconds 2 --tool ball --tool-diameter-mm 2 --record "$work/a.servo" --json "$work/a.json"
+on_bone 3 5 "$work/log" >"$work/client_text" || fail "the client: $(cat "$work/client_text")"
 wait $servo || fail "the servo: $(cat "$work/stderr")"
 grep -Eq '^udp: [0-9]+ poses, [0-9]+ answers, 0 malformed, 0 late, 0 strangers$' "$work/text" || { cat "$work/text"; fail "counts"; }
 python3 - "$work/a.json" "$work/a.servo" "$work/log" <<'PY'
-import json, struct, sys
+import json, math, struct, sys
 said = json.load(open(sys.argv[1]))
 assert said["device"] == "udp" and said["faults"] == 0, said
 assert said["touching_ratio"] > 0.3 and said["most_force_n"] > 0.3, said
 data = open(sys.argv[2], "rb").read()
 ticks = {}
-for f in struct.iter_unpack("<Q17dI4i3I", data[16 + 8192:]):
+assert struct.unpack("<I", data[8:12])[0] == 4, "the client said how the tool is turned"
+for f in struct.iter_unpack("<Q17dI4i3I3d", data[16 + 8192:]):
     ticks.setdefault(f[3:6], set()).add(f[15:18])
+    assert abs(math.hypot(*f[26:29]) - 1) < 1e-6, f
 answers = [[float.fromhex(v) if "x" in v else int(v) for v in line.split()] for line in open(sys.argv[3])]
 assert len(answers) == said["device_counts"]["answers"] > 300, (len(answers), said["device_counts"])
 sequences = [a[0] for a in answers]
 assert sequences == sorted(set(sequences))
 assert all(tuple(a[4:7]) in ticks[tuple(a[1:4])] for a in answers), "a force that was not recorded"
 assert max(a[6] for a in answers) > 0.3, "the client felt nothing"
+assert any(a[7:10] != [0, 0, 0] for a in answers), "no torque came back"
+assert any(a[10] & 1 for a in answers), "no touch was told"
 PY
-"$TREPHINE" replay "$work/sample" "$work/a.servo" >/dev/null || fail "the recording does not replay"
+"$TREPHINE" replay "$work/drill" "$work/a.servo" >/dev/null || fail "the recording does not replay"
+
+# With its pedal down it drills.
+begin --timeout-ms 5000 --seconds 3 --tool ball --tool-diameter-mm 4 --drill --record "$work/d.servo" --json "$work/d.json"
+on_bone 4 6 "$work/log" 1 >"$work/client_text" || fail "the client: $(cat "$work/client_text")"
+wait $servo || fail "the servo: $(cat "$work/stderr")"
+python3 - "$work/d.json" <<'PY'
+import json, sys
+said = json.load(open(sys.argv[1]))
+assert said["faults"] == 0 and said["drilled"]["removed_mm3"]["skull"] > 1, said
+PY
+"$TREPHINE" replay "$work/drill" "$work/d.servo" >"$work/said" || fail "the drilled recording does not replay"
+grep -q '^the drilled volume is the same$' "$work/said" || fail "another volume"
+case=$work/sample
 
 # Killed while it presses.
 begin --timeout-ms 200 --seconds 8 --record "$work/b.servo"
@@ -59,7 +80,7 @@ grep -Eq '^fault after [0-9.]+ s: device lost; the force stays zero$' "$work/tex
 grep -q 'faults device lost$' "$work/text" || { cat "$work/text"; fail "the client was not missed"; }
 python3 - "$work/b.servo" <<'PY'
 import struct, sys
-frames = list(struct.iter_unpack("<Q17dI4i3I", open(sys.argv[1], "rb").read()[16 + 8192:]))
+frames = list(struct.iter_unpack("<Q17dI4i3I3d", open(sys.argv[1], "rb").read()[16 + 8192:]))
 last = max(n for n, f in enumerate(frames) if n and f[3:6] != frames[n - 1][3:6])  # the last new pose
 lost = next(n for n, f in enumerate(frames) if f[24] == 8)
 assert all(f[15:18] == (0, 0, 0) for f in frames[lost:]) and all(f[24] == 8 for f in frames[lost:])

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The proxy of a round tool: the middle lines of its parts are held off surfaces by the radii. Planes are for the
+// centre, the foremost end of the first middle line: where another place of a line may not go behind a wall, the centre
+// may not go behind the wall moved by the way between the two.
+#include <algorithm>
+#include <cmath>
+
+#include "haptics/proxy.h"
+
+namespace trephine {
+namespace {
+
+constexpr int most_passes = 8, most_steps = 256;
+constexpr int most_turn_steps = 16, give_passes = 4;
+constexpr double turn_step_ratio = 0.25;  // of the smallest radius or voxel side: how far a turn's step moves the tail
+constexpr double most_looks = 4000;       // places a frame, on the way out of bone
+
+std::uint64_t bit(int shape) { return shape != 0 ? std::uint64_t{1} << shape : 0; }
+
+}  // namespace
+
+// Whether it may begin there: it touches nothing, and no middle line lies in what nothing enters.
+bool Proxy::round_is_free(Vec3 centre, Vec3 axis) {
+  const double step = std::max(0.5, round_->smallest_radius_mm());
+  const int places = int(std::ceil(round_->length_mm() / step));
+  for (int n = 0; n <= places; ++n) {
+    const int shape = contact_.shape_at(centre + axis * std::min(n * step, round_->length_mm()));
+    if (shape != 0 && feels_[std::size_t(shape)].front.touchable &&
+        !(feels_[std::size_t(shape)].front.pop_through_n > 0))
+      return false;
+  }
+  return !round_->deepest(centre, axis, contact_.shape_at(centre), closed_faces()).hit;
+}
+
+void Proxy::begin_round(const HapticInput& in) {
+  const Vec3 centre = in.tip_mm + in.axis * round_->centre_mm();
+  open_ = {0, 0};
+  round_->begin_frame();
+  Vec3 at = centre;
+  begun_ = round_is_free(at, in.axis);
+  // A few places a frame, each time a little further away.
+  const int looks = std::clamp(int(most_looks / (1 + round_->length_mm() / round_->smallest_radius_mm())), 2, 40);
+  for (int n = 0; !begun_ && exit_mm_ < farthest_exit_mm && n < looks; ++n) {
+    const Vec3 way = next_exit_ < 0 ? in.axis : exit_way(next_exit_);
+    at = centre + way * exit_mm_;
+    begun_ = way != Vec3{} && round_is_free(at, in.axis);
+    if (++next_exit_ < exit_ways) continue;
+    next_exit_ = -1;
+    exit_mm_ *= 1.25;
+  }
+  if (!begun_) {
+    at = centre;
+    begun_ = !(exit_mm_ < farthest_exit_mm);
+  }
+  centre_mm_ = at;
+  state_.axis = in.axis;
+  state_.inside = contact_.shape_at(at);
+  state_.proxy_mm = moved_from_mm_ = at - in.axis * round_->centre_mm();
+}
+
+// Moves the centre straight towards the goal, to the first place where the tool touches.
+RoundBody::Touch Proxy::move_round(Vec3 goal) {
+  const Vec3 begin = centre_mm_, way = goal - begin;
+  const double length = norm(way), step = 0.5 * std::min(round_->smallest_radius_mm(), contact_.smallest_side_mm());
+  const int steps = std::clamp(int(std::ceil(length / step)), 1, most_steps);
+  const double share = std::min(1.0, most_steps * step / std::max(length, 1e-12));
+  for (int n = 1; n <= steps; ++n) {
+    const Vec3 next = begin + way * (share * n / steps);
+    const Contact through = contact_.cross(centre_mm_, next, state_.inside, closed_faces());
+    if (through.hit) return {};  // its centre never passes a surface
+    const RoundBody::Touch touch = round_->deepest(next, state_.axis, through.into, closed_faces());
+    if (touch.hit) return touch;
+    centre_mm_ = next;
+    state_.inside = through.into;
+  }
+  return {};
+}
+
+// Turns it about its tip towards the axis, in steps that move no place of it further than a wall could stop. Where it
+// would touch, it moves off, if that helps; else it keeps its axis for this frame.
+void Proxy::turn_round(Vec3 axis) {
+  const double reach = round_->length_mm() + round_->centre_mm();
+  const double step = turn_step_ratio * std::min(round_->smallest_radius_mm(), contact_.smallest_side_mm());
+  for (int n = 0; n < most_turn_steps && !(state_.axis == axis); ++n) {
+    const bool last = norm(axis - state_.axis) <= step / reach;
+    const Vec3 next = last ? axis : turned(frame_along(state_.axis), axis, step / reach).column[2];
+    const Vec3 begin = centre_mm_ + (next - state_.axis) * round_->centre_mm();
+    Vec3 to = begin;
+    RoundBody::Touch touch = round_->deepest(to, next, state_.inside, closed_faces());
+    for (int pass = 0; pass < give_passes && touch.hit; ++pass) {
+      to += touch.contact.normal * (touch.depth_mm + margin_mm_);
+      if (norm(to - begin) > 2 * step) break;
+      touch = round_->deepest(to, next, state_.inside, closed_faces());
+    }
+    if (touch.hit) return;
+    const Contact through = contact_.cross(centre_mm_, to, state_.inside, closed_faces());
+    if (through.hit) return;
+    centre_mm_ = to;
+    state_.axis = next;
+    state_.inside = through.into;
+  }
+}
+
+void Proxy::follow_round(const HapticInput& in) {
+  round_->begin_frame();
+  const std::uint64_t open = open_.front | open_.back;
+  if (open != 0 && !(bit(state_.inside) & open) && !round_->reaches(centre_mm_, state_.axis, open)) open_ = {0, 0};
+  if (round_->is_ball())
+    state_.axis = in.axis;
+  else
+    turn_round(in.axis);
+  const Vec3 device = in.tip_mm + state_.axis * round_->centre_mm();
+  count_ = 0;
+  solved_ = false;
+  Vec3 goal = device;
+  for (int pass = 0; pass < most_passes; ++pass) {
+    const RoundBody::Touch touch = move_round(goal);
+    if (!touch.hit || !meet_round(touch, device, goal)) break;
+  }
+  if (count_ == 0) sliding_ = false;
+}
+
+// As meet().
+bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
+  const Contact& c = touch.contact;
+  const bool alone = round_->is_ball();
+  Plane plane{c.point_mm + c.normal * (touch.radius_mm + margin_mm_) - state_.axis * touch.along_mm, c.normal};
+  int at = count_;
+  for (int n = 0; n < count_; ++n)
+    if (dot(planes_[n].normal, c.normal) > same_surface) at = n;
+  if (at == 3) return false;
+  // Of two places of a rod on one surface the one that reaches further says how far it may go.
+  if (at < count_ && !alone && dot(plane.normal, planes_[at].point_mm - plane.point_mm) > 0)
+    plane.point_mm = planes_[at].point_mm;
+  planes_[at] = plane;
+  held_[at] = held(c);
+  held_[at].arm_mm = state_.axis * (round_->centre_mm() + touch.pressed_mm) - c.normal * touch.radius_mm;
+  count_ = std::max(count_, at + 1);
+  solved_ = nearest_before(planes_, count_, device, nearest_);
+  if (!solved_) return false;
+  const CaseFace& feel = held_[at].feel;
+  if (feel.pop_through_n > 0 && feel.stiffness_n_per_mm * nearest_.pressure_mm[at] > feel.pop_through_n) {
+    // Both faces: while it is halfway through, it lies on either side of the surface. A shape that nothing enters stays
+    // shut, whatever soft tissue lies against it.
+    for (const int shape : {c.into, c.from}) {
+      const ShapeFeel& own = feels_[std::size_t(shape)];
+      if (!(own.front.pop_through_n > 0 || own.back.pop_through_n > 0)) continue;
+      open_.front |= bit(shape);
+      open_.back |= bit(shape);
+    }
+    state_.events |= haptic_event::popped;
+    count_ = 0;
+    solved_ = false;
+    goal = device;
+    return true;
+  }
+  // Where it stands the tool is up to a step away from the plane: it comes up to it first.
+  const double off = dot(planes_[at].normal, centre_mm_ - planes_[at].point_mm);
+  if (off < 0 || off > 2 * margin_mm_) {
+    const Vec3 to = centre_mm_ - planes_[at].normal * off;
+    const Contact through = contact_.cross(centre_mm_, to, state_.inside, closed_faces());
+    const RoundBody::Touch there = through.hit || (alone && off < 0)
+                                       ? RoundBody::Touch{}
+                                       : round_->deepest(to, state_.axis, through.into, closed_faces());
+    if (!through.hit && (!there.hit || (off < 0 && there.depth_mm < touch.depth_mm))) {
+      centre_mm_ = to;
+      state_.inside = through.into;
+    }
+  }
+  const Vec3 way = nearest_.point_mm - centre_mm_;
+  const double length = norm(way), depth = norm(nearest_.point_mm - device);
+  if (!slides(feel, length, depth)) return false;
+  goal = centre_mm_ + way * (1 - feel.dynamic_friction_ratio * depth / length);
+  return true;
+}
+
+}  // namespace trephine

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "haptics/round_body.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trephine {
+namespace {
+
+constexpr int frames_known = 16;    // after which it looks anew, for who cuts beside the servo's thread
+constexpr double together = 0.05;   // of a voxel: contacts of a rod that touch as deep as the deepest
+constexpr double same_side = 0.95;  // cosine between their normals
+
+// A disc in space, and the nearest of its points to another.
+struct Disc {
+  Vec3 middle, normal;
+  double radius;
+  Vec3 nearest(Vec3 p) const {
+    const Vec3 r = p - middle;
+    const double above = dot(r, normal), across = std::sqrt(std::max(0.0, dot(r, r) - above * above));
+    const Vec3 flat = r - normal * above;
+    return middle + (across > radius ? flat * (radius / across) : flat);
+  }
+};
+
+// Where on the line from lo to hi along the axis the disc is nearest. Over the disc the distance changes evenly, so it
+// is smallest where the line ends, meets the disc's plane, or leaves the disc; beside it, two projections to and fro.
+double nearest_on_line(const Disc& disc, Vec3 begin, Vec3 axis, double lo, double hi) {
+  const Vec3 r = begin - disc.middle;
+  const double above = dot(r, disc.normal), slope = dot(axis, disc.normal);
+  const Vec3 flat = r - disc.normal * above, way = axis - disc.normal * slope;
+  const double a = dot(way, way), b = dot(flat, way), c = dot(flat, flat) - disc.radius * disc.radius;
+  double from = lo, to = hi, at = std::clamp(-dot(r, axis), lo, hi);
+  const double root = b * b - a * c;
+  bool over = c <= 0;
+  if (a > 1e-12) {
+    over = root >= 0;
+    if (over) {
+      from = std::max(lo, (-b - std::sqrt(root)) / a);
+      to = std::min(hi, (-b + std::sqrt(root)) / a);
+      over = from <= to;
+    }
+  }
+  if (over) at = std::abs(slope) > 1e-12 ? std::clamp(-above / slope, from, to) : std::clamp(at, from, to);
+  if (over && at > from && at < to) return at;
+  for (int n = 0; n < 3; ++n) at = std::clamp(dot(disc.nearest(begin + axis * at) - begin, axis), lo, hi);
+  return at;
+}
+
+}  // namespace
+
+RoundBody::RoundBody(const ContactVolume& contact, std::vector<RoundPart> parts)
+    : contact_(contact), parts_(std::move(parts)), centre_mm_(parts_[0].from_mm) {
+  const Vec3 s = contact.volume().voxels.spacing_mm;
+  disc_mm_ = 0.6 * std::max({s.x, s.y, s.z});
+  margin_mm_ = 0.5 * contact.smallest_side_mm();
+  smallest_radius_mm_ = largest_radius_mm_ = parts_[0].radius_mm;
+  for (RoundPart& p : parts_) {
+    p.from_mm -= centre_mm_;
+    p.to_mm -= centre_mm_;
+    length_mm_ = std::max(length_mm_, p.to_mm);
+    smallest_radius_mm_ = std::min(smallest_radius_mm_, p.radius_mm);
+    largest_radius_mm_ = std::max(largest_radius_mm_, p.radius_mm);
+  }
+  double voxels = 3;
+  for (int a = 0; a < 3; ++a)
+    voxels *= (2 * (largest_radius_mm_ + disc_mm_ + margin_mm_) + (a == 0 ? 2 * length_mm_ : 0)) / s[a] + 4;
+  samples_.resize(std::size_t(std::clamp(voxels, 64.0, 200000.0)));
+  near_.resize(samples_.size());
+}
+
+void RoundBody::begin_frame() {
+  const std::uint32_t now = contact_.loosened();
+  if (now != seen_ || ++frames_ >= frames_known) known_ = false;
+  if (!known_) frames_ = 0;
+  seen_ = now;
+}
+
+void RoundBody::look(Vec3 centre_mm, Vec3 axis) {
+  const Vec3 end = centre_mm + axis * length_mm_;
+  if (known_ && norm(centre_mm - looked_mm_) <= margin_mm_ && norm(end - looked_end_mm_) <= margin_mm_) return;
+  count_ = contact_.samples_near(centre_mm, end, largest_radius_mm_ + disc_mm_ + margin_mm_, samples_.data(),
+                                 int(samples_.size()));
+  looked_mm_ = centre_mm;
+  looked_end_mm_ = end;
+  known_ = true;
+}
+
+RoundBody::Touch RoundBody::deepest(Vec3 centre_mm, Vec3 axis, int inside, const TouchableFaces& faces) {
+  look(centre_mm, axis);
+  Touch t;
+  const bool alone = is_ball();
+  for (int n = 0; n < count_; ++n) {
+    SurfaceSample& s = samples_[std::size_t(n)];
+    near_[std::size_t(n)].depth_mm = -1;
+    for (const RoundPart& p : parts_) {
+      const bool rod = p.to_mm > p.from_mm;
+      double at = rod ? std::clamp(dot(s.point_mm - centre_mm, axis), p.from_mm, p.to_mm) : p.from_mm;
+      Vec3 middle = centre_mm + axis * at, r = middle - s.point_mm;
+      const double shallowest = rod ? t.depth_mm - together * 2 * margin_mm_ : t.depth_mm;
+      const double far = p.radius_mm - std::max(0.0, shallowest) + disc_mm_;
+      if (dot(r, r) > far * far) continue;
+      if (s.normal == Vec3{}) {
+        s.normal = contact_.normal_at(s.point_mm, s.low, s.high);
+        if (s.normal == Vec3{}) s.normal = normalized(r);
+      }
+      const Disc disc{s.point_mm, s.normal, disc_mm_};
+      if (rod) {
+        at = nearest_on_line(disc, centre_mm, axis, p.from_mm, p.to_mm);
+        middle = centre_mm + axis * at;
+        r = middle - s.point_mm;
+      }
+      const double above = dot(r, s.normal);
+      const int from = above >= 0 ? s.low : s.high, into = above >= 0 ? s.high : s.low;
+      if (alone && from != inside) continue;  // behind another surface
+      const bool front = into != 0 && (faces.front >> into & 1);
+      if (!front && !(from != 0 && (faces.back >> from & 1))) continue;
+      const Vec3 q = disc.nearest(middle), d = middle - q;
+      const double distance = norm(d), depth = p.radius_mm - distance;
+      if (!(depth > 0)) continue;
+      const Vec3 normal = distance > 1e-9 ? d / distance : above >= 0 ? s.normal : -s.normal;
+      Near& near = near_[std::size_t(n)];
+      if (depth > near.depth_mm) near = {depth, at, normal};
+      if (!(depth > t.depth_mm)) continue;
+      t.hit = t.contact.hit = true;
+      t.depth_mm = depth;
+      t.radius_mm = p.radius_mm;
+      t.along_mm = t.pressed_mm = at;
+      t.contact.point_mm = q;
+      t.contact.normal = normal;
+      t.contact.from = from;
+      t.contact.into = into;
+      t.contact.face = front ? ContactFace::front : ContactFace::back;
+      t.contact.shape = front ? into : from;
+    }
+  }
+  if (!t.hit || alone) return t;
+  // A rod that lies on a surface presses between the first and the last place where it touches.
+  double first = t.along_mm, last = t.along_mm;
+  for (int n = 0; n < count_; ++n) {
+    const Near& near = near_[std::size_t(n)];
+    if (near.depth_mm < t.depth_mm - together * 2 * margin_mm_ || near.depth_mm <= 0) continue;
+    if (dot(near.normal, t.contact.normal) < same_side) continue;
+    first = std::min(first, near.along_mm);
+    last = std::max(last, near.along_mm);
+  }
+  t.pressed_mm = 0.5 * (first + last);
+  return t;
+}
+
+bool RoundBody::reaches(Vec3 centre_mm, Vec3 axis, std::uint64_t shapes) {
+  look(centre_mm, axis);
+  for (int n = 0; n < count_; ++n) {
+    const SurfaceSample& s = samples_[std::size_t(n)];
+    if (((shapes >> s.low | shapes >> s.high) & 1) == 0) continue;
+    for (const RoundPart& p : parts_) {
+      const double at = std::clamp(dot(s.point_mm - centre_mm, axis), p.from_mm, p.to_mm);
+      if (norm(s.point_mm - centre_mm - axis * at) < p.radius_mm) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace trephine

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "contact/contact.h"
+#include "haptics/tool.h"
+
+namespace trephine {
+
+/// Exactly round parts about one axis in a haptic volume: a ball, a rod with round ends, a burr's ball on its neck.
+/// Surfaces near them are discs: one at each place where the surface crosses an edge between voxel centres, with the
+/// surface's smooth normal there, and as wide as neighbouring discs need to leave no gap. A ball's distance to each is
+/// exact; a rod's is too, but for discs that its middle line passes beside, where it is at most 0.01 of a disc's radius
+/// too large.
+///
+/// Poses are given by the centre, which is the foremost end of the first part's middle line, and the axis. The surface
+/// is looked up again when an end has moved by half a voxel, and where begin_frame() finds that voxels may have
+/// changed. Only the constructor allocates.
+class RoundBody {
+ public:
+  /// `parts`: at least one.
+  RoundBody(const ContactVolume& contact, std::vector<RoundPart> parts);
+  /// From the tip to the centre.
+  double centre_mm() const { return centre_mm_; }
+  /// A ball alone: it may turn as it likes.
+  bool is_ball() const { return parts_.size() == 1 && parts_[0].to_mm == parts_[0].from_mm; }
+  /// From the centre to the last place of the middle lines.
+  double length_mm() const { return length_mm_; }
+  double smallest_radius_mm() const { return smallest_radius_mm_; }
+
+  /// Must be called once in each frame: what was learnt of the volume is forgotten where it was loosened since.
+  void begin_frame();
+
+  /// The disc into which a part reaches deepest, of those whose crossing stops it; for a ball alone, of those that are
+  /// crossed from `inside`. The contact's point lies on the disc, and its normal points from there to the middle line.
+  struct Touch {
+    bool hit = false;
+    double depth_mm = 0;
+    double radius_mm = 0;   ///< of the part
+    double along_mm = 0;    ///< where on the middle line, from the centre
+    double pressed_mm = 0;  ///< the middle of all places of the line that touch as deep: a rod may lie on a surface
+    Contact contact;
+  };
+  Touch deepest(Vec3 centre_mm, Vec3 axis, int inside, const TouchableFaces& faces);
+  /// Whether it reaches any surface of one of these shapes (bit n: shape n).
+  bool reaches(Vec3 centre_mm, Vec3 axis, std::uint64_t shapes);
+
+ private:
+  struct Near {
+    double depth_mm, along_mm;  // of this call; depth below 0: not near
+    Vec3 normal;
+  };
+  void look(Vec3 centre_mm, Vec3 axis);
+  const ContactVolume& contact_;
+  std::vector<RoundPart> parts_;
+  double centre_mm_, length_mm_ = 0, smallest_radius_mm_, largest_radius_mm_, disc_mm_, margin_mm_;
+  std::vector<SurfaceSample> samples_;
+  std::vector<Near> near_;
+  int count_ = 0;
+  Vec3 looked_mm_, looked_end_mm_;
+  std::uint32_t seen_ = 0;
+  int frames_ = 0;
+  bool known_ = false;
+};
+
+}  // namespace trephine
