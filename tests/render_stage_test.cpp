@@ -11,6 +11,7 @@
 #include "device/hand_path.h"
 #include "picture/image.h"
 #include "render_scene.h"
+#include "scratch_folder.h"
 
 namespace trephine::drawing {
 namespace {
@@ -20,10 +21,8 @@ class RenderStage : public Picture {
   void SetUp() override {
     Picture::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
-    folder_ = std::filesystem::temp_directory_path() / ("trephine-stage-" + std::to_string(::getpid()));
     case_samples::play_case().write(folder_ / "case");
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
   SessionOptions hole() const {
     SessionOptions o;
@@ -51,12 +50,13 @@ class RenderStage : public Picture {
     ASSERT_GT(r.outcome->removed_mm3.at("skull"), 20);
     ASSERT_GT(r.outcome->removed_mm3.at("scalp"), 20);
   }
-  std::filesystem::path folder_;
+  ScratchFolder scratch_;
+  const std::filesystem::path folder_ = scratch_.path();
 };
 
 trephine::Picture shot(Stage& stage, const OrbitCamera& camera) {
   OffscreenPicture out(width, height);
-  stage.draw(camera, width, height, [&] { out.bind(); });
+  stage.draw(camera, width, height, [&](Eye) { out.bind(); });
   return out.read();
 }
 

@@ -141,6 +141,108 @@ EyeView from_the_front(const SceneData& scene) {
   return camera.eye(width, height, scene.bounds);
 }
 
+// A ball before a plate: its shadow lies where the key light's ray through the ball's middle meets the plate, at any
+// height, so the way between the two tells the height.
+TEST_F(RenderPicture, TheToolsShadowLiesWhereTheLightGoes) {
+  SceneData scene;
+  scene.bounds = {{-100, -100, -1}, {100, 100, 30}};
+  SceneSurface plate;
+  plate.name = "plate";
+  plate.colour_rgb = {0.8, 0.8, 0.8};
+  for (const auto& [x, y] : {std::pair{-100.f, -100.f}, {100.f, -100.f}, {100.f, 100.f}, {-100.f, 100.f}})
+    plate.vertices.push_back({{x, y, 0}, {0, 0, 127, 0}});
+  plate.indices = {0, 1, 2, 0, 2, 3};
+  scene.surfaces = {plate};
+  RenderQuality quality;
+  quality.samples = 1;
+  quality.occlusion = false;
+  Renderer renderer(scene, quality);
+  renderer.set_tool(ball_solid(2, {1, 1, 1}));
+  EyeView eye;
+  eye.eye_mm = {0, 0, 300};
+  SceneState state;
+  state.opacity = {1};
+  const auto picture = [&](bool shown, int taps) {
+    state.tool_shown = shown;
+    quality.shadow_taps = taps;
+    renderer.set_quality(quality);
+    return drawn(renderer, eye, state);
+  };
+  const Vec3 light = normalized(Vec3{-0.45, 0.62, 0.64});
+  for (const double above_mm : {3.0, 8.0, 16.0}) {
+    SCOPED_TRACE(above_mm);
+    state.tip_mm = {5, -4, above_mm};
+    const trephine::Picture without = picture(true, 0), with = picture(true, 5);
+    double x = 0, y = 0;
+    int count = 0;
+    for (int n = 0; n < width * height; ++n)
+      if (without.rgb[std::size_t(3 * n)] - with.rgb[std::size_t(3 * n)] > 30) {
+        x += n % width + 0.5;
+        y += n / width + 0.5;
+        ++count;
+      }
+    // The shadow is an ellipse of 2 by 2 / light.z mm; of a low ball's, the ball hides a part.
+    ASSERT_GT(count, 25);
+    const Vec3 wanted = eye.project(state.tip_mm - light * (above_mm / light.z), width, height);
+    const double room_px = above_mm < 8 ? 3 : 0.7;
+    EXPECT_NEAR(x / count, wanted.x, room_px);
+    EXPECT_NEAR(y / count, wanted.y, room_px);
+    EXPECT_EQ(picture(false, 5).rgb, picture(false, 0).rgb) << "a tool that is not shown casts none";
+  }
+}
+
+// The bottom of a hole is darker than what is around it, and a plane as bright as it would be.
+TEST_F(RenderPicture, AHoleIsDarkenedAndAPlaneIsNot) {
+  SceneData scene;
+  scene.bounds = {{-60, -60, -8}, {60, 60, 1}};
+  SceneSurface s;
+  s.name = "plate";
+  s.colour_rgb = {0.6, 0.6, 0.6};
+  const auto quad = [&](Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+    const Vec3 n = normalized(cross(b - a, c - a)) * 127;
+    const auto first = std::uint32_t(s.vertices.size());
+    for (const Vec3 p : {a, b, c, d})
+      s.vertices.push_back(
+          {{float(p.x), float(p.y), float(p.z)},
+           {std::int8_t(std::lround(n.x)), std::int8_t(std::lround(n.y)), std::int8_t(std::lround(n.z)), 0}});
+    for (const std::uint32_t k : {0u, 1u, 2u, 0u, 2u, 3u}) s.indices.push_back(first + k);
+  };
+  // A plate with a hole of 14 x 14 mm, 8 mm deep.
+  const double r = 7, w = 60, deep = -8;
+  const auto flat = [&](double x0, double y0, double x1, double y1, double z) {
+    quad({x0, y0, z}, {x1, y0, z}, {x1, y1, z}, {x0, y1, z});
+  };
+  flat(-w, -w, w, -r, 0);
+  flat(-w, r, w, w, 0);
+  flat(-w, -r, -r, r, 0);
+  flat(r, -r, w, r, 0);
+  flat(-r, -r, r, r, deep);
+  quad({-r, -r, 0}, {-r, -r, deep}, {-r, r, deep}, {-r, r, 0});
+  quad({r, r, 0}, {r, r, deep}, {r, -r, deep}, {r, -r, 0});
+  quad({r, -r, 0}, {r, -r, deep}, {-r, -r, deep}, {-r, -r, 0});
+  quad({-r, r, 0}, {-r, r, deep}, {r, r, deep}, {r, r, 0});
+  scene.surfaces = {s};
+  RenderQuality quality;
+  quality.samples = 1;
+  quality.ask_hidden = false;
+  EyeView eye;
+  eye.eye_mm = {0, 0, 300};
+  SceneState state;
+  state.opacity = {1};
+  const auto brightness = [&](bool occlusion, Vec3 at) {
+    quality.occlusion = occlusion;
+    Renderer renderer(scene, quality);
+    const trephine::Picture p = drawn(renderer, eye, state);
+    const Vec3 px = eye.project(at, width, height);
+    return int(p.rgb[3 * (std::size_t(px.y) * width + std::size_t(px.x))]);
+  };
+  const Vec3 bottom{0, 0, deep}, foot{-5.5, 0, deep}, plane{30, 20, 0};
+  EXPECT_LT(brightness(true, bottom), 0.9 * brightness(false, bottom));
+  EXPECT_LT(brightness(true, foot), 0.8 * brightness(false, foot));
+  EXPECT_GT(brightness(true, bottom), 0.4 * brightness(false, bottom)) << "it can still be seen";
+  EXPECT_NEAR(brightness(true, plane), brightness(false, plane), 1);
+}
+
 // A shell within a shell: what is seen through both is mixed in the order of depth.
 TEST_F(RenderPicture, TransparentShellsAreMixedFromTheOutermostInwards) {
   const SceneData scene = ball_in_ball(30);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "cli/command.h"
 #include "contact/contact.h"
 #include "device/device.h"
+#include "device/mailbox.h"
 
 namespace trephine {
 
@@ -29,6 +31,16 @@ struct DeviceChoice {
   }
 };
 
+/// How the picture lies in the case, unit: what a device that is pushed means by right and up.
+struct ViewAxes {
+  Vec3 right{1, 0, 0}, up{0, 0, 1};
+  double least_most_n = 0;  ///< a hand that is led may pull as hard as that: what the tool needs to pierce
+};
+/// Where a tool is held at first.
+struct HandBegin {
+  Vec3 tip_mm, axis{0, 0, 1};
+};
+
 /// What a device is made for: the volume over which it moves, how the loop runs, and how to report a wait.
 struct DeviceScene {
   const ContactVolume& contact;
@@ -38,7 +50,9 @@ struct DeviceScene {
   Progress progress;          ///< ends a wait
   std::uint64_t drilled = 0;  ///< the shapes that the tool drills, bit n for shape n; 0: it does not
   double tool_radius_mm = 0;
-  std::vector<std::pair<std::string, Vec3>> sites;  ///< the case's landmarks and burr holes, mm
+  std::vector<std::pair<std::string, Vec3>> sites;    ///< the case's landmarks and burr holes, mm
+  std::shared_ptr<Mailbox<ViewAxes>> view = nullptr;  ///< of a window; read by the servo thread alone
+  std::optional<HandBegin> begin = std::nullopt;      ///< of a hand that is led; none: it finds its own
 };
 
 /// A kind of device, declared once. The values of --device, the help, the reference pages and the completion come from

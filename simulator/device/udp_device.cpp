@@ -213,7 +213,8 @@ void UdpDevice::serve() {
     if (newest.session != net.session || newest.answers <= net.answered || newest.answers > net.last) continue;
     net.answered = newest.answers;
     newest.news.events |= events_.exchange(0, std::memory_order_relaxed);
-    if (reply(newest, net.client)) ++answers_;
+    ++answers_;  // before it is sent: who has an answer in hand finds it counted
+    if (!reply(newest, net.client)) --answers_;
   }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "device/workspace.h"
 
+#include "haptics/drilling.h"
+
 namespace trephine {
 
 WorkspaceDevice::WorkspaceDevice(std::unique_ptr<Device> device, const WorkspaceParams& params)
@@ -25,8 +27,9 @@ bool WorkspaceDevice::read(double dt_s, DeviceReading& out) {
   if (down) {
     const std::uint32_t clutch = std::uint32_t{1} << (params_.clutch_button - 1);
     offset_mm_ = rests_.tip_mm - scaled;
+    const std::uint32_t buttons = out.buttons;
     out = rests_;
-    out.buttons &= ~clutch;
+    out.buttons = buttons & ~(clutch | Drilling::pedal);
     return true;
   }
   out.tip_mm = scaled + offset_mm_;

@@ -27,6 +27,7 @@ Sight sight_of(const EyeView& eye, const SceneState& state, Vec3 centre_mm) {
 Sight sight_in(const Sight& sight, const Mat3& axes, Vec3 offset_mm) {
   Sight s = sight;
   s.eye = transpose_times(axes, sight.eye - offset_mm);
+  s.near = transpose_times(axes, sight.near - offset_mm);
   for (Sight::Plane& p : s.planes) {
     p.offset -= dot(p.normal, offset_mm);
     p.normal = transpose_times(axes, p.normal);
@@ -42,6 +43,12 @@ bool may_be_seen(const Chunk& chunk, const Sight& sight) {
     if (least > p.offset + 1e-3) return false;
   }
   return true;
+}
+
+double away_from_near(const Chunk& chunk, const Sight& sight) {
+  Vec3 away;
+  for (int k = 0; k < 3; ++k) away[k] = std::max({0.0, chunk.low[k] - sight.near[k], sight.near[k] - chunk.high[k]});
+  return norm(away);
 }
 
 bool may_face(const Chunk& chunk, const Chunk::Range& range, const Sight& sight) {

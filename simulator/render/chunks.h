@@ -19,6 +19,9 @@ struct Sight {
   std::vector<Plane> planes;  ///< the frustum's sides, and the cut
   Vec3 eye;
   Faces faces = Faces::both;  ///< which are drawn
+  bool coarse = false;        ///< coarser where that was made, but not within fine_mm of `near`
+  Vec3 near;
+  double fine_mm = 0;
 };
 /// Of the whole picture, relative to centre_mm.
 Sight sight_of(const EyeView& eye, const SceneState& state, Vec3 centre_mm);
@@ -45,6 +48,8 @@ std::vector<Chunk> make_chunks(std::vector<std::uint32_t>& indices, const std::v
 /// Whether something of the chunk may be within the planes; whether the range may show a face.
 bool may_be_seen(const Chunk& chunk, const Sight& sight);
 bool may_face(const Chunk& chunk, const Chunk::Range& range, const Sight& sight);
+/// Of the chunk's box from `near`, mm.
+double away_from_near(const Chunk& chunk, const Sight& sight);
 
 // ----------------------------------------------------------------------------------------------------------------
 

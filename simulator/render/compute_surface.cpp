@@ -27,7 +27,7 @@ enum Binding : GLuint { vertices_at, indices_at, places_at, commands_at, heap_at
 struct Place {
   std::uint32_t first_vertex, vertex_room, first_index, index_room;
 };
-struct Command {
+struct DrawCommand {
   std::uint32_t count, instances, first_index, base_vertex, base_instance;
 };
 struct Work {
@@ -88,7 +88,7 @@ class ComputeSurface : public SurfaceMaker {
   const ShadowVolume& shadow() const override { return shadow_; }
   std::size_t bytes() const override {
     return vertex_room_ * sizeof(SceneVertex) + index_room_ * sizeof(std::uint32_t) +
-           slot_room_ * (sizeof(Place) + sizeof(Command)) + shadow_.slice() * shadow_.size(2);
+           slot_room_ * (sizeof(Place) + sizeof(DrawCommand)) + shadow_.slice() * shadow_.size(2);
   }
 
   std::size_t update(const std::vector<std::size_t>& marked) override {
@@ -137,21 +137,21 @@ class ComputeSurface : public SurfaceMaker {
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_);
     for (const DrawList::Range& r : list.ranges())
       glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
-                                  reinterpret_cast<const void*>(std::size_t(r.first) * sizeof(Command)),
+                                  reinterpret_cast<const void*>(std::size_t(r.first) * sizeof(DrawCommand)),
                                   GLsizei(r.count), 0);
   }
 
   std::size_t triangles(const DrawList& list) const override {
     std::size_t indices = 0;
     for (const DrawList::Range& r : list.ranges())
-      for (const Command& c : fetch<Command>(commands_, r.first, r.count)) indices += c.count;
+      for (const DrawCommand& c : fetch<DrawCommand>(commands_, r.first, r.count)) indices += c.count;
     return indices / 3;
   }
 
   DrawnBrick read(std::size_t brick) const override {
     DrawnBrick out;
     if (slot_of_[brick] == no_slot) return out;
-    const Command c = fetch<Command>(commands_, slot_of_[brick], 1).front();
+    const DrawCommand c = fetch<DrawCommand>(commands_, slot_of_[brick], 1).front();
     const Place p = fetch<Place>(places_, slot_of_[brick], 1).front();
     if (c.count == 0) return out;
     out.indices = fetch<std::uint32_t>(indices_, c.first_index, c.count);
@@ -285,7 +285,7 @@ class ComputeSurface : public SurfaceMaker {
              std::to_string(std::max(vertex_room_ * sizeof(SceneVertex), index_room_ * 4) >> 20));
     store(vertices_, vertex_room_ * sizeof(SceneVertex), nullptr, GL_DYNAMIC_COPY);
     store(indices_, index_room_ * sizeof(std::uint32_t), nullptr, GL_DYNAMIC_COPY);
-    store(commands_, slot_room_ * sizeof(Command), nullptr, GL_DYNAMIC_COPY);
+    store(commands_, slot_room_ * sizeof(DrawCommand), nullptr, GL_DYNAMIC_COPY);
     const std::uint32_t end[2] = {vertices, indices};
     store(heap_, sizeof end, end, GL_DYNAMIC_COPY);
     places.resize(slot_room_, Place{0, 0, 0, 0});

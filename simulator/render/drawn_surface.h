@@ -47,6 +47,9 @@ class DrawnSurface {
   /// `seen` (by chunk; may be null): 0 where something hides the chunk.
   virtual void list(const Sight& scene, const std::vector<std::uint8_t>* seen, DrawList& out) const = 0;
   virtual void draw(const DrawList& list) const = 0;
+  /// Makes coarser triangles beside its own (render/coarse.h), or removes them (0). What the graphics card makes has
+  /// none.
+  virtual void make_coarse(double /*within_mm*/) {}
   /// That the list draws. May wait for the graphics card.
   virtual std::size_t triangles(const DrawList& list) const = 0;
   virtual std::size_t bytes() const = 0;

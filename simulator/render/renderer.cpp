@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/splitmix64.h"
+#include "render/memory.h"
 #include "render/renderer_impl.h"
 
 namespace trephine {
@@ -40,12 +41,13 @@ Mat4 to_texture(const Lattice& lattice, Vec3 centre_mm) {
 Renderer::Impl::Impl(const SceneData& scene, const RenderQuality& q)
     : centre_mm(scene.centre_mm),
       quality(q),
-      surface(shaders::surface_vertex, shaders::surface_fragment),
       plane(shaders::plane_vertex, shaders::plane_fragment),
       box(shaders::box_vertex, shaders::box_fragment),
       openness(shaders::screen_vertex, shaders::openness_fragment),
+      smoothing(shaders::screen_vertex, shaders::smooth_fragment),
       darkening(shaders::screen_vertex, shaders::darken_fragment),
-      presenting(shaders::screen_vertex, shaders::present_fragment) {
+      presenting(shaders::screen_vertex, shaders::present_fragment),
+      shadow(shaders::shadow_vertex, shaders::box_fragment) {
   const Bounds& b = scene.bounds;
   radius_mm = norm(b.max_mm - b.min_mm) / 2 + norm((b.max_mm + b.min_mm) / 2 - centre_mm);
   samples = std::clamp(q.samples, 1, driver_facts().most_samples);
@@ -67,6 +69,8 @@ Renderer::Impl::Impl(const SceneData& scene, const RenderQuality& q)
   glVertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, 0, nullptr);
   empty_array = make_vertex_array();
   make_noise();
+  make_shadow_map();
+  copies = copies_bytes();
   check_gl("the renderer");
 }
 
@@ -88,9 +92,6 @@ void Renderer::Impl::make_noise() {
 }
 
 void Renderer::Impl::upload_ct(const Grid<std::int16_t>& grid) {
-  GLint most = 0;
-  glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &most);
-  if (*std::max_element(grid.size.begin(), grid.size.end()) > most) return;  // the cut has the surface's colour then
   ct = make_texture();
   glBindTexture(GL_TEXTURE_3D, ct);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -126,6 +127,11 @@ void Renderer::Impl::make_targets(int w, int h) {
   glBindFramebuffer(GL_FRAMEBUFFER, half);
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, half_open, 0);
   check_framebuffer();
+  half_too = make_framebuffer();
+  half_smooth = texture(GL_R8, (w + 1) / 2, (h + 1) / 2, GL_RED, GL_UNSIGNED_BYTE, GL_LINEAR);
+  glBindFramebuffer(GL_FRAMEBUFFER, half_too);
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, half_smooth, 0);
+  check_framebuffer();
   if (samples > 1) {
     many = make_framebuffer();
     many_colour = make_renderbuffer();
@@ -150,6 +156,8 @@ void Renderer::set_quality(const RenderQuality& quality) {
   const int samples = std::clamp(quality.samples, 1, driver_facts().most_samples);
   if (samples != impl_->samples) impl_->width = 0;
   impl_->samples = samples;
+  for (Impl::Item& item : impl_->items)
+    if (item.buffer) item.buffer->make_coarse(quality.coarse.within_mm);
 }
 
 std::string Renderer::set_live(int n, const HapticVolume& volume, int shape, ViewParams::SurfaceBy by) {
@@ -158,6 +166,7 @@ std::string Renderer::set_live(int n, const HapticVolume& volume, int shape, Vie
   Impl::Item& item = impl_->items[std::size_t(n)];
   item.maker = maker.get();
   item.buffer = std::move(maker);
+  item.buffer->make_coarse(impl_->quality.coarse.within_mm);
   return choice.text();
 }
 std::size_t Renderer::follow(const std::vector<std::size_t>& marked) {
@@ -166,11 +175,31 @@ std::size_t Renderer::follow(const std::vector<std::size_t>& marked) {
     if (item.maker) made += item.maker->update(marked);
   return made;
 }
-void Renderer::set_tool(const Solid& solid) { impl_->tool = SolidBuffer(solid, true); }
+void Renderer::set_tool(const Solid& solid) {
+  impl_->tool = SolidBuffer(solid, true);
+  double radius = 0, low = 0, high = 0;
+  for (const SolidVertex& v : solid.vertices) {
+    radius = std::max(radius, double(std::hypot(v.position_mm[0], v.position_mm[1])));
+    low = std::min(low, double(v.position_mm[2]));
+    high = std::max(high, double(v.position_mm[2]));
+  }
+  impl_->tool_radius_mm = radius;
+  impl_->tool_low_mm = low;
+  impl_->tool_high_mm = high;
+}
 void Renderer::set_ct(const Grid<std::int16_t>& ct) { impl_->upload_ct(ct); }
 void Renderer::set_background(std::array<float, 3> linear_rgb) { impl_->background = linear_rgb; }
 
+int Renderer::most_ct_side() {
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &most);
+  return most;
+}
+
 void Renderer::clear_incisions() { impl_->walls.clear(); }
+void Renderer::drop_oldest_incision() {
+  if (!impl_->walls.empty()) impl_->walls.erase(impl_->walls.begin());
+}
 
 void Renderer::add_incision(const IncisionWall& w) {
   if (impl_->walls.size() == most_incisions) impl_->walls.erase(impl_->walls.begin());
@@ -190,7 +219,43 @@ void Renderer::draw(const EyeView& eye, const SceneState& state, int width, int 
   check_gl("a picture");
 }
 
+// Whether the driver copies the picture's bytes as they are, sRGB into a framebuffer that does not know of it. OpenGL
+// says so, and some drivers were known not to.
+bool Renderer::Impl::copies_bytes() {
+  const GlObject from = make_framebuffer(), to = make_framebuffer();
+  const GlObject source = make_renderbuffer(), target = make_renderbuffer();
+  glBindRenderbuffer(GL_RENDERBUFFER, source);
+  glRenderbufferStorage(GL_RENDERBUFFER, GL_SRGB8_ALPHA8, 1, 1);
+  glBindRenderbuffer(GL_RENDERBUFFER, target);
+  glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, 1, 1);
+  glBindFramebuffer(GL_FRAMEBUFFER, to);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, target);
+  glBindFramebuffer(GL_FRAMEBUFFER, from);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, source);
+  glEnable(GL_FRAMEBUFFER_SRGB);
+  const float half_lit[] = {0.5f, 0.5f, 0.5f, 1};
+  glClearBufferfv(GL_COLOR, 0, half_lit);
+  glDisable(GL_FRAMEBUFFER_SRGB);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to);
+  glBlitFramebuffer(0, 0, 1, 1, 0, 0, 1, 1, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_FRAMEBUFFER, to);
+  std::uint8_t pixel[4] = {};
+  glReadPixels(0, 0, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, pixel);
+  return pixel[0] >= 187 && pixel[0] <= 189;  // 0.5 as sRGB
+}
+
 void Renderer::present(int x, int y, int width, int height, int mask) {
+  if (mask == 7 && impl_->copies) {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->one);
+    glDisable(GL_SCISSOR_TEST);
+    glBlitFramebuffer(0, 0, impl_->width, impl_->height, x, y, x + width, y + height, GL_COLOR_BUFFER_BIT,
+                      impl_->width == width && impl_->height == height ? GL_NEAREST : GL_LINEAR);
+    GLint target = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, GLuint(target));
+    check_gl("the picture's copy");
+    return;
+  }
   glViewport(x, y, width, height);
   glDisable(GL_DEPTH_TEST);
   glColorMask(mask & 1, mask >> 1 & 1, mask >> 2 & 1, GL_TRUE);
@@ -212,6 +277,7 @@ std::size_t Renderer::drawn_triangles() const {
 
 std::size_t Renderer::graphics_bytes() const {
   std::size_t n = impl_->has_ct ? impl_->ct_lattice.count() * 2 : 0;
+  n += picture_bytes(impl_->width, impl_->height, impl_->samples);
   for (const Impl::Item& item : impl_->items) n += item.buffer ? item.buffer->bytes() : 0;
   for (const Impl::Wall& wall : impl_->walls) n += wall.bytes;
   return n;
@@ -237,7 +303,10 @@ Picture OffscreenPicture::read() {
   return read_picture(impl_->width, impl_->height);
 }
 
-void bind_screen() { glBindFramebuffer(GL_FRAMEBUFFER, 0); }
+void bind_screen(Eye eye) {
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glDrawBuffer(eye == Eye::left ? GL_BACK_LEFT : eye == Eye::right ? GL_BACK_RIGHT : GL_BACK);
+}
 
 Picture read_picture(int width, int height) {
   Picture p{width, height, std::vector<std::uint8_t>(std::size_t(width) * std::size_t(height) * 3)};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "render/coarse.h"
 #include "render/context.h"
 #include "scene/png.h"
 #include "scene/scene.h"
@@ -17,12 +18,15 @@ namespace trephine {
 
 /// How much is spent on a picture.
 struct RenderQuality {
-  int samples = 4;          ///< a pixel, at edges; at most what the driver has
-  bool occlusion = true;    ///< darkens creases and what is near behind something
-  double occlusion_mm = 9;  ///< within that distance
-  bool grain = true;        ///< a texture on what only an incision cuts
+  int samples = 4;           ///< a pixel, at edges; at most what the driver has
+  bool occlusion = true;     ///< darkens creases and what is near behind something
+  double occlusion_mm = 20;  ///< within that distance
+  bool grain = true;         ///< a texture on what only an incision cuts
   /// Ask first what is hidden behind the outermost opaque surface, and do not draw it: pays where triangles are dear.
   bool ask_hidden = false;
+  /// Samples of the tool's shadow a pixel, 0 to 5; 0: it casts none.
+  int shadow_taps = 5;
+  Coarseness coarse = {};
 };
 
 /// The wall of an incision: what is seen of the surface's own thickness where a ball was taken out of it.
@@ -55,10 +59,13 @@ class Renderer {
   /// Makes live surfaces follow the marked bricks; returns how many bricks were made anew.
   std::size_t follow(const std::vector<std::size_t>& marked);
   void set_tool(const Solid& solid);
+  /// Its sides must be at most most_ct_side().
   void set_ct(const Grid<std::int16_t>& ct);
+  static int most_ct_side();
   /// Of more than most_incisions the oldest are no longer drawn.
   void add_incision(const IncisionWall& wall);
   void clear_incisions();
+  void drop_oldest_incision();
   static constexpr std::size_t most_incisions = 48;
   void set_background(std::array<float, 3> linear_rgb);
 
@@ -75,7 +82,7 @@ class Renderer {
 
   /// In the last picture, once each for all its passes. May wait for the graphics card.
   std::size_t drawn_triangles() const;
-  std::size_t graphics_bytes() const;  ///< of vertices, triangles and textures; without pictures
+  std::size_t graphics_bytes() const;  ///< of vertices, triangles and textures, and of the last picture
 
  private:
   struct Impl;
@@ -95,8 +102,10 @@ class OffscreenPicture {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Binds the window's own framebuffer again, for present().
-void bind_screen();
+/// Of a picture for both eyes, or of one of two.
+enum class Eye { both, left, right };
+/// Binds the window's own framebuffer again, for present(): of one eye, where the window has a buffer for each.
+void bind_screen(Eye eye = Eye::both);
 /// What a window's framebuffer shows, from its lower left corner: of the one that is bound for reading.
 Picture read_picture(int width, int height);
 

@@ -10,7 +10,9 @@ namespace {
 
 constexpr float grain_of_surface = 0.35f;
 
-void set_colour(const std::array<float, 3>& srgb) { glVertexAttrib3f(2, srgb[0], srgb[1], srgb[2]); }
+void set_colour(const std::array<float, 3>& srgb) {
+  glVertexAttrib3f(2, linear_of(srgb[0]), linear_of(srgb[1]), linear_of(srgb[2]));
+}
 
 Mat3 scaled(double by) {
   Mat3 axes;
@@ -31,27 +33,54 @@ void Renderer::Impl::set_balls(const GlProgram& program, bool any) const {
   }
 }
 
-// What is the same for all that the surface program draws in this picture.
-void Renderer::Impl::begin_surface(const GlProgram& p, const EyeView& eye, const SceneState& state) const {
+void Renderer::Impl::begin_surface(const EyeView& eye, const SceneState& state) {
+  begun = 0;
+  surface_eye = &eye;
+  surface_state = &state;
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_3D, noise);
+}
+
+void Renderer::Impl::surface_with(int parts) {
+  using namespace shaders;
+  GlProgram& p = surfaces[parts];
+  surface = &p;
+  if (!(made >> parts & 1)) {
+    static const std::pair<int, const char*> names[] = {{grain_part, "GRAIN"},
+                                                        {glow_part, "GLOW"},
+                                                        {balls_part, "BALLS"},
+                                                        {wall_part, "WALL"},
+                                                        {shadow_part, "SHADOW"}};
+    std::string source = "#version 430 core\n";
+    for (const auto& [part, name] : names)
+      if (parts & part) source += std::string("#define ") + name + "\n";
+    p = GlProgram((source + surface_vertex).c_str(), (source + surface_fragment).c_str());
+    made |= 1u << parts;
+  }
   p.use();
-  p.set("to_camera", eye.to_camera(centre_mm));
-  p.set("projection", eye.projection());
+  if (begun >> parts & 1) return;
+  begun |= 1u << parts;
+  // What is the same for all that this program draws in this picture.
+  const SceneState& state = *surface_state;
+  p.set("to_camera", surface_eye->to_camera(centre_mm));
+  p.set("projection", surface_eye->projection());
   if (state.cut) {
     const Vec3 n = normalized(state.cut->normal);
     p.set("clip", float(n.x), float(n.y), float(n.z), float(dot(n, relative(state.cut->point_mm))));
   } else {
     p.set("clip", 0.f, 0.f, 0.f, 1.f);
   }
-  p.set("noise", 0);
-  p.set("occupancy", 1);
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_3D, noise);
-  glActiveTexture(GL_TEXTURE1);
-  glBindTexture(GL_TEXTURE_3D, noise);  // until a wall binds its own
-  p.set("wall", 0);
-  p.set("glow_colour", 0.05f, 0.55f, 0.9f);
-  p.set("glow", state.contact_mm ? float(0.25 + 0.65 * std::clamp(state.contact_strength, 0.0, 1.0)) : 0.f);
-  if (state.contact_mm) p.set("glow_place", relative(*state.contact_mm));
+  if (parts & grain_part) {
+    p.set("noise", 0);
+    p.set("grain", grain_of_surface);
+  }
+  if (parts & wall_part) p.set("occupancy", 1);
+  if (parts & shadow_part) receive_shadow(p);
+  if (parts & glow_part) {
+    p.set("glow_colour", 0.05f, 0.55f, 0.9f);
+    p.set("glow", float(0.25 + 0.65 * std::clamp(state.contact_strength, 0.0, 1.0)));
+    p.set("glow_place", relative(*state.contact_mm));
+  }
 }
 
 void Renderer::Impl::draw_surface(std::size_t n, Sight::Faces faces, const std::vector<std::uint8_t>* seen) {
@@ -107,17 +136,17 @@ void Renderer::Impl::ask_hidden(std::size_t n, const EyeView& eye) {
   }
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_TRUE);
-  surface.use();
 }
 
 void Renderer::Impl::use_surface(std::size_t n, const SceneState& state, double opacity) {
+  using namespace shaders;
   const Item& item = items[n];
-  surface.set("model", item.buffer ? item.buffer->placed().model : Mat4());
-  surface.set("opacity", float(opacity));
-  surface.set("grain", item.incised && quality.grain ? grain_of_surface : 0.f);
-  set_balls(surface, item.incised);
+  surface_with((item.incised && quality.grain ? grain_part : 0) | (item.incised && !walls.empty() ? balls_part : 0) |
+               (state.contact_mm ? glow_part : 0) | (casts ? shadow_part : 0));
+  surface->set("model", item.buffer ? item.buffer->placed().model : Mat4());
+  surface->set("opacity", float(opacity));
+  if (item.incised && !walls.empty()) set_balls(*surface, true);
   set_colour(item.colour_rgb);
-  (void)state;
 }
 
 void Renderer::Impl::draw_opaque(const EyeView& eye, const SceneState& state) {
@@ -147,30 +176,27 @@ void Renderer::Impl::draw_walls(const SceneState& state) {
     const Wall& wall = walls[n];
     const std::size_t s = std::size_t(wall.surface);
     if (s >= state.opacity.size() || state.opacity[s] <= 0) continue;
-    surface.set("model", affine(scaled(wall.ball.radius_mm), relative(wall.ball.centre_mm)));
-    surface.set("opacity", 1.f);
-    surface.set("grain", quality.grain ? grain_of_surface : 0.f);
-    surface.set("wall", 1);
-    surface.set("wall_ball", int(n));
-    surface.set("to_occupancy", wall.to_occupancy);
-    set_balls(surface, true);
+    surface_with(shaders::wall_part | shaders::balls_part | (quality.grain ? shaders::grain_part : 0) |
+                 (state.contact_mm ? shaders::glow_part : 0) | (casts ? shaders::shadow_part : 0));
+    surface->set("model", affine(scaled(wall.ball.radius_mm), relative(wall.ball.centre_mm)));
+    surface->set("opacity", 1.f);
+    surface->set("wall_ball", int(n));
+    surface->set("to_occupancy", wall.to_occupancy);
+    set_balls(*surface, true);
     const std::array<float, 3>& c = items[s].colour_rgb;
     set_colour({c[0], c[1] * 0.62f, c[2] * 0.6f});  // what lies under the surface is redder
     glActiveTexture(GL_TEXTURE1);
     glBindTexture(GL_TEXTURE_3D, wall.occupancy);
     ball.draw();
   }
-  surface.set("wall", 0);
   glCullFace(GL_BACK);
   glDisable(GL_CULL_FACE);
 }
 
 void Renderer::Impl::draw_solid_at(const SolidBuffer& solid, Vec3 place_mm, const Mat3& axes, double opacity) {
-  surface.set("model", affine(axes, relative(place_mm)));
-  surface.set("opacity", float(opacity));
-  surface.set("grain", 0.f);
-  surface.set("glow", 0.f);
-  surface.set("balls", 0);
+  surface_with(0);  // nor does the tool receive its own shadow
+  surface->set("model", affine(axes, relative(place_mm)));
+  surface->set("opacity", float(opacity));
   solid.draw();
 }
 
@@ -255,13 +281,19 @@ void Renderer::Impl::darken(const EyeView& eye) {
   glBindVertexArray(empty_array);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 
+  glBindFramebuffer(GL_FRAMEBUFFER, half_too);
+  smoothing.use();
+  glBindTexture(GL_TEXTURE_2D, half_open);
+  smoothing.set("open", 0);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+
   glBindFramebuffer(GL_FRAMEBUFFER, samples > 1 ? many : one);
   glViewport(0, 0, width, height);
   glEnable(GL_BLEND);
   glBlendFunc(GL_ZERO, GL_SRC_COLOR);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
   darkening.use();
-  glBindTexture(GL_TEXTURE_2D, half_open);
+  glBindTexture(GL_TEXTURE_2D, half_smooth);
   darkening.set("open", 0);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -270,17 +302,19 @@ void Renderer::Impl::darken(const EyeView& eye) {
 }
 
 void Renderer::Impl::draw(const EyeView& eye, const SceneState& state, int w, int h) {
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_STENCIL_TEST);
+  glDisable(GL_CLIP_DISTANCE0);
+  cast_shadow(eye, state);
   glBindFramebuffer(GL_FRAMEBUFFER, samples > 1 ? many : one);
   glViewport(0, 0, w, h);
   glEnable(GL_FRAMEBUFFER_SRGB);
   glDisable(GL_BLEND);
-  glDisable(GL_SCISSOR_TEST);
-  glDisable(GL_STENCIL_TEST);
   glFrontFace(GL_CCW);
   glCullFace(GL_BACK);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LESS);
-  glDepthMask(GL_TRUE);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
   glClearColor(background[0], background[1], background[2], 1);
@@ -289,17 +323,22 @@ void Renderer::Impl::draw(const EyeView& eye, const SceneState& state, int w, in
   if (state.cut) glEnable(GL_CLIP_DISTANCE0);
   sight = sight_of(eye, state, centre_mm);
   lists.clear();
-  begin_surface(surface, eye, state);
+  begin_surface(eye, state);
+  // Coarse and whole triangles would not close a cut, and would be seen double through each other.
+  sight.coarse = quality.coarse.within_mm > 0 && !state.cut;
+  sight.near = relative(state.tip_mm);
+  sight.fine_mm = state.tool_shown ? quality.coarse.fine_mm : -1e6;
   draw_opaque(eye, state);
+  sight.coarse = false;
   draw_walls(state);
   if (state.cut) draw_caps(eye, state);
   glDisable(GL_CLIP_DISTANCE0);
   draw_ct_planes(eye, state);
-  begin_surface(surface, eye, state);
+  begin_surface(eye, state);
   draw_solids(state);
   if (quality.occlusion) darken(eye);
   if (state.cut) glEnable(GL_CLIP_DISTANCE0);
-  begin_surface(surface, eye, state);
+  begin_surface(eye, state);
   draw_transparent(state);
   glDisable(GL_CLIP_DISTANCE0);
   draw_ghost(state);

@@ -14,13 +14,22 @@ struct Renderer::Impl {
   Impl(const SceneData& scene, const RenderQuality& quality);
 
   // renderer.cpp
+  static bool copies_bytes();
   void make_targets(int width, int height);
   void make_noise();
   void upload_ct(const Grid<std::int16_t>& ct);
 
+  // renderer_shadow.cpp
+  void make_shadow_map();
+  void cast_shadow(const EyeView& eye, const SceneState& state);
+  void receive_shadow(const GlProgram& program) const;
+
   // renderer_draw.cpp
   void draw(const EyeView& eye, const SceneState& state, int width, int height);
-  void begin_surface(const GlProgram& program, const EyeView& eye, const SceneState& state) const;
+  /// What is drawn from now on, until it is called again, is seen by that eye.
+  void begin_surface(const EyeView& eye, const SceneState& state);
+  /// Uses the program with these parts (shaders::SurfacePart), which `surface` is then.
+  void surface_with(int parts);
   void draw_surface(std::size_t n, Sight::Faces faces, const std::vector<std::uint8_t>* seen = nullptr);
   void ask_hidden(std::size_t n, const EyeView& eye);
   ~Impl();
@@ -54,7 +63,12 @@ struct Renderer::Impl {
   int samples = 1;
   std::vector<Item> items;
   SolidBuffer tool, ball, dot_solid;
-  GlProgram surface, plane, box, openness, darkening, presenting;
+  GlProgram surfaces[shaders::all_parts + 1];  ///< made where they are first needed
+  std::uint32_t made = 0, begun = 0;           ///< bit n: of surfaces[n]
+  const GlProgram* surface = nullptr;          ///< in use
+  const EyeView* surface_eye = nullptr;
+  const SceneState* surface_state = nullptr;
+  GlProgram plane, box, openness, smoothing, darkening, presenting;
   GlObject plane_array, plane_corners, empty_array, noise, ct;
   bool has_ct = false;
   Mat4 to_ct;
@@ -67,16 +81,25 @@ struct Renderer::Impl {
     std::size_t bytes;
   };
   std::vector<Wall> walls;
+
+  // The tool's shadow: the tool as the key light sees it, in a map that lies along the tool.
+  GlProgram shadow;
+  GlObject shadow_frame, shadow_map;
+  double tool_radius_mm = 0, tool_low_mm = 0, tool_high_mm = 0;  ///< a cylinder about its axis that holds the tool
+  bool casts = false;                                            ///< in this picture
+  Mat4 to_shadow;
+  float shadow_step[2] = {0, 0};
   std::array<float, 3> background{0.012f, 0.016f, 0.022f};
 
   // Of the picture that is drawn.
   Sight sight;
   std::vector<std::pair<std::size_t, DrawList>> lists;  // by item
 
+  bool copies = false;  ///< present() may copy bytes
   // The picture: `many` where a pixel has several samples, `one` with its colour and depth as textures, `half` for the
   // darkening.
   int width = 0, height = 0;
-  GlObject many, many_colour, many_depth, one, one_colour, one_depth, half, half_open;
+  GlObject many, many_colour, many_depth, one, one_colour, one_depth, half, half_open, half_too, half_smooth;
 };
 
 /// From mm about the scene's centre to coordinates of a texture on that lattice.

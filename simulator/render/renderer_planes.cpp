@@ -43,9 +43,9 @@ void Renderer::Impl::draw_caps(const EyeView& eye, const SceneState& state) {
   glEnable(GL_STENCIL_TEST);
   for (std::size_t n = 0; n < items.size() && n < state.opacity.size(); ++n) {
     if (state.opacity[n] <= 0) continue;
-    begin_surface(surface, eye, state);
+    begin_surface(eye, state);
     use_surface(n, state, 1);
-    set_balls(surface, false);
+    if (items[n].incised && !walls.empty()) set_balls(*surface, false);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glDepthMask(GL_FALSE);
     glDisable(GL_DEPTH_TEST);

@@ -3,20 +3,27 @@
 
 namespace trephine::shaders {
 
-const char* const surface_vertex = R"(#version 430 core
+const char* const surface_vertex = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
-layout(location = 2) in vec3 colour_srgb;
+layout(location = 2) in vec3 colour_linear;
 uniform mat4 model, to_camera, projection;
 uniform vec4 clip;  // removed where dot(clip.xyz, p) > clip.w
 out vec3 place, seen_from_eye, facing, albedo;
+#ifdef SHADOW
+uniform mat4 to_shadow;
+out vec3 in_shadow;
+#endif
 void main() {
   vec4 p = model * vec4(position, 1);
   vec4 c = to_camera * p;
   place = p.xyz;
   seen_from_eye = c.xyz;
   facing = mat3(to_camera) * (mat3(model) * normal);
-  albedo = pow(colour_srgb, vec3(2.2));
+  albedo = colour_linear;
+#ifdef SHADOW
+  in_shadow = (to_shadow * vec4(p.xyz, 1)).xyz;
+#endif
   gl_ClipDistance[0] = clip.w - dot(clip.xyz, p.xyz);
   gl_Position = projection * c;
 }
@@ -24,44 +31,80 @@ void main() {
 
 // The lights are those of the toolchain's pictures: a key light from the upper left, a weak one from the right, a rim
 // light from behind, and a sky that is a little brighter than the ground; they stand still relative to the viewer.
-const char* const surface_fragment = R"(#version 430 core
+// Parts that a surface does not need are not compiled (surface_parts): a processor that draws runs both sides of a
+// branch.
+const char* const surface_fragment = R"(
 in vec3 place, seen_from_eye, facing, albedo;
-uniform float opacity, grain, glow;
+uniform float opacity;
+out vec4 colour;
+#ifdef GRAIN
+uniform float grain;
+uniform sampler3D noise;
+#endif
+#ifdef GLOW
+uniform float glow;
 uniform vec3 glow_place, glow_colour;
+#endif
+#ifdef BALLS
 uniform int balls;
 uniform vec4 ball[48];
-uniform int wall;                 // 1: the inside of an incision's ball, where the surface's occupancy is 1/2 or more
+#endif
+#ifdef WALL  // the inside of an incision's ball, where the surface's occupancy is 1/2 or more
 uniform int wall_ball;
 uniform mat4 to_occupancy;
-uniform sampler3D occupancy, noise;
-out vec4 colour;
+uniform sampler3D occupancy;
+#endif
+#ifdef SHADOW  // of the tool
+uniform int shadow_taps;
+in vec3 in_shadow;
+uniform vec2 shadow_step;
+uniform sampler2DShadow shadow;
+// How much of the key light comes past the tool.
+float past_tool() {
+  const vec2 taps[5] = vec2[5](vec2(0), vec2(1, 0), vec2(-1, 0), vec2(0, 1), vec2(0, -1));
+  float sum = 0;
+  for (int i = 0; i < shadow_taps; ++i) sum += texture(shadow, vec3(in_shadow.xy + taps[i] * shadow_step, in_shadow.z));
+  return sum / shadow_taps;
+}
+#else
+float past_tool() { return 1; }
+#endif
 void main() {
-  for (int n = 0; n < balls; ++n)
-    if (!(wall == 1 && n == wall_ball) && distance(place, ball[n].xyz) < ball[n].w) discard;
-  if (wall == 1) {
-    vec3 at = (to_occupancy * vec4(place, 1)).xyz;
-    if (any(lessThan(at, vec3(0))) || any(greaterThan(at, vec3(1))) || texture(occupancy, at).r < 0.5) discard;
+#ifdef BALLS
+  for (int n = 0; n < balls; ++n) {
+#ifdef WALL
+    if (n == wall_ball) continue;
+#endif
+    if (distance(place, ball[n].xyz) < ball[n].w) discard;
   }
+#endif
+#ifdef WALL
+  vec3 at = (to_occupancy * vec4(place, 1)).xyz;
+  if (any(lessThan(at, vec3(0))) || any(greaterThan(at, vec3(1))) || texture(occupancy, at).r < 0.5) discard;
+#endif
   vec3 n = normalize(facing), to_eye = normalize(-seen_from_eye);
   bool inner = dot(n, to_eye) < 0;
   if (inner) n = -n;
   vec3 base = albedo;
-  if (grain > 0) {
-    float g = texture(noise, place * 0.045).r * 0.6 + texture(noise, place * 0.21).r * 0.4 - 0.5;
-    base *= 1 + grain * g;
-  }
+#ifdef GRAIN
+  float g = texture(noise, place * 0.045).r * 0.6 + texture(noise, place * 0.21).r * 0.4 - 0.5;
+  base *= 1 + grain * g;
+#endif
   if (inner) base *= vec3(0.62, 0.5, 0.5);
   const vec3 key = normalize(vec3(-0.45, 0.62, 0.64)), fill = normalize(vec3(0.80, 0.05, 0.45)),
              rim = normalize(vec3(0.25, 0.55, -0.80));
-  float light = 0.70 * max(0.0, dot(n, key)) + 0.30 * max(0.0, dot(n, fill)) + 0.12 * max(0.0, dot(n, rim)) + 0.26 +
-                0.08 * n.y;
-  float shine = pow(max(0.0, dot(n, normalize(key + to_eye))), 32);
-  vec3 lit = base * light + 0.10 * shine;
-  if (glow > 0) {
-    float d = distance(place, glow_place);
-    float ring = exp(-(d - 2.2) * (d - 2.2) * 8) + exp(-d * d * 6);
-    lit = mix(lit, glow_colour, min(1.0, ring * glow));
-  }
+  float past = past_tool();
+  float light = 0.70 * past * max(0.0, dot(n, key)) + 0.30 * max(0.0, dot(n, fill)) + 0.12 * max(0.0, dot(n, rim)) +
+                0.26 + 0.08 * n.y;
+  float shine = max(0.0, dot(n, normalize(key + to_eye)));
+  for (int i = 0; i < 5; ++i) shine *= shine;  // to the power of 32
+  vec3 lit = base * light + 0.10 * past * shine;
+#ifdef GLOW
+  // A spot where the tool touches, and a ring of 2.2 mm around it.
+  float d = distance(place, glow_place);
+  float near_ring = max(0.0, 1 - 3 * (d - 2.2) * (d - 2.2)), near_spot = max(0.0, 1 - 2 * d * d);
+  lit = mix(lit, glow_colour, min(1.0, (near_ring * near_ring + near_spot * near_spot) * glow));
+#endif
   float grazing = 1 - abs(dot(n, to_eye));
   float a = opacity >= 1 ? 1 : opacity + (1 - opacity) * 0.7 * grazing * grazing * grazing;
   colour = vec4(lit, a);
@@ -109,6 +152,12 @@ void main() {
 }
 )";
 
+const char* const shadow_vertex = R"(#version 430 core
+layout(location = 0) in vec3 position;
+uniform mat4 model, to_light;
+void main() { gl_Position = to_light * (model * vec4(position, 1)); }
+)";
+
 const char* const box_vertex = R"(#version 430 core
 uniform mat4 model, to_camera, projection;
 uniform vec3 low, high;
@@ -133,7 +182,8 @@ void main() {
 }
 )";
 
-// Obscurance by McGuire et al. 2011, from the depth alone: the normal is that of the nearer neighbours.
+// Obscurance after McGuire et al. 2011, from the depth alone: the normal is that of the nearer neighbours. Their
+// falloff by the sixth power left a burr hole as bright as what is around it; ours is of the second.
 const char* const openness_fragment = R"(#version 430 core
 in vec2 at;
 uniform sampler2D depth;
@@ -172,10 +222,23 @@ void main() {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, size))) continue;
     vec3 v = position(q, vec2(size)) - c;
     float vv = dot(v, v);
-    float f = max(0.0, radius_mm * radius_mm - vv) / (radius_mm * radius_mm);
-    sum += f * f * f * max(0.0, (dot(v, n) + 0.002 * c.z) / (vv + 0.05)) * radius_mm;
+    // How far it stands above the surface, as an angle: what is less is a facet's edge. Beyond the radius it counts not.
+    sum += max(0.0, dot(v, n) * inversesqrt(vv + 1e-6) - 0.12) * max(0.0, 1 - vv / (radius_mm * radius_mm));
   }
-  open = clamp(1 - 0.55 * sum / samples, 0.25, 1.0);
+  open = clamp(1 - 2.4 * sum / samples, 0.25, 1.0);
+}
+)";
+
+// The 4 x 4 cells of the pattern are averaged.
+const char* const smooth_fragment = R"(#version 430 core
+uniform sampler2D open;
+out float smoothed;
+void main() {
+  ivec2 size = textureSize(open, 0), p = ivec2(gl_FragCoord.xy);
+  float sum = 0;
+  for (int y = -1; y <= 2; ++y)
+    for (int x = -1; x <= 2; ++x) sum += texelFetch(open, clamp(p + ivec2(x, y), ivec2(0), size - 1), 0).r;
+  smoothed = sum / 16;
 }
 )";
 
@@ -183,14 +246,7 @@ const char* const darken_fragment = R"(#version 430 core
 in vec2 at;
 uniform sampler2D open;
 out vec4 colour;
-void main() {
-  // The 4 x 4 cells of the pattern are averaged.
-  ivec2 size = textureSize(open, 0), p = ivec2(gl_FragCoord.xy) / 2;
-  float sum = 0;
-  for (int y = -1; y <= 2; ++y)
-    for (int x = -1; x <= 2; ++x) sum += texelFetch(open, clamp(p + ivec2(x, y), ivec2(0), size - 1), 0).r;
-  colour = vec4(vec3(sum / 16), 1);
-}
+void main() { colour = vec4(texture(open, at).rrr, 1); }
 )";
 
 const char* const present_fragment = R"(#version 430 core

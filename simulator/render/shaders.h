@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
 
 namespace trephine::shaders {
 
+/// Where the key light comes from, in the viewer's axes; the fragment shader has the same.
+constexpr std::array<float, 3> key_light{-0.45f, 0.62f, 0.64f};
+
 // GLSL 4.30. Positions are mm from the scene's centre until to_camera; colours are linear after the vertex shader.
 extern const char* const surface_vertex;
-extern const char* const surface_fragment;  ///< surfaces, tools, markers, and the walls of incisions
+/// Surfaces, tools, markers, and the walls of incisions: without a version, and with these defined before it.
+extern const char* const surface_fragment;
+enum SurfacePart { grain_part = 1, glow_part = 2, balls_part = 4, wall_part = 8, shadow_part = 16, all_parts = 31 };
 extern const char* const plane_vertex;
 extern const char* const plane_fragment;                   ///< caps of a cut, and slices of the CT
+extern const char* const shadow_vertex;                    ///< the tool as the light sees it, with box_fragment
 extern const char *const box_vertex, *const box_fragment;  ///< asks whether a box is seen
 extern const char* const screen_vertex;
 extern const char* const openness_fragment;  ///< how much light reaches a pixel past its surroundings
-extern const char* const darken_fragment;
+extern const char *const smooth_fragment, *const darken_fragment;
 extern const char* const present_fragment;
 /// Makes the triangles of bricks: the head, then definitions (COUNT: only counts them), then the rest.
 extern const char *const brick_head, *const brick_compute;

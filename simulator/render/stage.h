@@ -23,7 +23,7 @@ class Stage {
   void set_view(const ViewParams& params);
   const ViewParams& view() const { return params_; }
   /// How good pictures are from now on, without another view; `scale` below 1: so many pixels less in each direction.
-  void set_quality(const ViewParams& params, double scale);
+  void set_quality(const ViewParams& params, double scale, const Coarseness& coarse = {});
   /// `colour_rgb`: of all of it, in place of its own.
   void set_tool(const ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb = {});
   /// Makes the live surfaces follow the marked bricks; returns how many were made anew.
@@ -35,14 +35,18 @@ class Stage {
   void show_frame(const ServoFrame& frame);
 
   /// Draws, and copies the picture into the framebuffer that `bind` binds, from its lower left corner; with two eyes
-  /// as the parameters say. `head_mm` moves the eyes from where the camera stands (right, up, towards the viewer).
-  void draw(const OrbitCamera& camera, int width, int height, const std::function<void()>& bind, Vec3 head_mm = {});
+  /// as the parameters say. `bind` is asked for one eye alone where each has a framebuffer (quad_buffer). `head_mm`
+  /// moves the eyes from where the camera stands (right, up, towards the viewer).
+  void draw(const OrbitCamera& camera, int width, int height, const std::function<void(Eye)>& bind, Vec3 head_mm = {});
 
   SceneState state;
   const SceneData& scene() const { return scene_; }
   const LoadedCase& loaded() const { return loaded_; }
   Renderer& renderer() { return *renderer_; }
+  const Renderer& renderer() const { return *renderer_; }
   const DriverFacts& driver() const { return driver_; }
+  /// What was left out for want of graphics memory, a line each; may grow.
+  const std::vector<std::string>& notes() const { return notes_; }
   /// Who makes the surfaces that are cut; empty where none is.
   const std::string& surfaces_by() const { return surfaces_by_; }
 
@@ -52,10 +56,17 @@ class Stage {
 
  private:
   void draw_insets(int width, int height);
+  void fit_surfaces();
+  void fit_ct();
+  int samples_of(const ViewParams& params) const;
+  bool fits(std::size_t bytes) const;
   RenderQuality quality_of(const ViewParams& params) const;
   IncisionWall wall_of(const IncisionMark& mark, int surface, const HapticDecoder& decoder) const;
 
   const LoadedCase& loaded_;
+  std::size_t budget_bytes_ = 0;  ///< 0: any
+  int most_samples_ = 64;
+  std::vector<std::string> notes_;
   ViewParams params_;
   DriverFacts driver_;
   SceneData scene_;
@@ -64,7 +75,9 @@ class Stage {
   std::unique_ptr<Renderer> renderer_;
   std::vector<std::size_t> marked_;
   std::size_t shown_incisions_ = 0;
+  bool told_incisions_ = false;
   double scale_ = 1;
+  Coarseness coarse_;
 };
 
 }  // namespace trephine

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <unordered_map>
 
+#include "render/coarse.h"
+
 namespace trephine {
 namespace {
 
@@ -17,9 +19,18 @@ const void* offset(std::size_t bytes) { return reinterpret_cast<const void*>(byt
 // Room to grow for a brick that is cut: its surface becomes larger before it vanishes.
 std::uint32_t with_room(std::size_t n) { return std::uint32_t(n + n / 2 + 16); }
 
+bool touch(const Chunk& a, const Chunk& b) {
+  constexpr double gap_mm = 0.1;
+  for (int k = 0; k < 3; ++k)
+    if (a.low[k] > b.high[k] + gap_mm || b.low[k] > a.high[k] + gap_mm) return false;
+  return true;
+}
+
 Vec3 vec(const float* p) { return {p[0], p[1], p[2]}; }
 
 }  // namespace
+
+float linear_of(float srgb) { return std::pow(std::max(0.f, srgb), 2.2f); }
 
 SceneVertex packed(const LiveVertex& v) {
   SceneVertex out;
@@ -46,8 +57,10 @@ SolidBuffer::SolidBuffer(const Solid& s, bool coloured)
       count_(GLsizei(s.indices.size())) {
   glBindVertexArray(array_);
   glBindBuffer(GL_ARRAY_BUFFER, vertices_);
-  glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(s.vertices.size() * sizeof s.vertices[0]), s.vertices.data(),
-               GL_STATIC_DRAW);
+  std::vector<SolidVertex> vertices = s.vertices;
+  for (SolidVertex& v : vertices)
+    for (float& part : v.colour_rgb) part = linear_of(part);
+  glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(vertices.size() * sizeof vertices[0]), vertices.data(), GL_STATIC_DRAW);
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
   glBufferData(GL_ELEMENT_ARRAY_BUFFER, GLsizeiptr(s.indices.size() * sizeof s.indices[0]), s.indices.data(),
                GL_STATIC_DRAW);
@@ -78,7 +91,48 @@ SurfaceBuffer::SurfaceBuffer(const SceneSurface& s) {
   }
   placed_.chunks = make_chunks(
       index_work_, box_of, numbers.size(), [&](std::uint32_t v) { return vec(vertex_work_[v].position_mm); }, nullptr);
+  fine_end_ = index_work_.size();
   upload(0, 0);
+}
+
+void SurfaceBuffer::make_coarse(double within_mm) {
+  if (within_mm == coarse_mm_) return;
+  coarse_mm_ = within_mm;
+  index_work_.resize(fine_end_);
+  add_coarse();
+  upload(0, 0);
+}
+
+void SurfaceBuffer::make_coarse(const LiveSurface& surface, double within_mm) {
+  if (within_mm == coarse_mm_) return;
+  coarse_mm_ = within_mm;
+  upload_bricks(surface);
+}
+
+// Behind the triangles of the chunks, in the same chunks.
+void SurfaceBuffer::add_coarse() {
+  coarse_.clear();
+  cut_.assign(placed_.chunks.size(), 0);
+  if (!(coarse_mm_ > 0)) return;
+  std::vector<std::uint32_t> chunk_of(index_work_.size() / 3);
+  for (std::size_t n = 0; n < placed_.chunks.size(); ++n) {
+    for (const Chunk::Range& r : placed_.chunks[n].range)
+      std::fill_n(chunk_of.begin() + r.first / 3, r.count / 3, std::uint32_t(n));
+  }
+  CoarseTriangles coarse = coarse_triangles(vertex_work_, index_work_, coarse_mm_);
+  std::vector<std::uint32_t> box_of;
+  box_of.reserve(coarse.from.size());
+  for (const std::uint32_t t : coarse.from) box_of.push_back(chunk_of[t]);
+  coarse_ = make_chunks(
+      coarse.indices, box_of, placed_.chunks.size(), [&](std::uint32_t v) { return vec(vertex_work_[v].position_mm); },
+      nullptr);
+  const auto first = std::uint32_t(index_work_.size());
+  for (Chunk& chunk : coarse_)
+    for (Chunk::Range& r : chunk.range) {
+      r.first += first;
+      if (placed_.mirrored) r.axis = r.axis * -1;
+    }
+  index_work_.insert(index_work_.end(), coarse.indices.begin(), coarse.indices.end());
 }
 
 SurfaceBuffer::SurfaceBuffer(const LiveSurface& surface, const Mat3& axes, Vec3 offset_mm) : placed_(axes, offset_mm) {
@@ -124,6 +178,7 @@ void SurfaceBuffer::upload_bricks(const LiveSurface& surface) {
   int boxes[3];
   for (std::size_t a = 0; a < 3; ++a) boxes[a] = (layout.bricks[a] + chunk_bricks - 1) / chunk_bricks;
   places_.assign(count, {});
+  chunk_of_.assign(count, 0);
   brick_first_.assign(count + 1, 0);
   vertex_work_.clear();
   index_work_.clear();
@@ -133,6 +188,7 @@ void SurfaceBuffer::upload_bricks(const LiveSurface& surface) {
     brick_first_[b + 1] = std::uint32_t(index_work_.size() / 3);
     const std::array<int, 3> at = layout.place(b);
     const int box = (at[2] / chunk_bricks * boxes[1] + at[1] / chunk_bricks) * boxes[0] + at[0] / chunk_bricks;
+    chunk_of_[b] = std::uint32_t(box);
     box_of.resize(index_work_.size() / 3, std::uint32_t(box));
   }
   // The normals of mirrored triangles point the right way after the model's mirroring: chunks know them as they are in
@@ -143,10 +199,13 @@ void SurfaceBuffer::upload_bricks(const LiveSurface& surface) {
       [&](std::uint32_t v) { return vec(vertex_work_[v].position_mm); }, &where_);
   for (Chunk& chunk : placed_.chunks)
     for (Chunk::Range& r : chunk.range) r.axis = r.axis * sign;
-  upload(vertex_work_.size() / 4 + 65536, index_work_.size() / 4 + 6 * 65536);
+  fine_end_ = index_work_.size();
+  add_coarse();
+  upload(vertex_work_.size() / 4 + 65536, fine_end_ / 4 + 6 * 65536);
 }
 
 void SurfaceBuffer::leave_chunk(std::size_t b) {
+  cut_[chunk_of_[b]] = 1;
   // The triangles of a brick that face one way follow each other.
   std::vector<std::uint32_t>& at = index_work_;
   at.assign(where_.begin() + brick_first_[b], where_.begin() + brick_first_[b + 1]);
@@ -209,11 +268,25 @@ void SurfaceBuffer::update(const LiveSurface& surface, const std::vector<std::si
 void SurfaceBuffer::list(const Sight& scene, const std::vector<std::uint8_t>* seen, DrawList& out) const {
   out.clear();
   const Sight s = placed_.sight(scene);
+  // Where fine and coarse meet, a row of chunks is drawn both ways, so that no gap is seen between them.
+  std::vector<std::size_t> fine;
+  if (s.coarse && !coarse_.empty())
+    for (std::size_t n = 0; n < placed_.chunks.size(); ++n)
+      if (cut_[n] || away_from_near(placed_.chunks[n], s) <= s.fine_mm) fine.push_back(n);
+  const auto beside_fine = [&](std::size_t n) {
+    return std::any_of(fine.begin(), fine.end(),
+                       [&](std::size_t f) { return touch(placed_.chunks[n], placed_.chunks[f]); });
+  };
   for (std::size_t n = 0; n < placed_.chunks.size(); ++n) {
     const Chunk& chunk = placed_.chunks[n];
     if ((seen && !(*seen)[n]) || !may_be_seen(chunk, s)) continue;
-    for (const Chunk::Range& r : chunk.range)
-      if (r.count > 0 && may_face(chunk, r, s)) out.add(r.first, r.count);
+    const auto add = [&](const Chunk& c) {
+      for (const Chunk::Range& r : c.range)
+        if (r.count > 0 && may_face(c, r, s)) out.add(r.first, r.count);
+    };
+    const bool coarse = s.coarse && !coarse_.empty() && !cut_[n] && away_from_near(chunk, s) > s.fine_mm;
+    if (!coarse || beside_fine(n)) add(chunk);
+    if (coarse) add(coarse_[n]);
   }
   out.add(std::uint32_t(chunk_end_), std::uint32_t(index_end_ - chunk_end_));
 }

@@ -38,6 +38,10 @@ class SurfaceBuffer : public DrawnSurface {
   const PlacedChunks& placed() const override { return placed_; }
   void list(const Sight& scene, const std::vector<std::uint8_t>* seen, DrawList& out) const override;
   void draw(const DrawList& list) const override;
+  /// Of what the processor made from a file.
+  void make_coarse(double within_mm) override;
+  /// Of bricks.
+  void make_coarse(const LiveSurface& surface, double within_mm);
   std::size_t triangles(const DrawList& list) const override;
   std::size_t bytes() const override {
     return vertex_room_ * sizeof(SceneVertex) + index_room_ * sizeof(std::uint32_t);
@@ -48,6 +52,7 @@ class SurfaceBuffer : public DrawnSurface {
     std::uint32_t first_vertex = 0, vertex_room = 0, first_index = 0, index_room = 0;
   };
   void upload_bricks(const LiveSurface& surface);
+  void add_coarse();
   void upload(std::size_t spare_vertices, std::size_t spare_indices);
   void leave_chunk(std::size_t brick);
   void put(const BrickMesh& mesh, const Place& place);
@@ -55,8 +60,13 @@ class SurfaceBuffer : public DrawnSurface {
 
   GlObject array_, vertices_, indices_;
   PlacedChunks placed_;
-  std::size_t chunk_end_ = 0;                       ///< of indices; behind it lie bricks that were cut
-  std::vector<Place> places_;                       ///< by brick, behind the chunks; without room: it is in its chunk
+  double coarse_mm_ = 0;
+  std::vector<Chunk> coarse_;            ///< by chunk; empty: there are no coarser triangles
+  std::vector<std::uint8_t> cut_;        ///< by chunk: bricks have left it, so its coarser triangles are wrong
+  std::vector<std::uint32_t> chunk_of_;  ///< by brick
+  std::size_t fine_end_ = 0;             ///< of indices; behind it lie the coarser triangles
+  std::size_t chunk_end_ = 0;            ///< of indices; behind it lie bricks that were cut
+  std::vector<Place> places_;            ///< by brick, behind the chunks; without room: it is in its chunk
   std::vector<std::uint32_t> brick_first_, where_;  ///< by brick its first triangle; by triangle its indices' place
   std::size_t vertex_end_ = 0, index_end_ = 0, vertex_room_ = 0, index_room_ = 0;
   std::vector<SceneVertex> vertex_work_;
@@ -65,6 +75,8 @@ class SurfaceBuffer : public DrawnSurface {
   mutable std::vector<const void*> first_work_;
 };
 
+/// Of a colour's part, as the shaders take it.
+float linear_of(float srgb);
 /// A vertex as it is drawn: its normal in steps of 1/127.
 SceneVertex packed(const LiveVertex& vertex);
 

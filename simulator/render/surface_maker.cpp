@@ -41,6 +41,7 @@ class ProcessorSurface : public SurfaceMaker {
     buffer_.list(scene, seen, out);
   }
   void draw(const DrawList& list) const override { buffer_.draw(list); }
+  void make_coarse(double within_mm) override { buffer_.make_coarse(live_, within_mm); }
   std::size_t triangles(const DrawList& list) const override { return buffer_.triangles(list); }
   std::size_t bytes() const override { return buffer_.bytes(); }
 

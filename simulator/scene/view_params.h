@@ -10,7 +10,7 @@ namespace trephine {
 
 /// How a case is looked at: the declared settings of a window and of pictures.
 struct ViewParams {
-  enum class Stereo { none, side_by_side, top_bottom, anaglyph };
+  enum class Stereo { none, side_by_side, top_bottom, anaglyph, quad_buffer };
   enum class Cut { none, axial, coronal, sagittal };
   enum class SurfaceBy { measured, processor, graphics };
   ViewPreset view = ViewPreset::surgeon;
@@ -23,9 +23,9 @@ struct ViewParams {
   bool cut_ct = true, places = true, insets = false;
   double ct_low_hu = -160, ct_high_hu = 240;
   int samples = 0;
-  bool occlusion = true, grain = true;
+  bool occlusion = true, shadow = true, grain = true;
   SurfaceBy surface_by = SurfaceBy::measured;
-  double occlusion_mm = 9;
+  double occlusion_mm = 20, graphics_budget_mb = 2048;
   template <class V>
   static void describe(V& v) {
     using P = ViewParams;
@@ -39,8 +39,10 @@ struct ViewParams {
              {{"none", Stereo::none},
               {"side_by_side", Stereo::side_by_side},
               {"top_bottom", Stereo::top_bottom},
-              {"anaglyph", Stereo::anaglyph}},
-             "Two eyes: side by side, one above the other (left on top), or red for the left and cyan for the right.");
+              {"anaglyph", Stereo::anaglyph},
+              {"quad_buffer", Stereo::quad_buffer}},
+             "Two eyes: side by side, one above the other (left on top), red for the left and cyan for the right, or a "
+             "buffer of the window for each, where the driver has them (else side by side).");
     v.number(&P::eye_distance_mm, "eye_distance_mm", Range{0, 200}, "Distance between the two eyes, in the scene.");
     v.number(&P::convergence_mm, "convergence_mm", Range{0, 5000},
              "Distance of the plane that both eyes see at the same place; 0: that of what is looked at.");
@@ -57,11 +59,16 @@ struct ViewParams {
               "Samples a pixel for smooth edges; 0: 4, or 1 where the processor draws.");
     v.flag(&P::occlusion, "occlusion", "Darken creases and what lies close behind something.");
     v.number(&P::occlusion_mm, "occlusion_mm", Range{0.1, 100}, "Within that distance.");
+    v.flag(&P::shadow, "shadow", "The tool casts its shadow: where it meets the tool, the tool touches.");
     v.choice(
         &P::surface_by, "surface_by",
         {{"measured", SurfaceBy::measured}, {"processor", SurfaceBy::processor}, {"graphics", SurfaceBy::graphics}},
         "Who makes the triangles of bone that is cut. measured: the faster one, measured at the start; the processor "
         "where it draws as well.");
+    v.number(&P::graphics_budget_mb, "graphics_budget_mb", Range{16, 1e6},
+             "Graphics memory that surfaces, CT and pictures may take, counted by the program. Where it is too little "
+             "smooth edges, whole triangles, and the CT's resolution are left out, and it says so; 0: any.")
+        .none_at_zero();
     v.flag(&P::grain, "grain", "A fine texture on what only an incision cuts.");
   }
   std::string fault() const { return ct_high_hu > ct_low_hu ? "" : "ct_high_hu: must be above ct_low_hu"; }

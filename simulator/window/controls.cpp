@@ -13,6 +13,20 @@ constexpr double orbit_rad_per_px = 0.006, zoom_step = 0.9;
 constexpr double cut_step_mm = 1;
 constexpr double ask_again_s = 4;  // within which a lesson's end is asked for twice
 constexpr int left = 0, right = 1, middle = 2;
+constexpr double arm_first_s = 0.5, arm_again_s = 0.15;  // until a held key turns the C-arm on
+
+struct ArmKey {
+  int key;
+  const char* how;
+  bool again;
+};
+constexpr ArmKey arm_keys[] = {{GLFW_KEY_F, "ap", false},
+                               {GLFW_KEY_L, "lateral", false},
+                               {GLFW_KEY_O, "oblique", false},
+                               {GLFW_KEY_PERIOD, "orbit_more", true},
+                               {GLFW_KEY_COMMA, "orbit_less", true},
+                               {GLFW_KEY_PAGE_UP, "tilt_more", true},
+                               {GLFW_KEY_PAGE_DOWN, "tilt_less", true}};
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -86,6 +100,12 @@ void Controls::press(int key, int, Player& player, int width, int height) {
     said = player.set_view(views[std::size_t(key - GLFW_KEY_F1)].first);
     return;
   }
+  for (const ArmKey& a : arm_keys)
+    if (key == a.key) {
+      said = player.move_arm(a.how);
+      arm_again_s_ = held_s_ + arm_first_s;
+      return;
+    }
   switch (key) {
     case GLFW_KEY_ESCAPE:
       player.quit();
@@ -167,6 +187,11 @@ void Controls::hold(double wall_s, Player& player, int width, int height) {
   held_s_ += wall_s;
   if (buttons_.count(left) && player.draws()) player.draw_at(cursor_x, cursor_y, width, height);
   const auto down = [&](int key) { return keys_.count(key) ? 1.0 : 0.0; };
+  for (const ArmKey& a : arm_keys)
+    if (a.again && keys_.count(a.key) && player.has_xray() && held_s_ >= arm_again_s_) {
+      player.move_arm(a.how);
+      arm_again_s_ = held_s_ + arm_again_s;
+    }
   const double ahead = down(GLFW_KEY_W) - down(GLFW_KEY_S);
   if (ahead != 0) player.advance_tool(ahead * params_.advance_mm_per_s * wall_s);
   const double turn = params_.turn_deg_per_s * M_PI / 180 * wall_s;

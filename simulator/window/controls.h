@@ -28,7 +28,7 @@ class Controls {
   ScreenHandParams params_;
   std::set<int> keys_, buttons_;
   bool cursor_known_ = false;
-  double finish_asked_s_ = -1, held_s_ = 0;
+  double finish_asked_s_ = -1, held_s_ = 0, arm_again_s_ = 0;
 };
 
 }  // namespace trephine

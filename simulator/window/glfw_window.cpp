@@ -27,7 +27,8 @@ struct GlfwWindow::Library {
   ~Library() { glfwTerminate(); }
 };
 
-GlfwWindow::GlfwWindow(const std::string& title, int width, int height, bool visible) : library_(new Library) {
+GlfwWindow::GlfwWindow(const std::string& title, int width, int height, bool visible, bool quad_buffers)
+    : library_(new Library) {
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -35,7 +36,13 @@ GlfwWindow::GlfwWindow(const std::string& title, int width, int height, bool vis
   glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
   glfwWindowHint(GLFW_DEPTH_BITS, 0);
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
-  window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  if (quad_buffers) {
+    glfwWindowHint(GLFW_STEREO, GLFW_TRUE);
+    window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+    glfwWindowHint(GLFW_STEREO, GLFW_FALSE);
+    quad_buffers_ = window_ != nullptr;
+  }
+  if (!window_) window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (!window_) {
     const std::string first = last_fault();
     glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_NO_ROBUSTNESS);
@@ -43,6 +50,8 @@ GlfwWindow::GlfwWindow(const std::string& title, int width, int height, bool vis
     if (!window_) throw Error(ExitCode::io, "", "OpenGL", "the display has none of version 4.3 (core): " + first);
   }
   glfwMakeContextCurrent(window_);
+  has_khr_robustness_ = epoxy_has_gl_extension("GL_KHR_robustness");
+  has_arb_robustness_ = epoxy_has_gl_extension("GL_ARB_robustness");
   glfwSwapInterval(0);  // the loop keeps its own time, and reads the hand as late as it can
   glfwSetWindowUserPointer(window_, this);
   static const auto keep = [](GLFWwindow* w, const InputEvent& e) {
@@ -92,6 +101,10 @@ bool GlfwWindow::closed() const { return glfwWindowShouldClose(window_); }
 void GlfwWindow::width_height(int& width, int& height) const { glfwGetFramebufferSize(window_, &width, &height); }
 void GlfwWindow::swap() { glfwSwapBuffers(window_); }
 
-bool GlfwWindow::reset() const { return epoxy_gl_version() >= 45 && glGetGraphicsResetStatus() != GL_NO_ERROR; }
+bool GlfwWindow::reset() const {
+  if (epoxy_gl_version() >= 45) return glGetGraphicsResetStatus() != GL_NO_ERROR;
+  if (has_khr_robustness_) return glGetGraphicsResetStatusKHR() != GL_NO_ERROR;
+  return has_arb_robustness_ && glGetGraphicsResetStatusARB() != GL_NO_ERROR;
+}
 
 }  // namespace trephine

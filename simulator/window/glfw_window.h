@@ -21,8 +21,9 @@ struct InputEvent {
 /// A window with a current context of OpenGL 4.3 core.
 class GlfwWindow {
  public:
-  /// Throws Error 74 where there is no display, or no such context.
-  GlfwWindow(const std::string& title, int width, int height, bool visible = true);
+  /// Throws Error 74 where there is no display, or no such context. `quad_buffers`: a buffer for each eye is asked for;
+  /// a driver without them gives a window without.
+  GlfwWindow(const std::string& title, int width, int height, bool visible = true, bool quad_buffers = false);
   ~GlfwWindow();
   GlfwWindow(const GlfwWindow&) = delete;
   GlfwWindow& operator=(const GlfwWindow&) = delete;
@@ -33,12 +34,14 @@ class GlfwWindow {
   void width_height(int& width, int& height) const;  ///< of the framebuffer
   void swap();
   bool reset() const;  ///< the driver lost the context
+  bool has_quad_buffers() const { return quad_buffers_; }
   GLFWwindow* handle() const { return window_; }
 
  private:
   struct Library;
   std::unique_ptr<Library> library_;
   GLFWwindow* window_ = nullptr;
+  bool quad_buffers_ = false, has_khr_robustness_ = false, has_arb_robustness_ = false;
   std::vector<InputEvent> waiting_, given_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+#include <epoxy/gl.h>
 #include <fmt/format.h>
 #include <imgui.h>
 
@@ -56,6 +57,7 @@ Hud::Hud(GlfwWindow& window, double scale, Language language) : scale_(scale), l
 }
 
 Hud::~Hud() {
+  if (texture_ != 0) glDeleteTextures(1, &texture_);
   ImGui_ImplOpenGL3_Shutdown();
   ImGui_ImplGlfw_Shutdown();
   ImGui::DestroyContext();
@@ -179,6 +181,7 @@ void Hud::draw(Player& player, Controls& controls, const PictureTimes& times, in
     status_panel(player, controls, times, width, height);
     if (player.playback()) playback_panel(player, width, height);
   }
+  if (player.has_xray()) xray_panel(player, controls, width, height);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }

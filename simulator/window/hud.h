@@ -35,10 +35,13 @@ class Hud {
   void status_panel(Player& player, const Controls& controls, const PictureTimes& times, int width, int height);
   void lesson_panel(Player& player, Controls& controls);
   void score_panel(const Player& player, int width, int height);
+  void xray_panel(Player& player, Controls& controls, int width, int height);
   void playback_panel(Player& player, int width, int height);
   const char* say(Text text) const { return text_of(language_, text); }
   double scale_;
   Language language_;
+  unsigned texture_ = 0;          // of the fluoroscopic picture; 0 before the first
+  std::uint64_t in_texture_ = 0;  // Player::xrays_made of what it holds
 };
 
 }  // namespace trephine

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "fluoro/fluoroscope.h"
 #include "lesson/approval.h"
 
 namespace trephine {
@@ -31,14 +32,6 @@ std::vector<LessonStep> steps_of(const LessonModule& module, const LessonFacts& 
   return steps;
 }
 
-HapticVolume copy_of(const HapticVolume& v) {
-  HapticVolume out;
-  out.encoding = v.encoding;
-  out.voxels = v.voxels;
-  out.shapes = v.shapes;
-  return out;
-}
-
 CompiledRubric rubric_of(const LessonPlay& p) {
   validate_token(p.participant, "--participant");
   CompiledRubric rubric = read_rubric_file(p.rubric);
@@ -54,11 +47,13 @@ LessonDesk::LessonDesk(const LessonPlay& play, const Patient& patient, const Ses
       case_folder_(o.case_folder),
       rate_hz_(o.servo.rate_hz),
       module_(lesson_module(play.module)),
-      rubric_(rubric_of(play)) {
+      rubric_(rubric_of(play)),
+      manifest_(patient.felt.loaded.manifest) {
   const LoadedCase& loaded = patient.felt.loaded;
   with_file((o.case_folder / "case.json").string(), [&] {
-    before_ = copy_of(loaded.haptic);
+    before_ = copy_without_hardness(loaded.haptic);
     module_.require(loaded.manifest);
+    if (module_.needs_pictures) require_ct(loaded.ct);
     lesson_ = module_.begin(loaded.manifest, before_, loaded.haptic);
   });
   belt_ = std::make_unique<ToolBelt>(patient.contact, patient.felt.feels, o.force, o.shaft, module_.tools(), nullptr);
@@ -113,6 +108,8 @@ std::string LessonDesk::take(const std::string& name) {
 std::string LessonDesk::give(const std::string& name) {
   for (int n = 1; n < belt_command::count; ++n)
     if (name == belt_command::names[n]) {
+      if (belt_->paused() && n != belt_command::pause && n != belt_command::resume && n != belt_command::finish)
+        return "the lesson is paused: go on first";
       if (n == belt_command::incise && !belt_->has_mark()) return "the marker has not touched yet";
       commands_.push_back(n);
       note_step(-1, n);

@@ -67,6 +67,8 @@ class LessonDesk {
   const LessonFacts& facts() const { return lesson_->facts(); }
   std::vector<LessonStatus> status() const;
   int verdict() const;  ///< LessonModule::verdict
+  bool has_arm() const { return bool(module_.xray); }
+  LessonXray xray() const { return module_.xray(*lesson_, manifest_); }  ///< where it has one
   /// What the marker drew and nobody erased, as dots; true where it changed since the last call.
   bool take_ink(std::vector<Vec3>& ink_mm);
 
@@ -89,6 +91,7 @@ class LessonDesk {
   const double rate_hz_;
   const LessonModule& module_;
   const CompiledRubric rubric_;
+  const CaseManifest& manifest_;  // of the patient
   HapticVolume before_;
   std::unique_ptr<ToolBelt> belt_;  // follows the session's
   std::unique_ptr<Lesson> lesson_;

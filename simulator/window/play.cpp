@@ -13,6 +13,7 @@
 #include "window/controls.h"
 #include "window/glfw_window.h"
 #include "window/hud.h"
+#include "window/reduction.h"
 #include "window/remote.h"
 
 namespace trephine {
@@ -29,51 +30,6 @@ double median(std::deque<double> values) {
   return values[values.size() / 2];
 }
 
-// Where pictures take longer than they should, what makes them good is left out step by step; never a surface.
-class Reduction {
- public:
-  Reduction(double target_ms, const ViewParams& whole, const DriverFacts& driver)
-      : target_ms_(target_ms), whole_(whole) {
-    if (driver.software && target_ms > 0) level_ = 1;  // the processor draws: the picture begins without the darkening
-  }
-  /// Returns whether another level begins.
-  bool look(double ms) {
-    if (!(target_ms_ > 0)) return false;
-    times_.push_back(ms);
-    if (times_.size() < 8) return false;
-    const double typical = median(times_);
-    times_.clear();
-    if (typical > target_ms_ && level_ < most) {
-      ++level_;
-      return true;
-    }
-    return false;
-  }
-  ViewParams view() const {
-    ViewParams v = whole_;
-    if (level_ >= 1) {
-      v.samples = 1;
-      v.occlusion = false;
-    }
-    if (level_ >= 2) v.grain = false;
-    return v;
-  }
-  double scale() const { return level_ >= 3 ? 0.5 : 1; }
-  std::string text() const {
-    static const char* const dropped[] = {"", "no darkening of creases, rough edges",
-                                          "no darkening of creases, rough edges, no grain",
-                                          "no darkening of creases, rough edges, no grain, half the pixels"};
-    return dropped[level_];
-  }
-
- private:
-  static constexpr int most = 3;
-  double target_ms_;
-  ViewParams whole_;
-  int level_ = 0;
-  std::deque<double> times_;
-};
-
 class Loop {
  public:
   Loop(Player& player, GlfwWindow& window, const WindowParams& params, const PlayOptions& options)
@@ -82,7 +38,8 @@ class Loop {
         params_(params),
         controls_(options.hand),
         hud_(window, params.letters, params.language),
-        reduction_(params.target_ms, options.view, player.stage().driver()) {
+        reduction_(params.target_ms, options.view, {params.coarse_mm, params.fine_mm},
+                   player.stage().driver().software) {
     controls_.panels_shown = params.panels;
     reduce();
   }
@@ -117,24 +74,28 @@ class Loop {
   double typical_ms() const { return median(times_); }
   double last_ms() const { return times_.empty() ? 0 : times_.back(); }
   std::uint64_t pictures() const { return pictures_; }
+  std::string reduced() const { return reduction_.text(Language::english); }
 
  private:
   void reduce() {
     stages_ = player_.stages();
-    player_.stage().set_quality(reduction_.view(), reduction_.scale());
-    shown_.reduced = reduction_.text();
+    player_.stage().set_quality(reduction_.view(), reduction_.scale(), reduction_.coarse());
+    shown_.reduced = reduction_.text(params_.language);
   }
 
   void picture(int width, int height) {
     player_.stage().draw(
-        player_.camera, width, height, [] { bind_screen(); }, player_.head_mm);
+        player_.camera, width, height, [](Eye eye) { bind_screen(eye); }, player_.head_mm);
     if (player_.takes_shot()) {
       const std::filesystem::path file = player_.next_shot();
       write_file(file, png_of(read_picture(width, height)));
+      if (const MadeFluoro* xray = player_.xray(); xray && player_.has_xray())
+        write_file(file.parent_path() / (file.stem().string() + "-xray.png"),
+                   grey_png(xray->picture.size, xray->picture.size, xray->picture.grey));
       controls_.said = file.string();
     }
     const ViewParams::Stereo stereo = player_.stage().view().stereo;
-    if (stereo == ViewParams::Stereo::none || stereo == ViewParams::Stereo::anaglyph)
+    if (stereo != ViewParams::Stereo::side_by_side && stereo != ViewParams::Stereo::top_bottom)
       hud_.draw(player_, controls_, shown_, width, height);
   }
 
@@ -155,6 +116,7 @@ class Loop {
 
 PlayOutcome play(const PlayOptions& options, const WindowParams& params, int remote_port, Clock::time_point begun,
                  const std::atomic<bool>& stop, const std::function<void(const std::string& line)>& say) {
+  const bool quad = options.view.stereo == ViewParams::Stereo::quad_buffer;
   // The case is loaded while the window opens.
   auto loading = std::async(std::launch::async, [&] { return std::make_unique<Player>(options, stop); });
   std::optional<GlfwWindow> window;
@@ -169,7 +131,7 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
       head.emplace(options.head_port);
       say(fmt::format("head on port {}", head->port()));
     }
-    window.emplace("trephine-sim", params.window_width, params.window_height);
+    window.emplace("trephine-sim", params.window_width, params.window_height, true, quad);
     driver_facts();
   } catch (...) {
     loading.wait();
@@ -178,11 +140,17 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
   if (!options.playback.empty() && loading.wait_for(std::chrono::milliseconds(500)) != std::future_status::ready)
     say("running the recording, to show any of its times");
   const std::unique_ptr<Player> player = loading.get();
+  if (quad && !window->has_quad_buffers()) {
+    say(std::string("stereo: the driver has no buffer for each eye, so the picture is ") +
+        (options.lesson ? "flat: side by side would hide the lesson's panel" : "side by side"));
+    player->set_stereo(options.lesson ? ViewParams::Stereo::none : ViewParams::Stereo::side_by_side);
+  }
   player->set_stage();
   PlayOutcome outcome;
   outcome.driver = player->stage().driver().renderer;
   Loop loop(*player, *window, params, options);
   std::size_t told = 0;
+  std::string reduced;
   try {
     double wait_s = 0;
     while (!stop.load(std::memory_order_relaxed) &&
@@ -192,6 +160,10 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
         say(fmt::format("first picture after {:.2f} s, drawn by {}", outcome.first_picture_s, outcome.driver));
       }
       for (; told < player->notes().size(); ++told) say(player->notes()[told]);
+      if (std::string now = loop.reduced(); now != reduced) {
+        reduced = std::move(now);
+        say(reduced.empty() ? "reduced: nothing any more" : "reduced: " + reduced);
+      }
       wait_s = std::max(0.0, 1 / params.frames_per_s - loop.last_ms() / 1000);
     }
   } catch (...) {
@@ -202,6 +174,8 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
   for (; told < player->notes().size(); ++told) say(player->notes()[told]);
   outcome.seconds = since(begun);
   outcome.pictures = loop.pictures();
+  outcome.faults = player->faults();
+  outcome.graphics_mb = 1e-6 * double(player->stage().renderer().graphics_bytes());
   outcome.picture_ms = loop.typical_ms();
   if (player->desk() && player->desk()->scored())
     outcome.score =

@@ -14,6 +14,7 @@ namespace trephine {
 struct WindowParams {
   int window_width = 1280, window_height = 720;
   double frames_per_s = 60, target_ms = 100, letters = 1;
+  double coarse_mm = 2.5, fine_mm = 30;
   Language language = Language::english;
   bool panels = true;
   template <class V>
@@ -25,6 +26,11 @@ struct WindowParams {
     v.number(&P::target_ms, "target_ms", Range{0, 10000},
              "Time for a picture; where pictures take longer, some of what makes them good is left out, and the window "
              "says what. 0: nothing is left out.");
+    v.number(
+        &P::coarse_mm, "coarse_mm", Range{0, 20},
+        "Where pictures take too long, triangles far from the tool are made coarser, and may then lie so far beside "
+        "the surface; 0: they are not.");
+    v.number(&P::fine_mm, "fine_mm", Range{0, 1000}, "Around the tool's tip, surfaces stay whole so far.");
     v.number(&P::letters, "letters", Range{0.5, 5}, "Size of the letters; 1: 13 pixels.");
     v.choice(&P::language, "language", languages(), "Language of the panels.");
     v.flag(&P::panels, "panels", "Show the panels at the start; the key H shows and hides them.");
@@ -34,6 +40,8 @@ struct WindowParams {
 struct PlayOutcome {
   double first_picture_s = 0, seconds = 0, picture_ms = 0;  ///< picture_ms: the median of the last 200
   std::uint64_t pictures = 0;
+  double graphics_mb = 0;    ///< at the end
+  std::uint32_t faults = 0;  ///< of sessions (haptic_fault)
   std::string driver;
   std::string score;  ///< of a lesson, as a table; empty where none was judged
 };

@@ -17,6 +17,7 @@ constexpr double begin_mm = 15;    // before the site, where the tool waits
 constexpr double beyond_mm = 150;  // from where the depth of the tip is measured
 constexpr double drop_mm = 60;     // within which the place is lit where the tool would land
 constexpr std::size_t most_forces = 240;
+constexpr int xray_px = 512;
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -27,7 +28,7 @@ bool can_cut(const Patient& p) {
 }
 
 bool cuts(const std::string& tool) {
-  return tool == "burr" || tool == "ball" || tool == "craniotome" || tool == "scalpel";
+  return tool == "burr" || tool == "round_burr" || tool == "ball" || tool == "craniotome" || tool == "scalpel";
 }
 
 // "a.servo", "a-2.servo", ...: one recording for each tool that is taken.
@@ -49,6 +50,8 @@ Player::Player(const PlayOptions& options, const std::atomic<bool>& stop) : opti
   }
   if (!options_.ghost.empty()) ghost_mm_ = way_of(options_.ghost, patient_->felt.loaded.manifest.case_token);
   if (options_.lesson) desk_ = std::make_unique<LessonDesk>(*options_.lesson, *patient_, o);
+  if (desk_ && desk_->has_arm() && patient_->felt.loaded.has_ct())
+    fluoro_ = std::make_unique<FluoroThread>(patient_->felt.loaded.ct, xray_px);
 }
 
 // During a lesson nothing is seen that a surgeon would not see.
@@ -58,11 +61,14 @@ void Player::make_stage() {
   const bool works = desk_ && !playback_;
   if (works) {
     view.view_site = view.opacity = "";
+    // Where a C-arm stands, the surgeon works from behind.
+    if (desk_->has_arm() && view.view == ViewPreset::surgeon) view.view = ViewPreset::back;
     view.cut = ViewParams::Cut::none;
     view.places = view.insets = false;
   }
   stage_ = std::make_unique<Stage>(loaded, view, patient_->uncut.get());
   ++stages_;
+  told_notes_ = 0;
   if (works)
     for (double& opacity : stage_->state.opacity) opacity = 1;
   else
@@ -83,6 +89,10 @@ void Player::set_stage() {
   }
   const Bounds& b = stage_->scene().bounds;
   goal_.tip_mm = {(b.min_mm.x + b.max_mm.x) / 2, (b.min_mm.y + b.max_mm.y) / 2, b.max_mm.z + begin_mm};
+  if (desk_ && desk_->has_arm()) {  // behind the patient, pointing forwards
+    goal_.axis = {0, 1, 0};
+    goal_.tip_mm = {(b.min_mm.x + b.max_mm.x) / 2, b.max_mm.y + begin_mm, (b.min_mm.z + b.max_mm.z) / 2};
+  }
   // The way to the target is what a lesson asks for.
   const std::string site = desk_ ? "" : options_.view.view_site;
   if (const auto a = approach_of(loaded.manifest, stage_->scene(), site)) {
@@ -100,7 +110,11 @@ Player::~Player() {
 
 void Player::begin_session() {
   SessionOptions o = options_.session;
+  session_faults_ = 0;
   o.watched = true;
+  o.view = view_;
+  o.begin = frame_.tick > 0 ? HandBegin{vec(frame_.tip_mm), normalized(vec(frame_.axis))}
+                            : HandBegin{goal_.tip_mm, goal_.axis};
   if (desk_) {
     desk_->set_session(o);
   } else {
@@ -150,6 +164,7 @@ void Player::meet_session() {
   watch_ = std::make_unique<IncisionWatch>(session_->header());
   session_->start();
   rate_ticks_ = 0;
+  press_as_needed();
 }
 
 void Player::end_session() {
@@ -168,6 +183,7 @@ void Player::end_session() {
   recorded_ = true;
   screen_hand_ = nullptr;
   const ServoStatistics& t = r.statistics;
+  told_faults_ |= t.faults;
   notes_.push_back(fmt::format(
       "{}: {} ticks, tick time p50 {:.1f}, p99 {:.1f} us, woken late p50 {:.3f}, p99 {:.3f} ms, {} overruns{}",
       desk_ ? r.header.lesson : r.header.tool.tool, t.ticks, t.busy.quantile_ns(0.5) / 1e3,
@@ -214,11 +230,14 @@ void Player::step(double wall_s) {
     }
     look_at(playback_->frame());
   } else {
+    view_->write({camera.right(), camera.up, goal_.least_most_n});
     meet_session();
     if (session_) follow_session();
+    follow_xray();
     if (desk_ && desk_->judging() && desk_->take_judged(false)) begin_review();
   }
   stage_->follow(patient_->marks);
+  for (; told_notes_ < stage_->notes().size(); ++told_notes_) notes_.push_back(stage_->notes()[told_notes_]);
   for (CtPlane& plane : stage_->state.ct_planes) plane.point_mm = vec(frame_.proxy_mm);
   measure();
 }
@@ -238,6 +257,11 @@ void Player::follow_session() {
     aim();
   }
   if (!frames.empty()) look_at(frames.back());
+  told_faults_ |= frame_.faults;
+  if (const std::uint32_t faults = frame_.faults & ~session_faults_; faults != 0) {
+    session_faults_ |= faults;
+    notes_.push_back("fault: " + fault_names(faults) + ": the force is zero from now on");
+  }
   if (incisions_.size() > Renderer::most_incisions && !many_incisions_) {
     many_incisions_ = true;
     notes_.push_back(

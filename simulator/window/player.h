@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "fluoro/fluoro_thread.h"
 #include "render/stage.h"
 #include "session/session.h"
 #include "window/lesson_desk.h"
@@ -41,6 +42,7 @@ class Player {
   /// Makes the scene in the current context and begins the session; a device that has to be waited for is waited for
   /// in another thread. Throws as Stage and Session do.
   void set_stage();
+  void set_stereo(ViewParams::Stereo stereo) { options_.view.stereo = stereo; }  ///< before set_stage()
 
   /// Takes what the servo did since the last call (or shows the recording's next moment), and makes the scene follow.
   /// `wall_s`: time since the last call. Throws what a session that could not begin throws, and judging a lesson.
@@ -52,6 +54,7 @@ class Player {
   // What a user does. Each returns an empty text, or what is wrong with it.
   std::string take_tool(const std::string& name);  ///< puts the other away; the recording goes on in a further file
   std::string lesson_command(const std::string& name);  ///< of belt_command, or next or back
+  std::string move_arm(const std::string& how);         ///< ap, lateral, oblique, orbit_more, ... of a C-arm
   std::string set_view(const std::string& preset);
   std::string set_opacity(const std::string& anatomy, double opacity);
   std::string cut(const std::string& how);  ///< none, tool, axial, coronal, sagittal
@@ -88,7 +91,10 @@ class Player {
   bool live() const { return !playback_; }
   const Playback* playback() const { return playback_.get(); }
   const ServoFrame& frame() const { return frame_; }
-  const LessonDesk* desk() const { return desk_.get(); }  ///< null without a lesson
+  const LessonDesk* desk() const { return desk_.get(); }                ///< null without a lesson
+  bool has_xray() const { return fluoro_ != nullptr && live(); }        ///< a lesson with a C-arm goes on
+  const MadeFluoro* xray() const { return seen_ ? &*seen_ : nullptr; }  ///< the last picture; null before the first
+  std::uint64_t xrays_made() const { return xrays_made_; }
   std::vector<std::string> tools() const;
   const std::string& tool() const { return tool_name_; }
   bool pedal() const { return pedal_; }
@@ -103,8 +109,8 @@ class Player {
   const std::string& shape_name(int number) const;
   const std::deque<float>& forces() const { return forces_; }  ///< N, one a picture
   double servo_hz() const { return servo_hz_; }
-  double late_us() const { return late_us_; }  ///< the worst since the last picture
-  std::uint32_t faults() const { return frame_.faults; }
+  double late_us() const { return late_us_; }            ///< the worst since the last picture
+  std::uint32_t faults() const { return told_faults_; }  ///< of any session so far
   const std::vector<std::string>& notes() const { return notes_; }
   bool quits() const { return quit_; }
   bool takes_shot() { return std::exchange(shot_, false); }
@@ -119,9 +125,12 @@ class Player {
   void end_session();
   void follow_session();
   void follow_lesson(const std::vector<ServoFrame>& frames);
+  void follow_xray();
+  std::string xray_state() const;
   void begin_review();
   void ink(const ServoFrame& frame);
   void show_lesson_tool();
+  void press_as_needed();
   std::string barred() const;
   std::string lesson_state() const;
   void look_at(const ServoFrame& frame);
@@ -139,6 +148,11 @@ class Player {
   std::unique_ptr<Stage> stage_;
   std::shared_ptr<Patient> worked_on_;  // while patient_ is that of a lesson's review
   std::unique_ptr<LessonDesk> desk_;
+  std::unique_ptr<FluoroThread> fluoro_;  // reads patient_, or worked_on_
+  std::optional<MadeFluoro> seen_;
+  std::uint64_t xrays_made_ = 0;
+  std::size_t shots_shown_ = 0;
+  double exposure_shown_s_ = 0;
   std::unique_ptr<Session> session_;
   std::future<std::unique_ptr<Session>> coming_;  // waits for its device
   std::mutex said_mutex_;
@@ -147,6 +161,7 @@ class Player {
   std::unique_ptr<IncisionWatch> watch_;
   std::vector<IncisionMark> incisions_;
   HandGoal goal_;
+  std::shared_ptr<Mailbox<ViewAxes>> view_ = std::make_shared<Mailbox<ViewAxes>>();
   ServoFrame frame_{};
   std::string tool_name_, no_name_, begins_sha256_;
   Vec3 last_trace_mm_;
@@ -154,7 +169,7 @@ class Player {
   std::vector<Vec3> ghost_mm_;
   Vec3 last_ink_mm_;
   double ink_mm_ = 0;
-  std::uint32_t seen_buttons_ = 0;
+  std::uint32_t seen_buttons_ = 0, told_faults_ = 0, session_faults_ = 0;
   int verdict_ = 0;
   std::deque<float> forces_;
   double depth_mm_ = 0, target_mm_ = -1, trace_mm_ = 0, trace_apart_mm_ = 1, servo_hz_ = 0, late_us_ = 0,
@@ -164,6 +179,7 @@ class Player {
   int sessions_ = 0, shots_ = 0, stages_ = 0;
   bool pedal_ = false, judged_ = false, recorded_ = false;
   bool paused_ = false, tracing_ = false, quit_ = false, shot_ = false, many_incisions_ = false;
+  std::size_t told_notes_ = 0;  // of the stage
   std::vector<std::string> notes_;
 };
 

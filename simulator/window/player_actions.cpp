@@ -246,6 +246,10 @@ std::string Player::command(const std::string& line) {
       fault = lesson_command(verb);
     else if (verb == "lesson")
       return lesson_state();
+    else if (verb == "arm")
+      fault = move_arm(word());
+    else if (verb == "xray")
+      return xray_state();
     else if (verb == "move")
       move_tool(point());
     else if (verb == "place") {

@@ -8,6 +8,7 @@
 namespace trephine {
 namespace {
 
+constexpr double more_than_pierce = 1.25;
 constexpr double press_mm = 1.5, near_mm = 20;  // how deep a marker is pressed that draws; from where it is led there
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
@@ -66,10 +67,17 @@ void Player::ink(const ServoFrame& f) {
 void Player::show_lesson_tool() {
   constexpr std::array<float, 3> green{0.10f, 0.75f, 0.35f}, red{0.90f, 0.15f, 0.10f};
   tool_name_ = desk_->tool().name;
+  press_as_needed();
   verdict_ = desk_->verdict();
   std::optional<std::array<float, 3>> colour;
   if (verdict_ != 0) colour = verdict_ > 0 ? green : red;
   stage_->set_tool(own_tool(desk_->tool()), colour);
+}
+
+// A hand of mouse and keyboard that presses no harder than a burr wants would never pierce bone.
+void Player::press_as_needed() {
+  goal_.least_most_n = desk_ ? more_than_pierce * desk_->tool().pierce_n : 0;
+  aim();
 }
 
 void Player::follow_lesson(const std::vector<ServoFrame>& frames) {

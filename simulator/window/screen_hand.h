@@ -2,6 +2,7 @@
 #pragma once
 #include "base/params.h"
 #include "device/device.h"
+#include "device/led_hand.h"
 #include "device/mailbox.h"
 
 namespace trephine {
@@ -19,7 +20,8 @@ struct ScreenHandParams {
              "How firmly that hand follows: surfaces and bone hold it back by this force for each mm.");
     v.number(&P::hand_damping_n_s_per_mm, "hand_damping_n_s_per_mm", Range{0.0005, 0.1}, "Its damping.");
     v.number(&P::hand_most_n, "hand_most_n", Range{0.1, 50},
-             "It never pulls harder, so that a burr is not pressed until it stalls.");
+             "It never pulls harder, so that a burr is not pressed until it stalls; with a needle for bone, as hard as "
+             "that needs.");
     v.number(&P::wheel_mm, "wheel_mm", Range{0.01, 20}, "Way along the tool for a step of the wheel.");
     v.number(&P::advance_mm_per_s, "advance_mm_per_s", Range{0.01, 100},
              "Speed along the tool while W (forwards) or S (back) is down.");
@@ -32,23 +34,24 @@ struct HandGoal {
   Vec3 tip_mm, axis{0, 0, 1};
   std::uint32_t buttons = 0;
   std::uint32_t lifts = 0;  ///< another number: the hand takes the tool away, and is there at once
+  double least_most_n = 0;  ///< it may pull as hard as that, whatever hand_most_n says: what the tool needs to pierce
 };
 
-/// A hand that follows a goal as a mass on a spring, and feels the force: so a tool that is pushed into bone presses
-/// no harder than a hand would. The goal comes from another thread.
+/// A hand that is led (device/led_hand.h) to a goal of another thread.
 class ScreenHand : public Device {
  public:
   ScreenHand(const ScreenHandParams& params, const HandGoal& begin);
   void aim(const HandGoal& goal) { goals_.write(goal); }
-  double damping_n_s_per_mm() const override { return 0.002; }
+  double damping_n_s_per_mm() const override { return own_damping; }
   bool read(double dt_s, DeviceReading& out) override;
   void send(Vec3 force_n) override;
 
  private:
-  ScreenHandParams params_;
+  static constexpr double own_damping = 0.002;
   Mailbox<HandGoal> goals_;
   HandGoal goal_;
-  Vec3 position_mm_, velocity_, force_n_, axis_;
+  LedHand hand_;
+  Vec3 axis_;
 };
 
 }  // namespace trephine

@@ -91,6 +91,26 @@ constexpr Row table[] = {
      {"Review: orange your own way, green the expert's.\nX: cut away at the tool. F1 to F8: views.",
       "Nachbetrachtung: orange der eigene Weg, grün der des Experten.\nX: Schnitt am Instrument. F1 bis F8: "
       "Ansichten."}},
+    {Text::without_darkening, {"no darkening of creases, rough edges", "ohne Abdunkeln von Falten, raue Kanten"}},
+    {Text::without_grain, {"no grain", "ohne Körnung"}},
+    {Text::coarse_surfaces,
+     {"surfaces within {:.1f} mm, but whole within {:.0f} mm of the tool",
+      "Flächen auf {:.1f} mm genau, ganz im Umkreis von {:.0f} mm um das Instrument"}},
+    {Text::without_shadow, {"no shadow of the tool", "ohne Schatten des Instruments"}},
+    {Text::half_the_pixels, {"half the pixels", "halb so viele Bildpunkte"}},
+    {Text::step_spine_needle, {"Needle through a pedicle", "Nadel durch einen Pedikel"}},
+    {Text::shots, {"Shots", "Aufnahmen"}},
+    {Text::xrays, {"X-rays, s", "Strahlung, s"}},
+    {Text::fluoroscopy, {"Fluoroscopy", "Durchleuchtung"}},
+    {Text::xrays_on, {"X-RAYS ON", "STRAHLUNG EIN"}},
+    {Text::picture_held, {"last picture", "letztes Bild"}},
+    {Text::no_xray, {"Space or left button: X-rays", "Leertaste, linke Taste: Strahlung"}},
+    {Text::arm_ap, {"AP (F)", "a.-p. (F)"}},
+    {Text::arm_lateral, {"lateral (L)", "seitlich (L)"}},
+    {Text::arm_oblique, {"oblique (O)", "schräg (O)"}},
+    {Text::arm_turned, {"turned", "gedreht"}},
+    {Text::arm_tilted, {"tilted", "gekippt"}},
+    {Text::arm_keys, {"Comma, period: turn   Page up, down: tilt", "Komma, Punkt: drehen   Bild auf, ab: kippen"}},
 };
 
 constexpr bool complete() {

@@ -102,7 +102,7 @@ ok 'go_to 1000'
 until_state 'incisions 1'
 last=$(field time)
 ok 'go_to 1'
-until_state 'time (1\.0|0\.99)'
+until_state 'time (1\.0|0\.9)'  # a loaded machine has no tick just there
 [[ $last != "$(field time)" ]] || fail "it does not go back"
 ask 'tool burr'
 [[ $answer == error:* ]] || fail "a tool in a recording"

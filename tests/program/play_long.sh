@@ -26,6 +26,14 @@ lines=('tool burr' 'tool ball' 'tool needle' 'tool craniotome' 'view top' 'view 
   'opacity skull 0.5' 'opacity skull 1' 'hide brain' 'show brain' 'cut tool' 'cut axial' 'cut none' 'incise' 'pedal on' 'pedal off'
   'place 1 -20 345' 'place 20 -20 335 0.5 0 0.8' 'place 1 -20 330' 'move 3 0 -4' 'move -5 2 1' 'aim' 'orbit 30 20' 'orbit -50 -70'
   'zoom 0.7' 'zoom 1.4' 'view surgeon' 'slices on' 'slices off' 'trace on' 'trace off' 'insets on' 'insets off' 'nonsense' 'state')
+# As many incisions as are drawn at once (48), for each takes some memory until then.
+for n in {1..50}; do
+  for line in "place $((RANDOM % 30 - 14)) $((RANDOM % 30 - 35)) 338" incise; do
+    echo "$line" >&4
+    IFS= read -r -t 60 -u 4 answer || fail "no answer to: $line"
+    sleep 0.2
+  done
+done
 memory() { awk '$1 == "VmRSS:" { print $2 }' /proc/$sim/status; }
 end=$((SECONDS + PLAY_S)) first=0 half=$((SECONDS + PLAY_S / 2)) events=0
 while ((SECONDS < end)); do
@@ -49,6 +57,7 @@ echo "quit" >&4
 code=0
 wait $sim || code=$?
 sim=
-[[ $code == 0 ]] || { cat "$work/fault" >&2; fail "exit code $code"; }
+# A machine that stalls long enough is a fault of the session, which is told and no crash.
+[[ $code == 0 || ($code == 74 && $(cat "$work/fault") == *"device: time step:"*) ]] || { cat "$work/fault" >&2; fail "exit code $code"; }
 echo "$events events, $first kB of memory at half time, $last kB at the end"
 ((last <= first + first / 100 + 4000)) || fail "the memory grows"

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/coarse.h"
+
+#include <cmath>
+#include <unordered_map>
+
+namespace trephine {
+namespace {
+
+constexpr std::uint32_t none = 0xffffffff;
+
+struct Cell {
+  double sum[3] = {0, 0, 0};
+  std::uint32_t count = 0, nearest = none;
+  double away = 0;
+};
+
+double away_from_mean(const SceneVertex& v, const Cell& c) {
+  double sum = 0;
+  for (int a = 0; a < 3; ++a) {
+    const double d = v.position_mm[a] - c.sum[a] / c.count;
+    sum += d * d;
+  }
+  return sum;
+}
+
+}  // namespace
+
+CoarseTriangles coarse_triangles(const std::vector<SceneVertex>& vertices, const std::vector<std::uint32_t>& indices,
+                                 double within_mm) {
+  const double side = within_mm / std::sqrt(3.0);  // two places in a cell are no further apart than within_mm
+  std::unordered_map<std::uint64_t, std::uint32_t> numbers;
+  numbers.reserve(vertices.size() / 4);
+  std::vector<Cell> cells;
+  std::vector<std::uint32_t> cell_of(vertices.size());
+  for (std::size_t n = 0; n < vertices.size(); ++n) {
+    std::uint64_t key = 0;
+    for (int a = 0; a < 3; ++a)
+      key = key << 21 | (std::uint64_t(std::floor(vertices[n].position_mm[a] / side) + (1 << 20)) & 0x1fffff);
+    const auto [at, fresh] = numbers.emplace(key, std::uint32_t(cells.size()));
+    if (fresh) cells.emplace_back();
+    cell_of[n] = at->second;
+    Cell& cell = cells[at->second];
+    for (int a = 0; a < 3; ++a) cell.sum[a] += vertices[n].position_mm[a];
+    ++cell.count;
+  }
+  for (std::size_t n = 0; n < vertices.size(); ++n) {
+    Cell& cell = cells[cell_of[n]];
+    const double away = away_from_mean(vertices[n], cell);
+    if (cell.nearest != none && away >= cell.away) continue;
+    cell.nearest = std::uint32_t(n);
+    cell.away = away;
+  }
+  CoarseTriangles out;
+  for (std::size_t t = 0; t + 2 < indices.size(); t += 3) {
+    const std::uint32_t a = cell_of[indices[t]], b = cell_of[indices[t + 1]], c = cell_of[indices[t + 2]];
+    if (a == b || b == c || c == a) continue;
+    for (const std::uint32_t cell : {a, b, c}) out.indices.push_back(cells[cell].nearest);
+    out.from.push_back(std::uint32_t(t / 3));
+  }
+  return out;
+}
+
+SceneSurface coarse_surface(const SceneSurface& whole, double within_mm) {
+  const CoarseTriangles coarse = coarse_triangles(whole.vertices, whole.indices, within_mm);
+  SceneSurface out = whole;
+  out.vertices.clear();
+  out.indices.clear();
+  std::vector<std::uint32_t> number(whole.vertices.size(), none);
+  for (const std::uint32_t v : coarse.indices) {
+    if (number[v] == none) {
+      number[v] = std::uint32_t(out.vertices.size());
+      out.vertices.push_back(whole.vertices[v]);
+    }
+    out.indices.push_back(number[v]);
+  }
+  return out;
+}
+
+}  // namespace trephine

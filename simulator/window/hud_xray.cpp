@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The panel of a C-arm: the picture, where the arm stands, and how long X-rays were on.
+#include <epoxy/gl.h>
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "window/hud.h"
+#include "window/hud_parts.h"
+
+namespace trephine {
+
+using namespace hud;
+
+namespace {
+
+// The picture as the texture that is bound: one channel, shown as grey.
+void upload(const FluoroPicture& picture) {
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, picture.size, picture.size, 0, GL_RED, GL_UNSIGNED_BYTE, picture.grey.data());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  const GLint grey_of_red[] = {GL_RED, GL_RED, GL_RED, GL_ONE};
+  glTexParameteriv(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_RGBA, grey_of_red);
+}
+
+}  // namespace
+
+void Hud::xray_panel(Player& player, Controls& controls, int width, int height) {
+  const LessonXray x = player.desk()->xray();
+  const float letter = ImGui::GetFontSize(), side = std::clamp(0.5f * float(std::min(width, height)), 120.f, 512.f);
+  ImGui::SetNextWindowPos({float(width) - 8, float(height) - 8}, ImGuiCond_FirstUseEver, {1, 1});
+  ImGui::SetNextWindowSize({side, side + 7 * letter}, ImGuiCond_FirstUseEver);
+  ImGui::Begin(fmt::format("{}###xray", say(Text::fluoroscopy)).c_str(), nullptr,
+               ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+  const std::string pose = x.now.view == "ap"        ? say(Text::arm_ap)
+                           : x.now.view == "lateral" ? say(Text::arm_lateral)
+                           : x.now.view == "oblique" ? say(Text::arm_oblique)
+                                                     : "";
+  ImGui::TextColored(sky, "%s%s%s %.0f, %s %.0f", pose.c_str(), pose.empty() ? "" : "  ", say(Text::arm_turned),
+                     x.now.orbit_deg, say(Text::arm_tilted), x.now.tilt_deg);
+  ImGui::TextColored(x.on ? vermilion : grey, "%s",
+                     say(x.on                ? Text::xrays_on
+                         : x.shots_count > 0 ? Text::picture_held
+                                             : Text::no_xray));
+  const MadeFluoro* seen = player.xray();
+  if (seen && (seen->arm.orbit_deg != x.now.orbit_deg || seen->arm.tilt_deg != x.now.tilt_deg)) {  // it moved since
+    ImGui::SameLine();
+    ImGui::TextColored(orange, "(%.0f, %.0f)", seen->arm.orbit_deg, seen->arm.tilt_deg);
+  }
+  ImGui::SameLine();
+  ImGui::TextUnformatted(fmt::format(" {:.1f} s, {}: {}", x.exposure_s, say(Text::shots), x.shots_count).c_str());
+  const ImVec2 room = ImGui::GetContentRegionAvail();
+  const float edge = std::max(32.f, std::min(room.x, room.y - 3.2f * letter));
+  if (seen) {
+    if (texture_ == 0) glGenTextures(1, &texture_);
+    if (in_texture_ != player.xrays_made()) {
+      GLint before = 0;
+      glGetIntegerv(GL_TEXTURE_BINDING_2D, &before);
+      glBindTexture(GL_TEXTURE_2D, texture_);
+      upload(seen->picture);
+      glBindTexture(GL_TEXTURE_2D, GLuint(before));
+      in_texture_ = player.xrays_made();
+    }
+    ImGui::Image(reinterpret_cast<ImTextureID>(std::intptr_t(texture_)), {edge, edge});
+  } else {
+    ImGui::Dummy({edge, edge});
+  }
+  const auto button = [&](const char* label, const char* how, bool on_line) {
+    if (on_line) ImGui::SameLine();
+    if (ImGui::SmallButton(label)) controls.said = player.move_arm(how);
+  };
+  button(say(Text::arm_ap), "ap", false);
+  button(say(Text::arm_lateral), "lateral", true);
+  button(say(Text::arm_oblique), "oblique", true);
+  ImGui::TextColored(grey, "%s", say(Text::arm_keys));
+  ImGui::End();
+}
+
+}  // namespace trephine

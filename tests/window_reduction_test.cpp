@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a window leaves out to be quick enough, and what it says of that.
+#include "window/reduction.h"
+
+#include <gtest/gtest.h>
+
+using namespace trephine;
+
+namespace {
+
+// So many pictures of that time; returns how often another step began.
+int pictures(Reduction& r, double ms, int count) {
+  int changes = 0;
+  for (int n = 0; n < count; ++n) changes += r.look(ms);
+  return changes;
+}
+
+}  // namespace
+
+TEST(Reduction, StepsAreTakenInTheirOrderAndTold) {
+  Reduction r(100, {}, {2.5, 40}, false);
+  EXPECT_EQ(r.level(), 0);
+  EXPECT_EQ(r.text(Language::english), "");
+  EXPECT_EQ(pictures(r, 300, 8), 1);
+  EXPECT_FALSE(r.view().occlusion);
+  EXPECT_TRUE(r.view().shadow) << "it tells the depth: it goes last";
+  EXPECT_EQ(r.text(Language::english), "no darkening of creases, rough edges");
+  EXPECT_EQ(r.text(Language::german), "ohne Abdunkeln von Falten, raue Kanten");
+  EXPECT_EQ(pictures(r, 300, 8), 1);
+  EXPECT_FALSE(r.view().grain);
+  EXPECT_EQ(r.coarse().within_mm, 0);
+  EXPECT_EQ(pictures(r, 300, 8), 1);
+  EXPECT_EQ(r.coarse().within_mm, 2.5);
+  EXPECT_NE(r.text(Language::english).find("surfaces within 2.5 mm, but whole within 40 mm of the tool"),
+            std::string::npos);
+  EXPECT_EQ(r.scale(), 1);
+  EXPECT_EQ(pictures(r, 300, 800), 1) << "there is no further step";
+  EXPECT_EQ(r.scale(), 0.5);
+  EXPECT_FALSE(r.view().shadow);
+  EXPECT_NE(r.text(Language::english).find("half the pixels"), std::string::npos);
+}
+
+TEST(Reduction, AMachineThatIsQuickEnoughKeepsAll) {
+  Reduction r(100, {}, {}, false);
+  EXPECT_EQ(pictures(r, 99, 1000), 0);
+  Reduction never(0, {}, {}, true);
+  EXPECT_EQ(pictures(never, 1e4, 1000), 0);
+  EXPECT_EQ(never.level(), 0);
+}
+
+// One slow picture of eight is none; where all are quick a step is taken back, but not to and fro for ever.
+TEST(Reduction, ItDoesNotSway) {
+  Reduction r(100, {}, {2.5, 40}, true);
+  EXPECT_EQ(r.level(), 1) << "the processor draws";
+  for (int n = 0; n < 20; ++n) {
+    r.look(900);
+    EXPECT_EQ(pictures(r, 60, 7), 0);
+  }
+  EXPECT_EQ(pictures(r, 20, 40), 1);
+  EXPECT_EQ(r.level(), 0);
+  int changes = 0;
+  for (int n = 0; n < 50; ++n) changes += pictures(r, 300, 8) + pictures(r, 20, 40);
+  EXPECT_LE(changes, 6);
+}
+
+TEST(Reduction, WithoutCoarseSurfacesThatStepIsPassedOver) {
+  Reduction r(100, {}, {0, 40}, false);
+  EXPECT_EQ(pictures(r, 300, 24), 3);
+  EXPECT_EQ(r.level(), 4);
+  EXPECT_EQ(r.text(Language::english).find("surfaces"), std::string::npos);
+}
