@@ -7,8 +7,11 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <thread>
 
+#include "base/error.h"
 #include "base/parallel.h"
+#include "fluoro/fluoro_thread.h"
 #include "fluoro/fluoroscope.h"
 
 using namespace trephine;
@@ -195,6 +198,63 @@ TEST(Fluoro, TheSamePictureWhateverTheThreadCountAndFromWhatIsKept) {
   EXPECT_EQ(one.grey, other.picture(free_arm(20, 10), 100, {}).grey);
   EXPECT_NE(one.grey, scope.picture(free_arm(25, 10), 100, {}).grey);
   EXPECT_EQ(one.grey, scope.picture(free_arm(20, 10), 100, {}).grey);
+}
+
+namespace {
+
+// Waits for a picture of that size.
+MadeFluoro wait_for(FluoroThread& thread, int size) {
+  for (int n = 0; n < 3000; ++n) {
+    if (auto made = thread.take(); made && made->picture.size == size) return *made;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  ADD_FAILURE() << "no picture";
+  return {};
+}
+
+}  // namespace
+
+TEST(FluoroThread, ShowsWhatTheFluoroscopeShowsAndTheNewestNeedle) {
+  const Grid<std::int16_t> ct = ct_of(96, 1, [](Vec3 p) { return 30 - norm(p - Vec3{5, 3, 1}); });
+  constexpr int size = 128;
+  FluoroThread thread(ct, size);
+  Fluoroscope scope(ct);
+  const auto needle = [](double z) { return std::vector<MetalRod>{{{3, 4, z}, {45, 30, z + 60}, 2.5}}; };
+  // Of the arm alone nothing is shown.
+  thread.move(free_arm(20, 0));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_FALSE(thread.take());
+  thread.show(free_arm(20, 0), needle(-5));
+  EXPECT_EQ(wait_for(thread, size).picture.grey, scope.picture(free_arm(20, 0), size, needle(-5)).grey);
+  EXPECT_FALSE(thread.take());  // each is given once
+  // The needle moves many times: the last one is seen, and never one of another place of the arm.
+  for (int n = 0; n < 50; ++n) thread.show(free_arm(20, 0), needle(0.2 * n - 5));
+  MadeFluoro last = wait_for(thread, size);
+  while (!HasFailure() && last.metal[0].tip_mm.z < needle(0.2 * 49 - 5)[0].tip_mm.z) last = wait_for(thread, size);
+  EXPECT_GE(last.waited_s, 0);
+  EXPECT_EQ(last.picture.grey, scope.picture(free_arm(20, 0), size, needle(0.2 * 49 - 5)).grey);
+  // To another place while the last picture of this one is still to be made: both are.
+  thread.show(free_arm(70, 10), needle(0));
+  thread.move(free_arm(-30, 0));
+  const MadeFluoro moved = wait_for(thread, size);
+  EXPECT_EQ(moved.arm.orbit_deg, 70);
+  EXPECT_EQ(moved.picture.grey, scope.picture(free_arm(70, 10), size, needle(0)).grey);
+}
+
+TEST(FluoroThread, ACoarsePictureComesFirstAndTheEndIsAtOnce) {
+  const Grid<std::int16_t> ct = ct_of(160, 1, [](Vec3 p) { return 70 - norm(p); });
+  FluoroThread thread(ct, 1024);
+  thread.show(free_arm(0, 0), {});
+  EXPECT_EQ(wait_for(thread, 512).picture.size, 512);
+  // While the whole one is made, the arm goes elsewhere, and the object ends.
+  thread.show(free_arm(90, 0), {});
+  const auto begin = std::chrono::steady_clock::now();
+  {
+    FluoroThread other(ct, 2048);
+    other.show(free_arm(10, 0), {});
+  }
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 2);
+  EXPECT_THROW(FluoroThread(Grid<std::int16_t>(), 512), Error);
 }
 
 // Printed, and bounded loosely: the machine's load is not the program's.

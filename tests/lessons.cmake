@@ -8,4 +8,7 @@ add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program
 set_tests_properties(program.${script} PROPERTIES TIMEOUT 300
   ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;OFFLINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case")
 endforeach()
+add_test(NAME program.LongExercises COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/exercises_long.sh)
+set_tests_properties(program.LongExercises PROPERTIES TIMEOUT 3600
+  ENVIRONMENT "SIM=$<TARGET_FILE:trephine-sim>;TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR}")
 endif()

@@ -263,23 +263,26 @@ TEST(LessonsCells, PlaceOfTheBurrHole) {
     EXPECT_NEAR(d.measured("burr_hole", "before_suture_mm"), before, 2);
     const double own_before = dot(own - bregma(), towards(up_deg - 90, 0));
     const double lateral = std::abs(at.x) - std::abs(own.x), anterior = before - own_before;
-    const int expected = std::abs(at.x) <= 10 || before < 0 ? 1
-                         : away <= 10                       ? 5
-                         : away <= 15                       ? 4
-                         : std::max(lateral, anterior) <= 0 ? 2
-                         : away > 30                        ? 2
-                                                            : 3;
+    const int expected = std::abs(at.x) <= 10 || before < 0                                      ? 1
+                         : away <= 10                                                            ? 5
+                         : away <= 15                                                            ? 4
+                         : std::max(lateral, anterior) <= 0 || std::min(lateral, anterior) < -10 ? 2
+                         : away > 30                                                             ? 2
+                                                                                                 : 3;
     EXPECT_EQ(d.points("burr_hole"), expected) << along << " " << right << " " << away << " " << d.row("burr_hole").why;
     if (std::abs(at.x) > 10 && before >= 0 && std::max(lateral, anterior) > 0) off.near(away);
   };
   // Lateral of Kocher's point, on either side of each limit.
   for (const double more : {0.0, 8.0, 12.5, 14.0, 18.0, 30.5, 34.5}) check(110, 27.5 + more);
   check(85, 27.5);    // too anterior
+  check(114, 44);     // too lateral, and a little nearer to the suture
+  check(123, 40);     // too lateral, and almost on the suture
   check(110, 8);      // along the midline
   check(110, -27.5);  // on the left
   check(132, 27.5);   // behind the suture
   off.check({1, 2, 3, 4, 5});
   for (const char* why : {"at Kocher's point", "near Kocher's point", "too lateral", "too anterior",
-                          "far from Kocher's point", "placed along the midline", "placed behind the coronal suture"})
+                          "far from Kocher's point", "nearer to midline or suture than Kocher's point",
+                          "placed along the midline", "placed behind the coronal suture"})
     EXPECT_GT(seen[why], 0) << why;
 }

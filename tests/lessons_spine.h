@@ -2,6 +2,7 @@
 #pragma once
 // A spine of plain shapes in which lessons are done: its pedicles are known exactly.
 #include "case_samples.h"
+#include "grid/nrrd.h"
 #include "phantom/spine.h"
 
 namespace lessons {
@@ -37,6 +38,23 @@ inline HapticVolume spine_volume(const phantom::Spine& spine) {
   return v;
 }
 
+/// What X-rays see of it.
+inline Grid<std::int16_t> spine_ct(const phantom::Spine& spine) {
+  constexpr double side = 1;
+  Grid<std::int16_t> ct(phantom::lattice_about(spine, {side, side, side}, 62), -1000);
+  parallel_for(0, ct.size[2], 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < ct.size[1]; ++j)
+        for (int i = 0; i < ct.size[0]; ++i) {
+          const Vec3 p = ct.to_world_mm({double(i), double(j), double(k)});
+          const auto share = [](double inside_mm) { return std::clamp(0.5 + inside_mm / side, 0.0, 1.0); };
+          ct.at(i, j, k) =
+              std::int16_t(std::lround(-1000 + 1040 * share(55 - std::abs(p.y - 10)) + 700 * share(spine.bone(p))));
+        }
+  });
+  return ct;
+}
+
 /// Entry and target of a pedicle, as `trephine pedicles` gives them for the truth.
 inline std::pair<Vec3, Vec3> ends_of(const phantom::Spine& spine, const phantom::Spine::Pedicle& p) {
   double behind = 0, before = 0;
@@ -59,6 +77,11 @@ inline case_samples::MemoryCase spine_case(double confidence = 1) {
   c.files[m.haptic.file] = encode_haptic(volume);
   m.haptic.size = volume.voxels.size;
   m.haptic.spacing_mm = volume.voxels.spacing_mm;
+  const Grid<std::int16_t> ct = spine_ct(spine);
+  const std::string ct_bytes = encode_nrrd(ct, {}, NrrdEncoding::gzip);
+  m.files.push_back(describe_case_file("ct", ".nrrd", ct_bytes));
+  m.ct = {m.files.back().name, ct.size, ct.spacing_mm};
+  c.files[m.ct.file] = ct_bytes;
   // As configs/materials.yaml has them.
   const auto add = [&](const HapticShape& s, const CaseMaterial& material) {
     CaseShape shape;
@@ -71,6 +94,9 @@ inline case_samples::MemoryCase spine_case(double confidence = 1) {
     m.haptic.shapes.push_back(shape);
     CaseAnatomy a;
     a.name = s.name;
+    a.colour_rgb = s.name == "bone"    ? std::array<double, 3>{0.93, 0.89, 0.78}
+                   : s.name == "canal" ? std::array<double, 3>{0.30, 0.60, 0.80}
+                                       : std::array<double, 3>{0.87, 0.68, 0.56};
     m.anatomies.push_back(a);
   };
   const CaseFace bone{true, 1, 0.0003, 0.35, 0.3, 0}, liquor{true, 0.12, 0.0002, 0.2, 0.15, 0.6},

@@ -143,6 +143,25 @@ TEST(LessonsSubclavian, PassesAndTimeHaveTheirLimits) {
   }
 }
 
+TEST(LessonsSubclavianHostile, AnHoursPauseCountsNothingAndALostDeviceKeepsWhatWasDone) {
+  const Chest::Done paused = chest().run(
+      R"("pause", {"wait": {"seconds": 3600}}, "aspirate", "resume", )" + puncture() + R"(, "aspirate", "finish")",
+      100);
+  EXPECT_EQ(paused.facts.pauses, 1);
+  EXPECT_NEAR(paused.facts.paused_s, 3600, 2);
+  EXPECT_EQ(paused.facts.aspirations.size(), 1u);  // in the pause nothing is drawn
+  EXPECT_EQ(paused.points("time"), 5);
+  EXPECT_EQ(paused.points("vein"), 5);
+  EXPECT_EQ(colour(paused), NeedleColour::green);
+
+  const Chest::Done lost = chest().run(puncture() + R"(, "aspirate", "lose_device", "finish")");
+  EXPECT_EQ(lost.facts.end, LessonEnd::device_lost);
+  EXPECT_EQ(lost.points("time"), 1);
+  EXPECT_EQ(lost.facts.passes.size(), 1u);
+  EXPECT_EQ(lost.facts.aspirations.size(), 1u);
+  EXPECT_EQ(lost.points("artery"), chest().run(puncture() + R"(, "aspirate", "finish")").points("artery"));
+}
+
 TEST(LessonsSubclavian, WhatIsNoChestIsRefused) {
   CaseManifest m = chest_case(false).manifest;
   m.haptic.shapes[1].name = "tube";

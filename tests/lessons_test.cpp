@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 
 #include "lessons_head.h"
@@ -165,12 +166,35 @@ TEST(LessonsHostile, AToolSwappedInTheMiddleOfDrilling) {
   EXPECT_EQ(d.row("burr_hole").why, "the hole does not let the catheter through");
 }
 
+TEST(LessonsScore, AHoleIsNoBetterFartherFromKochersPoint) {
+  const Head::Done d =
+      whole().run(std::string(perfect_marks) + ", " + perfect_hole + R"(, {"take": {"tool": "marker"}}, "finish")");
+  ASSERT_EQ(d.points("burr_hole"), 5);
+  VentriculostomyFacts facts = d.facts;
+  const Vec3 own = normalized(kocher()) * outer_mm;
+  const Vec3 side = normalized(cross(own, {0, 1, 1})), up = normalized(cross(own, side));
+  std::map<int, int> seen;
+  for (int way = 0; way < 24; ++way)
+    for (int off = 0, last = 5; off < 34; ++off) {  // farther off it may lie on the other side
+      const double angle = way * M_PI / 12;
+      facts.hole->outer_mm = own + (side * std::cos(angle) + up * std::sin(angle)) * off;
+      const LessonScore score =
+          score_ventriculostomy(facts, whole().felt().loaded.manifest, whole().whole(), Head::rubric());
+      ASSERT_EQ(score.rows[1].name, "burr_hole");
+      const int points = score.rows[1].score.value_or(0);
+      ASSERT_LE(points, last) << way << " " << off << ": " << score.rows[1].why;
+      last = points;
+      ++seen[points];
+    }
+  for (int points = 1; points <= 5; ++points) EXPECT_GT(seen[points], 0) << points;
+}
+
 TEST(LessonsHostile, APauseCountsNothingAndWaitingAll) {
   const std::string take = R"({"take": {"tool": "catheter"}}, )";
   const std::string insert = R"(, {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}}, "finish")";
-  const Head::Done paused = drilled().run(take + R"("pause", {"wait": {"seconds": 1000}}, "resume")" + insert, 100);
+  const Head::Done paused = drilled().run(take + R"("pause", {"wait": {"seconds": 3600}}, "resume")" + insert, 100);
   EXPECT_EQ(paused.facts.pauses, 1);
-  EXPECT_NEAR(paused.facts.paused_s, 1000, 1);
+  EXPECT_NEAR(paused.facts.paused_s, 3600, 1);
   EXPECT_EQ(paused.points("time"), 5);
   EXPECT_EQ(paused.points("tip"), 5);
   const Head::Done waited = drilled().run(take + R"({"wait": {"seconds": 1000}})" + insert, 100);
@@ -179,8 +203,14 @@ TEST(LessonsHostile, APauseCountsNothingAndWaitingAll) {
   // Nothing is felt meanwhile: a catheter that is pushed in is where it was not.
   const Head::Done pushed = drilled().run(take + R"("pause")" + insert, 100);
   EXPECT_TRUE(pushed.facts.passes.empty());
-  EXPECT_EQ(pushed.facts.end, LessonEnd::running);  // a command of a lesson that stands still
-  EXPECT_EQ(pushed.points("time"), 1);
+  EXPECT_EQ(pushed.facts.end, LessonEnd::finished);  // a lesson that stands still can be ended, and does nothing else
+  const Head::Done marked = whole().run(
+      R"({"take": {"tool": "marker"}}, {"trace": {"from": {"at": "nasion"}, "to": {"at": "nasion", "along_mm": 5}}},
+         "pause", "erase", "resume", "finish")",
+      100);
+  ASSERT_EQ(marked.facts.pauses, 1);
+  ASSERT_FALSE(marked.facts.traces.empty());
+  EXPECT_FALSE(marked.facts.traces.front().erased) << "and erases nothing";
 }
 
 TEST(LessonsHostile, ALostDeviceEndsTheLessonAndKeepsWhatWasDone) {

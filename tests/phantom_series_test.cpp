@@ -214,3 +214,67 @@ TEST(PhantomSample, RegeneratesTheCommittedSeries) {
   EXPECT_LE(total, 6u << 20);
   EXPECT_EQ(hashes_of(folder.path()), hashes_of(committed));
 }
+
+// A spine: the same bytes whatever the thread count, HU of its tissues where they are, and the truth of what it shows.
+TEST(PhantomSpine, IsScannedWithItsTruth) {
+  PhantomParams p;
+  p.body.body = BodyParams::Body::spine;
+  p.scan.columns_count = p.scan.rows_count = 120;
+  p.scan.pixel_mm = 2;
+  p.scan.slices_count = 40;
+  p.scan.slice_step_mm = p.scan.slice_thickness_mm = 2;
+  p.scan.noise_hu = 0;
+  p.scan.kernel_mm = 0;
+  const ScratchFolder one, other;
+  const Report report = make_phantom(one.path(), p);
+  set_thread_count(1);
+  make_phantom(other.path(), p);
+  set_thread_count(0);
+  EXPECT_EQ(hashes_of(one.path()), hashes_of(other.path()));
+  // 80 mm hold the one vertebra of 34 mm that is whole, and parts of its neighbours.
+  EXPECT_EQ(std::get<std::int64_t>(*report.find("pedicles_count")), 2);
+  const std::vector<char> truth = read_file(one.path() / "truth" / "truth.json", 1 << 20);
+  const std::string text(truth.begin(), truth.end());
+  EXPECT_NE(text.find("pedicle_1_left"), std::string::npos);
+  EXPECT_EQ(text.find("pedicle_2_left"), std::string::npos);
+  const Scan scanned = scan(p.body.spine, p.scan, 1);
+  const Grid<std::int16_t> ct = volume_of(scanned);
+  const Mask labels = read_mask_nrrd(one.path() / "truth" / "labels.nrrd");
+  ASSERT_EQ(labels.count(), ct.count());
+  double sum[4] = {0, 0, 0, 0}, count[4] = {0, 0, 0, 0};
+  for (std::size_t n = 0; n < ct.count(); ++n) {
+    sum[labels.voxels[n]] += ct.voxels[n];
+    count[labels.voxels[n]] += 1;
+  }
+  EXPECT_LT(sum[0] / count[0], -950);
+  EXPECT_NEAR(sum[1] / count[1], 45, 40);
+  EXPECT_GT(sum[2] / count[2], 250);
+  EXPECT_NEAR(sum[3] / count[3], 15, 60);
+}
+
+TEST(PhantomSpine, WhatIsOfHeadsIsRefused) {
+  const ScratchFolder folder;
+  const auto refused = [&](const PhantomParams& p, const char* field) {
+    try {
+      make_phantom(folder.path(), p);
+      ADD_FAILURE() << field;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ExitCode::usage);
+      EXPECT_EQ(e.field(), field);
+    }
+  };
+  PhantomParams spine = tiny();
+  spine.body.body = BodyParams::Body::spine;
+  PhantomParams p = spine;
+  p.head.variant = Variant::small;
+  refused(p, "variant");
+  p = spine;
+  p.head.hard.couch = true;
+  refused(p, "couch");
+  p = spine;
+  p.scan.contents = Contents::fiducials;
+  refused(p, "contents");
+  p = tiny();
+  p.body.spine.turned_deg = 5;
+  refused(p, "turned_deg");
+}

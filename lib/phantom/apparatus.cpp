@@ -10,8 +10,8 @@ namespace {
 constexpr double air = -1000, sheet_hu = 30, plate_core_hu = -455, plate_skin_hu = -60, cradle_hu = -60, foam_hu = -962,
                  rest_skin_hu = -700, block_hu = 140, rail_hu = 1500, marker_hu = 2800;
 constexpr double sheet_mm = 2.0, hole_mm = 2.1, lattice_mm = 6.4, lowest_mask_mm = -100;
-constexpr double behind_mm = 4;          // from there backwards the sheets run straight on
-constexpr double narrowing = 0.0018;     // towards the blocks, a mm
+constexpr double behind_mm = 4;          // behind this place the sheets go straight on
+constexpr double narrowing = 0.0018;     // for each mm towards the blocks
 constexpr double row_ratio = 0.8660254;  // of a triangular lattice
 
 struct Layers {

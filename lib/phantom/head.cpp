@@ -25,7 +25,7 @@ Vec3 onto_surface(const Model& model, Anatomy anatomy, Vec3 x, Vec3& normal) {
     const Dual f = model.solid(anatomy, point<Dual>(x));
     const Vec3 g{f.x, f.y, f.z};
     const double gg = dot(g, g);
-    if (!(gg > 1e-4)) {  // on an axis or in a middle plane: any side will do
+    if (!(gg > 1e-4)) {  // on an axis or in a middle plane, where every direction is as good as the others
       x += Vec3{0.011, 0.017, 0.013};
       continue;
     }

@@ -106,7 +106,7 @@ Report measure_against_truth(const Field& field, const TruthSurface& known, int 
   reference.mesh = &known.mesh;
   reference.within = without_caps(truth.scanned);
   if (known.anatomy == Anatomy::skull)
-    reference.is_inner = [&](Vec3 p) {  // a millimetre outside of it lies what is within the dura
+    reference.is_inner = [&](Vec3 p) {  // a point whose nearest surface has the dura's content a millimetre outside
       const Vec3 foot = truth.head.project_mm(known.anatomy, p);
       Vec3 normal;
       truth.head.implicit_mm(known.anatomy, foot, normal);

@@ -66,7 +66,7 @@ Model::Model(const HeadParams& params) : clinical(params.level != Level::simple)
   cells = mastoid_cells(seed);
   if (clinical) fillings = {{-22.5, -75, -47}};
 
-  // x of a node: its radius and half of the septum clear of the midline near it, spread outwards with dilation.
+  // The x of a node leaves its radius and half of the septum beside the midline, and grows with the dilation.
   const double r = lateral_scale, out = 4 * (lateral_scale - 1);
   const auto node = [&](double x, double y, double z, double radius) {
     return Node{{std::max(x + out, radius * r + 1.3), y, z}, radius * r};

@@ -6,7 +6,7 @@
 namespace trephine::phantom {
 namespace {
 
-/// Joins b's value to a where b can matter at all: `bound` encloses the shapes of b with slack for inexact distances.
+/// Joins b's value to a where b can have an effect: `bound` encloses the shapes of b, with slack for inexact distances.
 template <class S, class F>
 S joined(const S& a, double k, const Point<S>& p, const Vec3& centre, double radius, F&& shapes) {
   const double dx = value(p.x) - centre.x, dy = value(p.y) - centre.y, dz = value(p.z) - centre.z;
@@ -86,7 +86,7 @@ template <class S>
 typename Model::Base<S> Model::base(const Point<S>& world, bool with_hull) const {
   Base<S> b;
   b.p = to_model(world);
-  b.m = {root(b.p.x * b.p.x + S(2.25)), b.p.y, b.p.z};  // no crease in the midline
+  b.m = {root(b.p.x * b.p.x + S(2.25)), b.p.y, b.p.z};  // rounded, so that there is no crease in the midline
   b.vault = cranial_vault(b.m);
   const S canal = capsule(b.p, {0, 26, -12}, {0, 30, -260}, 14.5, 9.5);
   b.cavity = smooth_union(b.vault, canal, 5);
@@ -97,7 +97,7 @@ typename Model::Base<S> Model::base(const Point<S>& world, bool with_hull) const
 template <class S>
 S Model::orbit(const Base<S>& b) const {
   const S cone = capsule(b.m, {32, -84, 17}, {16, -42, 17}, 17.5, 6);
-  // Never nearer than 3 mm to the brain's cavity: the orbit's roof.
+  // The orbit's roof: the orbit stays 3 mm away from the cavity of the brain.
   return smooth_intersection(cone, S(3.2) - b.vault, 3.0);
 }
 
@@ -169,7 +169,7 @@ S Model::brain(const Base<S>& b) const {
   f = smooth_intersection(f, -cisterns(b), 2.0);
   if (clinical) f = smooth_intersection(f, -sulci(b), 1.0);
   if (hard.on) f = smooth_intersection(f, S(0.7) - vessels(b), 0.5);
-  // At least 3 mm of brain around the ventricles, whatever sulci and cisterns say.
+  // At least 3 mm of brain stay around the ventricles, however deep sulci and cisterns are.
   f = joined(f, 2, p, {0, 5, 45}, 80, [&] { return ventricles(p) - S(3.0); });
   const S stem =
       smooth_union(capsule(p, {0, 6, 30}, {0, 16, 4}, 11.5, 12.0), capsule(p, {0, 16, 4}, {0, 27, -26}, 9, 6.0), 6);

@@ -27,6 +27,38 @@ void check_hard(const PhantomParams& params) {
 
 const SeriesNames second_series{2, "sharp"};
 
+template <class P>
+void check_default(const P& params, const char* why) {
+  const P fresh;
+  for (const Parameter& p : parameters_of<P>().parameters)
+    if (p.name != "seed" && p.get(&params) != p.get(&fresh))
+      throw Error(ExitCode::usage, "", p.name, std::string("has no effect ") + why);
+}
+
+// What is of the other body would be ignored.
+void check_body(const PhantomParams& params) {
+  if (params.body.body == BodyParams::Body::head) return check_default(params.body.spine, "on a head: --body spine");
+  check_default(params.head, "on a spine");
+  check_default(params.head.hard, "on a spine");
+  check_default(params.second, "on a spine");
+  if (params.scan.contents != Contents::head)
+    throw Error(ExitCode::usage, "", "contents", "a spine is scanned without marks");
+}
+
+Report make_spine(const std::filesystem::path& out, const PhantomParams& params, const Progress& progress) {
+  const SpineParams& spine = params.body.spine;
+  const Scan scanned = scan(spine, params.scan, std::uint64_t(params.head.seed), progress.part(0, 0.8));
+  Report report;
+  report.add("slices_count", static_cast<std::int64_t>(scanned.slices.size()));
+  const std::uint64_t bytes =
+      write_series(out / "dicom", scanned, params.scan, params.series, identity_of(params), progress.part(0.8, 0.9));
+  report.add("series_mb", static_cast<double>(bytes) / 1e6);
+  remove_series(out / "dicom", second_series);
+  write_truth(out / "truth", spine, scanned, params.scan, params.truth.labels, report);
+  progress.report(1);
+  return report;
+}
+
 std::uint64_t write_second_series(const std::filesystem::path& folder, const Head& head, const PhantomParams& params,
                                   const Progress& progress) {
   ScanParams with = params.scan;
@@ -40,6 +72,7 @@ std::uint64_t write_second_series(const std::filesystem::path& folder, const Hea
 
 std::string identity_of(const PhantomParams& params) {
   std::string text;
+  if (params.body.body == BodyParams::Body::spine) append(text, params.body);
   append(text, params.head);
   append(text, params.scan);
   append(text, params.series);
@@ -58,8 +91,10 @@ Report make_phantom(const std::filesystem::path& out, const PhantomParams& param
   const ScanParams& s = params.scan;
   if (s.upper_step_mm > 0 && s.slices_count < 2)
     throw Error(ExitCode::usage, "", "upper_step_mm", "needs two slices or more");
+  check_body(params);
   check_hard(params);
   make_output_folder(out);
+  if (params.body.body == BodyParams::Body::spine) return make_spine(out, params, progress);
   const Head head(params.head);
   const double first = params.head.hard.second_kernel_mm > 0 ? 0.4 : 0.7;  // of the progress
   const Scan scanned = scan(head, s, progress.part(0, first - 0.1));

@@ -10,6 +10,7 @@
 #include "phantom/scan.h"
 #include "phantom/second_scan.h"
 #include "phantom/series.h"
+#include "phantom/spine.h"
 #include "phantom/truth.h"
 
 namespace trephine::phantom {
@@ -21,12 +22,14 @@ struct PhantomParams {
   SeriesParams series;
   TruthParams truth;
   SecondScanParams second;
+  BodyParams body;
 };
 
 /// The effective parameters as text, one `name=value` a line: what the files' UIDs are derived from.
 std::string identity_of(const PhantomParams& params);
 
 /// Makes out/dicom/slice_*.dcm, out/truth/* and, where asked for, out/second/*: the same bytes for the same parameters.
+/// Of a spine, what is of heads must be as by default, and the other way round.
 /// Throws as write_series and write_truth do, 64 for parameters that contradict each other.
 Report make_phantom(const std::filesystem::path& out, const PhantomParams& params, const Progress& progress = {});
 

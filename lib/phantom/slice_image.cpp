@@ -111,7 +111,7 @@ void add_noise(SliceImage& image, double sigma_px, double noise_hu, std::uint64_
 void sharpen(SliceImage& image, double sigma_px, double ratio) {
   if (ratio <= 0) return;
   SliceImage wide = image;
-  blur(wide, std::sqrt(3.0) * std::max(sigma_px, 0.3));  // after sigma_px: twice as wide altogether
+  blur(wide, std::sqrt(3.0) * std::max(sigma_px, 0.3));  // together with the blur by sigma_px, twice as wide
   for (std::size_t i = 0; i < image.hu.size(); ++i)
     image.hu[i] += static_cast<float>(ratio) * (image.hu[i] - wide.hu[i]);
 }

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <vector>
 
+#include "base/params.h"
+#include "base/progress.h"
+#include "base/report.h"
 #include "base/vec3.h"
-#include "grid/grid.h"
+#include "phantom/scan.h"
 
 namespace trephine::phantom {
 
@@ -21,6 +25,36 @@ struct SpineParams {
   double converging_deg = 16;  ///< how far a pedicle's axis leans to the middle, going forwards
   double rising_deg = 4;       ///< and upwards
   double turned_deg = 0;       ///< of the whole spine about z: the patient lies askew
+
+  /// How many vertebrae there are is not declared: as many as the scan is high.
+  template <class V>
+  static void describe(V& v) {
+    using P = SpineParams;
+    v.number(&P::pitch_mm, "vertebra_pitch_mm", Range{30, 50}, "Of a spine: from one vertebra to the next.");
+    v.number(&P::half_width_mm, "pedicle_half_width_mm", Range{2, 7},
+             "Of a spine: half the width of a pedicle where it is narrowest.");
+    v.number(&P::half_height_mm, "pedicle_half_height_mm", Range{4, 9}, "And half its height there.");
+    v.number(&P::converging_deg, "pedicle_converging_deg", Range{0, 30},
+             "Of a spine: how far a pedicle's axis leans to the middle, going forwards.");
+    v.number(&P::rising_deg, "pedicle_rising_deg", Range{-10, 15}, "And upwards.");
+    v.number(&P::turned_deg, "turned_deg", Range{-15, 15},
+             "Of a spine: turned about its length, as a patient who lies askew.");
+  }
+};
+
+/// Which body a phantom is.
+struct BodyParams {
+  enum class Body { head, spine };
+  Body body = Body::head;
+  SpineParams spine;
+  template <class V>
+  static void describe(V& v) {
+    using P = BodyParams;
+    v.choice(
+        &P::body, "body", {{"head", Body::head}, {"spine", Body::spine}},
+        "A head, or a lumbar spine of plain shapes whose pedicles are known; parameters of the other one are refused.");
+    v.all_of(&P::spine);
+  }
 };
 
 /// Everything is positive inside, about in mm near the surface.
@@ -129,5 +163,16 @@ inline Lattice lattice_about(const Spine& spine, Vec3 spacing, double half_width
 
 /// A scan of it: cortical bone over marrow, soft tissue, air, a canal as water; partial volume over a voxel, and noise.
 Grid<std::int16_t> scan_of(const Spine& spine, const Lattice& lattice, double noise_hu = 15, std::uint64_t seed = 1);
+
+/// The spine as a scanner with those parameters sees it: its middle lies where that of the scanner's default block
+/// does, and there are as many vertebrae as the block is high, those at its ends cut. Tissue as in scan_of, averaged
+/// over the slice's thickness; then the kernel and its noise. The same bytes whatever the thread count. Cancelled.
+Scan scan(const SpineParams& spine, const ScanParams& params, std::uint64_t seed, const Progress& progress = {});
+
+/// Writes truth.json into `folder` (made where missing): the parameters, and of each pedicle that the scan shows whole
+/// its name (pedicle_1_left from below, as `trephine pedicles` counts), entry, target, middle and half-width; and, of
+/// slices that are a lattice, labels.nrrd: 1 soft tissue, 2 bone, 3 canal. Throws 73 and 74 as FileWriter.
+void write_truth(const std::filesystem::path& folder, const SpineParams& spine, const Scan& scan,
+                 const ScanParams& params, bool labels, Report& report);
 
 }  // namespace trephine::phantom

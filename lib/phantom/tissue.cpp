@@ -60,7 +60,7 @@ void paint_brain(Brush& b, const Model& model, const Model::Base<double>& base, 
   const double slope = model.clinical ? sulcus_slope : 1;
   b.paint(grey, brain, slope);
   b.paint(white, brain + 3.0, slope);
-  const HardParams& life = model.hard.is;  // all of it off but at level hard
+  const HardParams& life = model.hard.is;  // has an effect at level hard only
   if (life.blood == Blood::subdural) {
     const double thick = model.subdural_mm(base);
     b.paint(clot, std::max(-(base.vault + thick + 0.2), base.vault + 0.6), 1.3);
@@ -148,7 +148,7 @@ void paint_bone(Brush& b, const Model& model, const Model::Base<double>& base, d
 Head::Sample Head::sample(Vec3 lps, double width_mm) const {
   const Model& model = *model_;
   Brush b{width_mm};
-  double outside = 0, skin = -1e3;  // within the dura: deep inside
+  double outside = 0, skin = -1e3;  // stays so within the dura, where the skin is far away
   const PointD world{lps.x, lps.y, lps.z};
   auto base = model.base(world, false);
   const double deep = -(under_bone_mm + width_mm);
@@ -180,7 +180,7 @@ Head::Sample Head::sample(Vec3 lps, double width_mm) const {
       b.hu += outside * (around.hu - air);
       b.clearance = std::min(b.clearance, around.clearance_mm);
     }
-    if (model.hard.moves) {  // what lies at the other side of the cut may be nearer by the motion
+    if (model.hard.moves) {  // tissue on the other side of the cut may be nearer by the length of the motion
       const double cut = std::fabs(lps.z - model.hard.is.motion_z_mm + 1) - 1;
       b.clearance = std::max(std::min(b.clearance, cut), b.clearance - 1.25 * model.hard.is.motion_mm);
     }

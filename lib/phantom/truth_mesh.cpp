@@ -193,7 +193,7 @@ ScannedRegion scanned_region(const ScanParams& params) {
   for (const Vec3 p : corners) include(region.box_mm, p);
   const Vec3 row = slices[0].row, column = slices[0].column, feed = slices.back().origin_mm - slices[0].origin_mm;
   for (const Vec3 across : {cross(row, column), cross(row, feed), cross(column, feed)}) {
-    if (!(norm(across) > 0)) continue;  // one slice
+    if (!(norm(across) > 0)) continue;  // the plane of a single slice has no normal
     const Vec3 normal = normalized(across);
     if (std::max({std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)}) > 1 - 1e-12) continue;  // the box's
     double low = dot(normal, corners[0]), high = low;

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double coarse_mm = 1.5;
 constexpr double least_clearance_mm = 2.5;  ///< from bone, at the canal's middle
-constexpr double steepest = 1.5;            ///< mm sidewards a mm along the canal
-constexpr double sideward_cost = 0.05;      ///< enclosure times mm, a mm sidewards
+constexpr double steepest = 1.5;            ///< how many mm the course may go sidewards for each mm along the canal
+constexpr double sideward_cost = 0.05;      ///< in enclosure times mm, for each mm that it goes sidewards
 constexpr int rays = 24;
 
 struct Ray {
@@ -50,7 +50,7 @@ double enclosure(const BitMask& bone, const Grid<float>& to_bone, int i, int j, 
 
 constexpr float forbidden = -1;
 
-/// What each cell's middle is enclosed by; `forbidden` in and beside bone and far from all of it.
+/// The enclosure of each cell's middle; `forbidden` within bone, close to it, and far from any bone.
 Grid<float> enclosures(const BitMask& bone, const CanalParams& p, const Progress& progress) {
   const Grid<float> to_bone = distance_mm(bone, progress);
   Grid<float> out(bone.lattice(), forbidden);

@@ -57,7 +57,7 @@ float hit_mm(const Field& bone, int k, CanalPoint from, Direction d, double reac
   return none;
 }
 
-/// The middle of those known among `radii`.
+/// The median of those of `radii` that are known.
 float middle(std::vector<float> radii, float otherwise) {
   radii.erase(std::remove(radii.begin(), radii.end(), none), radii.end());
   return median(radii, otherwise);
@@ -80,7 +80,7 @@ void relax(std::vector<float>& radius, const std::vector<float>& hits, const std
       }
 }
 
-/// Whether a neighbour, in its slice or (where slices are thin) in the next, is no hit.
+/// Whether one of its neighbours is no hit, in the same slice or (where slices are thin) in the next one.
 bool beside_gap(const std::vector<char>& near, std::size_t v, double dz_mm) {
   const std::size_t s = v / n, a = v % n;
   for (std::size_t d : {std::size_t(1), std::size_t(2)})
@@ -101,7 +101,7 @@ CanalWall wall_of(const Field& bone, const CanalCourse& course, const CanalParam
         hits[std::size_t(s) * n + a] =
             hit_mm(bone, course.first_slice + s, course.points[s], directions()[a], p.max_radius_mm);
   });
-  // At first: what is usual in that direction, in the slices around.
+  // The iteration begins with the usual distance in that direction in the slices around.
   const int window = std::max(2, int(std::lround(15 / bone.spacing_mm.z)));
   const float usual = middle(hits, float(p.max_radius_mm / 2));
   std::vector<float> first(hits.size());

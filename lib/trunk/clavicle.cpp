@@ -57,7 +57,7 @@ Mask seeds_of(const BitMask& bone, const BlobChain& chain) {
   return seeds;
 }
 
-/// And in what lies beside the chain in its planes, or beyond them and hangs together with it only by a narrower neck.
+/// Also 2 in what lies beside the chain in its planes, and in what lies beyond them and joins it only by a narrow neck.
 void add_others(Mask& seeds, const BitMask& bone, const BlobChain& chain, double core_mm, const Progress& progress) {
   const BitMask mine = make_mask(seeds, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < seeds.size[0]; ++i) row[i] = seeds.at(i, j, k) == 1;

@@ -12,7 +12,7 @@ namespace {
 constexpr double least_area_mm2 = 12, most_area_mm2 = 650;
 constexpr double most_elongation = 3.2, most_width_mm = 34;
 constexpr double least_overlap = 0.3;  ///< of the smaller blob's area, from plane to plane
-constexpr double usual_front = 0.5;    ///< this share of free ways to the front counts as nothing
+constexpr double usual_front = 0.5;  ///< more free ways to the front than this share speak for a blob, fewer against it
 constexpr double front_reach_mm = 200;
 constexpr double longest_mm = 200;
 constexpr double most_mean_area_mm2 = 330;  ///< a raised humerus is thicker

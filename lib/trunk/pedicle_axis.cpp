@@ -13,7 +13,7 @@ constexpr double half_mm = 6;                       // of the line over which cl
 constexpr double body_mm = 20, wider_ratio = 1.15;  // beyond it, within the body
 constexpr int rays = 36;
 constexpr double most_ray_mm = 12;
-constexpr double equal_mm = 0.3;  // clearances that are the same, by how well a wall is known
+constexpr double equal_mm = 0.3;  // clearances that differ by less are equal: no wall is known better than that
 
 double sampled(const Grid<float>& g, Vec3 world_mm, double outside) {
   const Vec3 p = g.to_index(world_mm);
@@ -26,7 +26,7 @@ double sampled(const Grid<float>& g, Vec3 world_mm, double outside) {
   return (row(0, 0) * (1 - y) + row(1, 0) * y) * (1 - z) + (row(0, 1) * (1 - y) + row(1, 1) * y) * z;
 }
 
-// By how far it leans to the middle and rises, in degrees, and by how far it is moved aside and up.
+// A line by how far it leans to the middle and rises, in degrees, and how far it is moved aside and up, in mm.
 struct Pose {
   std::array<double, 4> v{0, 0, 0, 0};
 };
@@ -144,7 +144,7 @@ CrossSection cross_section(const BoneDistance& bone, Vec3 at, Vec3 normal) {
     const double a = 2 * M_PI * n / rays;
     const Vec3 way = across * std::cos(a) + up * std::sin(a);
     double before = bone(at), t = 0;
-    // Steps as long as the wall is far; the last one is found between two samples.
+    // Each step is as long as the wall is far away; where the wall lies is interpolated between the last two samples.
     while (t < most_ray_mm && before > 0) {
       const double step = std::clamp(0.7 * before, 0.15, 2.0), now = bone(at + way * (t + step));
       t += now > 0 ? step : step * before / (before - now);

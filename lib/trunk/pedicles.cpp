@@ -16,10 +16,10 @@ namespace segmentation {
 namespace {
 
 constexpr double raster_mm = 0.6;
-constexpr double aside_mm = 50, before_mm = 60, behind_mm = 60;  // of the canal: what of the bone is looked at
+constexpr double aside_mm = 50, before_mm = 60, behind_mm = 60;  // how far from the canal bone is looked at
 constexpr double walk_mm = 0.25;
 
-// What of the bone is beside the canal.
+// The part of the bone that lies beside the canal.
 Lattice raster_about(const Field& bone, const Field& canal) {
   Vec3 low{1e9, 1e9, 1e9}, high{-1e9, -1e9, -1e9};
   const auto grow = [](const Lattice& l, Vec3& a, Vec3& b) {
@@ -60,7 +60,7 @@ Vec3 leaves_bone(const BoneDistance& bone, Vec3 from, Vec3 way, double gap_mm) {
   return b < 0 && b > -walk_mm * 4 ? last + way * (walk_mm * std::clamp(a / (a - b), 0.0, 1.0)) : last;
 }
 
-// How near that point comes to where the scan ends: below this, what lies beyond is not known.
+// The distance from that point to the end of the scan, beyond which nothing is known.
 double to_scan_end_mm(const Field& bone, Vec3 p) {
   const Vec3 i = bone.to_index(p);
   return std::min(i.z, bone.size[2] - 1 - i.z) * bone.spacing_mm.z;
@@ -90,7 +90,7 @@ PedicleAxis axis_of(const BoneDistance& bone, const Field& scan, const PediclePl
   const AxisLine line = find_axis(bone, place);
   PedicleAxis p;
   p.left = place.left;
-  // The narrowest place, and how closed it is there.
+  // The narrowest place, and the share of the directions in which a wall is met there.
   CrossSection narrowest;
   narrowest.area_mm2 = 1e9;
   for (double t = -8; t <= 8; t += 0.5) {
@@ -133,9 +133,11 @@ PedicleAxis axis_of(const BoneDistance& bone, const Field& scan, const PediclePl
   return p;
 }
 
+Vec3 forwards(const Found& f) { return normalized(f.axis.target_mm - f.axis.entry_mm); }
+
 // Left and right of one vertebra mirror each other, about a plane that may be turned a little, as the patient may be.
+// Where one is much narrower than the other, its line runs along a wall, or it is no pedicle.
 void judge_pair(Found& left, Found& right) {
-  const auto forwards = [](const Found& f) { return normalized(f.axis.target_mm - f.axis.entry_mm); };
   const double l = lean_deg(left.place, forwards(left)), r = lean_deg(right.place, forwards(right));
   const double converging = 0.5 * (l + r), turned = 0.5 * std::abs(l - r);
   const double rise = std::abs(rise_deg(left.place, forwards(left)) - rise_deg(right.place, forwards(right)));
@@ -148,6 +150,26 @@ void judge_pair(Found& left, Found& right) {
               "left and right are no mirror images: they converge by {:.0f} degrees and are turned by {:.0f}, rise "
               "differently by {:.0f}, and are {:.0f} mm apart in height",
               converging, turned, rise, higher));
+  PedicleAxis& narrow = left.axis.half_width_mm < right.axis.half_width_mm ? left.axis : right.axis;
+  const double wide_mm = std::max(left.axis.half_width_mm, right.axis.half_width_mm);
+  doubt(narrow, ramp(narrow.half_width_mm / std::max(wide_mm, 1e-3), 0.35, 0.75),
+        fmt::format("{:.1f} mm of bone are about its axis, about the other side's {:.1f}", narrow.half_width_mm,
+                    wide_mm));
+}
+
+// Pedicles of neighbours rise alike along the canal; of fewer than two pairs nobody can say which one does not.
+void judge_rises(std::vector<Found>& all) {
+  if (all.size() < 4) return;
+  std::vector<double> rises;
+  for (const Found& f : all) rises.push_back(rise_deg(f.place, forwards(f)));
+  std::vector<double> sorted = rises;
+  std::sort(sorted.begin(), sorted.end());
+  const std::size_t half = sorted.size() / 2;
+  const double usual = sorted.size() % 2 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
+  for (std::size_t n = 0; n < all.size(); ++n)
+    doubt(all[n].axis, ramp(std::abs(rises[n] - usual), 20, 10),
+          fmt::format("it rises by {} degrees along the canal, the others by about {}", std::lround(rises[n]),
+                      std::lround(usual)));
 }
 
 // Counts the vertebrae from the lowest, and brings both sides of each together.
@@ -195,6 +217,7 @@ std::vector<PedicleAxis> find_pedicles(const Field& bone, const Field& canal, co
     }
   });
   pair_up(found);
+  judge_rises(found);
   std::vector<PedicleAxis> kept;
   for (const Found& f : found) kept.push_back(f.axis);
   if (const std::size_t cut = places.size() - found.size(); cut > 0)

@@ -81,11 +81,37 @@ Vein vein_of(const ClavicleCourse& clavicle, const HuView& hu, const Field& all_
   return vein;
 }
 
+constexpr double least_lung_ml = 20;
+
+// How much lung lies on each clavicle's side of the body's middle.
+void look_at_lung(const std::vector<ClavicleCourse>& clavicles, const Field& lung, Report& report) {
+  for (const ClavicleCourse& c : clavicles) {
+    const bool right = c.side == BodySide::right;
+    const double medial_x = c.points_mm.front().x;
+    double count = 0;
+    for (int k = 0; k < lung.size[2]; ++k)
+      for (int j = 0; j < lung.size[1]; ++j)
+        for (int i = 0; i < lung.size[0]; ++i)
+          if (lung.at(i, j, k) > 0) {
+            const double x = lung.to_world_mm({double(i), double(j), double(k)}).x;
+            count += right ? x < medial_x : x > medial_x;
+          }
+    const std::string name = right ? "right" : "left";
+    const double ml = count * lung.voxel_volume_mm3() / 1000;
+    report.add(name + "_lung_ml", ml);
+    if (ml < least_lung_ml)
+      report.warn(
+          fmt::format("the scan shows {:.0f} ml of the {} lung, less than {:.0f}: a needle to the {} vein is not "
+                      "judged for lung and pleura",
+                      ml, name, least_lung_ml, name));
+  }
+}
+
 }  // namespace
 }  // namespace segmentation
 
 Field find_vein(const HuVolume& volume, const Field& bone, const VeinParams& params, Report& report,
-                const Progress& progress) {
+                const Progress& progress, const Field* lung) {
   using namespace segmentation;
   const HuView hu(volume);
   const Box place = place_in(bone, hu.lattice());
@@ -98,6 +124,10 @@ Field find_vein(const HuVolume& volume, const Field& bone, const VeinParams& par
   if (clavicles.empty())
     throw refusal("vein", "no clavicle of that side is found that tells where it runs",
                   {"choose the other `side`, or take a series that holds the shoulders"});
+  if (lung) {
+    place_in(*lung, hu.lattice());
+    look_at_lung(clavicles, *lung, report);
+  }
   progress.report(0.3);
   std::vector<Vein> veins;
   for (const ClavicleCourse& c : clavicles) {

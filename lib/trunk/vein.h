@@ -52,7 +52,10 @@ struct VeinParams {
 /// length_mm, radius_mm (mean), ml, clearance_mm (the least distance of the estimated middle line to bone and air).
 /// Warns of every estimated vein. The result has the same bits whatever the thread count. Throws Error 65 where a
 /// raster differs; 80 where the bone is empty or no clavicle of the requested side is found; Cancelled.
+///
+/// With the lungs (positive inside), the report has lung_ml of each side too, and warns where there is less than 20 ml:
+/// a needle that goes to that vein meets neither lung nor pleura, and a lesson cannot judge whether it did.
 Field find_vein(const HuVolume& volume, const Field& bone, const VeinParams& params, Report& report,
-                const Progress& progress = {});
+                const Progress& progress = {}, const Field* lung = nullptr);
 
 }  // namespace trephine

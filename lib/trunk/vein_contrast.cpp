@@ -33,11 +33,11 @@ constexpr double bone_blur_mm = 1.5;                 ///< HU this near to bone a
 constexpr float soft_from_hu = 0, soft_to_hu = 120;  ///< tissue without contrast medium
 constexpr float known_from_hu = -150;                ///< neither air nor lung
 constexpr double open_mm = 1.0;                      ///< bridges to other vessels and specks of noise
-constexpr double least_follow = 0.6;                 ///< of the course has the vein beside it
+constexpr double least_follow = 0.6;                 ///< share of the course along which the vein must be found
 constexpr double least_radius_mm = 1.5, most_radius_mm = 11;
 constexpr double cut_sigma_mm = 1.0;
 
-/// The piece of the mask that reaches along most of the course, the largest of equals.
+/// The piece of the mask that follows the largest part of the course; of equal ones the largest piece.
 BitMask best_piece(const BitMask& mask, const VeinCourse& course, double reach_mm, double& share) {
   const Components pieces = components(mask);
   share = 0;
@@ -116,7 +116,7 @@ EnhancedVein enhanced_vein(const HuView& hu, const BitMask& bone, const VeinCour
   BitMask open = opened(material);
   BitMask shape = best_piece(open, course, p.search_mm * 0.75, share);
   if (share < least_follow) return vein;
-  // What opening took from its corners.
+  // Gives back what the opening took from its corners.
   shape = grown_within(shape, material, 2 * open_mm, progress);
   const double volume_mm3 = double(shape.count()) * l.voxel_volume_mm3();
   vein.length_mm = share * course.length_mm();

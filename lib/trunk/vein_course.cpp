@@ -12,12 +12,12 @@ namespace trephine::segmentation {
 namespace {
 
 constexpr double step_mm = 2;
-constexpr double bridge_mm = 1;  ///< between dense vein and bone
+constexpr double bridge_mm = 1;  ///< width of the bridges between a dense vein and bone that are cut
 constexpr double dense_least_mm3 = 300, dense_follow = 0.6;
 constexpr double film_mm = 1;  ///< of soft tissue between vein and bone or lung
 constexpr float air_below_hu = -300;
 constexpr double room_mm = 15;       ///< how far the course may leave the first guess
-constexpr double move_mm = 2.5;      ///< in steps of
+constexpr double move_mm = 2.5;      ///< the step in which a point of the course is moved
 constexpr double stray_cost = 0.03;  ///< a mm^2 off the first guess against a mm^2 of missing room
 constexpr double bend_cost = 0.4;    ///< the same, between neighbours
 
@@ -150,7 +150,7 @@ Grid<float> room_around(const HuView& hu, const Field& bone, const Box& box, con
 
 namespace {
 
-/// The line near `first` with the most room: each point moved across it, neighbours alike (dynamic programming).
+/// The line near `first` with the most room: every point may move across it, by about as much as its neighbours.
 std::vector<Vec3> with_room(const std::vector<Vec3>& first, const Grid<float>& room, double wanted_mm) {
   struct Move {
     double a, b;

@@ -238,10 +238,9 @@ Command exercise_command() {
       "is done, scored and reported; what was done before is not done again. With --play the next case is done by hand "
       "in "
       "a window (`trephine-sim play`). Without either it says what is to be done.";
-  Argument library = argument("library", Kind::in_folder, "The library's folder.");
-  library.positional = library.required = true;
-  Argument out = argument("out", Kind::out_folder, "Folder of the participant's recordings and reports.");
-  out.required = true;
+  const Argument library = positional_argument("library", Kind::in_folder, "The library's folder.");
+  const Argument out =
+      required_argument("out", Kind::out_folder, "Folder of the participant's recordings and reports.");
   c.arguments = {library, out, argument("script", Kind::in_file, "What the simulated hand does (.json)."),
                  argument("rubric", Kind::in_file, "The compiled rubric (.json)."),
                  argument("settings", Kind::in_file, "With --play: settings of the window, as play takes them.")};

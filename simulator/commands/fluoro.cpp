@@ -66,10 +66,8 @@ Command fluoro_command() {
       "Follows X-rays through the CT that the case holds (a scene asks for it by `ct: {}`), for any place of a C-arm, "
       "and adds a needle by the length of each ray in it. Bone and metal are bright. docs/lessons.md says how good the "
       "pictures are.";
-  Argument folder = argument("case", Kind::in_folder, "Folder of the case.");
-  folder.positional = folder.required = true;
-  Argument output = argument("output", Kind::out_file, "Write the picture (.png) here.");
-  output.required = true;
+  const Argument folder = positional_argument("case", Kind::in_folder, "Folder of the case.");
+  const Argument output = required_argument("output", Kind::out_file, "Write the picture (.png) here.");
   c.arguments = {folder, output};
   c.groups = {ParameterGroup::of<CArmParams>("The C-arm"), ParameterGroup::of<PictureParams>("The picture")};
   c.examples = {"trephine-sim fluoro library/sample --view lateral --output lateral.png",

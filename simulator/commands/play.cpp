@@ -13,6 +13,7 @@
 #include "commands/commands.h"
 #include "commands/session_options.h"
 #include "commands/settings.h"
+#include "haptics/proxy.h"
 #include "lesson/approval.h"
 #include "modules/lesson_module.h"
 
@@ -41,9 +42,6 @@ struct PlayParams {
 LessonPlay lesson_of(const ParsedCommand& parsed) {
   LessonPlay l;
   l.module = parsed.text("lesson");
-  if (lesson_module(l.module).needs_pictures)
-    throw Error(ExitCode::usage, "", "--lesson",
-                l.module + " needs fluoroscopic pictures, which the window does not show: do it by `lesson`");
   if (parsed.has("participant")) l.participant = parsed.text("participant");
   validate_token(l.participant, "--participant");
   for (const char* other : {"playback", "before", "shape"})
@@ -96,6 +94,10 @@ ExitCode run_play(const ParsedCommand& given) {
   o.head_port = params.head_port;
   o.hand = parsed.params<ScreenHandParams>();
   o.view = parsed.params<ViewParams>();
+  const bool two_panes =
+      o.view.stereo == ViewParams::Stereo::side_by_side || o.view.stereo == ViewParams::Stereo::top_bottom;
+  if (o.lesson && two_panes && lesson_module(o.lesson->module).needs_pictures)
+    throw Error(ExitCode::usage, "", "--stereo", "hides the fluoroscopic pictures that the lesson needs");
   if (parsed.has("shots")) {
     o.shots = parsed.path("shots");
     make_output_folder(o.shots);
@@ -105,8 +107,11 @@ ExitCode run_play(const ParsedCommand& given) {
                                                                      << std::flush; });
   std::cout << r.score;
   if (!r.score.empty()) std::cout << "report " << o.lesson->report.page.string() << "\n";
-  std::cout << fmt::format("{} pictures in {:.1f} s, {:.1f} ms each (median)\n", r.pictures, r.seconds, r.picture_ms);
+  std::cout << fmt::format("{} pictures in {:.1f} s, {:.1f} ms each (median), {:.0f} MB of graphics memory\n",
+                           r.pictures, r.seconds, r.picture_ms, r.graphics_mb);
   Progress({}, &cancel_requested()).check();
+  if (r.faults != 0)
+    throw Error(ExitCode::io, "", "device", fault_names(r.faults) + ": the force was zero from then on");
   return ExitCode::ok;
 }
 

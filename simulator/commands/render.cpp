@@ -42,20 +42,25 @@ class Pictures {
     std::cout << fmt::format("drawn by {}\n", stage_.driver().renderer);
     if (!stage_.surfaces_by().empty())
       std::cout << fmt::format("surfaces that are cut are made by {}\n", stage_.surfaces_by());
+    for (const std::string& note : stage_.notes()) std::cout << note << "\n";
   }
   Stage& stage() { return stage_; }
   const PictureParams& params() const { return params_; }
 
   void write() {
     const auto begin = std::chrono::steady_clock::now();
-    stage_.draw(camera_, params_.width, params_.height, [this] { target_.bind(); });
+    stage_.draw(camera_, params_.width, params_.height, [this](Eye) { target_.bind(); });
     const Picture picture = target_.read();
     seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     write_file(out_ / fmt::format("frame-{:05}.png", ++count_), png_of(picture));
   }
   void print() const {
+    std::cout << fmt::format("graphics memory: {:.0f} MB\n", 1e-6 * double(stage_.renderer().graphics_bytes()));
     std::cout << fmt::format("{} pictures of {} x {} in {}, {:.0f} ms each\n", count_, params_.width, params_.height,
                              out_.string(), 1000 * seconds_ / count_);
+    if (count_ > 1)
+      std::cout << fmt::format("a film of them: ffmpeg -framerate {:g} -i {}/frame-%05d.png film.mp4\n",
+                               params_.frames_per_s, out_.string());
   }
 
  private:
@@ -101,6 +106,9 @@ void render_recording(const ParsedCommand& parsed) {
 ExitCode run_render(const ParsedCommand& given) {
   const ParsedCommand parsed = with_settings(given);
   write_settings(parsed);
+  if (parsed.params<ViewParams>().stereo == ViewParams::Stereo::quad_buffer)
+    throw Error(ExitCode::usage, "", "--stereo",
+                "quad_buffer is of a window; a picture has side_by_side or top_bottom");
   const OffscreenContext context;
   driver_facts();
   if (parsed.has("recording")) {

@@ -50,6 +50,10 @@ class CArm {
   Ray ray(double x, double y) const;
   /// Where a point appears, in pixels.
   std::array<double, 2> project(Vec3 point_mm) const;
+  /// How far it lies before the source, along the beam; of parallel beams, any amount.
+  double before_source_mm(Vec3 point_mm) const {
+    return to_centre_ > 0 ? to_centre_ + dot(point_mm - centre_, beam_) : 1e9;
+  }
   int size() const { return size_; }
   Vec3 beam() const { return beam_; }
 

@@ -15,11 +15,42 @@ constexpr float least_of_patient = 0.05f;  // less is air
 constexpr double bright_quantile = 0.995;
 constexpr double bright_grey = 200;  // of that share of the patient: metal must stand out before dense bone
 
+// Pixels beyond which a rod is not seen.
+struct PixelBox {
+  double left = -1e9, right = 1e9, top = -1e9, bottom = 1e9;
+  bool holds(int x, int y) const { return x >= left && x <= right && y >= top && y <= bottom; }
+};
+
+// About the corners of a box about the rod; everything where one of them is not well before the source.
+PixelBox box_of(const MetalRod& rod, const CArm& arm) {
+  constexpr double least_before_mm = 20;
+  PixelBox box{1e9, -1e9, 1e9, -1e9};
+  const Vec3 axis = normalized(rod.tail_mm - rod.tip_mm);
+  const Vec3 across = normalized(cross(axis, std::abs(axis.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0}));
+  const Vec3 up = cross(axis, across);
+  for (const Vec3 end : {rod.tip_mm, rod.tail_mm})
+    for (const double a : {-0.5, 0.5})
+      for (const double b : {-0.5, 0.5}) {
+        const Vec3 corner = end + (across * a + up * b) * rod.diameter_mm;
+        if (!(arm.before_source_mm(corner) > least_before_mm)) return {};
+        const auto at = arm.project(corner);
+        box.left = std::min(box.left, at[0] - 1.5);
+        box.right = std::max(box.right, at[0] + 0.5);
+        box.top = std::min(box.top, at[1] - 1.5);
+        box.bottom = std::max(box.bottom, at[1] + 0.5);
+      }
+  return box;
+}
+
 }  // namespace
 
-FluoroVolume::FluoroVolume(const Grid<std::int16_t>& ct) : lattice_(ct), water_(ct.voxels.size()) {
+void require_ct(const Grid<std::int16_t>& ct) {
   if (ct.voxels.empty())
     throw Error(ExitCode::bad_input, "", "ct", "the case has no CT: its scene must ask for it (ct: {})");
+}
+
+FluoroVolume::FluoroVolume(const Grid<std::int16_t>& ct) : lattice_(ct), water_(ct.voxels.size()) {
+  require_ct(ct);
   for (std::size_t n = 0; n < water_.size(); ++n) water_[n] = std::uint16_t(std::max(0, int(ct.voxels[n]) + 1000));
 }
 
@@ -76,11 +107,41 @@ FluoroIntegrals FluoroVolume::integrals(const CArm& arm) const {
   FluoroIntegrals out;
   out.size = arm.size();
   out.integral.resize(std::size_t(out.size) * std::size_t(out.size));
-  parallel_for(0, out.size, 1, [&](std::int64_t y, std::int64_t) {
+  parallel_for(0, out.size, 1, [&](std::int64_t from, std::int64_t to) { integrate(arm, int(from), int(to), out); });
+  return out;
+}
+
+void FluoroVolume::integrate(const CArm& arm, int first_row, int end_row, FluoroIntegrals& out) const {
+  for (int y = first_row; y < end_row; ++y)
     for (int x = 0; x < out.size; ++x)
-      out.integral[std::size_t(y) * std::size_t(out.size) + std::size_t(x)] =
-          float(along(arm.ray(x + 0.5, double(y) + 0.5)));
-  });
+      out.integral[std::size_t(y) * std::size_t(out.size) + std::size_t(x)] = float(along(arm.ray(x + 0.5, y + 0.5)));
+}
+
+double bright_of(const FluoroIntegrals& patient) {
+  std::vector<float> body;
+  for (const float v : patient.integral)
+    if (v > least_of_patient) body.push_back(v);
+  if (body.empty()) return 1;
+  const auto at = body.begin() + std::ptrdiff_t(bright_quantile * double(body.size() - 1));
+  std::nth_element(body.begin(), at, body.end());
+  return double(*at);
+}
+
+FluoroPicture picture_of(const FluoroIntegrals& patient, double bright, const CArm& arm,
+                         const std::vector<MetalRod>& metal) {
+  FluoroPicture out;
+  out.size = patient.size;
+  out.grey.resize(patient.integral.size());
+  std::vector<PixelBox> boxes;
+  for (const MetalRod& rod : metal) boxes.push_back(box_of(rod, arm));
+  for (int y = 0; y < out.size; ++y)
+    for (int x = 0; x < out.size; ++x) {
+      const std::size_t n = std::size_t(y) * std::size_t(out.size) + std::size_t(x);
+      double v = double(patient.integral[n]);
+      for (std::size_t r = 0; r < metal.size(); ++r)
+        if (boxes[r].holds(x, y)) v += metal_per_mm * chord_mm(metal[r], arm.ray(x + 0.5, y + 0.5));
+      out.grey[n] = std::uint8_t(std::lround(std::clamp(bright_grey * v / bright, 0.0, 255.0)));
+    }
   return out;
 }
 
@@ -90,32 +151,14 @@ const Fluoroscope::Kept& Fluoroscope::patient(const CArmParams& arm, int size) {
     if (k.integrals.size == size && to_text(k.arm) == to_text(key)) return k;
   if (kept_.size() >= most_kept) kept_.erase(kept_.begin());
   Kept k{key, volume_.integrals(CArm(arm, size)), 1};
-  std::vector<float> body;
-  for (const float v : k.integrals.integral)
-    if (v > least_of_patient) body.push_back(v);
-  if (!body.empty()) {
-    const auto at = body.begin() + std::ptrdiff_t(bright_quantile * double(body.size() - 1));
-    std::nth_element(body.begin(), at, body.end());
-    k.bright = double(*at);
-  }
+  k.bright = bright_of(k.integrals);
   kept_.push_back(std::move(k));
   return kept_.back();
 }
 
 FluoroPicture Fluoroscope::picture(const CArmParams& params, int size, const std::vector<MetalRod>& metal) {
   const Kept& k = patient(params, size);
-  const CArm arm(params, size);
-  FluoroPicture out;
-  out.size = size;
-  out.grey.resize(k.integrals.integral.size());
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x) {
-      const std::size_t n = std::size_t(y) * std::size_t(size) + std::size_t(x);
-      double v = double(k.integrals.integral[n]);
-      for (const MetalRod& rod : metal) v += metal_per_mm * chord_mm(rod, arm.ray(x + 0.5, y + 0.5));
-      out.grey[n] = std::uint8_t(std::lround(std::clamp(bright_grey * v / k.bright, 0.0, 255.0)));
-    }
-  return out;
+  return picture_of(k.integrals, k.bright, CArm(params, size), metal);
 }
 
 }  // namespace trephine

@@ -23,8 +23,8 @@ Vec3 begin_of(const ScriptPlaces& places, const HeadFrame& frame) {
 
 class HeadPlan : public MovePlan {
  public:
-  HeadPlan(const ScriptScene& scene, const HeadFrame& frame, ScriptPlaces& places)
-      : MovePlan(scene, begin_of(places, frame), frame.upwards), frame_(frame), places_(places) {
+  HeadPlan(const ScriptScene& scene, const HeadFrame& frame, ScriptPlaces& places, bool misses)
+      : MovePlan(scene, begin_of(places, frame), frame.upwards), frame_(frame), places_(places), misses_(misses) {
     if (!scene.manifest.burr_holes.empty()) places_.hole_mm = scene.manifest.burr_holes[0].position_mm;
   }
 
@@ -77,7 +77,9 @@ class HeadPlan : public MovePlan {
   void lift(Vec3 to) { go_straight(to, 100); }
 
   void drill(const DrillStep& s) {
-    const Vec3 site = places_.find(s.at);
+    Vec3 site = places_.find(s.at);
+    // A hand that misses the place by much still begins at the skin, not in the air or within the head.
+    if (misses_) site = places_.skin_towards(places_.direction_of(site));
     HandPathParams p;
     p.site = "there";
     p.hole_diameter_mm = s.hole_diameter_mm;
@@ -114,6 +116,7 @@ class HeadPlan : public MovePlan {
 
   const HeadFrame& frame_;
   ScriptPlaces& places_;
+  const bool misses_;
 };
 
 }  // namespace
@@ -121,7 +124,7 @@ class HeadPlan : public MovePlan {
 std::vector<HandMove> plan_head_moves(const LessonScript& script, const ScriptScene& scene, const ScriptAim& aim) {
   const HeadFrame frame = head_frame_of(scene.manifest);
   ScriptPlaces places(scene, frame, aim);
-  HeadPlan plan(scene, frame, places);
+  HeadPlan plan(scene, frame, places, aim.aim_noise_mm > 0);
   return plan_steps(script, plan);
 }
 

@@ -37,8 +37,11 @@ void Lesson::watch(const ServoFrame& f, const ToolBelt& belt) {
   }
   was_paused_ = belt.paused();
   tick(f, belt, !belt.paused() && (f.buttons & belt_button::pedal));
-  if (!fresh || belt.paused()) return;
-  if (now != belt_command::finish) return command(now, f, belt);
+  if (!fresh) return;
+  if (now != belt_command::finish) {
+    if (!belt.paused()) command(now, f, belt);
+    return;
+  }
   facts.end = LessonEnd::finished;
   close();
 }

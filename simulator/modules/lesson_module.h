@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cases/load_case.h"
+#include "fluoro/carm.h"
 #include "modules/lesson.h"
 #include "modules/scripted_hand.h"
 
@@ -31,6 +32,22 @@ struct LessonStatus {
   std::string name, label, value;
 };
 
+/// A C-arm, as a window shows it.
+struct LessonXray {
+  /// Where it stands: "lateral", "free", and by how many degrees it is turned and tilted.
+  struct Pose {
+    std::string view;
+    double orbit_deg = 0, tilt_deg = 0;
+    CArmParams arm;
+  };
+  Pose now;
+  bool on = false;
+  double exposure_s = 0;
+  std::size_t shots_count = 0;
+  Pose seen;  ///< as the last picture was taken, and the metal in it; where there was a shot
+  std::vector<MetalRod> metal;
+};
+
 /// A lesson that the program knows: everything that commands, scripts, reports, logs and curricula need of it. Every
 /// simulator/scoring/NAME_module.cpp defines `LessonModule NAME_module()`, and CMake finds it; its rubric is declared
 /// in lib/lesson/NAME_rubric.cpp. Nothing else names a module.
@@ -40,7 +57,7 @@ struct LessonModule {
   std::vector<std::string> rows;      ///< the names of the score's rows, in their order
   std::vector<LessonColumn> columns;  ///< of the log, after the rows
   std::vector<StepChoice> steps;      ///< what its scripts may say
-  bool needs_pictures = false;        ///< fluoroscopy shows where the tool is
+  bool needs_pictures = false;        ///< fluoroscopy shows where the tool is: a window needs the case's CT
   /// The patients' classes that are exercised in turn. None: a case needs no class, and --classes is ignored.
   std::vector<std::string> classes;
 
@@ -61,6 +78,8 @@ struct LessonModule {
   std::function<std::vector<LessonGuide>(const LessonFacts&)> guide;
   std::function<std::vector<LessonStatus>(const LessonFacts&)> status;
   std::function<std::vector<Vec3>(const LessonFacts&)> ink;
+  /// Of a lesson with a C-arm; else empty. A lesson that does not need its pictures shows them where the case has a CT.
+  std::function<LessonXray(const Lesson&, const CaseManifest&)> xray;
   /// 1: the tool is shown in green, as it succeeded; -1: in red, as it failed; 0: neither. By the lesson's rubric.
   std::function<int(const LessonFacts&, const AnyParams& rubric)> verdict;
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,7 @@ struct FluoroShot {
   double begin_s = 0, end_s = 0, needle_mm = 0, length_mm = 0;
   ArmPose arm;        ///< at its end
   Vec3 tip_mm, axis;  ///< of the needle at its end; the axis from tip to tail
+  MetalRod metal() const { return {tip_mm, tip_mm + axis * length_mm, std::max(0.5, needle_mm)}; }
 };
 
 /// A moment of the needle's way.
@@ -79,6 +81,7 @@ class SpineNeedle : public Lesson {
     return std::make_shared<SpineNeedleFacts>(facts_);
   }
   const ArmPose& arm() const { return arm_; }
+  bool exposing() const { return exposing_; }
 
  protected:
   LessonFacts& noted() override { return facts_; }

@@ -53,6 +53,8 @@ LessonModule pedicle_screw_module() {
                                        : std::string("errors of the screw: not judged");
   };
   m.pictures = spine_pictures;
+  m.status = spine_status;
+  m.xray = spine_xray;
   return m;
 }
 

@@ -104,7 +104,10 @@ ScoreRow score_burr_hole(const Scoring& s) {
   if (off <= r.near_mm.limit) return decide(4, "near Kocher's point");
   const double more_lateral = side - std::abs(s.frame.left_of_midline_mm(kocher->position_mm));
   const double more_anterior = before - s.frame.before_suture_mm(kocher->position_mm);
-  if (std::max(more_lateral, more_anterior) <= 0) return decide(2, "between Kocher's point and midline or suture");
+  // Towards midline and suture lies what must not be hit: a hole that errs that way is no better for erring the other
+  // way as well. What counts as at Kocher's point is no error.
+  if (std::max(more_lateral, more_anterior) <= 0 || std::min(more_lateral, more_anterior) < -r.kocher_mm.limit)
+    return decide(2, "nearer to midline or suture than Kocher's point");
   if (off > r.far_mm.limit) return decide(2, "far from Kocher's point");
   return decide(3, more_lateral > more_anterior ? "too lateral" : "too anterior");
 }

@@ -58,6 +58,11 @@ LessonModule spine_needle_module() {
                        own(facts).exposure_s());
   };
   m.pictures = spine_pictures;
+  m.status = spine_status;
+  m.guide = [](const LessonFacts&) {
+    return std::vector<LessonGuide>{{"Needle through a pedicle", "needle", ""}, {"Finished", "", "finish"}};
+  };
+  m.xray = spine_xray;
   return m;
 }
 

@@ -52,8 +52,7 @@ std::string shots_html(const SpineNeedleFacts& facts, const LoadedCase& loaded) 
   const std::size_t first = facts.shots.size() > most ? facts.shots.size() - most : 0;
   for (std::size_t n = first; n < facts.shots.size(); ++n) {
     const FluoroShot& s = facts.shots[n];
-    const MetalRod needle{s.tip_mm, s.tip_mm + s.axis * s.length_mm, std::max(0.5, s.needle_mm)};
-    const FluoroPicture picture = fluoroscope.picture(arm_of(loaded.manifest, s.arm), size, {needle});
+    const FluoroPicture picture = fluoroscope.picture(arm_of(loaded.manifest, s.arm), size, {s.metal()});
     if ((n - first) % 3 == 0) out += "<div class=\"slices\">\n";
     out += fmt::format(
         "<figure><img alt=\"\" style=\"width:100%\" src=\"data:image/png;base64,{}\"><figcaption>{} at {:.1f} s, "
@@ -81,6 +80,30 @@ std::vector<StepChoice> spine_steps() {
   for (int command = belt_command::view_ap; command <= belt_command::tilt_less; ++command)
     steps.push_back(script_step(belt_command::names[command], "Moves the C-arm."));
   return with_common_steps(steps);
+}
+
+std::vector<LessonStatus> spine_status(const LessonFacts& lesson) {
+  const SpineNeedleFacts& f = own(lesson);
+  return {{"passes_count", "Passes", std::to_string(f.passes.size())},
+          {"shots_count", "Shots", std::to_string(f.shots.size())},
+          {"exposure_s", "X-rays, s", fmt::format("{:.1f}", f.exposure_s())}};
+}
+
+LessonXray spine_xray(const Lesson& lesson, const CaseManifest& manifest) {
+  const SpineNeedle& spine = static_cast<const SpineNeedle&>(lesson);
+  const auto pose = [&](const ArmPose& p) {
+    return LessonXray::Pose{p.view(), p.orbit_deg, p.tilt_deg, arm_of(manifest, p)};
+  };
+  const SpineNeedleFacts& f = spine.facts();
+  LessonXray x;
+  x.now = pose(spine.arm());
+  x.on = spine.exposing();
+  x.exposure_s = f.exposure_s();
+  x.shots_count = f.shots.size();
+  if (f.shots.empty()) return x;
+  x.seen = pose(f.shots.back().arm);
+  x.metal = {f.shots.back().metal()};
+  return x;
 }
 
 std::string spine_pictures(const LessonFacts& lesson, const LoadedCase& loaded) {

@@ -8,6 +8,7 @@
 #include <future>
 
 #include "base/error.h"
+#include "device/rate_hand.h"
 
 namespace trephine {
 namespace {
@@ -78,7 +79,15 @@ DeviceScene Session::scene_of(const SessionOptions& options, const std::function
                     Progress({}, &stop_),
                     0,
                     0,
-                    {}};
+                    {},
+                    options.view,
+                    options.begin};
+  // The workspace moves and scales what a device says: it begins where the tool is to begin.
+  const WorkspaceParams& w = options.workspace;
+  HandBegin begin = begin_of(scene);
+  begin.tip_mm = (begin.tip_mm - Vec3{w.workspace_offset_mm[0], w.workspace_offset_mm[1], w.workspace_offset_mm[2]}) /
+                 w.workspace_scale;
+  scene.begin = begin;
   const CaseManifest& m = patient_->felt.loaded.manifest;
   if (!options.drilling.drill) return scene;
   scene.drilled = drilled_shapes(m.haptic);

@@ -41,6 +41,8 @@ struct SessionOptions {
   DeviceChoice device;
   /// Makes the device instead, where it is given: a window is its own.
   std::function<std::unique_ptr<Device>(const DeviceScene&)> own_device;
+  std::shared_ptr<Mailbox<ViewAxes>> view;  ///< of a window, for a device that is pushed; may be null
+  std::optional<HandBegin> begin;           ///< where a hand that is led begins, in the case
   std::string begins_sha256;  ///< of the voxels of the patient that is given, where it was cut before; else empty
   bool watched = false;       ///< take_frames() gives every frame, also without a recording
   WorkspaceParams workspace;

@@ -20,6 +20,9 @@ expect 66 'holds no approved case' "${exercise[@]}"
 "$OFFLINE" library approve "$library/head" --by prof-1 --difficulty-level 4 >/dev/null
 "$OFFLINE" library approve "$library/head-drilled" --by prof-1 --difficulty-level 2 >/dev/null
 cp "$library/head-drilled/approved.json" "$library/copy"
+# Not while a run may publish another case there.
+expect 75 'another run builds this case' flock "$library/head/.lock" "$OFFLINE" library approve "$library/head" --by prof-2
+grep -q prof-1 "$library/head/approved.json" || fail "the approval changed under a run"
 expect 64 '[-]-by: must be' "$OFFLINE" library approve "$library/head" --by "Prof. A"
 expect 64 '[-]-participant: must be' "$TREPHINE" exercise "$library" --participant "A B" --out "$work/results"
 expect 64 'uncertain is no class' "${exercise[@]}" --classes normal,uncertain

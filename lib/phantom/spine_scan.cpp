@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The spine on the scanner of the head, and its truth.
+#include <atomic>
+#include <nlohmann/json.hpp>
+
+#include "base/parallel.h"
+#include "base/write_file.h"
+#include "grid/nrrd.h"
+#include "phantom/slice_image.h"
+#include "phantom/spine_parts.h"
+
+namespace trephine::phantom {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double fwhm_per_sigma = 2.3548200450309493;
+constexpr double most_step_mm = 0.5;  // across a slice
+
+Json to_json(Vec3 v) { return {v.x, v.y, v.z}; }
+
+// From the scanner's frame to the spine's: the middle of the default block is the spine's middle.
+Vec3 offset_mm() {
+  const ScanParams fresh;
+  return Vec3{fresh.centre_mm[0], fresh.centre_mm[1], fresh.centre_mm[2]} - Vec3{0, 10, 0};
+}
+
+// As many vertebrae as the block is high, and one more: none ends in it that a scan would show whole.
+Spine spine_in(SpineParams spine, const std::vector<SlicePose>& slices, const ScanParams& p) {
+  double reach = 0;
+  const double columns = p.columns_count - 1, rows = p.rows_count - 1, pixel = pixel_spacing_mm(p);
+  for (const SlicePose& s : slices)
+    for (int n = 0; n < 4; ++n) {
+      const Vec3 corner = s.origin_mm + s.row * (n & 1 ? columns * pixel : 0) + s.column * (n & 2 ? rows * pixel : 0);
+      reach = std::max(reach, std::abs(corner.z - offset_mm().z));
+    }
+  spine.vertebrae_count = 2 * int(std::ceil(reach / spine.pitch_mm)) + 1;
+  return Spine(spine);
+}
+
+// Whether a vertebra lies between the first and the last slice, with as much beside it as its neighbours leave.
+bool whole(const Spine& spine, int vertebra, const std::vector<SlicePose>& slices) {
+  double low = 1e9, high = -1e9;
+  for (const SlicePose& s : slices) {
+    low = std::min(low, s.origin_mm.z);
+    high = std::max(high, s.origin_mm.z);
+  }
+  const double z = spine.level(vertebra) + offset_mm().z, half = 0.5 * spine.params().pitch_mm;
+  return z - half >= low && z + half <= high;
+}
+
+}  // namespace
+
+Scan scan(const SpineParams& of, const ScanParams& params, std::uint64_t seed, const Progress& progress) {
+  Scan out;
+  out.columns = params.columns_count, out.rows = params.rows_count;
+  out.pixel_mm = pixel_spacing_mm(params);
+  out.slices = slice_poses(params);
+  out.padded = params.round_field;
+  const Spine spine = spine_in(of, out.slices, params);
+  const std::size_t per_slice = std::size_t(out.columns) * std::size_t(out.rows);
+  out.hu.resize(per_slice * out.slices.size());
+  const double sigma_px = params.kernel_mm / fwhm_per_sigma / out.pixel_mm;
+  const int across = std::max(1, int(std::ceil(params.slice_thickness_mm / most_step_mm)));
+  std::atomic<int> done{0};
+  parallel_for(0, params.slices_count, 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k) {
+      progress.check();
+      const SlicePose& pose = out.slices[std::size_t(k)];
+      const Vec3 normal = normalized(cross(pose.row, pose.column));
+      SliceImage image(out.columns, out.rows, -1000);
+      for (int j = 0; j < out.rows; ++j)
+        for (int i = 0; i < out.columns; ++i) {
+          double sum = 0;
+          for (int a = 0; a < across; ++a)
+            sum += hu_of(spine,
+                         out.position_mm(i, j, k) - offset_mm() +
+                             normal * (((a + 0.5) / across - 0.5) * params.slice_thickness_mm),
+                         out.pixel_mm);
+          image.at(i, j) = float(sum / across);
+        }
+      blur(image, sigma_px);
+      add_noise(image, sigma_px, params.noise_hu, seed, std::uint64_t(k));
+      quantize(image, params.round_field, &out.hu[per_slice * std::size_t(k)]);
+      progress.report(++done / double(params.slices_count));
+    }
+  });
+  return out;
+}
+
+void write_truth(const std::filesystem::path& folder, const SpineParams& of, const Scan& scan, const ScanParams& params,
+                 bool labels, Report& report) {
+  make_output_folder(folder);
+  const Spine spine = spine_in(of, scan.slices, params);
+  Json json;
+  json["trephine_spine_truth"] = 1;
+  json["frame"] = "DICOM patient LPS, mm";
+  const ParameterSet& declared = parameters_of<SpineParams>();
+  for (const Parameter& p : declared.parameters) json["spine"][p.name] = std::get<double>(p.get(&of));
+  json["pedicles"] = Json::array();
+  int first = -1;
+  for (const Spine::Pedicle& p : spine.pedicles()) {
+    if (!whole(spine, p.vertebra, scan.slices)) continue;
+    if (first < 0) first = p.vertebra;
+    double behind = 0, before = 0;
+    while (spine.bone(p.middle_mm - p.forwards * behind) > 0) behind += 0.1;
+    while (spine.bone(p.middle_mm + p.forwards * before) > 0) before += 0.1;
+    const Vec3 entry = p.middle_mm - p.forwards * behind, target = entry + p.forwards * (0.75 * (behind + before));
+    json["pedicles"].push_back(
+        {{"name", "pedicle_" + std::to_string(p.vertebra - first + 1) + (p.left ? "_left" : "_right")},
+         {"entry_mm", to_json(entry + offset_mm())},
+         {"target_mm", to_json(target + offset_mm())},
+         {"middle_mm", to_json(p.middle_mm + offset_mm())},
+         {"half_width_mm", p.half_width_mm}});
+  }
+  report.add("pedicles_count", json["pedicles"].size());
+  if (labels && has_lattice(params)) {
+    Mask mask(lattice_of(scan));
+    parallel_for(0, mask.size[2], 1, [&](std::int64_t from, std::int64_t to) {
+      for (int k = int(from); k < to; ++k)
+        for (int j = 0; j < mask.size[1]; ++j)
+          for (int i = 0; i < mask.size[0]; ++i) {
+            const Vec3 p = mask.to_world_mm({double(i), double(j), double(k)}) - offset_mm();
+            mask.at(i, j, k) = spine.bone(p) > 0 ? 2 : spine.canal(p) > 0 ? 3 : spine.skin(p) > 0 ? 1 : 0;
+          }
+    });
+    write_nrrd(folder / "labels.nrrd", mask);
+  }
+  write_file(folder / "truth.json", json.dump(1) + "\n");
+}
+
+}  // namespace trephine::phantom

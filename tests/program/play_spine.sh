@@ -1,0 +1,186 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The spine needle in the window: the C-arm's keys and pedal, the needle in the picture at once, exposure and shots, and the score.
+. "$(dirname "$0")/common.sh"
+: "${OFFLINE:?}" "${WRITE_CASE:?}"
+command -v Xvfb >/dev/null || skip "no Xvfb"
+command -v xdotool >/dev/null || skip "no xdotool"
+export LP_NUM_THREADS=1
+for lesson in spine_needle pedicle_screw; do
+  "$OFFLINE" rubric "$SOURCE/configs/rubrics/$lesson.yaml" --output "$work/$lesson.json" >/dev/null
+done
+"$WRITE_CASE" "$work/spine" spine
+"$WRITE_CASE" "$work/chest" chest
+
+Xvfb -displayfd 3 -screen 0 480x360x24 3>"$work/display" >/dev/null 2>&1 &
+screen=$!
+sim=
+trap '[[ -z $sim ]] || kill $sim 2>/dev/null || true; kill $screen 2>/dev/null || true; chmod -R u+w "$work"; rm -rf "$work"' EXIT
+for try in {1..100}; do [[ -s $work/display ]] && break; sleep 0.1; done
+[[ -s $work/display ]] || fail "Xvfb does not start"
+DISPLAY=:$(cat "$work/display")
+export DISPLAY
+
+# begin LESSON: opens a window on it and waits for its first picture.
+begin() {
+  rm -f "$work/said"
+  "$TREPHINE" play "$work/spine" --lesson "$1" --rubric "$work/$1.json" --participant r-01 --out "$work/out" --no-realtime \
+    --window-width 480 --window-height 360 --no-panels --remote 0 --shots "$work/shots" --advance-mm-per-s 20 \
+    >"$work/said" 2>"$work/fault" &
+  sim=$!
+  for try in {1..600}; do
+    grep -qs '^first picture' "$work/said" && break
+    kill -0 $sim 2>/dev/null || { cat "$work/said" "$work/fault" >&2; fail "it ends at once"; }
+    sleep 0.1
+  done
+  exec 4<>"/dev/tcp/127.0.0.1/$(sed -n 's/^remote on port //p' "$work/said")"
+}
+ask() {
+  echo "$1" >&4
+  IFS= read -r -t 30 -u 4 answer || { cat "$work/said" "$work/fault" >&2; fail "no answer to: $1"; }
+}
+ok() { ask "$1"; [[ $answer == ok ]] || fail "$1: $answer"; }
+# until_is LINE PATTERN: waits until that line's answer matches.
+until_is() {
+  for try in {1..300}; do
+    ask "$1"
+    [[ $answer =~ $2 ]] && return 0
+    sleep 0.1
+  done
+  fail "$1 never matches $2: $answer"
+}
+finish() {
+  exec 4>&-
+  local code=0
+  wait $sim || code=$?
+  sim=
+  [[ $code == "$1" ]] || { cat "$work/said" "$work/fault" >&2; fail "exit code $code instead of $1"; }
+}
+# in_picture FILE: the needle's tip is where the window says, bright beside what is beyond it.
+in_picture() {
+  ask xray
+  read -r x y <<<"$(sed -E 's/.* tip_px ([^ ]+) ([^ ]+).*/\1 \2/' <<<"$answer")"
+  python3 - "$1" "$x" "$y" <<'PY'
+import struct, sys, zlib
+b, at, size, data = open(sys.argv[1], "rb").read(), 8, 0, b""
+while at < len(b):
+    n, kind = struct.unpack(">I4s", b[at:at + 8])
+    if kind == b"IHDR": size = struct.unpack(">I", b[at + 8:at + 12])[0]
+    if kind == b"IDAT": data += b[at + 8:at + 8 + n]
+    at += 12 + n
+rows = zlib.decompress(data)
+grey = lambda x, y: rows[y * (size + 1) + 1 + x]
+x, y = (int(float(v)) for v in sys.argv[2:4])
+assert size == 512, size
+near = max(grey(i, j) for i in range(x - 6, x + 7) for j in range(y - 6, y + 7))
+assert near == 255, (x, y, near)
+# In front of the tip there is none: on one side of it at least.
+around = [max(grey(x + a + i, y + b + j) for i in range(-2, 3) for j in range(-2, 3)) for a, b in ((14, 0), (-14, 0), (0, 14), (0, -14))]
+assert min(around) < 230, around
+PY
+}
+
+# The point of the ideal axis of a pedicle that lies so far before its entry, and the tool's axis, from the tip to its end.
+read -r point axis target <<<"$(python3 - "$work/spine/case.json" <<'PY'
+import json, sys
+at = {l["name"]: l["position_mm"] for l in json.load(open(sys.argv[1]))["landmarks"]}
+e, t = at["pedicle_2_left_entry"], at["pedicle_2_left_target"]
+n = sum((a - b) ** 2 for a, b in zip(e, t)) ** 0.5
+axis = [(a - b) / n for a, b in zip(e, t)]
+text = lambda v: ",".join("%.3f" % x for x in v)
+print(text([a + 60 * b for a, b in zip(e, axis)]), text(axis), text(t))
+PY
+)"
+
+begin spine_needle
+# No picture before the pedal; the arm goes where its keys say, and X-rays count only while the pedal is down.
+until_is xray '^off view ap orbit_deg 0 tilt_deg 0 exposure_s 0.000 shots_count 0 pictures 0$'
+xdotool key l
+until_is xray 'view lateral orbit_deg 90 tilt_deg 0 exposure_s 0.000'
+xdotool key o
+until_is xray 'view oblique orbit_deg 45'
+xdotool key period
+until_is xray 'view free orbit_deg 50'
+xdotool key Prior
+until_is xray 'view free orbit_deg 50 tilt_deg 5'
+xdotool key f
+until_is xray 'view ap orbit_deg 0 tilt_deg 0'
+ok "place ${point//,/ } ${axis//,/ }"
+sleep 1
+xdotool keydown space
+until_is xray '^on .* size_px 512 .* tip_px '
+xdotool keyup space
+until_is xray '^off .* exposure_s [0-9.]*[1-9][0-9]* shots_count 1 '
+before=$answer
+sleep 0.5
+ask xray
+[[ $answer == "$before" ]] || fail "X-rays count while they are off: $before, $answer"
+ok shot
+for try in {1..100}; do [[ -s $work/shots/picture-001-xray.png ]] && break; sleep 0.1; done
+in_picture "$work/shots/picture-001-xray.png"
+# The needle is pushed under lateral X-rays, and seen to move while they are on.
+xdotool key l
+until_is xray 'view lateral'
+sleep 1
+xdotool keydown space
+until_is xray '^on .* shots_count 2 .* size_px 512 .* tip_px '
+begun=$(sed -E 's/.* pictures ([0-9]+) .*/\1/' <<<"$answer")
+xdotool keydown w
+for try in {1..600}; do
+  ask state
+  read -r x y z <<<"$(sed -E 's/.* tip ([^ ]+) ([^ ]+) ([^ ]+) .*/\1 \2 \3/' <<<"$answer")"
+  awk -v a="$x,$y,$z" -v b="$target" 'BEGIN { split(a, p, ","); split(b, t, ","); exit (p[1]-t[1])^2 + (p[2]-t[2])^2 + (p[3]-t[3])^2 > 9 }' && break
+  sleep 0.03
+done
+xdotool keyup w
+((try < 600)) || fail "the needle never comes to the target: $answer"
+until_is xray '^on .* size_px 512 '
+sleep 0.3
+ask xray
+moved=$(sed -E 's/.* pictures ([0-9]+) .*/\1/' <<<"$answer")
+((moved > begun + 5)) || fail "the needle is not seen to move: $begun, $moved pictures"
+awk -v w="$(sed -E 's/.* waited_s ([^ ]+).*/\1/' <<<"$answer")" 'BEGIN { exit w > 1 }' || fail "the needle is seen too late: $answer"
+xdotool keyup space
+until_is xray '^off '
+xdotool key F12
+for try in {1..100}; do [[ -s $work/shots/picture-002-xray.png ]] && break; sleep 0.1; done
+in_picture "$work/shots/picture-002-xray.png"
+until_is lesson 'passes_count 1 shots_count 2 exposure_s '
+ok finish
+until_is lesson 'end finished points [0-9]+ of 35'
+ask 'arm lateral'
+[[ $answer == error:* ]] || fail "the arm moves after the end"
+ok quit
+finish 0
+one=$work/out/r-01-spine_needle-01-spine
+"$TREPHINE" score $one.lesson --case "$work/spine" --rubric "$work/spine_needle.json" --json "$work/again.json" >"$work/text"
+cmp "$work/again.json" $one.json || fail "judged again it is not the same"
+grep -qF "$(tail -1 "$work/text")" "$work/said" || { cat "$work/said" "$work/text"; fail "the window says otherwise"; }
+python3 - $one.json <<'PY'
+import json, sys
+j = json.load(open(sys.argv[1]))
+rows = {r["name"]: r["score"] for r in j["rows"]}
+assert rows["entry"] == 5 and rows["target"] == 5 and rows["breach"] == 5 and rows["depth"] >= 4 and rows["passes"] == 5, rows
+assert [s["view"] for s in j["facts"]["shots"]] == ["ap", "lateral"] and j["facts"]["exposure_s"] > 0.1, j["facts"]
+PY
+[[ $(wc -l <"$work/out/attempts-spine_needle.csv") == 2 ]] || fail "no line in the log"
+
+# The open exercise: finder, then screw.
+begin pedicle_screw
+until_is lesson 'tool finder'
+ok 'tool screw_5.5x40'
+until_is lesson 'tool screw_5.5x40'
+xdotool keydown space
+until_is xray '^on .* tip_px '
+xdotool keyup space
+ok 'arm oblique'
+until_is xray 'view oblique'
+for wrong in 'arm up' 'arm'; do ask "$wrong"; [[ $answer == error:*'the arm goes to'* ]] || fail "$wrong: $answer"; done
+ok quit
+finish 0
+
+# What the window cannot show is refused at once.
+play=("$TREPHINE" play "$work/spine" --lesson spine_needle --rubric "$work/spine_needle.json" --out "$work/out")
+expect 64 '[-]-stereo: hides the fluoroscopic pictures' "${play[@]}" --stereo side_by_side
+"$WRITE_CASE" "$work/bare" spine_without_ct
+expect 65 'case.json: ct: the case has no CT' "$TREPHINE" play "$work/bare" --lesson spine_needle --rubric "$work/spine_needle.json" --out "$work/out"
