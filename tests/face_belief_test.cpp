@@ -10,8 +10,7 @@
 #include "base/error.h"
 #include "face/face_gate.h"
 #include "head_recipe.h"
-#include "phantom/head.h"
-#include "phantom/phantom.h"
+#include "phantom_heads.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -23,19 +22,9 @@ struct Scanned {
   Field skin;
 };
 
-Scanned scanned(std::uint64_t seed, phantom::Variant variant, int pixels, int slices) {
-  phantom::HeadParams who;
-  who.level = phantom::Level::simple;
-  who.variant = variant;
-  who.seed = seed;
-  phantom::ScanParams how;
-  how.columns_count = how.rows_count = pixels;
-  how.field_of_view_mm = 240;
-  how.slices_count = slices;
-  how.slice_step_mm = how.slice_thickness_mm = 192.0 / slices;
-  how.noise_hu = 12;
-  Scanned s{phantom::Head(who), {}, {}};
-  s.volume = phantom::volume_of(phantom::scan(s.head, how));
+Scanned scanned(int seed, phantom::Variant variant, int pixels, int slices) {
+  Scanned s{phantom_heads::head_of(phantom::Level::simple, seed, variant), {}, {}};
+  s.volume = phantom::volume_of(phantom::scan(s.head, phantom_heads::scan_of(pixels, slices, 12)));
   Report report;
   s.skin = segment(s.volume, {}, head_recipe::skin(), report);
   return s;
@@ -47,10 +36,7 @@ const Scanned& small_head() {
 }
 
 HeadLandmarks landmarks_of(const phantom::Head& head, const char* source) {
-  HeadLandmarks l;
-  for (const char* name : {"nasion", "tragus_left", "tragus_right"})
-    l.landmarks.push_back({name, head.landmark(name), 0.9, source});
-  return l;
+  return phantom_heads::face_landmarks(head, 0.9, source);
 }
 
 std::string refusal(const HeadLandmarks& known, const HeadLandmarks* found, const Field& skin,

@@ -10,8 +10,7 @@
 #include "head/brain.h"
 #include "head/ventricles.h"
 #include "head_recipe.h"
-#include "phantom/head.h"
-#include "phantom/phantom.h"
+#include "phantom_heads.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -19,13 +18,6 @@ namespace {
 
 using phantom::Anatomy;
 using phantom::Head;
-
-HeadLandmarks truth_of(const Head& head) {
-  HeadLandmarks l;
-  for (const char* name : {"nasion", "tragus_left", "tragus_right"})
-    l.landmarks.push_back({name, head.landmark(name), 1, "truth"});
-  return l;
-}
 
 struct Scanned {
   Head head;
@@ -35,20 +27,11 @@ struct Scanned {
 };
 
 Scanned scanned(phantom::Level level, int pixels, int slices, double noise_hu) {
-  phantom::HeadParams who;
-  who.level = level;
-  who.seed = 7;
-  phantom::ScanParams how;
-  how.columns_count = how.rows_count = pixels;
-  how.field_of_view_mm = 240;
-  how.slices_count = slices;
-  how.slice_step_mm = how.slice_thickness_mm = 192.0 / slices;
-  how.noise_hu = noise_hu;
-  Scanned s{Head(who), {}, {}, {}};
-  s.volume = phantom::volume_of(phantom::scan(s.head, how));
+  Scanned s{phantom_heads::head_of(level, 7), {}, {}, {}};
+  s.volume = phantom::volume_of(phantom::scan(s.head, phantom_heads::scan_of(pixels, slices, noise_hu)));
   Report report;
   s.skin = segment(s.volume, {}, head_recipe::skin(), report);
-  s.region = face_region(truth_of(s.head));
+  s.region = face_region(phantom_heads::face_landmarks(s.head));
   return s;
 }
 
@@ -194,7 +177,7 @@ TEST(Deface, WhereThereIsNoFace) {
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("no face"), std::string::npos);
   // A nasion in the brain is none.
-  HeadLandmarks wrong = truth_of(s.head);
+  HeadLandmarks wrong = phantom_heads::face_landmarks(s.head);
   wrong.landmarks[0].position_mm.y += 40;
   try {
     deface(s.volume, s.skin, face_region(wrong), {}, report);

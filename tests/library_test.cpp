@@ -2,12 +2,19 @@
 // The library's parts without a build: its configuration, what makes a case stale, memory pools, signatures, the sheet.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
 
 #include "base/error.h"
+#include "base/hash.h"
+#include "base/write_file.h"
+#include "grid/nrrd.h"
 #include "library/catalogue.h"
 #include "library/library_config.h"
 #include "library/ninja.h"
+#include "library/plan.h"
 #include "library/series_state.h"
 #include "library/settings.h"
 #include "library/sheet.h"
@@ -134,6 +141,46 @@ TEST_F(Library, SettingsChangeWithWhatCountsOnly) {
   EXPECT_NE(settings().sha256, first.sha256);
   EXPECT_NE(read_case_settings(one, {}, true, "p 2").sha256, settings().sha256);
   EXPECT_NE(read_case_settings(one, {}, false, "p 1").sha256, settings().sha256);
+}
+
+// A further scan's content is remembered as the first one's is: where the memory says another content, a plan that
+// reads nothing takes that one.
+TEST_F(Library, APlanReadsNoFurtherScanAgain) {
+  Grid<std::int16_t> voxels;
+  voxels.size = {8, 8, 8};
+  voxels.voxels.assign(512, 40);
+  for (const char* name : {"ct.nrrd", "mr.nrrd"}) {
+    write_nrrd(scratch_.path() / name, HuVolume(voxels));
+    voxels.voxels[100] = 50;
+  }
+  scratch_.write("p.yaml",
+                 "trephine: 1\nanatomies: {bone: {shows_face: false, stages: [segment: {scan: mr}, contour, decimate, "
+                 "normals]}}\n");
+  scratch_.write("s.yaml", "trephine: 1\nanatomies: {bone: {}}\n");
+  scratch_.write("c.yaml",
+                 "trephine: 1\npipeline: p.yaml\nscene: s.yaml\nscans: {mr: {modality: mr, series: mr.nrrd}}\n");
+  const LibraryConfig config = read("config: c.yaml\ncases: [{case: one, series: ct.nrrd}]\n");
+  const LibraryState state(scratch_.path() / "out");
+  state.make_folders();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // files that changed just now are not trusted
+  const auto plan = [&](bool rehash) {
+    PlanOptions options;
+    options.rehash = rehash;
+    const LibraryPlan p = make_plan(config, state, options, {});
+    EXPECT_FALSE(p.cases.at(0).fault);
+    return p.cases.at(0).inputs.settings_sha256;
+  };
+  const std::string first = plan(false);
+  const std::vector<char> bytes = read_file(state.series_file(), 1 << 20);
+  auto memory = nlohmann::json::parse(bytes.begin(), bytes.end());
+  ASSERT_EQ(memory.at("series").size(), 2u);
+  const std::string content = hash_of_series_input(scratch_.path() / "mr.nrrd", {});
+  for (auto& entry : memory.at("series"))
+    if (entry.at(0) == content) entry.at(0) = sha256_of_bytes("another content");
+  memory["checksum"] = sha256_of_bytes(memory.at("series").dump());
+  write_file(state.series_file(), memory.dump());
+  EXPECT_NE(plan(false), first);
+  EXPECT_EQ(plan(true), first);
 }
 
 TEST(LibraryPools, NoChoiceOfJobsExceedsTheBudget) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -34,6 +35,32 @@ TEST(Proof, IsGivenByTheCheckAloneAndOnlyToWhatIsValid) {
   EXPECT_FALSE(m.proven_valid());
   EXPECT_THROW(require_valid(m), Error);
   EXPECT_FALSE(m.proven_valid());
+}
+
+TEST(Proof, DoesNotCoverAChangeThroughAnOlderReference) {
+  TriMesh m = box({}, {2, 2, 2});
+  Vec3& point = m.points_mm[5];
+  std::uint32_t& corner = m.triangles[3][0];
+  require_valid(m);
+  const auto code = [&] {
+    try {
+      require_valid(m);
+    } catch (const Error& e) {
+      return e.code();
+    }
+    return ExitCode::ok;
+  };
+  EXPECT_EQ(code(), ExitCode::ok);
+  const double x = point.x;
+  point.x = std::nextafter(x, 3);
+  EXPECT_TRUE(m.proven_valid()) << "the array cannot know of it";
+  EXPECT_EQ(code(), ExitCode::internal);
+  point.x = x;
+  EXPECT_EQ(code(), ExitCode::ok);
+  corner = (corner + 1) % 8;
+  EXPECT_EQ(code(), ExitCode::internal);
+  const TriMesh copy = m;
+  EXPECT_THROW(require_valid(copy), Error) << "a copy has the same proof";
 }
 
 TEST(Proof, GoesWithCopiesAndMovesOfBothArrays) {

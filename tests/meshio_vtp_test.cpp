@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The interchange file: bit-exact round trips, world positions for other programs, damage refused.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstring>
@@ -12,6 +11,7 @@
 #include "base/error.h"
 #include "base/write_file.h"
 #include "meshio/vtp.h"
+#include "scratch_folder.h"
 
 namespace trephine {
 namespace {
@@ -20,12 +20,6 @@ namespace fs = std::filesystem;
 
 class Vtp : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("trephine-vtp-" + std::to_string(getpid()) + "-" +
-                                           testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   fs::path path(const std::string& name) const { return folder_ / name; }
   std::string bytes(const fs::path& p) const {
     std::ifstream in(p, std::ios::binary);
@@ -34,7 +28,8 @@ class Vtp : public testing::Test {
   void put(const std::string& name, const std::string& s) const {  // without write_file's fsync, for many files
     std::ofstream(path(name), std::ios::binary) << s;
   }
-  fs::path folder_;
+  ScratchFolder scratch_;
+  const fs::path folder_ = scratch_.path();
 };
 
 // A closed surface with coordinates that use all 53 bits.

@@ -10,8 +10,7 @@
 #include "meshing/contour.h"
 #include "page/case_page.h"
 #include "page_reading.h"
-#include "phantom/head.h"
-#include "phantom/phantom.h"
+#include "phantom_heads.h"
 #include "segmentation/segment.h"
 
 namespace trephine {
@@ -24,24 +23,12 @@ struct Patient {
 };
 
 Patient patient() {
-  phantom::HeadParams who;
-  who.level = phantom::Level::simple;
-  who.seed = 7;
-  phantom::ScanParams how;
-  how.columns_count = how.rows_count = 150;
-  how.field_of_view_mm = 240;
-  how.slices_count = 80;
-  how.slice_step_mm = how.slice_thickness_mm = 192.0 / 80;
-  how.noise_hu = 12;
-  const phantom::Head head(who);
+  const phantom::Head head = phantom_heads::head_of(phantom::Level::simple, 7);
   Patient p;
-  p.volume = phantom::volume_of(phantom::scan(head, how));
+  p.volume = phantom::volume_of(phantom::scan(head, phantom_heads::scan_of(150, 80, 12)));
   Report report;
   p.skin = segment(p.volume, {}, head_recipe::skin(), report);
-  HeadLandmarks landmarks;
-  for (const char* name : {"nasion", "tragus_left", "tragus_right"})
-    landmarks.landmarks.push_back({name, head.landmark(name), 1, "truth"});
-  p.region = face_region(landmarks);
+  p.region = face_region(phantom_heads::face_landmarks(head));
   return p;
 }
 

@@ -17,6 +17,7 @@
 #include "page/html.h"
 #include "page/pack.h"
 #include "page_reading.h"
+#include "scratch_folder.h"
 
 namespace trephine {
 namespace {
@@ -269,7 +270,8 @@ TEST(Page, ShowsTheCaseOwnCt) {
 }
 
 TEST(Page, NotesAreReadBack) {
-  const fs::path folder = fs::temp_directory_path() / ("page-notes-" + std::to_string(::getpid()));
+  const ScratchFolder scratch;
+  const fs::path& folder = scratch.path();
   const auto c = case_samples::minimal_case();
   c.write(folder);
   PageNotes notes;
@@ -295,7 +297,6 @@ TEST(Page, NotesAreReadBack) {
   fs::remove(values);
   write_file(report / page_notes_file, "{\"warnings\": 1}");
   EXPECT_THROW(make_case_page(folder), Error);
-  fs::remove_all(folder);
 }
 
 }  // namespace

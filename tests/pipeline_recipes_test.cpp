@@ -21,7 +21,7 @@ TEST(Recipes, OfSpineAndChestHaveTheirAnatomiesAndShowNoFace) {
   const std::map<std::string, std::vector<std::string>> scenes = {
       {"ct_spine.yaml", {"skin", "bone", "canal"}},
       {"ct_spine_bone.yaml", {"bone", "canal"}},
-      {"ct_chest.yaml", {"skin", "clavicle", "vein", "lung", "pleura", "other_bone"}},
+      {"ct_chest.yaml", {"skin", "clavicle", "lung", "pleura", "vein", "other_bone"}},
       {"ct_chest_bone.yaml", {"skin", "bone"}},
   };
   for (const auto& [name, anatomies] : scenes) {

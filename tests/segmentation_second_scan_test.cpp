@@ -15,6 +15,7 @@
 #include "itk/registration.h"
 #include "mask/filters.h"
 #include "phantom/phantom.h"
+#include "phantom/random.h"
 #include "place/zones.h"
 #include "segmentation/t1_contrast.h"
 #include "segmentation/vessels.h"
@@ -152,7 +153,7 @@ void check_vessels(double ct_mm, double cta_mm, bool without) {
   const Ct ct = ct_of(head, ct_mm);
   const HuVolume cta = laid(head, phantom::SecondScan::cta, cta_mm, lattice_of(ct.volume), 0.012);
   Report report;
-  const Field found = find_vessels(cta, ct.volume, ct.cavity, nullptr, {}, report);
+  const Field found = find_vessels(cta, ct.volume, ct.cavity, nullptr, nullptr, {}, report);
   double truth = 0, hit = 0, all = 0, near = 0;
   const Grid<float> mm = segmentation::signed_distance_mm(found, {});
   const Lattice& l = lattice_of(ct.volume);
@@ -181,12 +182,59 @@ void check_vessels(double ct_mm, double cta_mm, bool without) {
   if (!without) return;
   // Without contrast agent there is none.
   const HuVolume plain = laid(head, phantom::SecondScan::ct, cta_mm, l, 0.012);
-  EXPECT_NE(refused([&] { find_vessels(plain, ct.volume, ct.cavity, nullptr, {}, report); }).find("no vessel"),
+  EXPECT_NE(refused([&] { find_vessels(plain, ct.volume, ct.cavity, nullptr, nullptr, {}, report); }).find("no vessel"),
             std::string::npos);
 }
 
 TEST(SecondScan, VesselsOfAnAngiography) { check_vessels(1.6, 1.4, false); }
 TEST(SecondScan, LongVesselsOfAnAngiography) { check_vessels(1, 0.8, true); }
+
+// A trunk of sorts: two opacified vessels in soft tissue between a bone and a lung. `without` leaves the vein out.
+TEST(SecondScan, VesselsOfATrunk) {
+  Lattice l;
+  l.size = {60, 64, 48};
+  l.spacing_mm = {1, 1, 1};
+  Grid<std::int16_t> ct(l), cta(l);
+  Field vein(l);
+  segmentation::BitMask bone(l);
+  const auto tube = [](int j, int k, double y, double z, double r) { return r - std::hypot(j - y, k - z); };
+  double artery_mm3 = 0;
+  for (int k = 0; k < 48; ++k)
+    for (int j = 0; j < 64; ++j)
+      for (int i = 0; i < 60; ++i) {
+        const std::size_t n = l.index(i, j, k);
+        const double skin = std::hypot((j - 32) / 28.0, (k - 24) / 21.0);
+        const bool is_bone = tube(j, k, 22, 34, 4) > 0, lung = tube(j, k, 46, 14, 8) > 0;
+        const auto noise = [&](std::uint64_t seed) { return 20 * (phantom::uniform(seed, 1, n) - 0.5); };
+        const double plain = skin > 1 ? -1000 : is_bone ? 700 : lung ? -850 : 45;
+        const double artery = std::clamp(tube(j, k, 22, 22, 4) + 0.5, 0.0, 1.0),
+                     in_vein = std::clamp(tube(j, k, 36, 26, 5) + 0.5, 0.0, 1.0);
+        artery_mm3 += artery;
+        vein.voxels[n] = static_cast<float>(tube(j, k, 36, 26, 5));
+        if (is_bone) bone.set(i, j, k);
+        ct.voxels[n] = static_cast<std::int16_t>(plain + noise(1));
+        cta.voxels[n] = static_cast<std::int16_t>(plain + 250 * std::max(artery, in_vein) + noise(2));
+      }
+  VesselsParams params;
+  params.region = VesselRegion::soft_tissue;
+  params.enhancement_hu = 125;
+  params.smoothing_sigma_mm = 0.5;
+  Report report;
+  const segmentation::BitMask tissue = soft_tissue_around(HuVolume(ct), bone);
+  const auto volume_of = [&](const Field& f) {
+    return static_cast<double>(std::count_if(f.voxels.begin(), f.voxels.end(), [](float v) { return v > 0; }));
+  };
+  const Field both = find_vessels(HuVolume(cta), HuVolume(ct), tissue, nullptr, nullptr, params, report);
+  EXPECT_GT(volume_of(both), 1.8 * artery_mm3);
+  const Field artery = find_vessels(HuVolume(cta), HuVolume(ct), tissue, nullptr, &vein, params, report);
+  EXPECT_NEAR(volume_of(artery), artery_mm3, 0.1 * artery_mm3);
+  const Field of_vein = find_vessels(HuVolume(cta), HuVolume(ct), tissue, &vein, nullptr, params, report);
+  EXPECT_NEAR(volume_of(of_vein), volume_of(vein), 0.1 * volume_of(vein));
+  EXPECT_NE(refused([&] {
+              find_vessels(HuVolume(ct), HuVolume(ct), tissue, nullptr, nullptr, params, report);
+            }).find("no vessel"),
+            std::string::npos);
+}
 
 /// The synthetic head's brainstem, without what is individual of it.
 double stem_mm(Vec3 p) {

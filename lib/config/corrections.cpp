@@ -21,11 +21,11 @@ void for_each_source(CaseConfig& config, const Visit& visit) {
 }
 
 /// The step whose field is corrected: of those whose field another step reads by its name, the last one, else the last
-/// one before the surface. -1 where the anatomy has no field.
+/// one before the surface that keeps the scan's voxels. -1 where the anatomy has no field.
 int corrected_step(CaseConfig& config, const RecipeAnatomy& anatomy) {
   int last = -1, read = -1;
   for (std::size_t i = 0; i < anatomy.steps.size(); ++i) {
-    if (anatomy.steps[i].type->output != DataKind::field) continue;
+    if (anatomy.steps[i].type->output != DataKind::field || anatomy.steps[i].type->changes_raster) continue;
     last = int(i);
     for_each_source(config, [&](const std::string& source) {
       if (source == anatomy.name + "." + anatomy.steps[i].type->name) read = int(i);

@@ -20,13 +20,13 @@ using segmentation::SkinDistance;
 constexpr double soft_low_hu = 0, soft_high_hu = 80;  // what covers the cut
 constexpr double node_mm = 1.5;                       // raster of the distances
 constexpr double smoothing_mm = 4;                    // of the cut's surface: dents of eyes and lips
-constexpr float level_reach_mm = 10;                  // beyond which it matters to nothing
+constexpr float level_reach_mm = 10;                  // distances beyond this have no effect
 constexpr double side_to_front_mm = 40;               // from the tragi on, over which the depth grows
 constexpr double landmark_off_skin_mm = 25;           // what is found lies a few mm off, a nasion in the brain more
 
 double longest_side_mm(const Lattice& l) { return std::max({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z}); }
 
-/// How much is removed, where.
+/// How deep the removal goes at each place.
 class Cut {
  public:
   Cut(const FaceRegion& region, const DefaceParams& params, const Lattice& lattice) : region_(region), params_(params) {
@@ -34,7 +34,7 @@ class Cut {
     above_ = std::max(params.above_mm, 2 * voxel + 1);
     behind_ = std::max(params.behind_mm, 2 * voxel + 1);
     ramp_ = 1.5 * std::cbrt(lattice.voxel_volume_mm3());
-    // What the distances and the gate's steps may be off by, and the ramp's outer half.
+    // The errors of the distances and of the gate's steps, and the outer half of the ramp.
     least_depth_ = face_clearance_mm + 1 + ramp_ / 2;
     side_depth_ = std::max(params.side_depth_mm, least_depth_);
     depth_ = std::max(params.depth_mm, side_depth_);
@@ -61,7 +61,7 @@ class Cut {
     const double front = region_.in_front_mm(p) + behind_, up = region_.below_mm(p) + above_;
     return std::clamp(0.5 - std::min(front / front_ramp_, up / up_ramp_), 0.0, 1.0);
   }
-  /// Of what is left, but for the reach of a voxel's cell.
+  /// Of what is left, without the reach of a voxel's cell.
   double least_depth_mm() const { return least_depth_; }
   /// Positive above the plane of `crop`.
   double above_crop_mm(Vec3 p) const { return dot(p - crop_point_, crop_normal_); }
@@ -89,7 +89,7 @@ double voxel_reach_mm(const SkinDistance& skin, int i, int j, int k) {
   return reach;
 }
 
-/// Positive where something is left, in mm to the cut's surface, at the nodes of the skin's distances.
+/// The distance to the cut's surface in mm at the nodes of the skin's distances; positive where something is left.
 Grid<float> kept_mm(const SkinDistance& skin, const Cut& cut, const DefaceParams& params, const Progress& progress) {
   const Lattice& l = skin.nodes();
   const bool crop = params.policy == FaceRemoval::crop;
@@ -193,7 +193,7 @@ Removed remove(Grid<T>& volume, const Box& box, const Box& known, const SkinDist
           const double share = std::max(std::clamp(0.5 + double(left) / ramp, 0.0, 1.0), cut.beyond_share(p));
           const T before = row[i];
           double hu = before;
-          // What would lie open is covered. Outside the zone only in the wall of the cut, and never the skin itself.
+          // Covers what would lie open; outside the zone in the wall of the cut only, and never the skin.
           const double cover = cut.cover_mm(p);
           if (share > 0 && keep_mm < cover + ramp / 2 && depth > 2) {
             const double open = std::clamp(0.5 + (cover - keep_mm) / ramp, 0.0, 1.0) *

@@ -127,7 +127,7 @@ void SkinDistance::find_points(const Field& field, const Box& box, const Progres
   for (const auto& slice : found) points_.insert(points_.end(), slice.begin(), slice.end());
 }
 
-// By cells of the nodes, and each offered to the nodes about its cell.
+// Sorts the points by cells of the nodes, and offers each point to the nodes around its cell.
 void SkinDistance::sort_points() {
   const auto cell_of = [&](const std::array<float, 3>& p, int(&at)[3]) {
     for (int a = 0; a < 3; ++a) at[a] = std::clamp(int(p[a] / nodes_.spacing_mm[a]), 0, nodes_.size[a] - 1);
@@ -188,7 +188,7 @@ std::array<float, 3> SkinDistance::local_mm(Vec3 index) const {
   return {float(index.x * s.x), float(index.y * s.y), float(index.z * s.z)};
 }
 
-// The nearest of those that the nodes about a place know.
+// The nearest of the points that the nodes around a place know.
 std::int32_t SkinDistance::guess(const std::array<float, 3>& at, Vec3 index) const {
   int begin[3], last[3];
   for (int a = 0; a < 3; ++a) {
@@ -223,7 +223,7 @@ double SkinDistance::distance_mm(Vec3 world_mm) const {
   const auto at = local_mm(index);
   const std::int32_t point = guess(at, index);
   if (point < 0) return unknown_mm;
-  // What lies beside it.
+  // The points in the cells beside it.
   int from[3], to[3];
   for (int a = 0; a < 3; ++a) {
     const int cell = std::clamp(int(points_[point][a] / nodes_.spacing_mm[a]), 0, nodes_.size[a] - 1);

@@ -52,7 +52,7 @@ FaceRegion face_region(const HeadLandmarks& landmarks, double least_confidence) 
   check("nasion", "lies off the middle between the tragi by", std::abs(off_mm), {0, nasion_off_midline_mm});
   const Vec3 ahead = to_nasion - off_mm * r.left;
   check("nasion", "lies before the tragi by", norm(ahead), nasion_ahead_mm);
-  // In the plane square to `left`: the nasion's direction, and what is square to it, upwards.
+  // The nasion's direction in the plane perpendicular to `left`, and the direction perpendicular to it, upwards.
   const Vec3 v = normalized(ahead), w = cross(v, r.left);
   const double angle = nasion_ascent_deg * 3.14159265358979323846 / 180;
   r.front = std::cos(angle) * v - std::sin(angle) * w;

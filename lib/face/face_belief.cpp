@@ -54,8 +54,8 @@ bool is_same(const FaceRegion& a, const FaceRegion& b) {
   return a.nasion_mm == b.nasion_mm && a.tragi_mm == b.tragi_mm && a.left == b.left;
 }
 
-/// What either of two cuts took away is gone: air where one of them left air, also beside noise that is below it, else
-/// of two values the one that is nearer to air. (Soft tissue with which only one of them covered air is lost; a cut may
+/// The union of two cuts: air where one of them left air, also where the other holds noise that is below air, else
+/// of two values the one nearer to air. (Soft tissue with which only one of them covered air is lost; a cut may
 /// cover what the other one removed.)
 template <class T>
 void unite(Grid<T>& a, const Grid<T>& b) {

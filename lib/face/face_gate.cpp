@@ -14,10 +14,10 @@ namespace {
 using segmentation::SkinDistance;
 
 constexpr double node_mm = 2;
-constexpr double slack_mm = 0.1;                     // what would be nearer by less than this is not looked at
-constexpr double triangle_mm = 0.1, cell_mm = 0.25;  // to which triangles and cells are divided
+constexpr double slack_mm = 0.1;                     // a place that could be nearer only by less than this is skipped
+constexpr double triangle_mm = 0.1, cell_mm = 0.25;  // the size down to which triangles and cells are divided
 
-/// The least distance so far; only what could be nearer is looked at.
+/// The least distance so far; places that cannot be nearer are skipped.
 class Nearest {
  public:
   Nearest(const SkinDistance& skin, const FaceRegion& region) : skin_(skin), region_(region), error_(skin.error_mm()) {}
@@ -35,7 +35,7 @@ class Nearest {
       least_ = std::min(least_, std::max(0.0, d - radius));
       return;
     }
-    // The longest edge in two.
+    // Divides the longest edge in two.
     const double ab = norm(b - a), bc = norm(c - b), ca = norm(a - c);
     if (bc >= ab && bc >= ca)
       std::tie(a, b, c) = std::make_tuple(b, c, a);
@@ -146,7 +146,7 @@ std::vector<FaceDistance> face_distances(const Field& original_skin, const FaceR
   for (const FaceSurface& s : surfaces)
     for (const Vec3& p : s.mesh->points_mm)
       if (!is_finite(p)) throw Error(ExitCode::bad_input, "", s.name, "a point is not finite");
-  // The skin's raster and what lies about it: nearer than the search's limit, or it does not matter.
+  // The skin's raster, grown by the limit of the search: nothing farther away matters.
   Box box = segmentation::box_of(region, original_skin, face_search_mm);
   std::vector<FaceDistance> out;
   for (const FaceSurface& s : surfaces) out.push_back({s.name, face_search_mm});

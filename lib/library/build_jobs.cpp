@@ -50,6 +50,7 @@ class JobMaker {
     job.is_phantom = true;
     job.identity = p.identity;
     job.arguments = {"phantom", state_.phantom_folder(p.name).string(), "--threads=1"};
+    add_flags(params.body, job.arguments);
     add_flags(params.head, job.arguments);
     add_flags(params.head.hard, job.arguments);
     add_flags(params.scan, job.arguments);

@@ -16,6 +16,7 @@ struct PhantomValues {
   phantom::ScanParams scan;
   phantom::SeriesParams series;
   phantom::TruthParams truth;
+  phantom::BodyParams body;
   template <class V>
   static void describe(V& v) {
     using P = PhantomValues;
@@ -24,9 +25,10 @@ struct PhantomValues {
     v.all_of(&P::scan);
     v.all_of(&P::series);
     v.all_of(&P::truth);
+    v.all_of(&P::body);
   }
   phantom::PhantomParams params() const {
-    phantom::PhantomParams out{head, scan, series, truth, {}};
+    phantom::PhantomParams out{head, scan, series, truth, {}, body};
     out.head.hard = hard;
     return out;
   }

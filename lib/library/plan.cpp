@@ -127,13 +127,19 @@ class Planner {
     std::map<std::tuple<fs::path, fs::path, std::vector<std::string>>, std::shared_ptr<const CaseSettings>> known;
     std::map<fs::path, int> users;
     for (const PlannedCase& c : plan_.cases) ++users[c.entry.config];
+    // Further scans are remembered as the first ones are, so that a plan reads no series that did not change.
+    const auto hash_of_scan = [&](const std::string&, const SeriesChoice& scan) {
+      return memory_
+          .content_of(scan.folder_or_file, scan.params, options_.rehash, Progress([](double) {}, &cancel_requested()))
+          .sha256;
+    };
     for (PlannedCase& c : plan_.cases) {
       progress_.check();
       auto& settings = known[{c.entry.config, c.entry.landmarks, c.entry.set}];
       try {
         if (!settings)
           settings = std::make_shared<const CaseSettings>(
-              read_case_settings(c.entry, config_.roots, options_.pictures, options_.program_version));
+              read_case_settings(c.entry, config_.roots, options_.pictures, options_.program_version, hash_of_scan));
         c.settings = settings;
         c.inputs.settings_sha256 = settings->sha256;
       } catch (const Error& e) {

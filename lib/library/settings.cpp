@@ -7,7 +7,6 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "config/config.h"
-#include "pipeline/graph.h"
 
 namespace trephine {
 namespace fs = std::filesystem;
@@ -35,7 +34,7 @@ void add_leaves(const std::string& prefix, const P& params, Values& out) {
 }  // namespace
 
 CaseSettings read_case_settings(const LibraryCase& one, const std::vector<fs::path>& roots, bool pictures,
-                                const std::string& program_version) {
+                                const std::string& program_version, const HashOfScan& hash_of_scan) {
   ConfigOverrides overrides;
   overrides.set = one.set;
   overrides.roots = roots;
@@ -44,7 +43,7 @@ CaseSettings read_case_settings(const LibraryCase& one, const std::vector<fs::pa
   CaseSettings out;
   out.series = config.series;
   out.import = config.import;
-  add_graph(make_graph(config, ""), out.values);
+  add_graph(make_graph(config, "", hash_of_scan), out.values);
   // What a scene sets besides the stages' parameters, and what publishes the case: none of it may be forgotten.
   for (const ParameterLeaf& leaf : leaves_of(config.scene_file))
     if (leaf.path != "materials") out.values["scene." + leaf.path] = to_text(leaf.value());

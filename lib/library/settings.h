@@ -7,6 +7,7 @@
 
 #include "dicom/import.h"
 #include "library/library_config.h"
+#include "pipeline/graph.h"
 
 namespace trephine {
 
@@ -21,9 +22,9 @@ struct CaseSettings {
   ImportParams import;
 };
 
-/// Reads a case's configuration. Throws what read_case_config throws.
+/// Reads a case's configuration. `hash_of_scan` as in make_graph. Throws what read_case_config and make_graph throw.
 CaseSettings read_case_settings(const LibraryCase& one, const std::vector<std::filesystem::path>& roots, bool pictures,
-                                const std::string& program_version);
+                                const std::string& program_version, const HashOfScan& hash_of_scan = {});
 
 /// Writes the settings as a JSON object, and reads it back (throws Error 65).
 std::string settings_json(const CaseSettings& settings);

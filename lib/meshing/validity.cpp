@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
+#include <cstring>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -78,11 +78,32 @@ void look_at_each(const TriMesh& mesh, Validity& v) {
 
 class ProofOfValidity {
  public:
+  /// The number is a digest of what was proven, so that a later change which forgot no proof can be found.
   static void give(const TriMesh& mesh) {
-    static std::atomic<std::uint64_t> last{0};
-    const std::uint64_t number = ++last;
+    const std::uint64_t number = digest_of(mesh);
     mesh.points_mm.proof_ = number;
     mesh.triangles.proof_ = number;
+  }
+  static bool holds(const TriMesh& mesh) { return mesh.proven_valid() && digest_of(mesh) == mesh.points_mm.proof(); }
+
+ private:
+  static std::uint64_t digest_of(const TriMesh& mesh) {
+    std::uint64_t h = mesh.points_mm.size();
+    const auto add = [&h](std::uint64_t word) {
+      h = (h ^ word) * 0x9fb21c651e98df25;
+      h ^= h >> 32;
+    };
+    for (const Vec3& p : mesh.points_mm)
+      for (const double v : {p.x, p.y, p.z}) {
+        std::uint64_t word;
+        std::memcpy(&word, &v, sizeof word);
+        add(word);
+      }
+    for (const auto& t : mesh.triangles) {
+      add(t[0] | std::uint64_t{t[1]} << 32);
+      add(t[2]);
+    }
+    return h | 1;  // never 0, which means that there is no proof
   }
 };
 
@@ -164,7 +185,9 @@ void snap_to_float32(TriMesh& mesh) {
 }
 
 void require_valid(const TriMesh& mesh, const Progress& progress) {
-  if (mesh.proven_valid()) return;
+  if (ProofOfValidity::holds(mesh)) return;
+  if (mesh.proven_valid())
+    throw Error(ExitCode::internal, "", "mesh", "was changed through a reference that is older than its proof");
   const Validity v = check_validity(mesh, progress);
   if (!v.valid()) throw refusal("", v.text(), remedies::other_triangles);
 }

@@ -59,7 +59,8 @@ void centre_origin(TriMesh& mesh);
 /// The step that snap_to_float32 uses for that mesh.
 double float32_step_mm(const TriMesh& mesh);
 
-/// Throws Error 80 with the fault where the mesh is not valid. A mesh that is proven_valid() is not checked again.
+/// Throws Error 80 with the fault where the mesh is not valid. A mesh that is proven_valid() is not checked again, but
+/// compared with what was proven: Error 70 where it was changed behind the proof's back (mesh_array.h).
 void require_valid(const TriMesh& mesh, const Progress& progress = {});
 
 }  // namespace trephine

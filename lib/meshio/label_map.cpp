@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "grid/nifti.h"
+#include "itk/volume_write.h"
 
 namespace trephine {
 namespace {
@@ -129,15 +130,22 @@ LabelMap make_label_map(const std::vector<LabelledField>& fields, Report& report
 }
 
 const std::vector<LabelFormat>& all_label_formats() {
-  static const std::vector<LabelFormat> all = {{"seg.nrrd",
-                                                "a segmentation for 3D Slicer, made of fields (of segment) on one "
-                                                "raster, in one layer: where shapes overlap the "
-                                                "later one of --labels wins.",
-                                                write_label_map},
-                                               {"nii.gz",
-                                                "the same labels as NIfTI, for ITK-SNAP and others; it holds no names, "
-                                                "so NAME.labels.txt beside it says them as ITK-SNAP reads them.",
-                                                write_label_nifti}};
+  static const std::vector<LabelFormat> all = {
+      {"seg.nrrd",
+       "a segmentation for 3D Slicer, made of fields (of segment) on one "
+       "raster, in one layer: where shapes overlap the "
+       "later one of --labels wins.",
+       write_label_map},
+      {"nii.gz",
+       "the same labels as NIfTI, for ITK-SNAP and others; it holds no names, "
+       "so NAME.labels.txt beside it says them as ITK-SNAP reads them.",
+       write_label_nifti},
+      {"mha", "the same labels as MetaImage, names as for nii.gz.", write_label_volume},
+      {"gipl",
+       "the same labels as GIPL, names as for nii.gz; the axes must "
+       "lie along left, back and up, for GIPL does not say where they point.",
+       write_label_volume},
+      {"mnc", "the same labels as MINC 2, names as for nii.gz.", write_label_volume}};
   return all;
 }
 
@@ -167,6 +175,12 @@ void write_label_nifti(const std::filesystem::path& file, const LabelMap& map) {
   std::filesystem::path names = file;
   names.replace_extension().replace_extension(".labels.txt");
   write_file(names, label_description(map));
+}
+
+void write_label_volume(const std::filesystem::path& file, const LabelMap& map) {
+  write_volume_file(file, map.labels);
+  std::filesystem::path names = file;
+  write_file(names.replace_extension(".labels.txt"), label_description(map));
 }
 
 }  // namespace trephine

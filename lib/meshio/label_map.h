@@ -52,5 +52,7 @@ void write_label_map(const std::filesystem::path& file, const LabelMap& map);
 /// The same as NIfTI (.nii.gz), whose place is float32, within 0.001 mm, and its names as a label description of
 /// ITK-SNAP in STEM.labels.txt beside it.
 void write_label_nifti(const std::filesystem::path& file, const LabelMap& map);
+/// The same in a format of itk/volume_write.h, with STEM.labels.txt beside it.
+void write_label_volume(const std::filesystem::path& file, const LabelMap& map);
 
 }  // namespace trephine

@@ -23,7 +23,8 @@ std::string parameters_text(const Node& node) {
 
 class Builder {
  public:
-  Builder(const CaseConfig& config, const std::string& input_hash) : config_(config) {
+  Builder(const CaseConfig& config, const std::string& input_hash, const HashOfScan& hash_of_scan)
+      : config_(config), hash_of_scan_(hash_of_scan) {
     ImportStageParams params;
     static_cast<ImportParams&>(params) = config.import;
     params.input = config.series.string();
@@ -82,8 +83,9 @@ class Builder {
     static_cast<ImportParams&>(params) = scan->import.as<ImportParams>();
     params.input = scan->series.string();
     Node imported = node_of_role(StageRole::import, name + ".import", AnyParams::make(params));
-    imported.file_sha256["input"] =
-        with_field("scans." + name, [&] { return hash_of_series_input(scan->series, params); });
+    imported.file_sha256["input"] = with_field("scans." + name, [&] {
+      return hash_of_scan_ ? hash_of_scan_(name, {scan->series, params}) : hash_of_series_input(scan->series, params);
+    });
     Node node = node_of_role(StageRole::second_scan, name + ".register", scan->registration);
     add_file_hashes(node);
     node.sources = {{"volume", original_}, {"moving", add(std::move(imported))}};
@@ -350,6 +352,7 @@ class Builder {
   }
 
   const CaseConfig& config_;
+  const HashOfScan& hash_of_scan_;
   Graph graph_;
   bool defacing_ = false;
   int original_landmarks_ = -1;
@@ -384,8 +387,8 @@ void require_allowed(const Graph& graph, bool allow_external) {
     }
 }
 
-Graph make_graph(const CaseConfig& config, const std::string& input_hash) {
-  return Builder(config, input_hash).build();
+Graph make_graph(const CaseConfig& config, const std::string& input_hash, const HashOfScan& hash_of_scan) {
+  return Builder(config, input_hash, hash_of_scan).build();
 }
 
 }  // namespace trephine

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "config/config.h"
+#include "dicom/import.h"
 
 namespace trephine {
 
@@ -59,9 +61,13 @@ struct Graph {
 /// not allow it. Whoever computes nodes asks this before the first one.
 void require_allowed(const Graph& graph, bool allow_external);
 
-/// `input_hash` identifies the series' content (hash_of_series_input). The content of further scans is hashed here,
-/// of those alone that a stage of the graph reads. Throws what that throws, 78 where a stage reads a scan that the case
-/// has not, and 64 where it is not said where that scan lies.
-Graph make_graph(const CaseConfig& config, const std::string& input_hash);
+/// The hash of a further scan's content, by the scan's name.
+using HashOfScan = std::function<std::string(const std::string& name, const SeriesChoice& series)>;
+
+/// `input_hash` identifies the series' content (hash_of_series_input). The content of further scans is hashed as well,
+/// of those alone that a stage of the graph reads: by `hash_of_scan`, or hash_of_series_input where there is none.
+/// Throws what that throws, 78 where a stage reads a scan that the case has not, and 64 where it is not said where that
+/// scan lies.
+Graph make_graph(const CaseConfig& config, const std::string& input_hash, const HashOfScan& hash_of_scan = {});
 
 }  // namespace trephine

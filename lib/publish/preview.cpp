@@ -12,6 +12,7 @@
 #include "meshing/contour.h"
 #include "picture/render.h"
 #include "picture/slice.h"
+#include "publish/scan_checks.h"
 #include "surface/bounds.h"
 #include "voxel/shape_field.h"
 
@@ -265,7 +266,10 @@ Preview preview_stage(const PreviewRequest& request, RunObserver& observer) {
     throw Error(ExitCode::usage, request.config.string(), "series",
                 "the configuration names none, give --series FOLDER");
   const Progress cancelled({}, &cancel_requested());
-  const Graph whole = make_graph(config, hash_of_series_input(config.series, config.import, cancelled));
+  const Graph whole = make_graph(config, hash_of_series_input(config.series, config.import, cancelled),
+                                 [&](const std::string&, const SeriesChoice& scan) {
+                                   return hash_of_series_input(scan.folder_or_file, scan.params, cancelled);
+                                 });
   const bool without_face = config.face == "crop" || config.face == "deface";
   std::vector<int> wanted{find_stage_node(whole, request.params.stage), without_face ? whole.scan : 0};
   if (without_face && whole.nodes[std::size_t(wanted[0])].output != DataKind::landmarks &&
@@ -279,6 +283,10 @@ Preview preview_stage(const PreviewRequest& request, RunObserver& observer) {
                   request.params.stage + " reads the scan " + name +
                       ", whose face is not taken away; run the case, "
                       "whose gate checks what is published");
+  std::vector<std::string> scans;
+  for (const auto& [name, node] : whole.scans)
+    if (depends_on(whole, wanted[0], node)) scans.push_back(name);
+  const std::vector<std::string> about_patients = require_one_patient(config, scans, cancelled);
   const Graph graph = needed_part(whole, wanted);
   const StageCache cache(request.cache);
   ExecuteOptions options;
@@ -290,6 +298,7 @@ Preview preview_stage(const PreviewRequest& request, RunObserver& observer) {
   Preview out = draw_preview(request.params.stage, drawn.data,
                              std::get<std::shared_ptr<const HuVolume>>(scan.data).get(), request.params, cancelled);
   if (without_face) out.report.warn("whether the face is gone was not checked, as a run does before it publishes");
+  for (const std::string& w : about_patients) out.report.warn(w);
   for (const NodeResult& r : results)
     for (const std::string& w : r.report.warnings)
       out.report.warn(graph.nodes[std::size_t(&r - results.data())].name + ": " + w);

@@ -23,6 +23,7 @@
 #include "publish/page_files.h"
 #include "publish/refused.h"
 #include "publish/run_json.h"
+#include "publish/scan_checks.h"
 
 namespace trephine {
 namespace fs = std::filesystem;
@@ -121,57 +122,35 @@ struct Run {
   CaseConfig config;
   Graph graph;
   std::vector<NodeResult> results;
-  Report folder;                            // other content of the series' folder
+  std::map<std::string, Report> folders;    // other content of the folders of series, by the node that imports each
   std::vector<std::string> about_patients;  // whether all scans are of one
   std::vector<std::string> warnings;
 };
 
 std::string hash_input(Run& run, const Progress& cancelled) {
   try {
-    return hash_of_series_input(run.config.series, run.config.import, cancelled, &run.folder);
+    return hash_of_series_input(run.config.series, run.config.import, cancelled, &run.folders["import"]);
   } catch (const Error& e) {
     if (e.code() != ExitCode::usage) throw;
     throw Error(e.code(), e.file(), e.field(), std::string(e.what()) + "; --set import.series=s1 chooses the first");
   }
 }
 
-// A scan of another patient must not become part of the case. The IDs themselves go nowhere.
-void require_one_patient(Run& run, const Progress& cancelled) {
-  for (const auto& [name, node] : run.graph.scans) {
-    const CaseScan& scan = *run.config.find_scan(name);
-    const auto same = of_one_patient({run.config.series, run.config.import},
-                                     {scan.series, scan.import.as<ImportParams>()}, cancelled);
-    if (!same)
-      run.about_patients.push_back(name + ".import: that it is of the same patient as the CT is taken on trust: " +
-                                   "one of the two has no PatientID");
-    else if (!*same && trimmed(scan.same_patient_reason).empty())
-      throw Error(ExitCode::bad_input, "", "scans." + name,
-                  "has another PatientID than the CT; where it is the same patient nevertheless, say why with "
-                  "same_patient_reason");
-    else if (!*same)
-      run.about_patients.push_back(name +
-                                   ".import: has another PatientID than the CT, and is used for the reason given");
-  }
-}
-
-// A series that says what it is must be what the configuration says.
-void require_modalities(const Run& run) {
-  for (const auto& [name, node] : run.graph.scans) {
-    const int read = run.graph.find(name + ".import");
-    const ParameterValue* said = run.results[static_cast<std::size_t>(read)].report.find("modality");
-    const std::string is = said ? std::get<std::string>(*said) : "";
-    const bool mr = run.config.find_scan(name)->modality == ScanModality::mr;
-    if (is != (mr ? "MR" : "CT") && is != "any")
-      throw Error(ExitCode::bad_input, "", "scans." + name + ".modality",
-                  std::string("is ") + to_text(run.config.find_scan(name)->modality) + ", and the series is " + is);
-  }
+// Returns the hash of the series' content.
+std::string make_graph_of(Run& run, const Progress& cancelled) {
+  const std::string input_sha256 = hash_input(run, cancelled);
+  run.graph = make_graph(run.config, input_sha256, [&](const std::string& name, const SeriesChoice& scan) {
+    return hash_of_series_input(scan.folder_or_file, scan.params, cancelled, &run.folders[name + ".import"]);
+  });
+  return input_sha256;
 }
 
 // Logs the warnings of every stage that the case needs, published or not. This happens before anything is refused,
 // because they may say why it will be.
 void tell_warnings(Run& run) {
   run.warnings.insert(run.warnings.end(), run.about_patients.begin(), run.about_patients.end());
-  for (const std::string& w : run.folder.warnings) run.warnings.push_back("import: " + w);
+  for (const auto& [import, folder] : run.folders)
+    for (const std::string& w : folder.warnings) run.warnings.push_back(import + ": " + w);
   for (std::size_t i = 0; i < run.graph.nodes.size(); ++i)
     for (const std::string& w : run.results[i].report.warnings)
       run.warnings.push_back(run.graph.nodes[i].name + ": " + w);
@@ -299,7 +278,7 @@ void tell_choice(const CaseConfig& config) {
 Explanation explain_case(const RunRequest& request) {
   Run run(request);
   run.config = read_config(request);
-  run.graph = make_graph(run.config, hash_input(run, Progress({}, &cancel_requested())));
+  make_graph_of(run, Progress({}, &cancel_requested()));
   std::error_code ignored;
   const fs::path cache = cache_folder_of(request);
   return explain(run.config, run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page),
@@ -336,13 +315,14 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
 
     const Progress cancelled({}, &cancel_requested());
     ExecuteOptions execution;
-    const std::string input_sha256 = hash_input(run, cancelled);
+    const std::string input_sha256 = make_graph_of(run, cancelled);
     execution.keep = request.keep;
     execution.cache = &cache;
     execution.cancel = &cancel_requested();
     execution.allow_external = request.params.allow_external;
-    run.graph = make_graph(run.config, input_sha256);
-    require_one_patient(run, cancelled);
+    std::vector<std::string> scans;
+    for (const auto& scan : run.graph.scans) scans.push_back(scan.first);
+    run.about_patients = require_one_patient(run.config, scans, cancelled);
     execution.seconds_before = cache.seconds_before();
     const auto before = execution.seconds_before.find(publishing_step);
     EarlyWarnings early(observer, token, before == execution.seconds_before.end() ? 4 : before->second);
@@ -353,7 +333,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
       run.results =
           execute(run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page), execution, early);
       tell_warnings(run);
-      require_modalities(run);
+      require_modalities(run.config, run.graph, run.results);
       publishing_began = Clock::now();
       observer.publishing();
       content = make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version,
@@ -382,7 +362,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     tell_overrun(run, seconds);
     result.warnings = run.warnings;
-    result.json = run_json(run.graph, run.results, run.folder, content.anatomies, run.warnings, seconds);
+    result.json = run_json(run.graph, run.results, run.folders["import"], content.anatomies, run.warnings, seconds);
     write_file(folder / "run.json", result.json);
     return result;
   } catch (Error& e) {

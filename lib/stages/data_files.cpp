@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/write_file.h"
 #include "grid/nrrd.h"
+#include "itk/volume_write.h"
 #include "meshio/vtp.h"
 #include "voxel/haptic_file.h"
 
@@ -88,7 +89,7 @@ StageData load_data(const std::filesystem::path& file, DataKind kind) {
     case DataKind::landmarks:
       return std::make_shared<const HeadLandmarks>(read_head_landmarks(file));
     case DataKind::labels:
-      return std::make_shared<const LabelFile>(read_labels(file));
+      return std::make_shared<const LabelFile>(read_label_file(file));
     case DataKind::nothing:
       break;
   }

@@ -11,7 +11,8 @@ StageType denoise_stage() {
   s.version = 1;
   s.summary = "takes noise off a CT volume, or off the part of it that an anatomy lies in";
   s.description =
-      "Curvature anisotropic diffusion, the bilateral filter, the median or a Gaussian, by ITK. In a recipe it stands "
+      "Curvature anisotropic diffusion, the bilateral filter, the median or a Gaussian, by ITK, or non-local means. In "
+      "a recipe it stands "
       "before the stage that reads its output, so that nothing else does. It helps where noise is what is wrong, and "
       "moves edges where it is not: docs/more-than-one-scan.md says what was measured.";
   s.examples = {"trephine denoise head.nrrd --sigma-mm 1 --edge-hu 80 --output calm.nrrd",

@@ -2,6 +2,7 @@
 #include "segmentation/labels.h"
 
 #include "base/error.h"
+#include "itk/volume_write.h"
 #include "stages/stage.h"
 
 namespace trephine {
@@ -29,8 +30,9 @@ StageType labels_stage() {
       return std::make_shared<const Field>(label_field(*in.get<HuVolume>("volume"), *map, p, report, progress));
     }
     if (p.file.empty()) throw Error(ExitCode::usage, "", "file", "is needed: the labels to read");
-    return std::make_shared<const Field>(with_file(
-        p.file, [&] { return label_field(*in.get<HuVolume>("volume"), read_labels(p.file), p, report, progress); }));
+    return std::make_shared<const Field>(with_file(p.file, [&] {
+      return label_field(*in.get<HuVolume>("volume"), read_label_file(p.file), p, report, progress);
+    }));
   };
   return s;
 }

@@ -72,7 +72,7 @@ void take_given(const Field& bone, const std::vector<CaseLandmark>& given, std::
 StageType pedicles_stage() {
   StageType s;
   s.name = "pedicles";
-  s.version = 1;
+  s.version = 2;
   s.typical_s = 3;
   s.place = StagePlace::scan;
   s.role = StageRole::landmarks;

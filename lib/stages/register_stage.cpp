@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "base/refusal.h"
 #include "itk/registration.h"
+#include "itk/transform_file.h"
 #include "stages/stage.h"
 
 namespace trephine {
@@ -30,12 +31,12 @@ StageType register_stage() {
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
     const auto& params = any.as<RegistrationParams>();
     std::optional<LinearMap> initial;
-    if (!params.initial.empty()) initial = read_tfm(params.initial);
+    if (!params.initial.empty()) initial = read_transform(params.initial);
     const HuVolume &fixed = *in.get<HuVolume>("volume"), &moving = *in.get<HuVolume>("moving");
     const Registration r =
         params.given.empty()
             ? register_scans(fixed, moving, in.get<Field>("within"), initial, params, report, progress.part(0, 0.9))
-            : given_registration(fixed, moving, read_tfm(params.given), params, report);
+            : given_registration(fixed, moving, read_transform(params.given), params, report);
     if (!r.doubts.empty())
       throw refusal("", "the registration is doubtful: " + r.doubts,
                     {"look at its picture; give an `initial` transform from another program to begin with, or `within` "

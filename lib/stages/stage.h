@@ -113,7 +113,8 @@ struct StageType {
   int version = 1;  ///< raised whenever the same inputs and parameters give other bytes; part of the cache's key
   StagePlace place = StagePlace::anatomy;
   StageRole role = StageRole::step;
-  bool draws_removal = false;  ///< takes something off the scan, on the same voxels: a picture shows what
+  bool draws_removal = false;   ///< takes something off the scan, on the same voxels: a picture shows what
+  bool changes_raster = false;  ///< its field is not on the scan's voxels, so that no correction can be laid on it
   /// Seconds on a head of 30 million voxels: a weight of the overall progress until a run of the library has told.
   double typical_s = 0.5;
   std::string summary, description;

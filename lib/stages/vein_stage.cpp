@@ -19,12 +19,13 @@ StageType vein_stage() {
       "vein was found.";
   s.examples = {"trephine vein volume.nrrd --bone bone.nrrd --output vein.nrrd"};
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
-             {"bone", DataKind::field, true, "all bone of the chest, filled"}};
+             {"bone", DataKind::field, true, "all bone of the chest, filled"},
+             {"lung", DataKind::field, false, "the lungs: a side that shows less than 20 ml is warned of"}};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<VeinParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
-    return std::make_shared<const Field>(
-        find_vein(*in.get<HuVolume>("volume"), *in.get<Field>("bone"), params.as<VeinParams>(), report, progress));
+    return std::make_shared<const Field>(find_vein(*in.get<HuVolume>("volume"), *in.get<Field>("bone"),
+                                                   params.as<VeinParams>(), report, progress, in.get<Field>("lung")));
   };
   return s;
 }

@@ -9,22 +9,24 @@ namespace trephine {
 StageType vessels_stage() {
   StageType s;
   s.name = "vessels";
-  s.version = 1;
+  s.version = 2;
   s.typical_s = 4;
-  s.summary = "finds the vessels in the head that a CT angiography shows";
+  s.summary = "finds the vessels that a CT angiography shows";
   s.description =
       "Subtracts the CT from an angiography that lies on its voxels (scan: cta in a recipe, or what `register` wrote), "
-      "and takes what is brighter in the cranial cavity: sinuses, cortical veins and arteries. As an anatomy of a "
-      "recipe they are a zone that burr holes can be held clear of.";
+      "and takes what is brighter in the cranial cavity: sinuses, cortical veins and arteries; or, of a neck or trunk, "
+      "in its soft tissue. As an anatomy of a recipe they are a zone that burr holes can be held clear of.";
   s.examples = {
       "trephine vessels cta_on_ct.nrrd --ct head.nrrd --skull skull.nrrd --output vessels.nrrd",
       "trephine burrhole skull.vtp --at position --position-mm -30,-40,70 --avoid vessels=3 --zone vessels=vessels.vtp "
       "--output hole.json"};
-  s.ports = {{"volume", DataKind::volume, true, "CT angiography on the CT's voxels"},
-             {"ct", DataKind::volume, true, "CT volume in HU"},
-             {"skull", DataKind::field, false,
-              "the skull that encloses the brain; without it, bone is every voxel above 226 HU"},
-             {"within", DataKind::field, false, "an anatomy to stay inside of, such as the zone of a sinus"}};
+  s.ports = {
+      {"volume", DataKind::volume, true, "CT angiography on the CT's voxels"},
+      {"ct", DataKind::volume, true, "CT volume in HU"},
+      {"skull", DataKind::field, false,
+       "the skull that encloses the brain, or all bone of a trunk; without it, bone is every voxel above 226 HU"},
+      {"within", DataKind::field, false, "an anatomy to stay inside of, such as the zone of a sinus"},
+      {"without", DataKind::field, false, "an anatomy to leave out, such as the vein where arteries are sought"}};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<VesselsParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
@@ -32,9 +34,12 @@ StageType vessels_stage() {
     const HuVolume& ct = *in.get<HuVolume>("ct");
     const Field* skull = in.get<Field>("skull");
     const BitMask bone = skull ? positive(*skull, lattice_of(ct)) : bone_of(HuView(ct));
-    const BitMask cavity = cranial_cavity(bone, report, progress.part(0, 0.4));
-    return std::make_shared<const Field>(find_vessels(*in.get<HuVolume>("volume"), ct, cavity, in.get<Field>("within"),
-                                                      any.as<VesselsParams>(), report, progress.part(0.4, 1)));
+    const auto& params = any.as<VesselsParams>();
+    const BitMask region = params.region == VesselRegion::soft_tissue
+                               ? soft_tissue_around(ct, bone)
+                               : cranial_cavity(bone, report, progress.part(0, 0.4));
+    return std::make_shared<const Field>(find_vessels(*in.get<HuVolume>("volume"), ct, region, in.get<Field>("within"),
+                                                      in.get<Field>("without"), params, report, progress.part(0.4, 1)));
   };
   return s;
 }

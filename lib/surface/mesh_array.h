@@ -14,9 +14,9 @@ namespace trephine {
 /// name that is not const forgets it too, even for reading: use a const reference where the proof must stay. A copy, or
 /// the target of a move, holds the same elements and the same number; the source of a move holds none.
 ///
-/// A reference to an element is invalidated by the proof, as an iterator would be: writing through a reference that is
-/// older than the proof is an error that nothing detects. Different threads may write different elements, as with a
-/// vector.
+/// A reference to an element is invalidated by the proof, as an iterator would be: the array cannot know what is
+/// written through a reference that is older than the proof. The next require_valid() finds it (Error 70), for the
+/// number is a digest of what was proven. Different threads may write different elements, as with a vector.
 template <class T>
 class MeshArray {
  public:

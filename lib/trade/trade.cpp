@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "base/error.h"
 #include "base/hash.h"
@@ -15,6 +16,7 @@
 #include "phantom/measure_truth.h"
 #include "publish/case_content.h"
 #include "publish/run_case.h"
+#include "publish/scan_checks.h"
 #include "trade/measured.h"
 #include "voxel/mismatch.h"
 
@@ -110,20 +112,42 @@ class Sweep {
     for (SceneAnatomy& a : p.config.scene) a.max_deviation_mm = 0, a.max_triangles = 0;
     p.config.trade = {};
     if (p.config.case_token.empty()) p.config.case_token = "trade";
-    p.input_sha256 = input_hash(p.config);
-    p.graph = make_graph(p.config, p.input_sha256);
+    p.input_sha256 = input_hash({p.config.series, p.config.import});
+    p.graph = make_graph(p.config, p.input_sha256,
+                         [this](const std::string&, const SeriesChoice& scan) { return input_hash(scan); });
     require_allowed(p.graph, request_.params.allow_external);
+    check_patients(p);
     return p;
   }
 
-  std::string input_hash(const CaseConfig& config) {
+  // Names a choice of series, whatever its files hold.
+  static std::string key_of(const SeriesChoice& series) {
     Sha256 hash;
-    hash.text(config.series.string());
-    const AnyParams import = AnyParams::make<ImportParams>(config.import);
+    hash.text(series.folder_or_file.string());
+    const AnyParams import = AnyParams::make<ImportParams>(series.params);
     for (const Parameter& p : import.set->parameters) hash.text(to_text(import.get(p)));
-    std::string& known = input_hashes_[hash.hex()];
-    if (known.empty()) known = hash_of_series_input(config.series, config.import, Progress({}, &cancel_requested()));
+    return hash.hex();
+  }
+
+  std::string input_hash(const SeriesChoice& series) {
+    std::string& known = input_hashes_[key_of(series)];
+    if (known.empty())
+      known = hash_of_series_input(series.folder_or_file, series.params, Progress({}, &cancel_requested()));
     return known;
+  }
+
+  // Points rarely differ in their scans, so each set of them is looked at once.
+  void check_patients(const Prepared& p) {
+    std::vector<std::string> scans;
+    std::string which = key_of({p.config.series, p.config.import});
+    for (const auto& scan : p.graph.scans) {
+      scans.push_back(scan.first);
+      const CaseScan& s = *p.config.find_scan(scan.first);
+      which +=
+          '\n' + scan.first + '\n' + key_of({s.series, s.import.as<ImportParams>()}) + '\n' + s.same_patient_reason;
+    }
+    if (!patients_checked_.insert(which).second) return;
+    for (const std::string& w : require_one_patient(p.config, scans, Progress({}, &cancel_requested()))) log_warning(w);
   }
 
   PointTrade measure(const Prepared& p) {
@@ -317,6 +341,7 @@ class Sweep {
   std::string truth_sha256_;
   std::map<std::string, phantom::TruthSurface> truth_surfaces_;
   std::map<std::string, std::string> input_hashes_;
+  std::set<std::string> patients_checked_;
   std::vector<Prepared> prepared_;
   std::size_t at_ = 0;
   int measured_ = 0;

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "publish/scan_checks.h"
+
+#include "base/error.h"
+#include "base/text.h"
+
+namespace trephine {
+
+std::vector<std::string> require_one_patient(const CaseConfig& config, const std::vector<std::string>& scans,
+                                             const Progress& progress) {
+  std::vector<std::string> warnings;
+  for (const std::string& name : scans) {
+    const CaseScan& scan = *config.find_scan(name);
+    const auto same =
+        of_one_patient({config.series, config.import}, {scan.series, scan.import.as<ImportParams>()}, progress);
+    if (!same)
+      warnings.push_back(name + ".import: that it is of the same patient as the CT is taken on trust: " +
+                         "one of the two has no PatientID, or both have one that says nothing");
+    else if (!*same && trimmed(scan.same_patient_reason).empty())
+      throw Error(ExitCode::bad_input, "", "scans." + name,
+                  "has another PatientID than the CT; where it is the same patient nevertheless, say why with "
+                  "same_patient_reason");
+    else if (!*same)
+      warnings.push_back(name + ".import: has another PatientID than the CT, and is used for the reason given");
+  }
+  return warnings;
+}
+
+void require_modalities(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results) {
+  for (const auto& [name, node] : graph.scans) {
+    const int read = graph.find(name + ".import");
+    const ParameterValue* said = results[static_cast<std::size_t>(read)].report.find("modality");
+    const std::string is = said ? std::get<std::string>(*said) : "";
+    const ScanModality modality = config.find_scan(name)->modality;
+    if (is != (modality == ScanModality::mr ? "MR" : "CT") && is != "any")
+      throw Error(ExitCode::bad_input, "", "scans." + name + ".modality",
+                  std::string("is ") + to_text(modality) + ", and the series is " + is);
+  }
+}
+
+}  // namespace trephine

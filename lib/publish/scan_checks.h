@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "pipeline/executor.h"
+#include "pipeline/graph.h"
+
+namespace trephine {
+
+/// A scan of another patient must not become part of the case: compares the PatientID of each of these scans with that
+/// of the CT. Returns a warning for each of which it is not sure; the IDs themselves go nowhere. Throws Error 65, field
+/// scans.NAME, where an ID is another one and the configuration does not say why; what of_one_patient throws.
+std::vector<std::string> require_one_patient(const CaseConfig& config, const std::vector<std::string>& scans,
+                                             const Progress& progress);
+
+/// A series that says what it is must be what the configuration says. Throws Error 65.
+void require_modalities(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results);
+
+}  // namespace trephine
