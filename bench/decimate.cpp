@@ -9,8 +9,6 @@
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/GarlandHeckbert_policies.h>
 #include <CGAL/Surface_mesh_simplification/edge_collapse.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #include <vtkCellArray.h>
 #include <vtkDecimatePro.h>
 #include <vtkFlyingEdges3D.h>
@@ -25,18 +23,24 @@
 #include <meshoptimizer.h>
 #endif
 
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "base/error.h"
+#include "base/spawn.h"
 #include "grid/nrrd.h"
 #include "meshing/contour.h"
 #include "meshing/decimate.h"
 #include "meshing/marching_cubes.h"
 #include "meshing/validity.h"
 #include "metrics/deviation.h"
+#include "scratch_folder.h"
 
 using namespace trephine;
 
@@ -154,22 +158,6 @@ void print_row(const char* name, double seconds, double mib, const TriMesh& mesh
               d.both.p99_mm, d.both.rms_mm);
 }
 
-/// Each in a child of its own, so that its peak of memory is its own (with the input's, which all have).
-void row(const char* name, const TriMesh& input, const std::function<TriMesh(double& seconds)>& decimator) {
-  std::fflush(stdout);
-  const pid_t child = fork();
-  if (child == 0) {
-    double seconds = 0;
-    const TriMesh out = decimator(seconds);
-    print_row(name, seconds, peak_mib(), out, input);
-    std::fflush(stdout);
-    _exit(0);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  if (status != 0) std::printf("| %s | died |\n", name);
-}
-
 void contours(const Grid<std::int16_t>& grid, double isovalue) {
   TriMesh ours;
   const double seconds =
@@ -202,74 +190,106 @@ void exchange(std::FILE* file, Array& v, bool write) {
     if (std::fread(v.data(), sizeof(T), n, file) != n) v.clear();
   }
 }
-
-/// In a child, so that this process has no threads that the rows' children would miss.
-TriMesh contour_in_child(const char* path, double isovalue) {
-  std::FILE* file = std::tmpfile();
-  TriMesh mesh;
-  const pid_t child = fork();
-  if (child == 0) {
-    try {
-      const HuVolume volume = read_hu_nrrd(path);
-      ContourParams c;
-      c.isovalue_hu = isovalue;
-      c.min_component_mm3 = 1e9;
-      if (const auto* grid = std::get_if<Grid<std::int16_t>>(&volume)) contours(*grid, c.isovalue_hu);
-      Report report;
-      const double seconds = timed([&] { mesh = contour(volume, c, report); });
-      std::printf("%-28s %7.2f s %8zu\n", "contour, checked", seconds, mesh.triangles.size());
-      const double checking = timed([&] { check_validity(mesh); });
-      std::printf("%-28s %7.2f s\n\n", "check_validity", checking);
-      std::fflush(stdout);
-      exchange(file, mesh.points_mm, true);
-      exchange(file, mesh.triangles, true);
-      std::fflush(file);
-    } catch (const Error& e) {
-      std::fprintf(stderr, "%s\n", e.line("bench_decimate").c_str());
-      _exit(static_cast<int>(e.code()));
-    }
-    _exit(0);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  if (status != 0) std::exit(1);
-  std::rewind(file);
-  exchange(file, mesh.points_mm, false);
-  exchange(file, mesh.triangles, false);
-  std::fclose(file);
-  return mesh;
+void exchange(const char* name, TriMesh& mesh, bool write) {
+  std::FILE* file = std::fopen(name, write ? "wb" : "rb");
+  if (!file) throw Error(ExitCode::cannot_create, name, "", std::strerror(errno));
+  exchange(file, mesh.points_mm, write);
+  exchange(file, mesh.triangles, write);
+  if (std::fclose(file) != 0) throw Error(ExitCode::io, name, "", std::strerror(errno));
 }
 
-}  // namespace
+void contour_to(const char* surface, const char* volume_file, double isovalue) {
+  const HuVolume volume = read_hu_nrrd(volume_file);
+  ContourParams c;
+  c.isovalue_hu = isovalue;
+  c.min_component_mm3 = 1e9;
+  if (const auto* grid = std::get_if<Grid<std::int16_t>>(&volume)) contours(*grid, c.isovalue_hu);
+  Report report;
+  TriMesh mesh;
+  const double seconds = timed([&] { mesh = contour(volume, c, report); });
+  std::printf("%-28s %7.2f s %8zu\n", "contour, checked", seconds, mesh.triangles.size());
+  const double checking = timed([&] { check_validity(mesh); });
+  std::printf("%-28s %7.2f s\n\n", "check_validity", checking);
+  exchange(surface, mesh, true);
+}
 
-int main(int argc, char** argv) try {
-  if (argc < 2) return std::fprintf(stderr, "bench_decimate VOLUME.nrrd [isovalue_hu [triangles [bound_mm]]]\n"), 64;
-  const TriMesh input = contour_in_child(argv[1], argc > 2 ? std::atof(argv[2]) : 226.5);
-  const std::size_t count = argc > 3 ? std::strtoul(argv[3], nullptr, 10) : 80000;
-  DecimateParams d;
-  d.target_triangles_count = static_cast<std::int64_t>(count);
-  std::printf(
-      "| %zu triangles to %zu | s | peak MiB | triangles | open edges | non-manifold | intersecting pairs | result to "
-      "input: max / p99 / RMS mm | input to result | both: p99 / RMS |\n|---|---|---|---|---|---|---|---|---|---|\n",
-      input.triangles.size(), count);
-  for (const double bound : {0.0, argc > 4 ? std::atof(argv[4]) : 0.3}) {
-    d.max_deviation_mm = bound;
-    row(bound > 0 ? "ours, count and bound" : "ours, count", input, [&](double& s) {
-      TriMesh out;
+struct Row {
+  const char* name;
+  std::function<TriMesh(const TriMesh& input, double& seconds)> decimator;
+};
+
+std::vector<Row> rows_of(std::size_t count, double bound_mm) {
+  const auto ours = [count](double most_mm) {
+    return [=](const TriMesh& input, double& s) {
+      DecimateParams d;
+      d.target_triangles_count = static_cast<std::int64_t>(count);
+      d.max_deviation_mm = most_mm;
       require_valid(input);  // as after contour, which has checked it: decimate does not check again
+      TriMesh out;
       s = timed([&] {
         Report r;
         out = decimate(input, d, r);
       });
       return out;
-    });
-  }
-  row("vtkDecimatePro, topology preserved", input, [&](double& s) { return by_vtk<vtkDecimatePro>(input, count, s); });
-  row("vtkQuadricDecimation", input, [&](double& s) { return by_vtk<vtkQuadricDecimation>(input, count, s); });
+    };
+  };
+  return {{"ours, count", ours(0)},
+          {"ours, count and bound", ours(bound_mm)},
+          {"vtkDecimatePro, topology preserved",
+           [=](const TriMesh& input, double& s) { return by_vtk<vtkDecimatePro>(input, count, s); }},
+          {"vtkQuadricDecimation",
+           [=](const TriMesh& input, double& s) { return by_vtk<vtkQuadricDecimation>(input, count, s); }},
 #ifdef BENCH_MESHOPTIMIZER
-  row("meshoptimizer", input, [&](double& s) { return by_meshoptimizer(input, count, s); });
+          {"meshoptimizer", [=](const TriMesh& input, double& s) { return by_meshoptimizer(input, count, s); }},
 #endif
-  row("CGAL edge_collapse, Garland-Heckbert", input, [&](double& s) { return by_cgal(input, count, s); });
+          {"CGAL edge_collapse, Garland-Heckbert",
+           [=](const TriMesh& input, double& s) { return by_cgal(input, count, s); }}};
+}
+
+/// Contouring and each row run in a process of their own, so that a row's peak of memory is its own (with the input's,
+/// which all have) and a library that dies loses its row only.
+bool in_own_process(std::vector<std::string> words) {
+  std::fflush(stdout);
+  SpawnRequest request;
+  request.argv = std::move(words);
+  request.program = own_program().string();
+  request.shares_stdout = request.shares_stderr = true;
+  return wait_for(spawn(request), until_it_ends_s).code == 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const std::string mode = argc > 1 ? argv[1] : "";
+  const auto number = [&](int n, double otherwise) { return argc > n ? std::atof(argv[n]) : otherwise; };
+  if (mode == "--contour") return contour_to(argv[2], argv[3], number(4, 0)), 0;
+  if (argc < 2) return std::fprintf(stderr, "bench_decimate VOLUME.nrrd [isovalue_hu [triangles [bound_mm]]]\n"), 64;
+  const bool one = mode == "--row";  // --row N SURFACE, then as without it
+  const auto count = static_cast<std::size_t>(number(one ? 5 : 3, 80000));
+  const std::vector<Row> rows = rows_of(count, number(one ? 6 : 4, 0.3));
+  if (one) {
+    const Row& row = rows.at(static_cast<std::size_t>(std::atoi(argv[2])));
+    TriMesh input;
+    exchange(argv[3], input, false);
+    double seconds = 0;
+    const TriMesh out = row.decimator(input, seconds);
+    print_row(row.name, seconds, peak_mib(), out, input);
+    return 0;
+  }
+  const std::string isovalue = argc > 2 ? argv[2] : "226.5", bound = argc > 4 ? argv[4] : "0.3";
+  const ScratchFolder folder;
+  const std::string surface = folder.path() / "surface";
+  if (!in_own_process({"bench_decimate", "--contour", surface, argv[1], isovalue})) return 1;
+  TriMesh input;
+  exchange(surface.c_str(), input, false);
+  std::printf(
+      "| %zu triangles to %zu | s | peak MiB | triangles | open edges | non-manifold | intersecting pairs | result to "
+      "input: max / p99 / RMS mm | input to result | both: p99 / RMS |\n|---|---|---|---|---|---|---|---|---|---|\n",
+      input.triangles.size(), count);
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    if (!in_own_process(
+            {"bench_decimate", "--row", std::to_string(n), surface, isovalue, std::to_string(count), bound}))
+      std::printf("| %s | died |\n", rows[n].name);
   return 0;
 } catch (const Error& e) {
   std::fprintf(stderr, "%s\n", e.line("bench_decimate").c_str());

@@ -22,10 +22,10 @@ while read -r name variant seed noise slice slices tilt more; do
   at=$folder/$name
   if [ ! -f "$at/volume.nrrd" ]; then
     case $name in h*) level=hard ;; *) level=clinical ;; esac
+    case $more in *--slice-thickness-mm*) ;; *) more="$more --slice-thickness-mm $slice" ;; esac
     # shellcheck disable=SC2086
     "$trephine" phantom "$at" --level $level --variant "$variant" --seed "$seed" --noise-hu "$noise" \
-      --slice-step-mm "$slice" --slice-thickness-mm "$slice" --slices-count "$slices" --tilt-deg "$tilt" \
-      --mesh-step-mm 0 --no-labels --quiet $more
+      --slice-step-mm "$slice" --slices-count "$slices" --tilt-deg "$tilt" --mesh-step-mm 0 --no-labels --quiet $more
     "$trephine" import "$at/dicom" --series s1 --output "$at/volume.nrrd" --quiet
   fi
   start=$(date +%s)

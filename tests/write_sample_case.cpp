@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// write_sample_case FOLDER [full|drill|play|head|head_drilled|spine|chest]: writes a small case of every part, one of
-// full size, one with bone to drill, one with bone under scalp, or a head, spine or chest for lessons, for the tests of
-// programs.
+// write_sample_case FOLDER [full|drill|play|head|head_drilled|spine|spine_without_ct|chest]: writes a small case of
+// every part, one of full size, one with bone to drill, one with bone under scalp, or a head, spine or chest for
+// lessons, for the tests of programs.
 #include <iostream>
 
 #include "case_samples.h"
@@ -21,8 +21,14 @@ int main(int argc, char** argv) {
       lessons_chest::chest_case(false).write(argv[1]);
       return 0;
     }
-    if (kind == "spine") {
-      lessons::spine_case().write(argv[1]);
+    if (kind == "spine" || kind == "spine_without_ct") {
+      case_samples::MemoryCase c = lessons::spine_case();
+      if (kind != "spine") {
+        c.manifest.ct = {};
+        c.manifest.files.pop_back();
+        c.seal();
+      }
+      c.write(argv[1]);
       return 0;
     }
     (kind == "full"    ? case_samples::full_size_case()

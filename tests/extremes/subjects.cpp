@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "subjects.h"
 
-#include <unistd.h>
-
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 
@@ -12,25 +9,25 @@
 #include "base/write_file.h"
 #include "grid/labels.h"
 #include "grid/nrrd.h"
+#include "scratch_folder.h"
 
 namespace trephine::extremes {
 namespace {
 
-// Labels for the stage that reads them: a file beside the tests' other scratch, of the balls.
+// It goes when the process ends.
+const std::filesystem::path& scratch_folder() {
+  static const ScratchFolder folder;
+  return folder.path();
+}
+
+// Labels for the stage that reads them: a file of the balls.
 std::string labels_file() {
   static const std::string file = [] {
-    const auto folder = std::filesystem::temp_directory_path() / "trephine-extremes";
-    std::filesystem::create_directories(folder);
-    const std::string name = (folder / (std::to_string(getpid()) + ".nrrd")).string();
+    const std::string name = (scratch_folder() / "labels.nrrd").string();
     const Field& field = usual_scene(Body::balls).fields.at("");
     Mask mask(field);
     for (std::size_t v = 0; v < mask.count(); ++v) mask.voxels[v] = field.voxels[v] > 0;
     write_nrrd(name, mask);
-    static std::string to_remove = name;
-    std::atexit([] {
-      std::error_code ignored;
-      std::filesystem::remove(to_remove, ignored);
-    });
     return name;
   }();
   return file;
@@ -39,7 +36,7 @@ std::string labels_file() {
 // A correction of the same balls: one slice more, one less.
 std::string correction_file() {
   static const std::string file = [] {
-    const std::string name = labels_file() + ".correction.nrrd";
+    const std::string name = (scratch_folder() / "correction.nrrd").string();
     const Field& field = usual_scene(Body::balls).fields.at("");
     Mask mask(field);
     const int middle = field.size[2] / 2;
@@ -57,11 +54,6 @@ std::string correction_file() {
       map.segments.back().value = int(map.segments.size());
     }
     write_file(name, encode_labels(map));
-    static std::string to_remove = name;
-    std::atexit([] {
-      std::error_code ignored;
-      std::filesystem::remove(to_remove, ignored);
-    });
     return name;
   }();
   return file;

@@ -17,7 +17,8 @@ except ImportError as missing:  # Debian's python3-jsonschema and python3-yaml
 
 ROOT = Path(sys.argv[1])
 KINDS = [("recipe", "pipelines/*.yaml"), ("scene", "configs/scenes/*.yaml"), ("materials", "configs/materials.yaml"),
-         ("library", "configs/library.yaml"), ("rubric", "configs/rubrics/*.yaml"),
+         ("library", "configs/library.yaml"), ("library", "configs/exercise_library.yaml"),
+         ("rubric", "configs/rubrics/*.yaml"),
          ("trade", "configs/trade/*.yaml"), ("configuration", "configs/*.yaml")]
 
 

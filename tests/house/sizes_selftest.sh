@@ -5,9 +5,10 @@ set -u
 script=$1
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
-mkdir -p "$tree"/lib/{grid,mask} "$tree"/tests/deep
+mkdir -p "$tree"/lib/{grid,mask} "$tree"/simulator/window "$tree"/tests/deep
 seq 400 > "$tree/lib/grid/a.cpp"
 for n in $(seq 14); do cp "$tree/lib/grid/a.cpp" "$tree/lib/grid/a$n.h"; done
+cp "$tree"/lib/grid/* "$tree/simulator/window"
 seq 400 > "$tree/tests/deep/b.cpp"
 seq 900 > "$tree/lib/grid/notes.md"
 bash "$script" "$tree" || { echo "a tree at its limits is refused"; exit 1; }
@@ -23,3 +24,4 @@ expect_fault() {  # FILE NAMED: a line more in the file, and what is named
 expect_fault lib/grid/a.cpp lib/grid/a.cpp
 expect_fault tests/deep/b.cpp tests/deep/b.cpp
 expect_fault lib/grid/small.h lib/grid
+expect_fault simulator/window/small.h simulator/window

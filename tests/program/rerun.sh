@@ -18,7 +18,7 @@ series: sample_dicom
 pipeline: ventriculostomy.yaml
 scene: s.yaml
 burr_holes: [{at: position, position_mm: [-25, -38, 116]}]
-set: {resample.spacing_mm: [2, 2, 2]}
+set: {resample.spacing_mm: [2.5, 2.5, 2.5]}
 Y
   cat >"$work/s.yaml" <<Y
 trephine: 1

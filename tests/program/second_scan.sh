@@ -3,9 +3,8 @@
 # A second scan of the patient as its user registers it: transform, picture, refusals.
 . "$(dirname "$0")/common.sh"
 cd "$work"
-"$TREPHINE" phantom head --level clinical --seed 5 --columns-count 80 --rows-count 80 --field-of-view-mm 240 --slices-count 60 \
-  --slice-step-mm 3 --slice-thickness-mm 3 --mesh-step-mm 0 --no-labels --encoding none --second-scan mr --second-voxel-mm 2.5 \
-  --second-turn-deg=12,-8,15 --second-shift-mm=20,-12,18 --quiet 2>said || fail "phantom: $(cat said)"
+[[ -n ${HEAD:-} ]] || bash "$SOURCE/tests/program/head_with_mr.sh" "${HEAD:=$work/head}"
+[[ $HEAD == "$work/head" ]] || cp -r "$HEAD" head
 "$TREPHINE" import head/dicom --output ct.nrrd --quiet
 quick=(--finest-mm 2.5 --samples-count 15000 --quiet)
 "$TREPHINE" register ct.nrrd head/second/scan.nrrd "${quick[@]}" --transform found.tfm --picture check.png --report r.json \
@@ -24,7 +23,7 @@ for p in ([0, 0, 60], [25, -60, 110], [-25, 40, 30], [0, 40, 60]):
 PY
 [[ $(head -c 4 check.png | tail -c 3) == PNG ]] || fail "no picture"
 grep -q '"inverse_mm"' r.json || fail "no figures: $(cat r.json)"
-head -c 400 mr.nrrd | grep -aq 'sizes: 80 80 60' || fail "not on the CT's voxels: $(head -c 400 mr.nrrd)"
+head -c 400 mr.nrrd | grep -aq 'sizes: 120 120 90' || fail "not on the CT's voxels: $(head -c 400 mr.nrrd)"
 
 # Doubtful: 80, the figure, the picture and nothing else.
 rm -f mr.nrrd found.tfm check.png
@@ -34,6 +33,35 @@ expect 80 'doubtful: .*largest_inverse_mm' "$TREPHINE" register ct.nrrd head/sec
 
 # A transform of another program to begin with, and one that is none.
 "$TREPHINE" register ct.nrrd head/second/scan.nrrd "${quick[@]}" --initial head/second/truth.tfm --output mr.nrrd
+"$TREPHINE" register ct.nrrd head/second/scan.nrrd --given head/second/truth.tfm --transform again.h5 --output mr1.nrrd --quiet 2>said
+"$TREPHINE" register ct.nrrd head/second/scan.nrrd --given again.h5 --transform again.tfm --output mr2.nrrd --quiet 2>said
+cmp -s mr1.nrrd mr2.nrrd && cmp -s again.tfm head/second/truth.tfm || fail "HDF5 holds another transform: $(cat again.tfm)"
+
+# The CT in other programs' formats comes back to the last bit, also out of a scene of 3D Slicer.
+for ending in nii.gz mha gipl vtk mnc; do
+  "$TREPHINE" convert ct.nrrd --output ct.$ending --quiet
+  "$TREPHINE" import ct.$ending --volume-values hu --output back.nrrd --quiet 2>said
+  cmp -s ct.nrrd back.nrrd || fail "$ending: $(cat said)"
+done
+cat >scene.mrml <<'XML'
+<MRML version="Slicer4.4.0"><Volume id="v1" name="a" references="storage:s1;"></Volume>
+<VolumeArchetypeStorage id="s1" fileName="ct.mha"></VolumeArchetypeStorage></MRML>
+XML
+"$TREPHINE" import scene.mrml --volume-values hu --output back.nrrd --quiet 2>said
+cmp -s ct.nrrd back.nrrd || fail "scene: $(cat said)"
+expect 64 'must end in one of' "$TREPHINE" convert ct.nrrd --output ct.img
+
+# Labels go out and come back in each of the formats.
+"$TREPHINE" segment ct.nrrd --lower-hu 226 --output bone.nrrd --quiet
+"$TREPHINE" export --labels bone=bone.nrrd --format seg.nrrd,nii.gz,mha,gipl,mnc --out paint --quiet
+for ending in seg.nrrd nii.gz mha gipl mnc; do
+  "$TREPHINE" labels ct.nrrd --file paint/labels.$ending --label 1 --output label.nrrd --quiet
+  [[ $ending != seg.nrrd ]] || cp label.nrrd first.nrrd
+  cmp -s label.nrrd first.nrrd || fail "labels of $ending"
+done
+[[ -e paint/labels.labels.txt ]] || fail "no names beside the labels"
+expect 65 'nothing of the label is different' "$TREPHINE" correction paint/labels.seg.nrrd paint/labels.mha --label 1 --output none.nrrd
+
 printf '#Insight Transform File V1.0\nTransform: BSplineTransform_double_3_3\nParameters: 1\nFixedParameters: 0 0 0\n' >b.tfm
 expect 65 'b.tfm: Transform: is no affine' "$TREPHINE" register ct.nrrd head/second/scan.nrrd --initial b.tfm --output n.nrrd
 

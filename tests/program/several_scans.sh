@@ -6,9 +6,8 @@
 cd "$work"
 mkdir root && touch root/trephine.root
 cp -r "$SOURCE/pipelines" "$SOURCE/configs" root/
-"$TREPHINE" phantom head --level clinical --seed 5 --columns-count 120 --rows-count 120 --field-of-view-mm 240 --slices-count 90 \
-  --slice-step-mm 2 --slice-thickness-mm 2 --mesh-step-mm 0 --no-labels --encoding none --second-scan mr --second-voxel-mm 2 \
-  --second-turn-deg=12,-8,15 --second-shift-mm=20,-12,18 --second-noise-ratio 0.04 --quiet 2>said || fail "phantom: $(cat said)"
+[[ -n ${HEAD:-} ]] || bash "$SOURCE/tests/program/head_with_mr.sh" "${HEAD:=$work/head}"
+[[ $HEAD == "$work/head" ]] || cp -r "$HEAD" head
 cat >root/configs/both.yaml <<'YAML'
 trephine: 1
 case: both
@@ -59,9 +58,14 @@ sed 's/scene: .*/scene: scenes\/skull.yaml/; s/case: .*/case: bone/' root/config
 both --scan mr=head/second/scan.nrrd --explain >said || fail "explain"
 grep -q 'mr.register' said && grep -q 'read by .*brain.t1_contrast' said || fail "not explained: $(cat said)"
 
-# A transform that another program made takes the place of the registration.
-mkdir root/configs/given && cp head/second/truth.tfm root/configs/
-sed 's/register: .*/register: {given: truth.tfm}}/; s/case: .*/case: given/' root/configs/both.yaml >root/configs/given.yaml
+# A transform that another program made takes the place of the registration. (What is made of the scan does not matter here:
+# a recipe that takes no time.)
+printf 'trephine: 1\nanatomies: {bone: {}}\n' >root/configs/bone_scene.yaml
+printf 'trephine: 1\nanatomies: {bone: {shows_face: false, stages: [segment: {scan: mr}, contour, decimate, normals]}}\n' \
+  >root/configs/bone_recipe.yaml
+cp head/second/truth.tfm root/configs/
+sed 's/register: .*/register: {given: truth.tfm}}/; s/case: .*/case: given/; s/scene: .*/scene: bone_scene.yaml/
+  s/pipeline: .*/pipeline: bone_recipe.yaml/; /^set:/d' root/configs/both.yaml >root/configs/given.yaml
 "$TREPHINE" run root/configs/given.yaml --series head/dicom --scan mr=head/second/scan.nrrd --out out --quiet --no-pictures --no-page \
   >said 2>&1 || fail "given: $(cat said)"
 grep -q 'mr.register: the transform was given' said || fail "not said: $(cat said)"
@@ -70,6 +74,21 @@ grep -q '"mr.register.given": "sha256 ' out/given/case.json || fail "not recorde
 sed 's/^Parameters: .*/Parameters: 1 0 0 0 1 0 0 0 1 0 0 400/' head/second/truth.tfm >root/configs/truth.tfm
 refused 80 'the registration is doubtful: 0.00 of the CT' "$TREPHINE" run root/configs/given.yaml --series head/dicom \
   --scan mr=head/second/scan.nrrd --out out2 --quiet --no-pictures --no-page
+
+# The face of a further scan is not taken off, so its skin is not published.
+sed 's/^anatomies:/&\n  mr_skin: {shows_face: false, stages: [segment: {scan: mr, lower_hu: 150, components: largest}, contour, decimate, normals]}/' \
+  root/pipelines/head_ct_mr.yaml >root/pipelines/mr_skin.yaml
+printf 'trephine: 1\nanatomies: {mr_skin: {}}\nface: {policy: deface, believe: given, believe_reason: truth}\n' >root/configs/mr_skin_scene.yaml
+cp head/second/truth.tfm root/configs/
+python3 - >root/configs/mr_skin.yaml <<'PY'
+import json
+marks = json.load(open("head/truth/truth.json"))["landmarks_mm"]
+print("trephine: 1\ncase: mr-skin\npipeline: ../pipelines/mr_skin.yaml\nscene: mr_skin_scene.yaml")
+print("scans:\n  mr: {modality: mr, register: {given: truth.tfm}}")
+print("landmarks:", json.dumps({name: marks[name] for name in ("nasion", "tragus_left", "tragus_right")}))
+PY
+refused 81 'mr_skin: shows the patient.s face' "$TREPHINE" run root/configs/mr_skin.yaml --series head/dicom \
+  --scan mr=head/second/scan.nrrd --out out3 --quiet --no-pictures --no-page
 
 # What is wrong is told where it stands.
 expect 64 'scans.mr.series: is not said' both
@@ -106,11 +125,7 @@ expect 80 'the contrast is not that of T1|lies outside of the MR' "$TREPHINE" t1
 # A CT series that is said to be an MR; before that its registration would have to pass, so the transform is given.
 printf '#Insight Transform File V1.0\nTransform: AffineTransform_double_3_3\nParameters: 1 0 0 0 1 0 0 0 1 0 0 0\nFixedParameters: 0 0 0\n' \
   >root/configs/truth.tfm
-sed 's/scene: .*/scene: skin.yaml/; s/pipeline: .*/pipeline: skin_recipe.yaml/; /^set:/d' root/configs/given.yaml >root/configs/wrong.yaml
-printf 'trephine: 1\nanatomies: {bone: {}}\n' >root/configs/skin.yaml
-printf 'trephine: 1\nanatomies: {bone: {shows_face: false, stages: [segment: {scan: mr}, contour, decimate, normals]}}\n' \
-  >root/configs/skin_recipe.yaml
-refused 65 'scans.mr.modality: is mr, and the series is CT' "$TREPHINE" run root/configs/wrong.yaml --series head/dicom \
+refused 65 'scans.mr.modality: is mr, and the series is CT' "$TREPHINE" run root/configs/given.yaml --series head/dicom \
   --scan mr=head/dicom --out out4 --quiet --no-pictures --no-page
 
 # Another patient's scan: their PatientID differs, and it appears nowhere.
@@ -123,13 +138,22 @@ for name in sys.argv[1:]:
     assert tag + b"PHANTOM " in data
     open(name, "wb").write(data.replace(tag + b"PHANTOM ", tag + b"SOMEONE "))
 PY
-sed 's/modality: mr,/modality: ct,/; /^set:/d; s/pipeline: .*/pipeline: skin_recipe.yaml/; s/scene: .*/scene: skin.yaml/' \
-  root/configs/both.yaml >root/configs/patients.yaml
+sed 's/modality: mr,/modality: ct,/; s/case: .*/case: both/' root/configs/given.yaml >root/configs/patients.yaml
 patients() { "$TREPHINE" run root/configs/patients.yaml --series head/dicom --scan mr=other --out out5 --quiet --no-pictures --no-page; }
 refused 65 'scans.mr: has another PatientID' patients
 ! grep -q SOMEONE said || fail "the PatientID is told: $(cat said)"
+refused 65 'scans.mr: has another PatientID' "$TREPHINE" preview root/configs/patients.yaml --series head/dicom --scan mr=other \
+  --stage bone.segment --output p.png --quiet
+printf 'trephine: 1\nfinest: {"*.decimate.target_triangles_count": 0}\nsweeps: {a: {values: {"*.decimate.max_deviation_mm": [0.3]}}}\n' \
+  >root/configs/plan.yaml
+sed 's/modality: ct,/modality: ct, series: ..\/..\/other,/' root/configs/patients.yaml >root/configs/patients2.yaml
+refused 65 'scans.mr: has another PatientID' "$TREPHINE" trade root/configs/patients2.yaml --root . --series head/dicom \
+  --plan root/configs/plan.yaml --out swept --quiet
+[[ ! -e p.png ]] || fail "a picture of two patients"
 # With a reason it is used; the reason is recorded, and no ID.
 sed -i 's/modality: ct,/modality: ct, same_patient_reason: the other is from a second hospital,/' root/configs/patients.yaml
+ln -s nowhere other/link
 patients 2>said || fail "with a reason: $(cat said)"
+grep -q 'mr.import: 1 symbolic link was not read' said || fail "what else lies in the second scan's folder is not told: $(cat said)"
 grep -q 'used for the reason given' said && grep -q 'from a second hospital' out5/both/case.json || fail "not recorded"
 ! grep -rq SOMEONE out5 said || fail "the PatientID is in the case"
