@@ -36,13 +36,15 @@ double bytes_of(const StageData& data) {
   return 0;
 }
 
-// An output is worth its space on disk if it took much longer to make than to write and read.
+// An output is worth its space on disk if it took much longer to make than to write and read, or if it is small: then
+// what the cache holds does not hang on how fast the machine is, and the pictures of a refused run can be made of it.
 bool worth_storing(const StageData& data, double seconds) {
-  constexpr double disk_bytes_per_s = 100e6, gain = 4;
+  constexpr double disk_bytes_per_s = 100e6, gain = 4, small_bytes = 1e6;
   // The file of a haptic volume does not hold its hardness.
   if (const auto* h = std::get_if<std::shared_ptr<const HapticVolume>>(&data))
     if (!(*h)->hardness.voxels.empty()) return false;
-  return seconds > gain * bytes_of(data) / disk_bytes_per_s;
+  const double bytes = bytes_of(data);
+  return bytes <= small_bytes || seconds > gain * bytes / disk_bytes_per_s;
 }
 
 class Executor {
