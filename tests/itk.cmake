@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 if(TARGET trephine-itk AND TARGET trephine_phantom)
-trephine_test(itk itk dicom phantom)
+trephine_test(itk itk dicom phantom library)
 add_dependencies(itk_test trephine-itk)
 # No program but trephine-itk loads ITK.
 if(NOT TREPHINE_SANITIZE)

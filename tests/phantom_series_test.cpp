@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "base/error.h"
 #include "base/hash.h"
@@ -250,6 +251,37 @@ TEST(PhantomSpine, IsScannedWithItsTruth) {
   EXPECT_NEAR(sum[1] / count[1], 45, 40);
   EXPECT_GT(sum[2] / count[2], 250);
   EXPECT_NEAR(sum[3] / count[3], 15, 60);
+}
+
+// The truth names the vertebrae that the slices show whole where the spine is, not where their corners are.
+TEST(PhantomSpine, ATiltedScansTruthIsOfWhatItShows) {
+  PhantomParams p;
+  p.body.body = BodyParams::Body::spine;
+  p.scan.columns_count = p.scan.rows_count = 60;
+  p.scan.pixel_mm = 4;
+  p.scan.slices_count = 60;
+  p.scan.slice_step_mm = p.scan.slice_thickness_mm = 2;
+  p.scan.noise_hu = 0;
+  p.scan.tilt_deg = 20;
+  const ScratchFolder folder;
+  make_phantom(folder.path(), p);
+  const std::vector<char> bytes = read_file(folder.path() / "truth" / "truth.json", 1 << 20);
+  const auto truth = nlohmann::json::parse(bytes.begin(), bytes.end());
+  const std::vector<SlicePose> slices = slice_poses(p.scan);
+  ASSERT_FALSE(truth.at("pedicles").empty());
+  for (const auto& pedicle : truth.at("pedicles")) {
+    const auto& m = pedicle.at("middle_mm");
+    const Vec3 middle{m[0], m[1], m[2]};
+    const Vec3 normal = cross(slices[0].row, slices[0].column);
+    const double half = 0.4 * p.body.spine.pitch_mm;
+    double low = 1e9, high = -1e9;
+    for (const SlicePose& s : slices) {
+      low = std::min(low, dot(normal, s.origin_mm - middle) / normal.z);
+      high = std::max(high, dot(normal, s.origin_mm - middle) / normal.z);
+    }
+    EXPECT_LT(low, -half) << middle.z;
+    EXPECT_GT(high, half) << middle.z;
+  }
 }
 
 TEST(PhantomSpine, WhatIsOfHeadsIsRefused) {

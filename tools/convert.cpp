@@ -5,6 +5,7 @@
 #include "cli/argument.h"
 #include "commands.h"
 #include "grid/nrrd.h"
+#include "itk/volume_file.h"
 #include "itk/volume_write.h"
 #include "stage_command.h"
 #include "voxel/haptic_file.h"
@@ -25,7 +26,7 @@ const char* sample_name(const AnyGrid& grid) {
 
 Report convert(const ParsedCommand& parsed, const Progress& progress) {
   const std::filesystem::path input = parsed.path("input");
-  if (input.extension() == ".nrrd" && with_file(input.string(), [&] {
+  if (has_ending(input, ".nrrd") && with_file(input.string(), [&] {
         try {
           return read_nrrd(input).keys.count(haptic_file_key) > 0;
         } catch (const Error&) {

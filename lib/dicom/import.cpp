@@ -21,7 +21,6 @@
 #include "dicom/values.h"
 #include "dicom/volume_import.h"
 #include "dicom/volume_source.h"
-#include "itk/volume_file.h"
 
 namespace trephine {
 namespace {
@@ -304,7 +303,7 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
                            const Progress& progress) {
   const VolumeSource volume = chosen_volume(folder_or_file, params.series, progress.part(0, 0.1));
   if (!volume.file.empty())
-    return with_file(folder_or_file.string(), [&] { return import_volume_file(volume.file, params, progress); });
+    return with_file(folder_or_file.string(), [&] { return import_volume(folder_or_file, volume, params, progress); });
   return with_file(folder_or_file.string(), [&] {
     const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.2));
     const Series& series = choose(catalogue, params.series);
@@ -323,7 +322,7 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
 std::string hash_of_series_input(const std::filesystem::path& folder_or_file, const ImportParams& params,
                                  const Progress& progress, Report* folder) {
   const VolumeSource volume = chosen_volume(folder_or_file, params.series, progress);
-  if (!volume.file.empty()) return hash_of_volume_file(volume.file);
+  if (!volume.file.empty()) return hash_of_volume(folder_or_file, volume);
   return with_file(folder_or_file.string(), [&] {
     const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.5));
     const Series& series = choose(catalogue, params.series);

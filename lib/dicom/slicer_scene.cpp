@@ -13,6 +13,7 @@ namespace {
 [[noreturn]] void refuse(const std::string& what) { throw Error(ExitCode::bad_input, "", "scene", what); }
 
 constexpr std::size_t most_nodes = 100000;
+constexpr std::size_t most_attributes = 1000;  ///< of a node
 constexpr const char* blanks = " \t\r\n";
 
 struct Node {
@@ -65,6 +66,7 @@ Node tag_at(std::string_view text, std::size_t& at) {
       refuse("an attribute has no value");
     const std::size_t close = text.find(text[open], open + 1);
     if (close == std::string_view::npos) refuse("is cut short");
+    if (node.attributes.size() == most_attributes) refuse("a node has too many attributes");
     node.attributes[trephine::trimmed(text.substr(at, equals - at))] =
         without_entities(text.substr(open + 1, close - open - 1));
     at = close + 1;

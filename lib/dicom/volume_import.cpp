@@ -72,16 +72,17 @@ void require_hu(const Counts& c) {
   if (c.max < 150) refuse(fmt::format("the largest is {:g}: there is no bone", c.max));
 }
 
-}  // namespace
-
-ImportResult import_volume_file(const std::filesystem::path& file, const ImportParams& params,
-                                const Progress& progress) {
+void require_values_said(const ImportParams& params) {
   if (params.volume_values == VolumeValues::unsaid)
     throw Error(ExitCode::usage, "", "volume_values",
                 "must be given: a file that is no DICOM does not say whether its values are HU (hu, or any)");
+}
+
+// All but the hash.
+ImportResult imported(VolumeFile read, const ImportParams& params) {
+  require_values_said(params);
   const bool hu = params.volume_values == VolumeValues::hu;
   ImportResult result;
-  VolumeFile read = read_volume_file(file, progress.part(0, 0.8));
   const Counts counts = std::visit([&](auto& grid) { return cleaned(grid, params, hu); }, read.volume);
   if (hu) require_hu(counts);
   const Lattice& lattice = lattice_of(read.volume);
@@ -101,11 +102,23 @@ ImportResult import_volume_file(const std::filesystem::path& file, const ImportP
   for (const std::string& w : read.warnings) r.warn(w);
   if (hu) r.warn("a " + read.format + " file cannot say that its values are HU: whoever gave it said so");
   result.volume = std::move(read.volume);
-  result.input_sha256 = hash_of_volume_file(file);
   return result;
 }
 
-namespace {
+std::string token_of(const VolumeSource& source, const std::array<int, 3>& size) {
+  return fmt::format("{}-{}x{}x{}", source.token, size[0], size[1], size[2]);
+}
+
+// An unpacked file has a name that says nothing to the user.
+template <class F>
+auto naming(const std::filesystem::path& path, const VolumeSource& volume, F&& f) {
+  try {
+    return std::forward<F>(f)();
+  } catch (const Error& e) {
+    if (!volume.unpacked) throw;
+    throw Error(e.code(), path.string(), e.field(), e.what());
+  }
+}
 
 SeriesSummary summary_of(const std::filesystem::path& path, VolumeSource& source, const ImportParams& params,
                          const Progress& progress) {
@@ -113,14 +126,14 @@ SeriesSummary summary_of(const std::filesystem::path& path, VolumeSource& source
   s.token = source.token;
   try {
     unpack(path, source, progress.part(0, 0.2));
-    const VolumeFile read = read_volume_file(source.file, progress.part(0.2, 0.6));
+    VolumeFile read = read_volume_file(source.file, progress.part(0.2, 1));
     const Lattice& lattice = lattice_of(read.volume);
     s.size = lattice.size;
     s.spacing_mm = lattice.spacing_mm;
     s.smallest_step_mm = s.largest_gap_mm = lattice.spacing_mm.z;
-    s.token = fmt::format("{}-{}x{}x{}", source.token, s.size[0], s.size[1], s.size[2]);
+    s.token = token_of(source, s.size);
     s.modality = read.format;
-    import_volume_file(source.file, params, progress.part(0.6, 1));
+    imported(std::move(read), params);
     s.usable = true;
     s.verdict = "usable";
   } catch (const Error& e) {
@@ -130,6 +143,24 @@ SeriesSummary summary_of(const std::filesystem::path& path, VolumeSource& source
 }
 
 }  // namespace
+
+ImportResult import_volume(const std::filesystem::path& path, const VolumeSource& volume, const ImportParams& params,
+                           const Progress& progress) {
+  require_values_said(params);  // before anything is read
+  return naming(path, volume, [&] {
+    VolumeFile read = read_volume_file(volume.file, progress);
+    const std::string token = token_of(volume, lattice_of(read.volume).size);
+    if (params.series.find('-') != std::string::npos && params.series != token)
+      throw Error(ExitCode::usage, path.string(), "series", params.series + " is now " + token + ": look at it again");
+    ImportResult result = imported(std::move(read), params);
+    result.input_sha256 = hash_of_volume_file(volume.file);
+    return result;
+  });
+}
+
+std::string hash_of_volume(const std::filesystem::path& path, const VolumeSource& volume) {
+  return naming(path, volume, [&] { return hash_of_volume_file(volume.file); });
+}
 
 SeriesList list_volumes(const std::filesystem::path& path, std::vector<VolumeSource> volumes,
                         const ImportParams& params, const Progress& progress) {

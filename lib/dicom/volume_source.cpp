@@ -41,6 +41,7 @@ std::vector<VolumeSource> in_archive(const fs::path& file, const Progress& progr
     scene = &m;
   }
   if (!scene) refuse("the archive holds no scene (.mrml)");
+  if (scene->bytes.size() > most_scene_bytes) refuse("the scene is larger than 64 MiB");
   return sources_of(scene_volumes(scene->bytes), fs::path(scene->name).parent_path(), true);
 }
 
@@ -67,6 +68,27 @@ std::vector<VolumeSource> volume_sources(const fs::path& path, const Progress& p
   return sources;
 }
 
+std::vector<fs::path> files_beside(const fs::path& path) {
+  std::error_code none;
+  if (!fs::is_regular_file(path, none) || path.extension() == ".mrb") return {};
+  std::vector<fs::path> files;
+  try {
+    for (const VolumeSource& s : volume_sources(path)) {
+      if (s.file != path) files.push_back(s.file);
+      if (const fs::path data = data_file_of(s.file); !data.empty()) files.push_back(data);
+    }
+  } catch (const Error&) {
+  }
+  return files;
+}
+
+// A scene's file may be a link, but not one that leads out of the scene's folder.
+void require_beneath(const fs::path& scene, const fs::path& file) {
+  const fs::path folder = fs::weakly_canonical(fs::absolute(scene).parent_path()), real = fs::weakly_canonical(file);
+  if (std::mismatch(folder.begin(), folder.end(), real.begin(), real.end()).first != folder.end())
+    refuse("a volume's file is a link out of the scene's folder: save the scene with its data, or as .mrb");
+}
+
 void unpack(const fs::path& path, VolumeSource& source, const Progress& progress) {
   with_file(path.string(), [&] {
     if (source.transformed)
@@ -89,6 +111,7 @@ void unpack(const fs::path& path, VolumeSource& source, const Progress& progress
     }
     std::error_code none;
     if (!fs::is_regular_file(source.file, none)) refuse("the volume's file is not there");
+    if (path.extension() == ".mrml") require_beneath(path, source.file);
     if (find_volume_files(source.file).empty()) refuse("the volume's file is of no format that is read");
   });
 }

@@ -25,12 +25,17 @@ struct VolumeSource {
 /// scene_volumes and read_archive; 65 for a scene without a volume.
 std::vector<VolumeSource> volume_sources(const std::filesystem::path& path, const Progress& progress = {});
 
+/// The files that are read with `path` although they are neither it nor in it: the data files of volume files, the
+/// files of a scene. What names them may be damaged: then they are not all here, and reading it throws.
+std::vector<std::filesystem::path> files_beside(const std::filesystem::path& path);
+
 /// Lays the file of an archive's member into a temporary folder that goes with the source. Throws Error 65 where the
 /// scene lays a transform on the volume (harden it there), or the file is missing or of no format that is read.
 void unpack(const std::filesystem::path& path, VolumeSource& source, const Progress& progress = {});
 
-/// The one that `series` names ("s2", also with what follows a '-'), unpacked; without a name the only one. No file:
-/// DICOM. Throws Error 64 where there are several and no choice, or none of that name; as the two above.
+/// The one that `series` names ("s2"; what follows a '-' is the size, which import_volume compares), unpacked; without
+/// a name the only one. No file: DICOM. Throws Error 64 where there are several and no choice, or none of that name; as
+/// the two above.
 VolumeSource chosen_volume(const std::filesystem::path& path, const std::string& series, const Progress& progress = {});
 
 }  // namespace trephine::dicom

@@ -160,7 +160,10 @@ class Slab {
 }  // namespace
 
 std::size_t patches_compared(const Lattice& lattice, const NonLocalMeans& params) {
-  return offsets_of(lattice, params.search_mm).size();
+  // So many are counted by their volume: whoever asks refuses them, and a list of them could fill the memory.
+  constexpr double many = 1e6, ball_of_radius_1 = 4.18879;
+  const double ball = ball_of_radius_1 * std::pow(params.search_mm, 3) / lattice.voxel_volume_mm3();
+  return ball > many ? static_cast<std::size_t>(ball) : offsets_of(lattice, params.search_mm).size();
 }
 
 Grid<float> non_local_means(const Grid<float>& grid, const NonLocalMeans& params, const Progress& progress) {

@@ -8,10 +8,12 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <optional>
 
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/memory_budget.h"
+#include "base/temporary_folder.h"
 #include "base/write_file.h"
 #include "grid/nifti.h"
 #include "grid/nrrd.h"
@@ -27,33 +29,28 @@ namespace {
 
 enum class Kind { none, nifti, nrrd, detached_nrrd, meta_image, gipl, vtk, minc, analyze };
 
-bool ends_in(const std::string& name, std::string_view end) {
-  return name.size() > end.size() && std::equal(end.rbegin(), end.rend(), name.rbegin(), [](char a, char b) {
-           return a == std::tolower(static_cast<unsigned char>(b));
-         });
-}
-
 Kind kind_of(const fs::path& file) {
   static const std::pair<const char*, Kind> endings[] = {
       {".nii", Kind::nifti},      {".nii.gz", Kind::nifti},   {".nrrd", Kind::nrrd},   {".nhdr", Kind::detached_nrrd},
       {".mha", Kind::meta_image}, {".mhd", Kind::meta_image}, {".gipl", Kind::gipl},   {".gipl.gz", Kind::gipl},
       {".vtk", Kind::vtk},        {".mnc", Kind::minc},       {".hdr", Kind::analyze}, {".img", Kind::analyze},
       {".img.gz", Kind::analyze}};
-  const std::string name = file.filename().string();
   for (const auto& [ending, kind] : endings)
-    if (ends_in(name, ending)) return kind;
+    if (has_ending(file, ending)) return kind;
   return Kind::none;
 }
 
+// DICOM files of any name; those without a preamble too where the name is one that scanners' exports have.
 bool is_dicom(const fs::path& file) {
   char head[132] = {};
   std::ifstream in(file, std::ios::binary);
-  return in.read(head, sizeof head) && std::memcmp(head + 128, "DICM", 4) == 0;
+  in.read(head, sizeof head);
+  if (in && std::memcmp(head + 128, "DICM", 4) == 0) return true;
+  return kind_of(file) == Kind::analyze && (head[0] == 8 || head[0] == 2) && head[1] == 0;
 }
 
 bool is_data_file(const fs::path& file) {
-  const std::string name = file.filename().string();
-  return ends_in(name, ".raw") || ends_in(name, ".zraw") || ends_in(name, ".raw.gz");
+  return has_ending(file, ".raw") || has_ending(file, ".zraw") || has_ending(file, ".raw.gz");
 }
 
 // The largest part of a file that is looked at as text.
@@ -98,6 +95,19 @@ Lattice lattice_of(const ItkVolume& head) {
   return lattice;
 }
 
+// ITK knows a format by its ending in lower case alone: another one is read by a link of such a name.
+fs::path named_for_itk(const fs::path& file, const fs::path& data_file, std::optional<TemporaryFolder>& folder) {
+  std::string name = file.filename().string();
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  const fs::path whole = fs::absolute(file);
+  if (fs::path(name).extension() == file.extension()) return whole;
+  if (!data_file.empty())
+    throw Error(ExitCode::bad_input, "", "name", "a header with a data file beside it needs its ending in lower case");
+  folder.emplace();
+  fs::create_symlink(whole, folder->path() / ("volume" + fs::path(name).extension().string()));
+  return folder->path() / ("volume" + fs::path(name).extension().string());
+}
+
 VolumeFile read_with_itk(const fs::path& file, ItkFormat format, const char* name, const Progress& progress) {
   const VolumeHeader said = format == ItkFormat::meta_image ? check_meta_header(head_of(file), file)
                             : format == ItkFormat::nrrd     ? check_nrrd_text(head_of(file), file)
@@ -105,9 +115,10 @@ VolumeFile read_with_itk(const fs::path& file, ItkFormat format, const char* nam
   std::error_code none;
   std::uint64_t bytes = fs::file_size(file, none);
   if (!said.data_file.empty()) bytes += fs::file_size(said.data_file, none);
+  std::optional<TemporaryFolder> link;
   MessageWriter request = itk_child::request();
   request.value(format);
-  request.text(fs::absolute(file).string());
+  request.text(named_for_itk(file, said.data_file, link).string());
   ChildLimits limits;
   // Compressed files grow by an unknown factor; a volume in memory is held twice, in its own type, and as it is handed
   // over.
@@ -191,6 +202,13 @@ VolumeFile read_any(const fs::path& file, const Progress& progress) {
 }
 
 }  // namespace
+
+bool has_ending(const fs::path& file, std::string_view ending) {
+  const std::string name = file.filename().string();
+  return name.size() > ending.size() && std::equal(ending.rbegin(), ending.rend(), name.rbegin(), [](char a, char b) {
+           return a == std::tolower(static_cast<unsigned char>(b));
+         });
+}
 
 std::vector<fs::path> find_volume_files(const fs::path& path) {
   std::error_code none;

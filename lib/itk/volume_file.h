@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/progress.h"
@@ -15,6 +16,9 @@ struct VolumeFile {
   std::string format;  ///< "NIfTI", "NRRD", "MetaImage", "GIPL", "VTK image", "MINC"
   std::vector<std::string> warnings;
 };
+
+/// Whether the file's name ends in `ending` (".nii.gz", lower case), whatever its own case.
+bool has_ending(const std::filesystem::path& file, std::string_view ending);
 
 /// The volume files that a path means: the file itself, or those of a folder that holds nothing else but them and their
 /// data files, by name. Empty where the path is something else (DICOM, most likely). Nothing is read but names and the

@@ -38,11 +38,8 @@ const std::vector<Ending>& endings() {
 }
 
 const Ending* ending_of(const fs::path& file) {
-  const std::string name = file.filename().string();
-  for (const Ending& e : endings()) {
-    const std::string_view end = e.text;
-    if (name.size() > end.size() && std::string_view(name).substr(name.size() - end.size()) == end) return &e;
-  }
+  for (const Ending& e : endings())
+    if (has_ending(file, e.text)) return &e;
   return nullptr;
 }
 

@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/write_file.h"
+#include "dicom/volume_source.h"
 
 namespace trephine {
 namespace fs = std::filesystem;
@@ -91,6 +92,25 @@ FileSignature sign_files(const fs::path& folder_or_file) {
   return out;
 }
 
+namespace {
+
+// Of all files that are read with the series.
+FileSignature sign_all(const fs::path& series) {
+  FileSignature all = sign_files(series);
+  Sha256 sha;
+  sha.text(all.sha256);
+  for (const fs::path& file : dicom::files_beside(series)) {
+    const FileSignature one = sign_files(file);
+    if (one.sha256.empty()) return {};
+    sha.text(one.sha256);
+    all.latest_change_s = std::max(all.latest_change_s, one.latest_change_s);
+  }
+  if (!all.sha256.empty()) all.sha256 = sha.hex();
+  return all;
+}
+
+}  // namespace
+
 SeriesMemory::SeriesMemory(fs::path file) : file_(std::move(file)) {
   std::error_code ignored;
   if (!fs::exists(file_, ignored)) return;
@@ -111,7 +131,7 @@ SeriesMemory::SeriesMemory(fs::path file) : file_(std::move(file)) {
 
 SeriesContent SeriesMemory::content_of(const fs::path& series, const ImportParams& params, bool rehash,
                                        const Progress& progress) {
-  const FileSignature files = sign_files(series);
+  const FileSignature files = sign_all(series);
   Sha256 sha;
   sha.text(files.sha256).text(params.series).integer(static_cast<int>(params.modality));
   const std::string key = sha.hex();
@@ -127,7 +147,7 @@ SeriesContent SeriesMemory::content_of(const fs::path& series, const ImportParam
   SeriesContent content;
   content.sha256 = hash_of_series_input(series, params, progress);
   content.voxels = voxels_of(series, params, progress);
-  const bool unchanged = sign_files(series).sha256 == files.sha256;
+  const bool unchanged = sign_all(series).sha256 == files.sha256;
   if (files.sha256.empty() || !unchanged || looked_s - files.latest_change_s < racy_s) return content;
   const std::lock_guard<std::mutex> lock(mutex_);
   Entry& entry = entries_[key];

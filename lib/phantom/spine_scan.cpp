@@ -15,7 +15,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double fwhm_per_sigma = 2.3548200450309493;
-constexpr double most_step_mm = 0.5;  // across a slice
+constexpr double most_step_mm = 0.5;      // across a slice
+constexpr double vertebra_reach_mm = 30;  // before and behind the middle
 
 Json to_json(Vec3 v) { return {v.x, v.y, v.z}; }
 
@@ -38,12 +39,19 @@ Spine spine_in(SpineParams spine, const std::vector<SlicePose>& slices, const Sc
   return Spine(spine);
 }
 
-// Whether a vertebra lies between the first and the last slice, with as much beside it as its neighbours leave.
+// Whether a vertebra lies between the first and the last slice, before and behind its middle, with as much beside it as
+// its neighbours leave.
 bool whole(const Spine& spine, int vertebra, const std::vector<SlicePose>& slices) {
   double low = 1e9, high = -1e9;
   for (const SlicePose& s : slices) {
-    low = std::min(low, s.origin_mm.z);
-    high = std::max(high, s.origin_mm.z);
+    const Vec3 normal = cross(s.row, s.column);
+    double ends[2];  // where the slice, which may be tilted, lies there
+    for (const int side : {0, 1}) {
+      const Vec3 at = offset_mm() + Vec3{0, side ? vertebra_reach_mm : -vertebra_reach_mm, 0};
+      ends[side] = (dot(normal, s.origin_mm) - normal.x * at.x - normal.y * at.y) / normal.z;
+    }
+    low = std::min(low, std::max(ends[0], ends[1]));
+    high = std::max(high, std::min(ends[0], ends[1]));
   }
   const double z = spine.level(vertebra) + offset_mm().z, half = 0.5 * spine.params().pitch_mm;
   return z - half >= low && z + half <= high;

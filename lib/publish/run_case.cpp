@@ -333,7 +333,8 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
       run.results =
           execute(run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page), execution, early);
       tell_warnings(run);
-      require_modalities(run.config, run.graph, run.results);
+      require_modalities(run.config, run.graph,
+                         [&](int node) -> const Report& { return run.results[std::size_t(node)].report; });
       publishing_began = Clock::now();
       observer.publishing();
       content = make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version,

@@ -26,15 +26,16 @@ std::vector<std::string> require_one_patient(const CaseConfig& config, const std
   return warnings;
 }
 
-void require_modalities(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results) {
-  for (const auto& [name, node] : graph.scans) {
-    const int read = graph.find(name + ".import");
-    const ParameterValue* said = results[static_cast<std::size_t>(read)].report.find("modality");
+void require_modalities(const CaseConfig& config, const Graph& graph,
+                        const std::function<const Report&(int node)>& report_of) {
+  for (const CaseScan& scan : config.scans) {
+    const int read = graph.find(scan.name + ".import");
+    if (read < 0) continue;  // no stage reads it
+    const ParameterValue* said = report_of(read).find("modality");
     const std::string is = said ? std::get<std::string>(*said) : "";
-    const ScanModality modality = config.find_scan(name)->modality;
-    if (is != (modality == ScanModality::mr ? "MR" : "CT") && is != "any")
-      throw Error(ExitCode::bad_input, "", "scans." + name + ".modality",
-                  std::string("is ") + to_text(modality) + ", and the series is " + is);
+    if (is != (scan.modality == ScanModality::mr ? "MR" : "CT") && is != "any")
+      throw Error(ExitCode::bad_input, "", "scans." + scan.name + ".modality",
+                  std::string("is ") + to_text(scan.modality) + ", and the series is " + is);
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,9 @@ namespace trephine {
 std::vector<std::string> require_one_patient(const CaseConfig& config, const std::vector<std::string>& scans,
                                              const Progress& progress);
 
-/// A series that says what it is must be what the configuration says. Throws Error 65.
-void require_modalities(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results);
+/// A series that says what it is must be what the configuration says. Asks `report_of` for the report of the import of
+/// every scan that the graph reads. Throws Error 65.
+void require_modalities(const CaseConfig& config, const Graph& graph,
+                        const std::function<const Report&(int node)>& report_of);
 
 }  // namespace trephine

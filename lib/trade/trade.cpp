@@ -162,6 +162,8 @@ class Sweep {
       out.total.refused = refusal->node + ": " + refusal->why;
       return out;
     }
+    require_modalities(p.config, p.graph,
+                       [&](int node) -> const Report& { return store_.find(key_of(p, node))->report; });
     for (const Node& node : p.graph.nodes) add_stage(out, node.name, *store_.find(node.key));
     const Measurement& published = publish(p);
     if (!published.refused.empty()) {

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which volume a path and a name mean: nothing else than what the user chose is read.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "base/error.h"
+#include "base/write_file.h"
+#include "dicom/import.h"
+#include "dicom/slicer_scene.h"
+#include "dicom/volume_source.h"
+#include "grid/nrrd.h"
+#include "itk/volume_file.h"
+#include "itk/volume_write.h"
+#include "library/series_state.h"
+#include "scratch_folder.h"
+#include "zip_writer.h"
+
+using namespace trephine;
+namespace fs = std::filesystem;
+
+namespace {
+
+Grid<std::int16_t> counted(int size, std::int16_t first = 0) {
+  Lattice l;
+  l.size = {size, 6, 7};
+  Grid<std::int16_t> g(l);
+  for (std::size_t i = 0; i < g.voxels.size(); ++i) g.voxels[i] = static_cast<std::int16_t>(first + int(i));
+  return g;
+}
+
+ImportParams any_values(const std::string& series = "") {
+  ImportParams p;
+  p.volume_values = VolumeValues::any;
+  p.series = series;
+  return p;
+}
+
+Error fault(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e;
+  }
+  return Error(ExitCode::ok, "", "", "no error");
+}
+
+std::string scene_of(const std::string& file) {
+  return "<MRML version=\"Slicer4.4.0\">\n<Volume id=\"v1\" references=\"storage:s1;\"></Volume>\n"
+         "<VolumeArchetypeStorage id=\"s1\" fileName=\"" +
+         file + "\"></VolumeArchetypeStorage>\n</MRML>\n";
+}
+
+}  // namespace
+
+TEST(VolumeSource, ATokenWithAnotherSizeIsNotTheVolume) {
+  const ScratchFolder folder;
+  write_nrrd(folder.path() / "a.nrrd", HuVolume(counted(5)));
+  write_nrrd(folder.path() / "b.nrrd", HuVolume(counted(8)));
+  EXPECT_EQ(std::get<Grid<std::int16_t>>(import_series(folder.path(), any_values("s2-8x6x7")).volume).size[0], 8);
+  write_nrrd(folder.path() / "aa.nrrd", HuVolume(counted(4)));  // comes before what was s2
+  const Error e = fault([&] { import_series(folder.path(), any_values("s2-8x6x7")); });
+  EXPECT_EQ(e.code(), ExitCode::usage);
+  EXPECT_EQ(e.field(), "series");
+  EXPECT_NE(std::string(e.what()).find("s2-4x6x7"), std::string::npos) << e.what();
+}
+
+TEST(VolumeSource, AFaultInAnArchiveNamesTheArchive) {
+  const ScratchFolder folder;
+  write_nrrd(folder.path() / "a.nrrd", HuVolume(counted(5)));
+  const std::vector<char> whole = read_file(folder.path() / "a.nrrd");
+  const fs::path scene = folder.path() / "s.mrb";
+  write_file(scene, synthetic::zip_bytes(
+                        {{"s/s.mrml", scene_of("a.nrrd")}, {"s/a.nrrd", std::string(whole.begin(), whole.end() - 9)}}));
+  const Error e = fault([&] { import_series(scene, any_values()); });
+  EXPECT_EQ(e.code(), ExitCode::bad_input);
+  EXPECT_EQ(e.file(), scene.string());
+}
+
+TEST(VolumeSource, DicomOfAnyNameIsNoVolumeFile) {
+  const ScratchFolder folder;
+  const char element[] = {8, 0, 5, 0, 'C', 'S', 2, 0, 'I', 'R'};  // as DICOM without a preamble begins
+  for (const char* name : {"1.img", "2.img"}) write_file(folder.path() / name, {element, sizeof element});
+  EXPECT_TRUE(find_volume_files(folder.path()).empty());
+}
+
+TEST(VolumeSource, EndingsAreTheSameInCapitals) {
+  const ScratchFolder folder;
+  const Grid<std::int16_t> volume = counted(5);
+  for (const char* name : {"q.NRRD", "q.NII.GZ", "q.MHA"}) {
+    write_volume_file(folder.path() / name, volume);
+    std::string format;
+    EXPECT_EQ(std::get<Grid<std::int16_t>>(read_grid_file(folder.path() / name, &format, nullptr, {})).voxels,
+              volume.voxels)
+        << name;
+  }
+}
+
+TEST(VolumeSource, AScenesFileIsNoLinkOutOfItsFolder) {
+  const ScratchFolder folder;
+  fs::create_directories(folder.path() / "scene");
+  write_nrrd(folder.path() / "secret.nrrd", HuVolume(counted(5)));
+  fs::create_symlink("../secret.nrrd", folder.path() / "scene/a.nrrd");
+  const fs::path scene = folder.path() / "scene/s.mrml";
+  write_file(scene, scene_of("a.nrrd"));
+  EXPECT_NE(std::string(fault([&] { import_series(scene, any_values()); }).what()).find("link out"), std::string::npos);
+  fs::remove(folder.path() / "scene/a.nrrd");
+  write_nrrd(folder.path() / "scene/b.nrrd", HuVolume(counted(5)));
+  fs::create_symlink("b.nrrd", folder.path() / "scene/a.nrrd");  // within it
+  EXPECT_EQ(import_series(scene, any_values()).report.warnings.size(), 0u);
+}
+
+TEST(VolumeSource, ASceneOfManyAttributesIsRefused) {
+  std::string node = "<MRML><Volume ";
+  for (int n = 0; n < 2000; ++n) node += "a" + std::to_string(n) + "=\"1\" ";
+  EXPECT_NE(std::string(fault([&] { dicom::scene_volumes(node + "></Volume></MRML>"); }).what()).find("attributes"),
+            std::string::npos);
+}
+
+// A library's memory of series sees what lies beside a header or a scene, too.
+TEST(VolumeSource, AMemoryOfSeriesSeesFilesBesideThem) {
+  const ScratchFolder folder;
+  const fs::path header = folder.path() / "x.nhdr", scene = folder.path() / "s.mrml";
+  write_file(header,
+             "NRRD0004\ntype: short\ndimension: 3\nspace: left-posterior-superior\nsizes: 5 6 7\nencoding: raw\n"
+             "endian: little\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\ndata file: x.raw\n");
+  write_file(scene, scene_of("x.nhdr"));
+  const auto write_data = [&](std::int16_t first) {
+    const Grid<std::int16_t> g = counted(5, first);
+    write_file(folder.path() / "x.raw", {reinterpret_cast<const char*>(g.voxels.data()), g.voxels.size() * 2});
+  };
+  write_data(0);
+  SeriesMemory memory(folder.path() / "memory.json");
+  for (const fs::path& path : {header, scene}) {
+    EXPECT_FALSE(dicom::files_beside(path).empty());
+    write_data(0);
+    const std::string before = memory.content_of(path, any_values(), false, {}).sha256;
+    write_data(1);
+    EXPECT_NE(memory.content_of(path, any_values(), false, {}).sha256, before) << path;
+  }
+}
