@@ -213,6 +213,28 @@ TEST(LessonsHostile, APauseCountsNothingAndWaitingAll) {
   EXPECT_FALSE(marked.facts.traces.front().erased) << "and erases nothing";
 }
 
+// In a cistern or a sulcus the catheter is in nothing, so that the lesson can be paused: it stays where it is. The
+// sample has none on the way; so the end of the recording is made to say that there is one.
+TEST(LessonsHostile, ACatheterStaysInAPauseAndIsJudgedWhereItIs) {
+  Head::Done d = drilled().run(
+      R"({"take": {"tool": "catheter"}}, {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}},
+         {"wait": {"seconds": 1}}, "pause", {"wait": {"seconds": 1}}, "finish")",
+      100);
+  EXPECT_EQ(d.facts.pauses, 0) << "in the brain there is no pause";
+  for (std::size_t n = d.recording.frames.size() - 180; n < d.recording.frames.size(); ++n)
+    d.recording.frames[n].inside = d.recording.frames[n].touched = 0;
+  drilled().score(d);
+  EXPECT_EQ(d.facts.pauses, 1);
+  ASSERT_EQ(d.facts.passes.size(), 1u);
+  EXPECT_TRUE(d.facts.passes.back().in_place);
+  // Drawn out in the pause, it is not there any more.
+  for (std::size_t n = d.recording.frames.size() - 50; n < d.recording.frames.size(); ++n)
+    d.recording.frames[n].proxy_mm[2] += 100;
+  drilled().score(d);
+  ASSERT_EQ(d.facts.passes.size(), 1u);
+  EXPECT_FALSE(d.facts.passes.back().in_place);
+}
+
 TEST(LessonsHostile, ALostDeviceEndsTheLessonAndKeepsWhatWasDone) {
   const Head::Done d = drilled().run(
       R"({"take": {"tool": "catheter"}}, {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}},

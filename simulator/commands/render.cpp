@@ -42,7 +42,7 @@ class Pictures {
     std::cout << fmt::format("drawn by {}\n", stage_.driver().renderer);
     if (!stage_.surfaces_by().empty())
       std::cout << fmt::format("surfaces that are cut are made by {}\n", stage_.surfaces_by());
-    for (const std::string& note : stage_.notes()) std::cout << note << "\n";
+    tell_notes();
   }
   Stage& stage() { return stage_; }
   const PictureParams& params() const { return params_; }
@@ -54,7 +54,8 @@ class Pictures {
     seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     write_file(out_ / fmt::format("frame-{:05}.png", ++count_), png_of(picture));
   }
-  void print() const {
+  void print() {
+    tell_notes();
     std::cout << fmt::format("graphics memory: {:.0f} MB\n", 1e-6 * double(stage_.renderer().graphics_bytes()));
     std::cout << fmt::format("{} pictures of {} x {} in {}, {:.0f} ms each\n", count_, params_.width, params_.height,
                              out_.string(), 1000 * seconds_ / count_);
@@ -64,9 +65,15 @@ class Pictures {
   }
 
  private:
+  // There may be more of them after each picture.
+  void tell_notes() {
+    for (; told_notes_ < stage_.notes().size(); ++told_notes_) std::cout << stage_.notes()[told_notes_] << "\n";
+  }
+
   const PictureParams params_;
   std::filesystem::path out_;
   Stage stage_;
+  std::size_t told_notes_ = 0;
   OrbitCamera camera_;
   OffscreenPicture target_;
   int count_ = 0;

@@ -80,10 +80,7 @@ std::shared_ptr<const LessonFacts> facts_of_recording(FeltCase& felt, const std:
                                          : std::to_string(missing) + " were not recorded: it cannot be judged");
   if (h.tools.empty()) throw Error(ExitCode::bad_input, file, "lesson.tools", "there are none");
   for (const ServoFrame& f : recording.frames) require_followable(f, file);
-  HapticVolume before;
-  before.encoding = felt.loaded.haptic.encoding;
-  before.voxels = felt.loaded.haptic.voxels;
-  before.shapes = felt.loaded.haptic.shapes;
+  const HapticVolume before = copy_without_hardness(felt.loaded.haptic);
   ContactVolume contact(felt.loaded.haptic, h.contact);
   Rerun rerun(felt, contact, file, h);
   ToolBelt& belt = *rerun.belt();

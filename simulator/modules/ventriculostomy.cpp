@@ -77,10 +77,16 @@ void Ventriculostomy::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal
   const BeltToolParams& tool = belt.tools()[std::size_t(belt.in_hand())];
   draw(f, pedal && tool.marks);
   drill(f, belt, pedal && tool.cuts);
-  if (!tool.marks && !tool.cuts && !belt.paused())
+  const bool catheter = !tool.marks && !tool.cuts;
+  if (catheter && !belt.paused())
     pass(f);
-  else if (in_brain_)
+  else if (in_brain_ && !(catheter && stays(f)))
     end_pass(f.time_s, false);
+}
+
+// In a pause the catheter stays where it is, unless it is lifted or moved.
+bool Ventriculostomy::stays(const ServoFrame& f) const {
+  return !(f.buttons & haptic_button::lifted) && norm(vec(f.proxy_mm) - last_tip_.tip_mm) <= withdrawn_mm;
 }
 
 void Ventriculostomy::command(int command, const ServoFrame& f, const ToolBelt& belt) {

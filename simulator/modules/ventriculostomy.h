@@ -99,6 +99,7 @@ class Ventriculostomy : public Lesson {
   void pass(const ServoFrame& f);
   void end_trace();
   void end_pass(double time_s, bool in_place);
+  bool stays(const ServoFrame& f) const;
 
   const CaseManifest& manifest_;
   const HapticVolume& before_;

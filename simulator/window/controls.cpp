@@ -188,7 +188,7 @@ void Controls::hold(double wall_s, Player& player, int width, int height) {
   if (buttons_.count(left) && player.draws()) player.draw_at(cursor_x, cursor_y, width, height);
   const auto down = [&](int key) { return keys_.count(key) ? 1.0 : 0.0; };
   for (const ArmKey& a : arm_keys)
-    if (a.again && keys_.count(a.key) && player.has_xray() && held_s_ >= arm_again_s_) {
+    if (a.again && keys_.count(a.key) && player.has_xray() && !player.commanding() && held_s_ >= arm_again_s_) {
       player.move_arm(a.how);
       arm_again_s_ = held_s_ + arm_again_s;
     }

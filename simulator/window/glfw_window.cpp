@@ -102,8 +102,8 @@ void GlfwWindow::width_height(int& width, int& height) const { glfwGetFramebuffe
 void GlfwWindow::swap() { glfwSwapBuffers(window_); }
 
 bool GlfwWindow::reset() const {
-  if (epoxy_gl_version() >= 45) return glGetGraphicsResetStatus() != GL_NO_ERROR;
-  if (has_khr_robustness_) return glGetGraphicsResetStatusKHR() != GL_NO_ERROR;
+  // On a desktop the extension of KHR has names without a suffix.
+  if (epoxy_gl_version() >= 45 || has_khr_robustness_) return glGetGraphicsResetStatus() != GL_NO_ERROR;
   return has_arb_robustness_ && glGetGraphicsResetStatusARB() != GL_NO_ERROR;
 }
 

@@ -122,6 +122,8 @@ std::string LessonDesk::give(const std::string& name) {
 std::string LessonDesk::next() {
   if (step_ + 1 >= steps_.size()) return "this is the last step";
   const LessonStep& s = steps_[step_ + 1];
+  // A pedal pressed once too often must not end the lesson, which cannot be taken back.
+  if (s.tool < 0 && s.command == belt_command::finish) return "only the end is left: press Enter twice";
   return s.tool >= 0 ? take(tools()[std::size_t(s.tool)].name) : give(belt_command::names[s.command]);
 }
 

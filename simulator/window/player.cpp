@@ -256,11 +256,13 @@ void Player::follow_session() {
     goal_.buttons &= ~Drilling::mark;
     aim();
   }
-  if (!frames.empty()) look_at(frames.back());
-  told_faults_ |= frame_.faults;
-  if (const std::uint32_t faults = frame_.faults & ~session_faults_; faults != 0) {
-    session_faults_ |= faults;
-    notes_.push_back("fault: " + fault_names(faults) + ": the force is zero from now on");
+  if (!frames.empty()) {  // else the last frame may be of the session before this one
+    look_at(frames.back());
+    told_faults_ |= frame_.faults;
+    if (const std::uint32_t faults = frame_.faults & ~session_faults_; faults != 0) {
+      session_faults_ |= faults;
+      notes_.push_back("fault: " + fault_names(faults) + ": the force is zero from now on");
+    }
   }
   if (incisions_.size() > Renderer::most_incisions && !many_incisions_) {
     many_incisions_ = true;

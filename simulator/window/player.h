@@ -93,6 +93,7 @@ class Player {
   const ServoFrame& frame() const { return frame_; }
   const LessonDesk* desk() const { return desk_.get(); }                ///< null without a lesson
   bool has_xray() const { return fluoro_ != nullptr && live(); }        ///< a lesson with a C-arm goes on
+  bool commanding() const { return desk_ && desk_->commanding(); }      ///< a lesson's command waits for the servo
   const MadeFluoro* xray() const { return seen_ ? &*seen_ : nullptr; }  ///< the last picture; null before the first
   std::uint64_t xrays_made() const { return xrays_made_; }
   std::vector<std::string> tools() const;
