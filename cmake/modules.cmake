@@ -98,6 +98,7 @@ endfunction()
 function(trephine_test name)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}_test.cpp
        ${CMAKE_CURRENT_SOURCE_DIR}/${name}_*_test.cpp)
+  set_property(GLOBAL APPEND PROPERTY TREPHINE_TEST_SOURCES ${sources})
   add_executable(${name}_test ${sources})
   trephine_unity(${name}_test ${sources})
   trephine_light(${name}_test)
@@ -114,4 +115,17 @@ function(trephine_test name)
   endif()
   gtest_discover_tests(${name}_test TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 ${discovered}
                        PROPERTIES TIMEOUT 1200)
+endfunction()
+
+# trephine_no_test_is_lost(): fails for a tests/*_test.cpp that no test program compiles, which would never run.
+function(trephine_no_test_is_lost)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
+  get_property(compiled GLOBAL PROPERTY TREPHINE_TEST_SOURCES)
+  list(REMOVE_ITEM sources ${compiled})
+  foreach(source ${sources})
+    get_filename_component(file ${source} NAME)
+    string(REGEX REPLACE "_.*" "" name ${file})
+    message(FATAL_ERROR "tests/${file} belongs to no test program. Write tests/${name}.cmake with trephine_test(${name} ROOMS), "
+                        "or begin the file's name with that of a program that there is (CONTRIBUTING.md, \"Add a test\").")
+  endforeach()
 endfunction()
