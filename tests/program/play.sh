@@ -2,57 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # A real window on a screen of Xvfb, worked by real events of mouse and keyboard, and by the remote's lines.
 . "$(dirname "$0")/common.sh"
-command -v Xvfb >/dev/null || skip "no Xvfb"
-command -v xdotool >/dev/null || skip "no xdotool"
-export LP_NUM_THREADS=1
+. "$(dirname "$0")/window.sh"
 "$WRITE_CASE" "$work/sample" play
-
-Xvfb -displayfd 3 -screen 0 480x360x24 3>"$work/display" >/dev/null 2>&1 &
-screen=$!
-sim=
-trap '[[ -z $sim ]] || kill $sim 2>/dev/null || true; kill $screen 2>/dev/null || true; chmod -R u+w "$work"; rm -rf "$work"' EXIT
-for try in {1..100}; do [[ -s $work/display ]] && break; sleep 0.1; done
-[[ -s $work/display ]] || fail "Xvfb does not start"
-DISPLAY=:$(cat "$work/display")
-export DISPLAY
 window=(--window-width 480 --window-height 360 --no-realtime --no-panels)
 
-# begin ARGUMENTS...: opens a window and waits for its first picture.
-begin() {
-  rm -f "$work/said"
-  "$TREPHINE" play "$work/sample" "${window[@]}" --remote 0 "$@" >"$work/said" 2>"$work/fault" &
-  sim=$!
-  for try in {1..300}; do
-    grep -qs '^first picture' "$work/said" && break
-    kill -0 $sim 2>/dev/null || { cat "$work/said" "$work/fault" >&2; fail "it ends at once"; }
-    sleep 0.1
-  done
-  port=$(sed -n 's/^remote on port //p' "$work/said")
-  exec 4<>"/dev/tcp/127.0.0.1/$port"
-}
-# ask LINE: what the remote answers, into `answer`.
-ask() {
-  echo "$1" >&4
-  IFS= read -r -t 20 -u 4 answer || fail "no answer to: $1"
-}
-ok() { ask "$1"; [[ $answer == ok ]] || fail "$1: $answer"; }
-# until PATTERN: waits until the state matches.
-until_state() {
-  for try in {1..100}; do
-    ask state
-    [[ $answer =~ $1 ]] && return 0
-    sleep 0.1
-  done
-  fail "the state never matches $1: $answer"
-}
-field() { sed -E "s/.*\b$1 ([^ ]+).*/\1/" <<<"$answer"; }
-finish() {
-  exec 4>&-
-  local code=0
-  wait $sim || code=$?
-  sim=
-  [[ $code == "$1" ]] || { cat "$work/said" "$work/fault" >&2; fail "exit code $code instead of $1"; }
-}
+# begin ARGUMENTS...: opens a window on the sample.
+begin() { open_window "$TREPHINE" play "$work/sample" "${window[@]}" "$@"; }
+until_state() { until_is state "$1"; }
 
 begin --head-port 0 --record "$work/play.servo" --shots "$work/shots" --incision-radius-mm 12
 until_state 'time [1-9]|time 0\.[1-9]'
@@ -74,8 +30,7 @@ xdotool keyup w keyup space
 # Turn, shift, come nearer, cut away and back, a picture, another tool.
 xdotool mousemove 240 180 mousedown 3 mousemove 300 200 mouseup 3 mousedown 2 mousemove 280 190 mouseup 2
 xdotool keydown ctrl click 4 click 4 keyup ctrl key x key bracketright key x key F7 key F1 key c key c key k key F12
-for try in {1..50}; do [[ -s $work/shots/picture-001.png ]] && break; sleep 0.1; done
-[[ -s $work/shots/picture-001.png ]] || fail "F12 took no picture"
+until_file "$work/shots/picture-001.png"
 xdotool key 3
 until_state 'tool catheter'
 ok 'view left'; ok 'opacity scalp 0.3'; ok 'hide brain'; ok 'show brain'; ok 'cut coronal'; ok 'move_cut 2'; ok 'cut none'

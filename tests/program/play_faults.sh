@@ -2,44 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # What a window does when something fails, or is not there: a device, the graphics driver, its buffers, time, memory.
 . "$(dirname "$0")/common.sh"
-command -v Xvfb >/dev/null || skip "no Xvfb"
-export LP_NUM_THREADS=1
+. "$(dirname "$0")/window.sh"
 "$WRITE_CASE" "$work/sample" play
-Xvfb -displayfd 3 -screen 0 480x360x24 3>"$work/display" >/dev/null 2>&1 &
-screen=$!
-sim= feeder=
-trap 'for p in $sim $feeder; do kill $p 2>/dev/null || true; done; kill $screen 2>/dev/null || true; rm -rf "$work"' EXIT
-for try in {1..100}; do [[ -s $work/display ]] && break; sleep 0.1; done
-[[ -s $work/display ]] || fail "Xvfb does not start"
-DISPLAY=:$(cat "$work/display")
-export DISPLAY
 play=("$TREPHINE" play "$work/sample" --window-width 320 --window-height 240 --no-realtime --no-panels --tool ball)
 replayed() { "$TREPHINE" replay "$work/sample" "$1" >"$work/text" 2>&1 && grep -q '^replayed bit for bit$' "$work/text" || { cat "$work/text"; fail "$1 does not replay"; }; }
 ends_by_itself() { code=0; "$@" >"$work/said" 2>"$work/fault" || code=$?; }
-until_said() {
-  for try in {1..300}; do
-    grep -Eq -- "$1" "$work/said" 2>/dev/null && return 0
-    kill -0 $sim 2>/dev/null || break
-    sleep 0.1
-  done
-  cat "$work/said" "$work/fault" >&2
-  fail "it never says: $1"
-}
-begin() {
-  rm -f "$work/said"
-  "$@" --remote 0 >"$work/said" 2>"$work/fault" &
-  sim=$!
-  until_said '^first picture'
-  exec 4<>"/dev/tcp/127.0.0.1/$(sed -n 's/^remote on port //p' "$work/said")"
-}
-ask() { echo "$1" >&4; IFS= read -r -t 20 -u 4 answer || fail "no answer to: $1"; }
-finish() {
-  ask quit
-  exec 4>&-
-  code=0
-  wait $sim || code=$?
-  sim=
-}
+# quit: the session is told to end; its exit code into `code`.
+quit() { ask quit; ended; }
 
 # The graphics driver loses its context: one line, and the recording is whole.
 ends_by_itself env "LD_PRELOAD=$RESET_STUB" "${play[@]}" --seconds 60 --record "$work/reset.servo"
@@ -48,11 +17,11 @@ ends_by_itself env "LD_PRELOAD=$RESET_STUB" "${play[@]}" --seconds 60 --record "
 replayed "$work/reset.servo"
 
 # The device is lost: it is said at once, the force is zero, the window lives on, and the exit code tells.
-begin "${play[@]}" --device adaptor --adaptor "$STUB" --adaptor-index 1 --record "$work/lost.servo"
+open_window "${play[@]}" --device adaptor --adaptor "$STUB" --adaptor-index 1 --record "$work/lost.servo"
 until_said '^fault: device lost: the force is zero'
 ask state
 [[ $answer == *" force 0.000 "* && $answer == *" faults 8 "* ]] || fail "a lost device: $answer"
-finish
+quit
 [[ $code == 74 ]] || fail "a lost device ends with $code"
 [[ $(wc -l <"$work/fault") == 1 ]] && grep -q 'device: device lost' "$work/fault" || { cat "$work/fault"; fail "not its one line"; }
 replayed "$work/lost.servo"
@@ -65,15 +34,15 @@ def event(kind, code, value): sys.stdout.buffer.write(struct.pack("llHHi", 0, 0,
 event(3, 0, 32767); event(0, 0, 0); sys.stdout.buffer.flush()
 time.sleep(30)
 PY
-begin env "LD_PRELOAD=$PAD_STUB" "${play[@]}" --device gamepad --gamepad "$work/pipe" --no-places --push-mm-per-s 10
+open_window env "LD_PRELOAD=$PAD_STUB" "${play[@]}" --device gamepad --gamepad "$work/pipe" --no-places --push-mm-per-s 10
 ask 'view left'
 ask state
-read -r x0 y0 z0 <<<"$(sed -E 's/.* tool_at ([^ ]+) ([^ ]+) ([^ ]+).*/\1 \2 \3/' <<<"$answer")"
+read -r x0 y0 z0 <<<"$(triple tool_at)"
 python3 "$work/feed.py" >"$work/pipe" & feeder=$!
 moved=
 for try in {1..100}; do
   ask state
-  read -r x y z <<<"$(sed -E 's/.* tool_at ([^ ]+) ([^ ]+) ([^ ]+).*/\1 \2 \3/' <<<"$answer")"
+  read -r x y z <<<"$(triple tool_at)"
   moved=$(python3 -c "
 d = [$x - $x0, $y - $y0, $z - $z0]
 assert max(map(abs, (d[0], d[2]))) <= max(0.3 * d[1], 0.2), d
@@ -82,16 +51,16 @@ print('far' if d[1] > 3 else '')") || fail "the gamepad's way"
   sleep 0.1
 done
 [[ -n $moved ]] || fail "the gamepad does not move the tool: $answer"
-finish
+quit
 [[ $code == 0 ]] || { cat "$work/fault"; fail "a gamepad ends with $code"; }
 kill $feeder 2>/dev/null || true
 feeder=
 
 # Buffers for two eyes that the driver lacks; pictures that are to be quicker than they can be; too little memory.
-begin "${play[@]}" --stereo quad_buffer --target-ms 0.01
+open_window "${play[@]}" --stereo quad_buffer --target-ms 0.01
 until_said '^stereo: the driver has no buffer for each eye, so the picture is side by side$'
 until_said '^reduced: .*grain.*surfaces within 2.5 mm.*no shadow of the tool, half the pixels$'
-finish
+quit
 [[ $code == 0 ]] || { cat "$work/fault"; fail "ends with $code"; }
 expect 74 'graphics_budget_mb: 16 is too little: surfaces and pictures need' "${play[@]}" --graphics-budget-mb 16
 expect 64 'quad_buffer is of a window' "$TREPHINE" render "$work/sample" --out "$work/x" --stereo quad_buffer

@@ -4,47 +4,19 @@
 # subclavian line. With LONG=1 also a whole one by mouse, keys and pedal (marked, erased, incised, drilled through), one that is
 # left and one that is cancelled. The recording is judged the same by `score`.
 . "$(dirname "$0")/common.sh"
-: "${OFFLINE:?}" "${WRITE_CASE:?}"
-command -v Xvfb >/dev/null || skip "no Xvfb"
-command -v xdotool >/dev/null || skip "no xdotool"
-export LP_NUM_THREADS=1
+. "$(dirname "$0")/window.sh"
+: "${OFFLINE:?}"
 for lesson in subclavian ventriculostomy; do
   "$OFFLINE" rubric "$SOURCE/configs/rubrics/$lesson.yaml" --output "$work/$lesson.json" >/dev/null
 done
 [[ $LONG == 0 ]] || "$WRITE_CASE" "$work/head" head
 "$WRITE_CASE" "$work/head_drilled" head_drilled
 
-Xvfb -displayfd 3 -screen 0 480x360x24 3>"$work/display" >/dev/null 2>&1 &
-screen=$!
-sim=
-trap '[[ -z $sim ]] || kill $sim 2>/dev/null || true; kill $screen 2>/dev/null || true; chmod -R u+w "$work"; rm -rf "$work"' EXIT
-for try in {1..100}; do [[ -s $work/display ]] && break; sleep 0.1; done
-[[ -s $work/display ]] || fail "Xvfb does not start"
-DISPLAY=:$(cat "$work/display")
-export DISPLAY
-
-# begin CASE ARGUMENTS...: opens a window on a lesson and waits for its first picture.
+# begin CASE ARGUMENTS...: opens a window on a lesson.
 begin() {
-  local case=$1
-  rm -f "$work/said"
-  shift
-  "$TREPHINE" play "$work/$case" --lesson "$lesson" --rubric "$work/$lesson.json" --participant r-01 --no-realtime \
-    --window-width 480 --window-height 360 --no-panels --remote 0 "$@" >"$work/said" 2>"$work/fault" &
-  sim=$!
-  for try in {1..600}; do
-    grep -qs '^first picture' "$work/said" && break
-    kill -0 $sim 2>/dev/null || { cat "$work/said" "$work/fault" >&2; fail "it ends at once"; }
-    sleep 0.1
-  done
-  exec 4<>"/dev/tcp/127.0.0.1/$(sed -n 's/^remote on port //p' "$work/said")"
+  open_window "$TREPHINE" play "$work/$1" --lesson "$lesson" --rubric "$work/$lesson.json" --participant r-01 --no-realtime \
+    --window-width 480 --window-height 360 --no-panels "${@:2}"
 }
-# ask LINE: what the remote answers, into `answer`.
-ask() {
-  echo "$1" >&4
-  IFS= read -r -t 30 -u 4 answer || { cat "$work/said" "$work/fault" >&2; fail "no answer to: $1"; }
-}
-ok() { ask "$1"; [[ $answer == ok ]] || fail "$1: $answer"; }
-field() { sed -E "s/.*\b$1 ([^ ]+).*/\1/" <<<"$answer"; }
 # until_lesson PATTERN: waits until the lesson is there.
 until_lesson() {
   for try in {1..300}; do
@@ -55,13 +27,6 @@ until_lesson() {
   done
   fail "the lesson never matches $1: $answer"
 }
-finish() {
-  exec 4>&-
-  local code=0
-  wait $sim || code=$?
-  sim=
-  [[ $code == "$1" ]] || { cat "$work/said" "$work/fault" >&2; fail "exit code $code instead of $1"; }
-}
 # catheter MM: from where it was put, W and then short moves lead it to the foramen of the right until it is that near.
 catheter() {
   local most
@@ -70,7 +35,7 @@ catheter() {
     for try in {1..200}; do
       [[ $most != "$1" ]] || ok 'move 0.28 0.14 -0.74'
       ask state
-      read -r x y z <<<"$(sed -E 's/.* tip ([^ ]+) ([^ ]+) ([^ ]+) .*/\1 \2 \3/' <<<"$answer")"
+      read -r x y z <<<"$(triple tip)"
       awk -v x="$x" -v y="$y" -v z="$z" -v m="$most" 'BEGIN { exit (x + 3) ^ 2 + (y + 5) ^ 2 + (z - 22) ^ 2 > m * m }' && break
       sleep 0.05
     done

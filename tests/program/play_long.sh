@@ -3,24 +3,12 @@
 # Random events of mouse, keyboard and remote: the window does not crash, its memory stays what it is, and what was recorded
 # replays. PLAY_S says for how long (an hour in the long suites).
 . "$(dirname "$0")/common.sh"
-command -v Xvfb >/dev/null || skip "no Xvfb"
-command -v xdotool >/dev/null || skip "no xdotool"
-export LP_NUM_THREADS=1
+. "$(dirname "$0")/window.sh"
+answer_s=60
 : "${PLAY_S:=3600}" "${PLAY_SEED:=1}"
 RANDOM=$PLAY_SEED
 "$WRITE_CASE" "$work/sample" play
-Xvfb -displayfd 3 -screen 0 480x360x24 3>"$work/display" >/dev/null 2>&1 &
-screen=$!
-sim=
-trap '[[ -z $sim ]] || kill $sim 2>/dev/null || true; kill $screen 2>/dev/null || true; rm -rf "$work"' EXIT
-for try in {1..100}; do [[ -s $work/display ]] && break; sleep 0.1; done
-DISPLAY=:$(cat "$work/display")
-export DISPLAY
-"$TREPHINE" play "$work/sample" --window-width 480 --window-height 360 --no-realtime --remote 0 --shots "$work/shots" \
-  >"$work/said" 2>"$work/fault" &
-sim=$!
-for try in {1..300}; do grep -q '^first picture' "$work/said" 2>/dev/null && break; sleep 0.1; done
-exec 4<>"/dev/tcp/127.0.0.1/$(sed -n 's/^remote on port //p' "$work/said")"
+open_window "$TREPHINE" play "$work/sample" --window-width 480 --window-height 360 --no-realtime --shots "$work/shots"
 keys=(g m x bracketleft bracketright t Home c k p equal minus h 1 2 3 4 5 6 7 F1 F2 F3 F4 F5 F6 F7 F8 Left Right Up Down w s space)
 lines=('tool burr' 'tool ball' 'tool needle' 'tool craniotome' 'view top' 'view oblique' 'opacity scalp 0.3' 'opacity scalp 1'
   'opacity skull 0.5' 'opacity skull 1' 'hide brain' 'show brain' 'cut tool' 'cut axial' 'cut none' 'incise' 'pedal on' 'pedal off'
@@ -29,8 +17,7 @@ lines=('tool burr' 'tool ball' 'tool needle' 'tool craniotome' 'view top' 'view 
 # As many incisions as are drawn at once (48), for each takes some memory until then.
 for n in {1..50}; do
   for line in "place $((RANDOM % 30 - 14)) $((RANDOM % 30 - 35)) 338" incise; do
-    echo "$line" >&4
-    IFS= read -r -t 60 -u 4 answer || fail "no answer to: $line"
+    ask "$line"
     sleep 0.2
   done
 done
@@ -44,8 +31,7 @@ while ((SECONDS < end)); do
     3) xdotool keydown w keydown space mousemove_relative -- $((RANDOM % 21 - 10)) $((RANDOM % 21 - 10)); sleep 0.3
        xdotool keyup w keyup space ;;
     4) xdotool mousedown 3 mousemove $((RANDOM % 480)) $((RANDOM % 360)) mouseup 3 ;;
-    5) echo "${lines[RANDOM % ${#lines[@]}]}" >&4
-       IFS= read -r -t 60 -u 4 answer || { cat "$work/fault" >&2; fail "no answer after $events events"; } ;;
+    5) ask "${lines[RANDOM % ${#lines[@]}]}" ;;
   esac
   events=$((events + 1))
   kill -0 $sim 2>/dev/null || { tail -5 "$work/said" "$work/fault" >&2; fail "it ended after $events events"; }
@@ -53,10 +39,8 @@ while ((SECONDS < end)); do
   ((first > 0 || SECONDS < half)) || first=$(memory)
 done
 last=$(memory)
-echo "quit" >&4
-code=0
-wait $sim || code=$?
-sim=
+ask quit
+ended
 # A machine that stalls long enough is a fault of the session, which is told and no crash.
 [[ $code == 0 || ($code == 74 && $(cat "$work/fault") == *"device: time step:"*) ]] || { cat "$work/fault" >&2; fail "exit code $code"; }
 echo "$events events, $first kB of memory at half time, $last kB at the end"

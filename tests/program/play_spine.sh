@@ -2,59 +2,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The spine needle in the window: the C-arm's keys and pedal, the needle in the picture at once, exposure and shots, and the score.
 . "$(dirname "$0")/common.sh"
-: "${OFFLINE:?}" "${WRITE_CASE:?}"
-command -v Xvfb >/dev/null || skip "no Xvfb"
-command -v xdotool >/dev/null || skip "no xdotool"
-export LP_NUM_THREADS=1
+. "$(dirname "$0")/window.sh"
+: "${OFFLINE:?}"
 for lesson in spine_needle pedicle_screw; do
   "$OFFLINE" rubric "$SOURCE/configs/rubrics/$lesson.yaml" --output "$work/$lesson.json" >/dev/null
 done
 "$WRITE_CASE" "$work/spine" spine
 "$WRITE_CASE" "$work/chest" chest
 
-Xvfb -displayfd 3 -screen 0 480x360x24 3>"$work/display" >/dev/null 2>&1 &
-screen=$!
-sim=
-trap '[[ -z $sim ]] || kill $sim 2>/dev/null || true; kill $screen 2>/dev/null || true; chmod -R u+w "$work"; rm -rf "$work"' EXIT
-for try in {1..100}; do [[ -s $work/display ]] && break; sleep 0.1; done
-[[ -s $work/display ]] || fail "Xvfb does not start"
-DISPLAY=:$(cat "$work/display")
-export DISPLAY
-
-# begin LESSON: opens a window on it and waits for its first picture.
+# begin LESSON: opens a window on it.
 begin() {
-  rm -f "$work/said"
-  "$TREPHINE" play "$work/spine" --lesson "$1" --rubric "$work/$1.json" --participant r-01 --out "$work/out" --no-realtime \
-    --window-width 480 --window-height 360 --no-panels --remote 0 --shots "$work/shots" --advance-mm-per-s 20 \
-    >"$work/said" 2>"$work/fault" &
-  sim=$!
-  for try in {1..600}; do
-    grep -qs '^first picture' "$work/said" && break
-    kill -0 $sim 2>/dev/null || { cat "$work/said" "$work/fault" >&2; fail "it ends at once"; }
-    sleep 0.1
-  done
-  exec 4<>"/dev/tcp/127.0.0.1/$(sed -n 's/^remote on port //p' "$work/said")"
-}
-ask() {
-  echo "$1" >&4
-  IFS= read -r -t 30 -u 4 answer || { cat "$work/said" "$work/fault" >&2; fail "no answer to: $1"; }
-}
-ok() { ask "$1"; [[ $answer == ok ]] || fail "$1: $answer"; }
-# until_is LINE PATTERN: waits until that line's answer matches.
-until_is() {
-  for try in {1..300}; do
-    ask "$1"
-    [[ $answer =~ $2 ]] && return 0
-    sleep 0.1
-  done
-  fail "$1 never matches $2: $answer"
-}
-finish() {
-  exec 4>&-
-  local code=0
-  wait $sim || code=$?
-  sim=
-  [[ $code == "$1" ]] || { cat "$work/said" "$work/fault" >&2; fail "exit code $code instead of $1"; }
+  open_window "$TREPHINE" play "$work/spine" --lesson "$1" --rubric "$work/$1.json" --participant r-01 --out "$work/out" \
+    --no-realtime --window-width 480 --window-height 360 --no-panels --shots "$work/shots" --advance-mm-per-s 20
 }
 # in_picture FILE: the needle's tip is where the window says, bright beside what is beyond it.
 in_picture() {
@@ -111,12 +70,14 @@ xdotool keydown space
 until_is xray '^on .* size_px 512 .* tip_px '
 xdotool keyup space
 until_is xray '^off .* exposure_s [0-9.]*[1-9][0-9]* shots_count 1 '
-before=$answer
+before=$answer counted="$(field exposure_s) $(field shots_count)" pictures=$(field pictures)
 sleep 0.5
 ask xray
-[[ $answer == "$before" ]] || fail "X-rays count while they are off: $before, $answer"
+[[ "$(field exposure_s) $(field shots_count)" == "$counted" ]] || fail "X-rays count while they are off: $before, $answer"
+# The picture that was being made when the pedal came up is finished; no other is made.
+(($(field pictures) <= pictures + 1)) || fail "pictures while X-rays are off: $before, $answer"
 ok shot
-for try in {1..100}; do [[ -s $work/shots/picture-001-xray.png ]] && break; sleep 0.1; done
+until_file "$work/shots/picture-001-xray.png"
 in_picture "$work/shots/picture-001-xray.png"
 # The needle is pushed under lateral X-rays, and seen to move while they are on.
 xdotool key l
@@ -124,11 +85,11 @@ until_is xray 'view lateral'
 sleep 1
 xdotool keydown space
 until_is xray '^on .* shots_count 2 .* size_px 512 .* tip_px '
-begun=$(sed -E 's/.* pictures ([0-9]+) .*/\1/' <<<"$answer")
+begun=$(field pictures)
 xdotool keydown w
 for try in {1..600}; do
   ask state
-  read -r x y z <<<"$(sed -E 's/.* tip ([^ ]+) ([^ ]+) ([^ ]+) .*/\1 \2 \3/' <<<"$answer")"
+  read -r x y z <<<"$(triple tip)"
   awk -v a="$x,$y,$z" -v b="$target" 'BEGIN { split(a, p, ","); split(b, t, ","); exit (p[1]-t[1])^2 + (p[2]-t[2])^2 + (p[3]-t[3])^2 > 9 }' && break
   sleep 0.03
 done
@@ -137,13 +98,13 @@ xdotool keyup w
 until_is xray '^on .* size_px 512 '
 sleep 0.3
 ask xray
-moved=$(sed -E 's/.* pictures ([0-9]+) .*/\1/' <<<"$answer")
+moved=$(field pictures)
 ((moved > begun + 5)) || fail "the needle is not seen to move: $begun, $moved pictures"
-awk -v w="$(sed -E 's/.* waited_s ([^ ]+).*/\1/' <<<"$answer")" 'BEGIN { exit w > 1 }' || fail "the needle is seen too late: $answer"
+awk -v w="$(field waited_s)" 'BEGIN { exit w > 1 }' || fail "the needle is seen too late: $answer"
 xdotool keyup space
 until_is xray '^off '
 xdotool key F12
-for try in {1..100}; do [[ -s $work/shots/picture-002-xray.png ]] && break; sleep 0.1; done
+until_file "$work/shots/picture-002-xray.png"
 in_picture "$work/shots/picture-002-xray.png"
 until_is lesson 'passes_count 1 shots_count 2 exposure_s '
 ok finish
