@@ -13,6 +13,7 @@
 #include "grid/nrrd.h"
 #include "grid/nrrd_header.h"
 #include "itk/volume_file.h"
+#include "itk_small_ct.h"
 #include "phantom/random.h"
 #include "scratch_folder.h"
 
@@ -20,24 +21,6 @@ using namespace trephine;
 namespace fs = std::filesystem;
 
 namespace {
-
-// An oblique head of sorts: air, a ball of tissue, a shell of bone.
-Grid<std::int16_t> small_ct() {
-  Lattice l;
-  l.size = {24, 20, 18};
-  l.spacing_mm = {2.5, 3, 4};
-  l.origin_mm = {-30, -41.5, 12.25};
-  const double c = 0.8, s = 0.6;
-  l.direction = {{Vec3{c, s, 0}, Vec3{-s, c, 0}, Vec3{0, 0, 1}}};
-  Grid<std::int16_t> g(l);
-  for (int k = 0; k < 18; ++k)
-    for (int j = 0; j < 20; ++j)
-      for (int i = 0; i < 24; ++i) {
-        const double r = norm(Vec3{i - 11.5, (j - 9.5) * 1.2, (k - 8.5) * 1.4});
-        g.at(i, j, k) = static_cast<std::int16_t>(r > 11 ? -1000 + i % 7 : r > 9 ? 900 + j : 30 + k % 5);
-      }
-  return g;
-}
 
 std::string numbers(const std::vector<double>& v) {
   std::string text;

@@ -13,6 +13,7 @@
 #include "dicom/slicer_scene.h"
 #include "itk/volume_file.h"
 #include "itk/volume_write.h"
+#include "itk_small_ct.h"
 #include "phantom/random.h"
 #include "scratch_folder.h"
 #include "zip_writer.h"
@@ -21,27 +22,6 @@ using namespace trephine;
 namespace fs = std::filesystem;
 
 namespace {
-
-Lattice lattice(bool oblique) {
-  Lattice l;
-  l.size = {24, 20, 18};
-  l.spacing_mm = {2.5, 3, 4};
-  l.origin_mm = {-30, -41.5, 12.25};
-  if (oblique) l.direction = {{Vec3{0.8, 0.6, 0}, Vec3{-0.6, 0.8, 0}, Vec3{0, 0, 1}}};
-  return l;
-}
-
-// Air, a ball of tissue, a shell of bone: what passes for HU.
-Grid<std::int16_t> small_ct(bool oblique = true) {
-  Grid<std::int16_t> g(lattice(oblique));
-  for (int k = 0; k < 18; ++k)
-    for (int j = 0; j < 20; ++j)
-      for (int i = 0; i < 24; ++i) {
-        const double r = norm(Vec3{i - 11.5, (j - 9.5) * 1.2, (k - 8.5) * 1.4});
-        g.at(i, j, k) = static_cast<std::int16_t>(r > 11 ? -1000 + i % 7 : r > 9 ? 900 + j : 30 + k % 5);
-      }
-  return g;
-}
 
 std::string fault(const std::function<void()>& f) {
   try {
@@ -122,14 +102,14 @@ TEST(VolumeWrite, DirectionsAreKeptOrRefused) {
 
 TEST(VolumeWrite, LabelsOfEveryFormat) {
   const ScratchFolder folder;
-  Mask labels(lattice(false));
+  Mask labels(small_lattice(false));
   for (std::size_t n = 0; n < labels.voxels.size(); ++n) labels.voxels[n] = n % 5;
   for (const char* name : {"l.mha", "l.mnc", "l.gipl", "l.vtk", "l.nii.gz", "l.nrrd"}) {
     write_volume_file(folder.path() / name, labels);
     const LabelFile read = read_label_file(folder.path() / name);
     EXPECT_EQ(pick_label(read, "3").voxels, labels.voxels.size() / 5) << name;
   }
-  Grid<float> none(lattice(false), 0.5f);
+  Grid<float> none(small_lattice(false), 0.5f);
   write_volume_file(folder.path() / "f.mha", none);
   EXPECT_EQ(fault([&] { read_label_file(folder.path() / "f.mha"); }).substr(0, 7), "65 data");
 }
