@@ -320,9 +320,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     execution.cache = &cache;
     execution.cancel = &cancel_requested();
     execution.allow_external = request.params.allow_external;
-    std::vector<std::string> scans;
-    for (const auto& scan : run.graph.scans) scans.push_back(scan.first);
-    run.about_patients = require_one_patient(run.config, scans, cancelled);
+    run.about_patients = require_one_patient(run.config, names_of_scans(run.graph), cancelled);
     execution.seconds_before = cache.seconds_before();
     const auto before = execution.seconds_before.find(publishing_step);
     EarlyWarnings early(observer, token, before == execution.seconds_before.end() ? 4 : before->second);

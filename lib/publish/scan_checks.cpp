@@ -6,6 +6,12 @@
 
 namespace trephine {
 
+std::vector<std::string> names_of_scans(const Graph& graph) {
+  std::vector<std::string> names;
+  for (const auto& scan : graph.scans) names.push_back(scan.first);
+  return names;
+}
+
 std::vector<std::string> require_one_patient(const CaseConfig& config, const std::vector<std::string>& scans,
                                              const Progress& progress) {
   std::vector<std::string> warnings;

@@ -9,6 +9,9 @@
 
 namespace trephine {
 
+/// The names of the further scans that the graph's stages read.
+std::vector<std::string> names_of_scans(const Graph& graph);
+
 /// A scan of another patient must not become part of the case: compares the PatientID of each of these scans with that
 /// of the CT. Returns a warning for each of which it is not sure; the IDs themselves go nowhere. Throws Error 65, field
 /// scans.NAME, where an ID is another one and the configuration does not say why; what of_one_patient throws.

@@ -138,13 +138,11 @@ class Sweep {
 
   // Points rarely differ in their scans, so each set of them is looked at once.
   void check_patients(const Prepared& p) {
-    std::vector<std::string> scans;
+    const std::vector<std::string> scans = names_of_scans(p.graph);
     std::string which = key_of({p.config.series, p.config.import});
-    for (const auto& scan : p.graph.scans) {
-      scans.push_back(scan.first);
-      const CaseScan& s = *p.config.find_scan(scan.first);
-      which +=
-          '\n' + scan.first + '\n' + key_of({s.series, s.import.as<ImportParams>()}) + '\n' + s.same_patient_reason;
+    for (const std::string& name : scans) {
+      const CaseScan& s = *p.config.find_scan(name);
+      which += '\n' + name + '\n' + key_of({s.series, s.import.as<ImportParams>()}) + '\n' + s.same_patient_reason;
     }
     if (!patients_checked_.insert(which).second) return;
     for (const std::string& w : require_one_patient(p.config, scans, Progress({}, &cancel_requested()))) log_warning(w);
