@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // A chest of cylinders and balls in which a needle goes to the vein: every length in it is known.
-#include "lessons_phantom.h"
+#include "lessons_case.h"
 
 namespace lessons_chest {
 
@@ -35,42 +35,25 @@ inline HapticVolume volume_of(bool artery) {
         const Vec3 p = l.to_world_mm({double(i), double(j), double(k)});
         const Vec3 beside{std::abs(p.x), p.y, p.z};
         const double lung = lung_r - norm(beside - lung_centre), pleura = pleura_r - norm(beside - lung_centre);
-        double depth[6] = {tube(p, clavicle_y, clavicle_z, clavicle_r, 12, 100),
-                           tube(p, vein_y, vein_z, vein_r, 5, 80),
-                           lung,
-                           std::min(pleura, -lung),
-                           0,
-                           artery ? tube(p, artery_y, artery_z, artery_r, 5, 80) : -1e3};
+        std::array<double, 6> depth = {tube(p, clavicle_y, clavicle_z, clavicle_r, 12, 100),
+                                       tube(p, vein_y, vein_z, vein_r, 5, 80),
+                                       lung,
+                                       std::min(pleura, -lung),
+                                       0,
+                                       artery ? tube(p, artery_y, artery_z, artery_r, 5, 80) : -1e3};
         const double body = std::min({105 - std::abs(p.x), p.y - front_y, 33 - p.y, 55 - std::abs(p.z)});
         depth[2] = std::min(depth[2], body);
         depth[3] = std::min(depth[3], body);
         depth[4] = std::min(body, -std::max({depth[0], depth[1], pleura, depth[5]}));
-        int best = 0;
-        double sum = 0;
-        for (int s = 0; s < 6; ++s) {
-          if (depth[s] > depth[best]) best = s;
-          sum += std::clamp(0.5 + depth[s] / side, 0.0, 1.0);
-        }
-        const double filled = std::clamp(0.5 + depth[best] / side, 0.0, 1.0);
-        const int share = int(std::lround(255 * filled));
-        const int bare = share < 255 && sum - filled < 0.9 * (1 - share / 255.0) ? haptic_bare_offset : 0;
-        if (share > 0) v.voxels.at(i, j, k) = std::int16_t(1000 * (best + 1) + bare + share);
+        v.voxels.at(i, j, k) = lessons::voxel_of(depth, side);
       }
   return v;
 }
 
 inline case_samples::MemoryCase chest_case(bool artery) {
-  case_samples::MemoryCase c;
-  CaseManifest& m = c.manifest;
-  m.case_token = artery ? "chest-artery" : "chest";
-  m.program_version = "trephine 0.1.0";
-  m.input_sha256 = sha256_of_bytes("input");
   const HapticVolume volume = volume_of(artery);
-  m.files.push_back(describe_case_file("haptic", ".nrrd", encode_haptic(volume)));
-  m.haptic.file = m.files.back().name;
-  c.files[m.haptic.file] = encode_haptic(volume);
-  m.haptic.size = volume.voxels.size;
-  m.haptic.spacing_mm = volume.voxels.spacing_mm;
+  case_samples::MemoryCase c = lessons::case_of(artery ? "chest-artery" : "chest", volume);
+  CaseManifest& m = c.manifest;
   // As configs/materials.yaml has them.
   const CaseFace none{false, 0, 0, 0, 0, 0}, bone{true, 1, 0.0003, 0.35, 0.3, 0};
   const CaseFace wall{true, 0.2, 0.0002, 0.2, 0.15, 0.7}, far_wall{true, 0.2, 0.0002, 0.2, 0.15, 0.9};

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "case_samples.h"
+#include "lessons_case.h"
 
 namespace lessons {
 
@@ -60,55 +60,20 @@ inline HapticVolume volume_of(Kind kind) {
         const bool above = dot(p, axis) > 0;
         const double bone_hole = kind == Kind::drilled && above ? 7 - off : -1e3;
         const double skin_hole = kind == Kind::drilled && above ? 13 - off : -1e3;
-        const double depth[4] = {in_ventricles(p), std::min(brain_mm - r, -in_ventricles(p)),
-                                 std::min({outer_mm - r, r - inner_mm, -bone_hole}),
-                                 std::min({skin_mm - r, r - outer_mm, -skin_hole})};
-        int best = 0;
-        for (int s = 1; s < 4; ++s)
-          if (depth[s] > depth[best]) best = s;
-        const int share = int(std::lround(255 * std::clamp(0.5 + depth[best] / side, 0.0, 1.0)));
-        // What no other shape fills is empty.
-        double others = 0;
-        for (int s = 0; s < 4; ++s)
-          if (s != best) others += std::clamp(0.5 + depth[s] / side, 0.0, 1.0);
-        const int bare = share < 255 && others < 0.9 * (1 - share / 255.0) ? haptic_bare_offset : 0;
-        if (share > 0) v.voxels.at(i, j, int(k)) = std::int16_t(1000 * (best + 1) + bare + share);
+        const std::array<double, 4> depth = {in_ventricles(p), std::min(brain_mm - r, -in_ventricles(p)),
+                                             std::min({outer_mm - r, r - inner_mm, -bone_hole}),
+                                             std::min({skin_mm - r, r - outer_mm, -skin_hole})};
+        v.voxels.at(i, j, int(k)) = voxel_of(depth, side);
       }
   });
   return v;
 }
 
-inline void add_shape(CaseManifest& m, const HapticShape& s, const CaseMaterial& material, bool cuttable) {
-  CaseShape shape;
-  shape.name = s.name;
-  shape.number = s.number;
-  shape.window_low = s.window_low;
-  shape.window_high = s.window_high;
-  shape.material = material;
-  shape.cuttable = cuttable;
-  shape.displayed = "haptic";
-  CaseAnatomy a;
-  a.name = s.name;
-  const std::array<double, 3> colours[] = {
-      {0.55, 0.65, 0.85}, {0.85, 0.65, 0.62}, {0.93, 0.89, 0.78}, {0.87, 0.68, 0.56}};
-  a.colour_rgb = colours[(s.number - 1) % 4];
-  m.haptic.shapes.push_back(shape);
-  m.anatomies.push_back(a);
-}
-
 inline case_samples::MemoryCase head_case(Kind kind, double suture_confidence = 1) {
-  case_samples::MemoryCase c;
-  CaseManifest& m = c.manifest;
-  m.case_token = kind == Kind::drilled ? "head-drilled" : "head";
-  m.program_version = "trephine 0.1.0";
-  m.input_sha256 = sha256_of_bytes("input");
-  m.figures = {{"class", std::string("normal")}};
   const HapticVolume volume = volume_of(kind);
-  m.files.push_back(describe_case_file("haptic", ".nrrd", encode_haptic(volume)));
-  m.haptic.file = m.files.back().name;
-  c.files[m.haptic.file] = encode_haptic(volume);
-  m.haptic.size = volume.voxels.size;
-  m.haptic.spacing_mm = volume.voxels.spacing_mm;
+  case_samples::MemoryCase c = case_of(kind == Kind::drilled ? "head-drilled" : "head", volume);
+  CaseManifest& m = c.manifest;
+  m.figures = {{"class", std::string("normal")}};
   // As configs/materials.yaml has them.
   const CaseFace liquor{true, 0.12, 0.0002, 0.2, 0.15, 0.6}, none{false, 0, 0, 0, 0, 0};
   add_shape(m, volume.shapes[0], {"csf", {}, liquor, liquor, 0.001, 0, 0}, false);

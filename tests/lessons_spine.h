@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // A spine of plain shapes in which lessons are done: its pedicles are known exactly.
-#include "case_samples.h"
 #include "grid/nrrd.h"
+#include "lessons_case.h"
 #include "phantom/spine.h"
 
 namespace lessons {
@@ -23,16 +23,7 @@ inline HapticVolume spine_volume(const phantom::Spine& spine) {
           const double bone = spine.bone(p), canal = std::min(spine.canal(p), -bone);
           // Skin: within 55 mm of the middle, so that air is before it in a volume of this size.
           const double body = 55 - std::abs(p.y - 10);
-          const double depth[3] = {bone, canal, std::min({body, -bone, -spine.canal(p)})};
-          int best = 0;
-          for (int s = 1; s < 3; ++s)
-            if (depth[s] > depth[best]) best = s;
-          const int share = int(std::lround(255 * std::clamp(0.5 + depth[best] / side, 0.0, 1.0)));
-          double others = 0;
-          for (int s = 0; s < 3; ++s)
-            if (s != best) others += std::clamp(0.5 + depth[s] / side, 0.0, 1.0);
-          const int bare = share < 255 && others < 0.9 * (1 - share / 255.0) ? haptic_bare_offset : 0;
-          if (share > 0) v.voxels.at(i, j, k) = std::int16_t(1000 * (best + 1) + bare + share);
+          v.voxels.at(i, j, k) = voxel_of<3>({bone, canal, std::min({body, -bone, -spine.canal(p)})}, side);
         }
   });
   return v;
@@ -66,44 +57,21 @@ inline std::pair<Vec3, Vec3> ends_of(const phantom::Spine& spine, const phantom:
 
 inline case_samples::MemoryCase spine_case(double confidence = 1) {
   const phantom::Spine spine;
-  case_samples::MemoryCase c;
-  CaseManifest& m = c.manifest;
-  m.case_token = "spine";
-  m.program_version = "trephine 0.1.0";
-  m.input_sha256 = sha256_of_bytes("input");
   const HapticVolume volume = spine_volume(spine);
-  m.files.push_back(describe_case_file("haptic", ".nrrd", encode_haptic(volume)));
-  m.haptic.file = m.files.back().name;
-  c.files[m.haptic.file] = encode_haptic(volume);
-  m.haptic.size = volume.voxels.size;
-  m.haptic.spacing_mm = volume.voxels.spacing_mm;
+  case_samples::MemoryCase c = case_of("spine", volume);
+  CaseManifest& m = c.manifest;
   const Grid<std::int16_t> ct = spine_ct(spine);
   const std::string ct_bytes = encode_nrrd(ct, {}, NrrdEncoding::gzip);
   m.files.push_back(describe_case_file("ct", ".nrrd", ct_bytes));
   m.ct = {m.files.back().name, ct.size, ct.spacing_mm};
   c.files[m.ct.file] = ct_bytes;
   // As configs/materials.yaml has them.
-  const auto add = [&](const HapticShape& s, const CaseMaterial& material) {
-    CaseShape shape;
-    shape.name = s.name;
-    shape.number = s.number;
-    shape.window_low = s.window_low;
-    shape.window_high = s.window_high;
-    shape.material = material;
-    shape.displayed = "haptic";
-    m.haptic.shapes.push_back(shape);
-    CaseAnatomy a;
-    a.name = s.name;
-    a.colour_rgb = s.name == "bone"    ? std::array<double, 3>{0.93, 0.89, 0.78}
-                   : s.name == "canal" ? std::array<double, 3>{0.30, 0.60, 0.80}
-                                       : std::array<double, 3>{0.87, 0.68, 0.56};
-    m.anatomies.push_back(a);
-  };
   const CaseFace bone{true, 1, 0.0003, 0.35, 0.3, 0}, liquor{true, 0.12, 0.0002, 0.2, 0.15, 0.6},
       none{false, 0, 0, 0, 0, 0};
-  add(volume.shapes[0], {"bone", {}, bone, bone, 0, 0, 0.1});
-  add(volume.shapes[1], {"csf", {}, liquor, liquor, 0.001, 0, 0});
-  add(volume.shapes[2], {"soft_tissue", {}, {true, 0.25, 0.0003, 0.35, 0.3, 1}, none, 0.015, 0.012, 0});
+  add_shape(m, volume.shapes[0], {"bone", {}, bone, bone, 0, 0, 0.1}, false, {0.93, 0.89, 0.78});
+  add_shape(m, volume.shapes[1], {"csf", {}, liquor, liquor, 0.001, 0, 0}, false, {0.30, 0.60, 0.80});
+  add_shape(m, volume.shapes[2], {"soft_tissue", {}, {true, 0.25, 0.0003, 0.35, 0.3, 1}, none, 0.015, 0.012, 0}, false,
+            {0.87, 0.68, 0.56});
   for (const phantom::Spine::Pedicle& p : spine.pedicles()) {
     const auto [entry, target] = ends_of(spine, p);
     const std::string name = "pedicle_" + std::to_string(p.vertebra + 1) + (p.left ? "_left" : "_right");

@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "lessons_run.h"
 #include "lessons_spine.h"
-#include "modules/lesson_run.h"
 #include "scoring/attempts.h"
 #include "scoring/report_page.h"
 #include "scoring/score_pedicle_screw.h"
@@ -25,44 +25,29 @@ SpineNeedleRubric shipped() {  // the test's own reading of configs/rubrics/spin
   SpineNeedleRubric r;
   r.module = "spine_needle";
   const auto are = [](FourLimits& l, double five, double four, double three, double two) {
-    const auto is = [](RubricLimit& m, double limit) { m = {limit, RubricLimit::From::ours, "test"}; };
     is(l.five, five), is(l.four, four), is(l.three, three), is(l.two, two);
   };
   are(r.entry_mm, 2, 4, 6, 10), are(r.target_mm, 3, 6, 9, 14), are(r.breach_mm, 0, 2, 4, 6);
   are(r.depth_mm, 5, 8, 12, 20), are(r.exposure_s, 5, 10, 20, 40), are(r.passes_count, 1, 2, 3, 5);
   are(r.procedure_s, 180, 300, 480, 720);
-  r.least_confidence_ratio = {0.5, RubricLimit::From::ours, "test"};
-  r.farthest_mm = {25, RubricLimit::From::ours, "test"};
+  is(r.least_confidence_ratio, 0.5), is(r.farthest_mm, 25);
   return r;
 }
 
 PedicleScrewRubric shipped_screw() {  // and of configs/rubrics/pedicle_screw.yaml
   PedicleScrewRubric r;
   r.module = "pedicle_screw";
-  const auto is = [](RubricLimit& m, double limit) { m = {limit, RubricLimit::From::ours, "test"}; };
   is(r.entry_mm, 4), is(r.axial_deg, 8), is(r.sagittal_deg, 8), is(r.length_mm, 6), is(r.breach_mm, 0);
   is(r.most_errors_count, 2), is(r.least_confidence_ratio, 0.5), is(r.farthest_mm, 25);
   return r;
 }
 
-class SpineCase {
+class SpineCase : public LessonCase {
  public:
-  explicit SpineCase(double confidence = 1) {
-    spine_case(confidence).write(folder_.path());
-    felt_ = std::make_unique<FeltCase>(folder_.path(), "");
-    whole_ = felt_->loaded.haptic;
-  }
-  struct Done {
-    Recording recording;
-    SpineNeedleFacts facts;
-    LessonScore score;
-    const ScoreRow& row(const std::string& name) const {
-      for (const ScoreRow& r : score.rows)
-        if (r.name == name) return r;
-      throw std::runtime_error(name);
-    }
-    int points(const std::string& name) const { return row(name).score.value_or(0); }
-    double measured(const std::string& name) const {
+  explicit SpineCase(double confidence = 1) : LessonCase(spine_case(confidence)) {}
+  struct Done : Scored<SpineNeedleFacts> {
+    using Scored::measured;
+    double measured(const std::string& name) const {  // of whatever row
       for (const ScoreRow& r : score.rows)
         for (const auto& [figure, value] : r.measured)
           if (figure == name) return value;
@@ -71,32 +56,17 @@ class SpineCase {
   };
   Done run(const std::string& steps, const std::string& module = "spine_needle", double noise_mm = 0,
            std::int64_t seed = 1) {
-    felt_->loaded.haptic = whole_;
-    LessonOptions o;
-    o.script = parse_lesson_script("{\"module\": \"" + module + "\", \"steps\": [" + steps + "]}");
-    o.servo.rate_hz = 500;
-    o.aim.aim_noise_mm = noise_mm;
-    o.aim.seed = seed;
-    o.most_s = 9000;
-    const std::atomic<bool> stop{false};
     Done d;
-    d.recording = run_lesson(*felt_, o, stop).recording;
+    d.recording = record(module, steps, {500, noise_mm, seed});
     score(d);
     return d;
   }
   void score(Done& d) {
-    felt_->loaded.haptic = whole_;
-    d.facts = dynamic_cast<const SpineNeedleFacts&>(*facts_of_recording(*felt_, "test", d.recording));
+    d.facts = facts_of<SpineNeedleFacts>(d.recording);
     d.score = d.recording.header.lesson == "spine_needle"
-                  ? score_spine_needle(d.facts, felt_->loaded.manifest, whole_, shipped())
-                  : score_pedicle_screw(d.facts, felt_->loaded.manifest, whole_, shipped_screw());
+                  ? score_spine_needle(d.facts, felt().loaded.manifest, whole(), shipped())
+                  : score_pedicle_screw(d.facts, felt().loaded.manifest, whole(), shipped_screw());
   }
-  FeltCase& felt() { return *felt_; }
-
- private:
-  ScratchFolder folder_;
-  std::unique_ptr<FeltCase> felt_;
-  HapticVolume whole_;
 };
 
 SpineCase& spine() {

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+// Lessons done through the servo and scored, whatever the phantom and the module.
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "case_samples.h"
+#include "modules/lesson_run.h"
+#include "scoring/score_report.h"
+#include "scratch_folder.h"
+
+namespace lessons {
+
+using namespace trephine;
+
+/// A lesson that was done: what was recorded, noted and scored.
+template <class Facts>
+struct Scored {
+  Recording recording;
+  Facts facts;
+  LessonScore score;
+  const ScoreRow& row(const std::string& name) const {
+    for (const ScoreRow& r : score.rows)
+      if (r.name == name) return r;
+    throw std::runtime_error(name);
+  }
+  int points(const std::string& name) const { return row(name).score.value_or(0); }  // 0: not judged
+  double measured(const std::string& row_name, const std::string& figure) const {
+    for (const auto& [name, value] : row(row_name).measured)
+      if (name == figure) return value;
+    return std::nan("");
+  }
+  Vec3 last_tip() const {
+    const ServoFrame& f = recording.frames.back();
+    return {f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]};
+  }
+};
+
+/// How the steps are done.
+struct Doing {
+  double rate_hz = 500;
+  double noise_mm = 0;
+  std::int64_t seed = 1;
+};
+
+/// The case on disk, loaded once; each lesson begins with the volume as it was.
+class LessonCase {
+ public:
+  explicit LessonCase(const case_samples::MemoryCase& c) {
+    c.write(folder_.path());
+    felt_ = std::make_unique<FeltCase>(folder_.path(), "");
+    whole_ = felt_->loaded.haptic;
+  }
+  FeltCase& felt() { return *felt_; }
+  const HapticVolume& whole() const { return whole_; }
+  const std::filesystem::path& path() const { return folder_.path(); }
+
+ protected:
+  /// Does the steps through the servo.
+  Recording record(const std::string& module, const std::string& steps, const Doing& doing) {
+    felt_->loaded.haptic = whole_;
+    LessonOptions o;
+    o.script = parse_lesson_script("{\"module\": \"" + module + "\", \"steps\": [" + steps + "]}");
+    o.servo.rate_hz = doing.rate_hz;
+    o.aim.seed = doing.seed;
+    o.aim.aim_noise_mm = doing.noise_mm;
+    o.most_s = 9000;
+    const std::atomic<bool> stop{false};
+    return run_lesson(*felt_, o, stop).recording;
+  }
+  /// What the lesson's module notes in a recording.
+  template <class Facts>
+  Facts facts_of(const Recording& recording) {
+    felt_->loaded.haptic = whole_;
+    return dynamic_cast<const Facts&>(*facts_of_recording(*felt_, "test", recording));
+  }
+
+ private:
+  ScratchFolder folder_;
+  std::unique_ptr<FeltCase> felt_;
+  HapticVolume whole_;
+};
+
+/// Sets a limit of a rubric, as a test's own reading of a shipped one.
+inline void is(RubricLimit& limit, double value) { limit = {value, RubricLimit::From::ours, "test"}; }
+
+}  // namespace lessons
