@@ -15,7 +15,7 @@ enum class WalkStep { end, cell, block };
 
 /// Calls visit(i, j, k, t0, t1) for each unit cell on the way from p to q, with t in [0, 1], going from face to face
 /// [Amanatides1987]. Blocks have 2^block_bits cells a side. The last cell is always the one that holds q, however the
-/// crossings were rounded. The cells and t do not depend on what was left out.
+/// crossings were rounded. A cell that is visited has the same t0 and t1 whether blocks before it were skipped or not.
 template <int block_bits, class Visit>
 void walk_over_cells(Vec3 p, Vec3 q, const Visit& visit) {
   int cell[3], step[3], left[3];
@@ -42,7 +42,7 @@ void walk_over_cells(Vec3 p, Vec3 q, const Visit& visit) {
     const WalkStep then = visit(cell[0], cell[1], cell[2], t, until);
     if (then == WalkStep::end || left[a] == 0) return;
     if (then == WalkStep::block) {
-      // Where each axis leaves the block, and which is the first.
+      // Where the way leaves the block along each axis, and along which it does so first.
       double out[3];
       int cells[3];
       constexpr int side = 1 << block_bits;

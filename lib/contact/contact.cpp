@@ -97,7 +97,7 @@ int ContactVolume::shape_of(Vec3 index) const {
 
 int ContactVolume::shape_at(Vec3 world_mm) const { return usable(world_mm) ? shape_of(to_index(world_mm)) : 0; }
 
-// Keeps what lies in the lattice's box grown by one voxel, beyond which nothing is; false where nothing is left.
+// Cuts the segment to the lattice's box grown by one voxel, beyond which all is empty; false where nothing is left.
 bool ContactVolume::clip(Segment& s) const {
   const Vec3 p = s.begin, q = s.end;
   bool within = true;
@@ -128,7 +128,7 @@ bool ContactVolume::clip(Segment& s) const {
   return true;
 }
 
-// Whether both ends, and so all between them, lie in one block that is of that shape alone.
+// Whether both ends, and so the whole way, lie in one block that holds only that shape.
 bool ContactVolume::within_block(const Segment& s, int shape, ContactBox* box) const {
   const double half = params_.surface == ContactParams::Surface::nearest ? 0.5 : 0;
   int first[3];
@@ -147,7 +147,7 @@ bool ContactVolume::within_block(const Segment& s, int shape, ContactBox* box) c
   return true;
 }
 
-// The whole way where it lies in one cell; false where it does not.
+// Walks a way that lies in one cell; false, and nothing is done, where it does not.
 bool ContactVolume::within_cell_of(const Segment& s, int shape, const TouchableFaces& faces, Crossing& c,
                                    ContactBox* box) const {
   int at[3];

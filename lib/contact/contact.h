@@ -83,32 +83,32 @@ struct SurfaceSample {
 /// change.
 class ContactVolume {
  public:
-  /// The volume must outlive the object. Encoding `occupancy`: partly filled voxels that have no other shape near are
-  /// rewritten in that form (settle, over the whole volume), which does not change any voxel's meaning.
+  /// The volume must outlive the object. With the encoding `occupancy` the constructor calls settle() for the whole
+  /// volume, which marks partly filled voxels without another shape nearby as bare; no voxel means anything else then.
   explicit ContactVolume(HapticVolume& volume, ContactParams params = {});
 
   /// Forgets what is known of the blocks around the box. It must be called before voxels of the box are lowered, unless
-  /// the thread that lowers them is the one that walks; and after it, if another thread may settle meanwhile. It takes
-  /// no lock and does not allocate.
+  /// the thread that lowers them also does the walks. Where another thread may call settle() meanwhile, it must be
+  /// called again after they were lowered. It takes no lock and does not allocate.
   void loosen(const Box& box);
-  /// Finds out anew what walks need not look at. To be called for a box around voxels that were changed and two more on
-  /// each side, by a thread that can spend the time, one at a time. Voxels may be lowered and loosened meanwhile: a
-  /// block that was is left as not known, and no voxel gets an older value back.
+  /// Looks again for blocks that walks can skip. The box must reach two voxels beyond those that were changed. Only one
+  /// thread at a time may call it, one that can spend the time. Another may lower and loosen voxels meanwhile: a block
+  /// that was loosened stays unknown, and no voxel gets an older value back.
   void settle(const Box& box);
 
   /// The shape that holds the point, 0 for none, beyond the lattice, and where a coordinate is not finite.
   int shape_at(Vec3 world_mm) const;
 
-  /// The first touchable crossing of the segment. `start_shape` is the shape in which the walk assumes its start to be:
-  /// a caller that places a point on a surface says with it on which side the point is, and cannot fall through by
-  /// rounding.
+  /// The first touchable crossing of the segment. The walk takes its start to lie in `start_shape`, whatever the voxels
+  /// say. A caller that places a point on a surface says with it on which side of the surface the point is, so that
+  /// rounding cannot let the point fall through.
   Contact intersect(Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces = {}) const;
   Contact intersect(Vec3 start_mm, Vec3 end_mm, const TouchableFaces& faces = {}) const {
     return intersect(start_mm, end_mm, shape_at(start_mm), faces);
   }
 
-  /// Like intersect(), but the normal stays zero: for many points of which few contacts matter. `known` is used, and
-  /// replaced where the way lies in such a box.
+  /// Like intersect(), but the normal stays zero: for many points of which few contacts matter. A way within the box
+  /// `known`, which an earlier call filled in, is not walked; a way that lies in another such box replaces it.
   Contact cross(Vec3 start_mm, Vec3 end_mm, int start_shape, const TouchableFaces& faces = {},
                 ContactBox* known = nullptr) const;
   /// The normal that intersect() gives to a contact met along `way`.
@@ -216,8 +216,8 @@ class ContactVolume {
   /// needs them.
   std::vector<std::uint64_t> block_cells_;
   std::vector<std::uint16_t> block_names_;
-  /// The only shapes in the block, one voxel before it and two after it: bit n - 1 stands for shape n. So no cell of
-  /// the block has another one, and where there are two, the second shape of a shared voxel is the other one.
+  /// All shapes in the block, one voxel before it and two after it: bit n - 1 stands for shape n. No cell of the block
+  /// has any other shape. Where there are two, the second shape of a voxel that they share is known without a search.
   std::vector<std::uint32_t> block_near_;
   /// Encoding `occupancy`: where the second shapes of the block's voxels are kept, x fastest; 0: they are not kept.
   std::vector<std::uint32_t> block_seconds_;

@@ -11,7 +11,7 @@ void ContactVolume::settle(const Box& box) {
   Grid<std::int16_t>& v = volume_.voxels;
   if (box.empty()) return;
   if (volume_.encoding != HapticEncoding::occupancy) return note_blocks(box);
-  // Slices in parallel: only the rest's owner is written, and that is not what another voxel's owner depends on.
+  // Slices run in parallel: a voxel only gets the mark `bare`, and no other voxel's answer depends on that mark.
   parallel_for(box.begin[2], box.end[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < int(to); ++k)
       for (int j = box.begin[1]; j < box.end[1]; ++j)
@@ -21,7 +21,7 @@ void ContactVolume::settle(const Box& box) {
           if (raw == haptic_empty || (table_[std::uint16_t(raw)] & contact_pure)) continue;
           const detail::RawVoxel r = detail::split(raw);
           if (r.number == 0 || r.bare || detail::other_shape(v, r.number, i, j, k) != 0) continue;
-          std::int16_t was = raw;  // what was lowered meanwhile stays so
+          std::int16_t was = raw;  // a voxel that was lowered meanwhile keeps its new value
           __atomic_compare_exchange_n(&voxel, &was, detail::join(r.number, r.share, true), false, __ATOMIC_RELAXED,
                                       __ATOMIC_RELAXED);
         }
@@ -29,7 +29,7 @@ void ContactVolume::settle(const Box& box) {
   note_blocks(box);
 }
 
-// The blocks that hold voxels of the box, or end with them.
+// The blocks that hold voxels of the box, or have them as the next voxels after their own.
 Box ContactVolume::blocks_of(const Box& box) const {
   Box blocks;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -52,7 +52,7 @@ void ContactVolume::loosen(const Box& box) {
       }
 }
 
-// From now until end_note nobody uses the block's details. False where it was loosened in this moment.
+// From now until end_note no walk uses the block's details. False where the block was loosened at this very moment.
 bool ContactVolume::begin_note(std::size_t block, std::uint32_t& state) {
   state = state_of_block(block);
   const std::uint32_t unknown = state & ~details_known;
@@ -63,7 +63,7 @@ bool ContactVolume::begin_note(std::size_t block, std::uint32_t& state) {
   return true;
 }
 
-// What was noted counts only where the block was not loosened since begin_note: it may be of voxels that are no more.
+// Notes count only where the block was not loosened since begin_note, or they may describe voxels as they were before.
 void ContactVolume::end_note(std::size_t block, std::uint32_t state, int shape) {
   const std::uint32_t known = (state & ~(one_loosening - 1)) + details_known + std::uint32_t(shape);
   __atomic_compare_exchange_n(&block_state_[block], &state, known, false, __ATOMIC_ACQ_REL, __ATOMIC_RELAXED);
@@ -87,7 +87,7 @@ void ContactVolume::note_cells(std::size_t block, int bi, int bj, int bk) {
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x) {
         const std::uint32_t* first = e + (z * corners + y) * corners + x;
-        // Of one shape, too, where every corner is more than half that shape's.
+        // A cell is also of one shape where more than half of every corner belongs to it.
         bool all = true, solid = false, some = false;
         for (int c = 0; c < 8; ++c) {
           const std::uint32_t entry = first[((c >> 2) * corners + (c >> 1 & 1)) * corners + (c & 1)];
@@ -156,7 +156,7 @@ void ContactVolume::note_blocks(const Box& box) {
   });
 }
 
-// Where more than two shapes are near, whose the rest of a shared voxel is was counted before.
+// Where more than two shapes are near, finds and keeps to which of them the rest of each shared voxel belongs.
 void ContactVolume::keep_seconds() {
   block_seconds_.assign(block_near_.size(), 0);
   std::uint32_t kept = 0;

@@ -8,9 +8,9 @@
  * functions that open and close allocate, the others do not. An object may be used by one thread at a time.
  *
  * Normals come from the ramp of occupancy across a surface, about a voxel to each side. A binary mask (0 and 255) has
- * none: in voxels that are not cubes its normals are off by 31 to 39 degrees (99th percentile), and forces jump. Of
- * TREPHINE_HU, bone that meets air has a coat of one voxel of the window that holds the HU between them. The stepped
- * walk may pass a wall of one voxel at any speed; the exact one passes none. */
+ * none: in voxels that are not cubes its normals are off by 31 to 39 degrees (99th percentile), and forces jump. With
+ * TREPHINE_HU, bone next to air seems to have a coat, one voxel thick, of the shape whose window holds the HU between
+ * the two. The stepped walk may miss a wall of one voxel at any speed; the exact walk misses none. */
 
 #ifdef __cplusplus
 extern "C" {
@@ -53,8 +53,8 @@ typedef struct {
   int32_t shape;
 } trephine_shape_view;
 
-/* The same as a callback for libraries that ask shape by shape: 1 only for the shape that was hit. Of calls in a row
- * with the same start and end only the first walks, so the cost of a tick does not depend on the number of shapes. */
+/* The same as a callback for libraries that ask shape by shape: 1 only for the shape that was hit. Calls in a row with
+ * the same start and end share the walk of the first one, so a tick costs the same for any number of shapes. */
 int32_t trephine_intersect_surface(const double start[3], const double end[3], double point[3], double normal[3],
                                    int32_t* face, void* shape_view);
 

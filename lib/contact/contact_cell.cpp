@@ -23,7 +23,7 @@ using Pair = double __attribute__((vector_size(16)));
 Pair between(Pair a, Pair b, Pair t) { return a + t * (b - a); }
 Pair both(double v) { return Pair{v, v}; }
 
-// The function's values at the corners of the box of p and q, by the z of p and q, then y; x of p and q are the pair's.
+// The function at the corners of the box between p and q: first by z, then by y; a pair holds the x of p and of q.
 std::array<Pair, 4> at_box(const std::array<double, 8>& c, Vec3 p, Vec3 q) {
   const Pair x = {p.x, q.x};
   const Pair x0 = between(both(c[0]), both(c[1]), x), x1 = between(both(c[2]), both(c[3]), x);
@@ -34,7 +34,7 @@ std::array<Pair, 4> at_box(const std::array<double, 8>& c, Vec3 p, Vec3 q) {
           between(q0, q1, both(q.z))};
 }
 
-// The trilinear function along p to q as a cubic's Bernstein coefficients: its polar form at the box's corners.
+// The trilinear function from p to q is a cubic. Its Bernstein coefficients are means of the box's corner values.
 std::array<double, 4> along(const std::array<double, 8>& c, Vec3 p, Vec3 q) {
   const std::array<Pair, 4> v = at_box(c, p, q);
   return {v[0][0], (v[0][1] + v[1][0] + v[2][0]) / 3, (v[1][1] + v[2][1] + v[3][0]) / 3, v[3][1]};
@@ -45,7 +45,7 @@ double value_at(const std::array<double, 4>& b, double t) {
   return s * s * (s * b[0] + 3 * t * b[1]) + t * t * (3 * s * b[2] + t * b[3]);
 }
 
-// The one change of sign within [0, 1], b[0] and b[3] being of different sign: Illinois' false position.
+// The only change of sign within [0, 1], by false position (Illinois); b[0] and b[3] must have different signs.
 double only_root(const std::array<double, 4>& b) {
   double lo = 0, hi = 1, f_lo = b[0], f_hi = b[3];
   int side = 0;
@@ -67,7 +67,7 @@ double only_root(const std::array<double, 4>& b) {
   return 0.5 * (lo + hi);
 }
 
-// Appends the roots of sign in (lo, hi).
+// Appends the places in (lo, hi) where the sign changes.
 void find_roots(const std::array<double, 4>& b, double lo, double hi, int depth, double* out, int& count) {
   int changes = 0;
   for (int n = 0; n < 3; ++n) changes += (b[std::size_t(n)] >= 0) != (b[std::size_t(n) + 1] >= 0);
@@ -87,8 +87,8 @@ void find_roots(const std::array<double, 4>& b, double lo, double hi, int depth,
   find_roots({d, c1, a2, b[3]}, mid, hi, depth - 1, out, count);
 }
 
-// For each set of solid corners whether the other corners fall apart into parts that no edge of the cell joins. Only
-// then can a surface between the corners leave an opening where voxel boxes, face to face, leave none.
+// For each set of solid corners: whether the other corners fall into parts that no edge of the cell joins. Only then
+// can the surface between the corners leave an opening in a wall that the boxes of the voxels close.
 std::array<bool, 256> find_parted() {
   std::array<bool, 256> parted{};
   for (int solid = 0; solid < 255; ++solid) {
@@ -150,7 +150,7 @@ ContactCell::ContactCell(const ContactVolume& contact, int i, int j, int k, std:
   }
 }
 
-// Shapes come by the order in which corners name them.
+// Shapes are numbered in the order in which the corners, one after another, name them.
 void ContactCell::find_shapes(const ContactVolume& contact, int i, int j, int k, std::uint32_t own,
                               std::uint32_t touch) {
   std::uint32_t rest = 0;
@@ -159,7 +159,7 @@ void ContactCell::find_shapes(const ContactVolume& contact, int i, int j, int k,
     rest |= entry_[c] >> 24;
   }
   const std::uint32_t near = contact.near_block(i, j, k), but_one = near & (near - 1);
-  if ((but_one & (but_one - 1)) == 0) {  // two at most: what is not the one's is the other's
+  if ((but_one & (but_one - 1)) == 0) {  // two at most: the rest belongs to the other one
     const std::uint32_t all = rest != 0 ? near : own;
     touched_ = (all & touch) != 0;
     if (!touched_) return;
@@ -184,7 +184,7 @@ void ContactCell::find_shapes(const ContactVolume& contact, int i, int j, int k,
     seen |= std::uint64_t{1} << number;
     if (count_ < max_shapes) number_[std::size_t(count_++)] = number;
   };
-  std::array<int, 8> second{};  // whose the rest of the voxel is
+  std::array<int, 8> second{};  // the shape to which the rest belongs
   for (std::size_t c = 0; c < 8; ++c) {
     add(entry_shape(entry_[c]));
     if (entry_rest(entry_[c]) == 0) continue;
@@ -211,7 +211,7 @@ void ContactCell::find_windows(const ContactVolume& contact) {
     if (!known) number_[std::size_t(count_++)] = number;
   }
   std::sort(number_.begin(), number_.begin() + count_);
-  // Three windows may share a point of which none has half: the boxes decide there.
+  // Where three windows meet, none may have half of a point: there the boxes decide.
   boxes_ = boxes_ || count_ > 2;
   for (int n = 0; n < count_; ++n) {
     const int number = number_[std::size_t(n)], low = contact.low_of_[number];
@@ -257,7 +257,7 @@ Vec3 ContactCell::gradient(Vec3 p, int from, int into) const {
   if (hu_) {
     if (a < 0 && b < 0) return {};
     f = own_[std::size_t(b < 0 ? a : b)];
-    // Midway between windows it is the other function that changes sign.
+    // Midway between two windows the other function changes its sign.
     const Corners& o = other_[std::size_t(b < 0 ? a : b)];
     if (std::abs(interpolate(o, p)) < std::abs(interpolate(f, p)) * 1e-3) f = o;
     if (b < 0)
@@ -285,7 +285,7 @@ int ContactCell::shape_along(Vec3 p, Vec3 q) const {
 
 int ContactCell::breaks(Vec3 p, Vec3 q, double* out) const {
   int count = 0;
-  // Where all corners are of one sign, everything between them is.
+  // Where all corners have one sign, so has every point between them.
   const auto add = [&](const Corners& c) {
     int below = 0;
     for (const double v : c) below += v < 0;

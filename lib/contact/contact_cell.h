@@ -33,7 +33,7 @@ class ContactCell {
   /// The shape at p, coordinates 0 to 1.
   int shape_at(Vec3 p) const;
 
-  /// Where the shape may change on the way from p to q, ascending, 0 to 1; it does not change between them.
+  /// The places on the way from p to q, 0 to 1, ascending, where the shape may change; between them it does not.
   static constexpr int max_breaks = 128;
   int breaks(Vec3 p, Vec3 q, double* out) const;
 
@@ -60,7 +60,7 @@ class ContactCell {
   static constexpr int max_shapes = 8;
   std::array<int, max_shapes> number_;
   std::array<Corners, max_shapes> own_;    ///< occupancy: share of the shape; hu: HU above its low end
-  std::array<Corners, max_shapes> other_;  ///< hu: 1/2 less what belongs to others
+  std::array<Corners, max_shapes> other_;  ///< hu: 1/2 minus the share of other shapes
 };
 
 }  // namespace trephine

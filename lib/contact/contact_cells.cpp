@@ -8,7 +8,7 @@
 
 namespace trephine {
 
-// The part of a segment, from t0 to t1, that lies in a cell of more than one shape.
+// Walks the part of a segment, from t0 to t1, that lies in a cell of more than one shape.
 bool ContactVolume::walk_cell(const ContactCell& cell, const Segment& s, const int* at, double t0, double t1,
                               const TouchableFaces& faces, Crossing& c) const {
   const Vec3 p = detail::within_cell(detail::between(s.begin, s.end, t0), at[0], at[1], at[2]);
@@ -27,8 +27,8 @@ bool ContactVolume::walk_cell(const ContactCell& cell, const Segment& s, const i
   return false;
 }
 
-/// Where nothing is that can stop the way, and what it passed need not be known any more, cells are left out: which
-/// shape the last of them ends in is found out where it matters.
+/// A walk through cells. It skips cells that hold nothing which could stop the way, once it is known that the way has
+/// passed a face. In which shape the last skipped cell ends is looked up only where that matters (look_back).
 class ContactVolume::CellWalk {
  public:
   CellWalk(const ContactVolume& contact, const Segment& segment, int shape, const TouchableFaces& faces)

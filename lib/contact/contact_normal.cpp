@@ -14,8 +14,8 @@ namespace {
 
 // The gradient, in a voxel's own units, of the linear function that fits the 4 x 4 x 4 values best. A voxel counts by
 // its nearness to the point (1 2 1 along each axis, interpolated to it, so that the result is continuous) and by how
-// far it is from empty and from full: a ramp ends there, and differences across its end lean towards the axes, by up to
-// 3 degrees on a plane. Values that are all empty or full, as of a mask, count alike.
+// far it is from empty and from full. At those two values the ramp ends, and a difference taken across its end leans
+// towards the axes, by up to 3 degrees on a plane. Where all voxels are empty or full, as in a mask, they count alike.
 Vec3 fitted_gradient(const double (*v)[16], Vec3 f, double full) {
   float near[3][4];
   for (int a = 0; a < 3; ++a) {
@@ -26,7 +26,7 @@ Vec3 fitted_gradient(const double (*v)[16], Vec3 f, double full) {
   float across[16];
   for (int n = 0; n < 16; ++n) across[n] = near[2][n >> 2] * near[1][n & 3];
   const float scale = float(1 / full);
-  float part[16] = {};  // of each column that lies on a ramp
+  float part[16] = {};  // the share of each column that lies on a ramp
   for (int x = 0; x < 4; ++x)
     for (int n = 0; n < 16; ++n) {
       const float o = float(v[x][n]) * scale;
@@ -34,7 +34,7 @@ Vec3 fitted_gradient(const double (*v)[16], Vec3 f, double full) {
     }
   float on_ramp = 0;
   for (const float p : part) on_ramp += p;
-  // What a voxel that is empty or full counts: little where enough others lie on a ramp.
+  // The weight of a voxel that is empty or full: small where enough others lie on a ramp.
   const float least = 0.02f + 2 * std::max(0.0f, 1 - on_ramp / 0.6f);
   // Sums of the weights, and of the weights times value, over columns of one y and z; x is counted from the middle.
   float w0[16] = {}, w1[16] = {}, w2[16] = {}, s0[16] = {}, s1[16] = {};
@@ -72,7 +72,7 @@ Vec3 fitted_gradient(const double (*v)[16], Vec3 f, double full) {
   xx -= x * x, yy -= y * y, zz -= z * z;
   xy -= x * y, xz -= x * z, yz -= y * z;
   const Vec3 b{ox - o * x, oy - o * y, oz - o * z};
-  // The matrix is positive definite, for all 64 count; Cramer's rule, whose determinant is positive, leaves its length.
+  // All 64 voxels count, so the matrix is positive definite. Cramer's rule without its determinant, which is positive.
   return {b.x * (yy * zz - yz * yz) + b.y * (xz * yz - xy * zz) + b.z * (xy * yz - xz * yy),
           b.x * (xz * yz - xy * zz) + b.y * (xx * zz - xz * xz) + b.z * (xy * xz - xx * yz),
           b.x * (xy * yz - xz * yy) + b.y * (xy * xz - xx * yz) + b.z * (xx * yy - xy * xy)};
@@ -83,7 +83,7 @@ Vec3 fitted_gradient(const double (*v)[16], Vec3 f, double full) {
 Vec3 ContactVolume::normal_of(const Contact& c, Vec3 way) const {
   const Vec3 forward = normalized(way);
   Vec3 n = normal_at(c.point_mm, c.from, c.into);
-  // The differences are smoother than the surface: where they point along the way, the normal is turned across it.
+  // The fit is smoother than the surface. Where its normal points along the way, it is turned to lie across the way.
   const double ahead = dot(n, forward);
   if (n == Vec3{} || ahead > 0.999)
     n = -forward;
@@ -92,8 +92,8 @@ Vec3 ContactVolume::normal_of(const Contact& c, Vec3 way) const {
   return n;
 }
 
-// What rises at the voxels of the 4 x 4 x 4 from `begin` on towards `into`, or, where that is nothing, towards `from`,
-// x the first index. False where they are not all in the lattice, or `hu`.
+// What each of the 4 x 4 x 4 voxels from `begin` on holds of `into` (or of `from`, where `into` is 0); x is the first
+// index. False where they are not all in the lattice, and for the encoding `hu`.
 bool ContactVolume::shares_around(const int* begin, int from, int into, double (*v)[16]) const {
   const Grid<std::int16_t>& voxels = volume_.voxels;
   for (int a = 0; a < 3; ++a)
@@ -107,12 +107,12 @@ bool ContactVolume::shares_around(const int* begin, int from, int into, double (
       const std::int16_t* row = first + z * slice_step + y * row_step;
       for (std::size_t x = 0; x < 4; ++x) e[x][4 * z + y] = table_[std::uint16_t(detail::load_voxel(row[x]))];
     }
-  if (from == 0 || into == 0) {  // no question of whose
+  if (from == 0 || into == 0) {  // a surface to the air: to which shape a share belongs is no matter
     for (int x = 0; x < 4; ++x)
       for (int n = 0; n < 16; ++n) v[x][n] = entry_filled(e[x][n]);
     return true;
   }
-  // What another shape's voxel leaves: this one's, where there are no others.
+  // The rest of another shape's voxel belongs to this shape where there is no third one.
   std::uint32_t near = 0;
   for (int n = 0; n < 8; ++n)
     near |= near_block(begin[0] + 3 * (n & 1), begin[1] + 3 * (n >> 1 & 1), begin[2] + 3 * (n >> 2));
@@ -132,7 +132,7 @@ bool ContactVolume::shares_around(const int* begin, int from, int into, double (
   return true;
 }
 
-// The same voxel by voxel, whatever there is; of HU, those of air and of the shape.
+// The same for one voxel, which may lie outside of the lattice; with `hu`, from the HU of air and of the shape.
 double ContactVolume::share_around(int i, int j, int k, int from, int into) const {
   const int number = into != 0 ? into : from;
   const bool hu = volume_.encoding == HapticEncoding::hu, inside = volume_.voxels.contains(i, j, k);

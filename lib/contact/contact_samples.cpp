@@ -13,7 +13,7 @@ namespace {
 
 int shape_of_entry(std::uint32_t e) { return 2 * entry_filled(e) > haptic_full ? entry_shape(e) : 0; }
 
-// Where between two voxels of different shapes the surface is, 0 to 1.
+// Where the surface lies between two voxels of different shapes, 0 to 1.
 double crossing_of(std::uint32_t a, std::uint32_t b) {
   if (shape_of_entry(a) == 0 || shape_of_entry(b) == 0) {
     const double half = 0.5 * haptic_full, from = entry_filled(a), to = entry_filled(b);
@@ -23,7 +23,7 @@ double crossing_of(std::uint32_t a, std::uint32_t b) {
   return own + other > 0 ? std::clamp(own / (own + other), 0.0, 1.0) : 0.5;
 }
 
-// A part of a line, of its length.
+// A part of a line, as shares of its length.
 struct Part {
   double begin, end;
 };
@@ -37,7 +37,7 @@ int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, Surfa
   const double way_squared = dot(way, way);
   Vec3 reach;  // in voxels
   for (int a = 0; a < 3; ++a) reach[a] = reach_mm / v.spacing_mm[a] + 1;
-  // The voxels along axis a that the line's part t reaches, and the part that reaches some of them.
+  // The voxels along axis a within reach of the part t of the line; part_near is the part that reaches a block.
   const auto voxels_of = [&](int a, Part t) {
     const double p = c[a] + along[a] * t.begin, q = c[a] + along[a] * t.end, most_voxel = v.size[std::size_t(a)];
     return std::array<int, 2>{int(std::clamp(std::floor(std::min(p, q) - reach[a]), -1.0, most_voxel)),

@@ -11,7 +11,7 @@ constexpr double tolerance_mm = 1e-9;
 // How far behind plane i the target lies.
 double behind(const Plane& p, Vec3 x) { return dot(p.normal, p.point_mm - x); }
 
-// Solves for the pressures of the planes whose bits are set; false where they do not determine them.
+// Solves for the pressures of the planes whose bits are set; false where the planes do not determine the pressures.
 bool pressures(const Plane* planes, int count, int set, Vec3 target, double* out) {
   int index[3], n = 0;
   for (int i = 0; i < count; ++i) {
@@ -23,7 +23,7 @@ bool pressures(const Plane* planes, int count, int set, Vec3 target, double* out
     for (int c = 0; c < n; ++c) a[r][c] = dot(planes[index[r]].normal, planes[index[c]].normal);
     a[r][n] = behind(planes[index[r]], target);
   }
-  // The matrix is positive definite unless normals depend on each other.
+  // The matrix is positive definite unless the normals are linearly dependent.
   for (int c = 0; c < n; ++c) {
     if (!(a[c][c] > 1e-4)) return false;
     for (int r = c + 1; r < n; ++r) {
@@ -42,7 +42,7 @@ bool pressures(const Plane* planes, int count, int set, Vec3 target, double* out
 }  // namespace
 
 bool nearest_before(const Plane* planes, int count, Vec3 target, Nearest& out) {
-  // Fewest planes first: the first set that pushes only outwards and satisfies the others is the nearest point.
+  // Sets of few planes first. The first set that only pushes outwards and satisfies the others gives the nearest point.
   static constexpr int order[8] = {0, 1, 2, 4, 3, 5, 6, 7};
   for (const int set : order) {
     if (set >> count) continue;

@@ -9,8 +9,8 @@
 namespace trephine {
 namespace {
 
-constexpr double slowness_s = 0.005;    // of the filters on velocity and power
-constexpr double half_speed_mm_s = 20;  // at which half of the reaction is felt
+constexpr double slowness_s = 0.005;    // time constant of the filters on velocity and power
+constexpr double half_speed_mm_s = 20;  // of the tool, at which half of the reaction is felt
 constexpr double least_depth_mm = 1;    // of a way through bone that counts as a breach
 
 double smooth(double value, double to, double dt_s) { return value + (to - value) * dt_s / (dt_s + slowness_s); }
@@ -35,7 +35,7 @@ std::uint64_t drilled_shapes(const CaseHaptic& haptic) {
 
 Cutter cutter_of(const DrillingParams& params, const ToolParams& tool) {
   Cutter c;
-  if (tool.tool == "scalpel") {  // FeltCase::drilling_of leaves it nothing to drill: it only incises
+  if (tool.tool == "scalpel") {  // it only incises: FeltCase::drilling_of gives it no shape to drill
     c.radius_mm = 0.5;
     return c;
   }
@@ -88,7 +88,7 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
     double& most = outcome_.most_force_n[std::size_t(state.touched)];
     most = std::max(most, force);
   }
-  const bool lifted = in.buttons & haptic_button::lifted;  // it is not where the pose is, and cuts nothing
+  const bool lifted = in.buttons & haptic_button::lifted;  // the tool is not where the pose is, and cuts nothing
   if (!begun_ || lifted) last_mm_ = in.tip_mm;
   const Vec3 velocity = (in.tip_mm - last_mm_) / in.dt_s;
   for (int a = 0; a < 3; ++a) velocity_[a] = smooth(velocity_[a], velocity[a], in.dt_s);
@@ -120,7 +120,7 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   if (drill_.incising()) count(drill_.go_on());
   watch_breach(in);
 
-  // The force at the rim is power by its speed.
+  // The force at the rim is the power divided by the rim's speed.
   power_ = smooth(power_, std::min(used_w, power_w_), in.dt_s);
   const double reaction = params_.reaction_ratio * power_ / rim_m_per_s_, speed = norm(velocity_);
   force_ = velocity_ * (-reaction / (speed + half_speed_mm_s));

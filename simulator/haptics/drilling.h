@@ -70,8 +70,8 @@ class Drilling {
   Drilling(HapticVolume& volume, ContactVolume& contact, const DrillShapes& shapes, const DrillingParams& params,
            const DrillParams& law, const Cutter& cutter, DirtyBricks* marks = nullptr);
 
-  /// The force on the hand since the last tick: against the motion, and a vibration across the tool. With the device at
-  /// rest it takes energy from the hand or none, but for the vibration.
+  /// The force on the hand since the last tick: against the motion, and a vibration across the tool. But for the
+  /// vibration it never gives energy to a device at rest.
   Vec3 force_n() const { return force_; }
   void tick(const HapticInput& in, const HapticState& state);
   /// Begins an incision there.

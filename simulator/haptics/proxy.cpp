@@ -11,8 +11,8 @@ namespace {
 
 constexpr int most_passes = 6;
 constexpr double motion_mm = 0.1;       // how far the proxy moves for an event
-constexpr double turned_back = 0.6;     // of the dynamic cone: a way that is shorter was not shortened by roughness
-constexpr double rested_s = 0.05;       // without motion, until what slid is held by static friction
+constexpr double turned_back = 0.6;     // of the dynamic cone: roughness alone does not make a way that short
+constexpr double rested_s = 0.05;       // without motion, until static friction holds a tool that slid
 constexpr double shaft_n_per_mm = 0.5;  // spring of the shaft's friction until it slips
 
 bool usable(Vec3 p) { return std::abs(p.x) <= 1e6 && std::abs(p.y) <= 1e6 && std::abs(p.z) <= 1e6; }  // not for NaN
@@ -78,7 +78,7 @@ const HapticState& Proxy::update(const HapticInput& given) {
   device_mm_ = in.tip_mm;
   since_s_ += in.dt_s;
   since_slid_s_ += in.dt_s;
-  Vec3 pressed_mm = in.tip_mm;  // what the planes are for
+  Vec3 pressed_mm = in.tip_mm;  // the point that the planes hold back
   if (body_) {
     follow_tool(in);
   } else if (round_) {
@@ -88,7 +88,7 @@ const HapticState& Proxy::update(const HapticInput& given) {
   } else {
     state_.axis = in.axis;
     follow(in.tip_mm);
-    // Between the samples of a stepped way lie corners of bone, and a proxy that stopped in one would never leave it.
+    // A stepped walk may end in a corner of bone between two samples, and a proxy that stopped there would be caught.
     if (stepped_ && contact_.shape_at(state_.proxy_mm) != state_.inside) {
       state_.proxy_mm = before.proxy_mm;
       state_.inside = before.inside;
@@ -114,7 +114,7 @@ const HapticState& Proxy::update(const HapticInput& given) {
 }
 
 // The force may change from what the device holds by what the rate allows in one period. After a stall the device holds
-// less than it was sent, and the time that passed gives no right to a larger step: the hand would feel it as a blow.
+// less than it was sent. The time that passed allows no larger step, for the hand would feel that as a blow.
 Vec3 Proxy::limited(Vec3 force, Vec3 sent, const HapticInput& in) const {
   const double period = in.period_s > 0 ? std::min(in.period_s, in.dt_s) : in.dt_s;
   const bool stalled = in.dt_s > 1.5 * period;
@@ -123,8 +123,8 @@ Vec3 Proxy::limited(Vec3 force, Vec3 sent, const HapticInput& in) const {
   return change <= most ? force : holds + step * (most / change);
 }
 
-// What the surfaces press, and a spring from the device's orientation to the shown one; scaled, limited in size, and
-// limited in its rate as the force is.
+// The torque of the surfaces' forces and of a spring from the device's orientation to the shown one. It is ramped up at
+// the start, and limited in size and in rate as the force is.
 void Proxy::set_torque(const HapticInput& in, Vec3 before) {
   state_.across = body_ ? body_->frame().column[0] : in.across;
   Vec3 torque = pressed_n_mm_;
@@ -144,7 +144,7 @@ void Proxy::set_torque(const HapticInput& in, Vec3 before) {
   state_.torque_n_mm = change <= allowed ? torque : holds + step * (allowed / change);
 }
 
-// Places the proxy: where the device is, or, inside what nothing enters, on the nearest surface.
+// Places the proxy where the device is; or, where that is in a shape that nothing enters, on the nearest surface.
 void Proxy::begin(const HapticInput& in) {
   begun_ = true;
   state_ = {};
@@ -180,8 +180,8 @@ Proxy::Held Proxy::held(const Contact& c) const {
   return {c.shape, front ? 1 : 2, c.into, front ? shape.front : shape.back, {}};
 }
 
-// Moves the proxy to before the contact, and a margin off its surface. A proxy that is there already stays, for else it
-// would creep along under friction.
+// Moves the proxy to just before the contact, a margin off its surface. A proxy that is already there stays, or it
+// would creep along although friction holds it.
 void Proxy::approach(const Contact& c) {
   const Vec3 way = c.point_mm - state_.proxy_mm;
   const double length = norm(way);
@@ -219,8 +219,8 @@ bool Proxy::meet(const Contact& c, Vec3 device, Vec3& goal, int pass) {
     if (dot(planes_[n].normal, c.normal) > same_surface) at = n;
   if (at == 3) return false;
   const bool known = at < count_;
-  // Where one surface bars the way along its own tangent, for it is rougher than its smooth normal, the proxy climbs
-  // over that; where it cannot, it follows the exact surface.
+  // A surface is rougher than its smooth normal says, and may bar the way along its own tangent plane. The proxy then
+  // climbs over the roughness; where it cannot, it takes the exact normal.
   const bool barred = known && pass > 0;
   if (barred && step_over(c, device, goal)) return false;
   Vec3 normal = c.normal;
@@ -256,9 +256,9 @@ bool Proxy::meet(const Contact& c, Vec3 device, Vec3& goal, int pass) {
   return true;
 }
 
-// Whether the proxy moves along a surface, where `length` is left and the device is `depth` behind it. What slides goes
-// on sliding: a tick in which the way is a little shorter than the dynamic cone, because the surface is uneven, does
-// not bring the static limit back. That takes a device that turned back, or that rests.
+// Whether the proxy moves along a surface: `length` is the way that is left, and the device is `depth` behind the
+// surface. A proxy that slides goes on sliding: on an uneven surface the way may be a little shorter than the dynamic
+// cone for a tick, which does not bring the static limit back. Only a device that turns back or rests does.
 bool Proxy::slides(const CaseFace& feel, double length, double depth) {
   const double limit = feel.dynamic_friction_ratio * depth;
   if (!sliding_) {
@@ -274,7 +274,7 @@ bool Proxy::slides(const CaseFace& feel, double length, double depth) {
   return false;
 }
 
-// Up a step, along, and down towards the device; false where that is barred, too.
+// Goes up by a step, along, and down towards the device; false where that is barred as well.
 bool Proxy::step_over(const Contact& c, Vec3 device, Vec3 goal) {
   const Vec3 up = c.normal * step_mm_;
   const Vec3 top = state_.proxy_mm + up;
@@ -297,12 +297,12 @@ bool Proxy::step_over(const Contact& c, Vec3 device, Vec3 goal) {
   return true;
 }
 
-// Each plane's spring and damper along its normal, never pulling, and what friction left the proxy short of.
+// Each plane's spring and damper along its normal, which never pull, and the spring along the way that friction held.
 Vec3 Proxy::surface_force(Vec3 device) {
   state_.touched = state_.face = state_.held_by = 0;
   state_.normal = pressed_n_mm_ = {};
   if (count_ == 0) return {};
-  if (!solved_) {  // in a corner that three planes do not describe: its last plane's spring alone
+  if (!solved_) {  // a corner that three planes do not describe: the spring of its last plane alone
     const Held& h = held_[count_ - 1];
     state_.touched = h.shape;
     state_.face = h.face;

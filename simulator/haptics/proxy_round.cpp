@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The proxy of a round tool: the middle lines of its parts are held off surfaces by the radii. Planes are for the
-// centre, the foremost end of the first middle line: where another place of a line may not go behind a wall, the centre
-// may not go behind the wall moved by the way between the two.
+// The proxy of a round tool: the middle lines of its parts are held off surfaces by their radii. Planes hold back the
+// centre, which is the foremost end of the first middle line. A wall that holds back another place of a line holds the
+// centre back as a plane that is moved by the way from that place to the centre.
 #include <algorithm>
 #include <cmath>
 
@@ -13,13 +13,13 @@ namespace {
 constexpr int most_passes = 8, most_steps = 256;
 constexpr int most_turn_steps = 16, give_passes = 4;
 constexpr double turn_step_ratio = 0.25;  // of the smallest radius or voxel side: how far a turn's step moves the tail
-constexpr double most_looks = 4000;       // places a frame, on the way out of bone
+constexpr double most_looks = 4000;       // places that are tried in a frame, on the way out of bone
 
 std::uint64_t bit(int shape) { return shape != 0 ? std::uint64_t{1} << shape : 0; }
 
 }  // namespace
 
-// Whether it may begin there: it touches nothing, and no middle line lies in what nothing enters.
+// Whether the tool may begin there: it touches nothing, and no middle line lies in a shape that nothing enters.
 bool Proxy::round_is_free(Vec3 centre, Vec3 axis) {
   const double step = std::max(0.5, round_->smallest_radius_mm());
   const int places = int(std::ceil(round_->length_mm() / step));
@@ -38,7 +38,7 @@ void Proxy::begin_round(const HapticInput& in) {
   round_->begin_frame();
   Vec3 at = centre;
   begun_ = round_is_free(at, in.axis);
-  // A few places a frame, each time a little further away.
+  // A few places are tried in each frame, each time a little further away.
   const int looks = std::clamp(int(most_looks / (1 + round_->length_mm() / round_->smallest_radius_mm())), 2, 40);
   for (int n = 0; !begun_ && exit_mm_ < farthest_exit_mm && n < looks; ++n) {
     const Vec3 way = next_exit_ < 0 ? in.axis : exit_way(next_exit_);
@@ -76,8 +76,8 @@ RoundBody::Touch Proxy::move_round(Vec3 goal) {
   return {};
 }
 
-// Turns it about its tip towards the axis, in steps that move no place of it further than a wall could stop. Where it
-// would touch, it moves off, if that helps; else it keeps its axis for this frame.
+// Turns the tool about its tip towards the axis, in steps so small that no place of it can pass a wall. Where it would
+// touch, it moves away from the wall, if that helps; else it keeps its axis for this frame.
 void Proxy::turn_round(Vec3 axis) {
   const double reach = round_->length_mm() + round_->centre_mm();
   const double step = turn_step_ratio * std::min(round_->smallest_radius_mm(), contact_.smallest_side_mm());
@@ -120,7 +120,7 @@ void Proxy::follow_round(const HapticInput& in) {
   if (count_ == 0) sliding_ = false;
 }
 
-// As meet().
+// As meet(), for a round tool.
 bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
   const Contact& c = touch.contact;
   const bool alone = round_->is_ball();
@@ -129,7 +129,7 @@ bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
   for (int n = 0; n < count_; ++n)
     if (dot(planes_[n].normal, c.normal) > same_surface) at = n;
   if (at == 3) return false;
-  // Of two places of a rod on one surface the one that reaches further says how far it may go.
+  // Where two places of a rod touch one surface, the plane of the one that reaches further counts.
   if (at < count_ && !alone && dot(plane.normal, planes_[at].point_mm - plane.point_mm) > 0)
     plane.point_mm = planes_[at].point_mm;
   planes_[at] = plane;
@@ -140,8 +140,8 @@ bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
   if (!solved_) return false;
   const CaseFace& feel = held_[at].feel;
   if (feel.pop_through_n > 0 && feel.stiffness_n_per_mm * nearest_.pressure_mm[at] > feel.pop_through_n) {
-    // Both faces: while it is halfway through, it lies on either side of the surface. A shape that nothing enters stays
-    // shut, whatever soft tissue lies against it.
+    // Both faces open, because halfway through, the tool lies on both sides of the surface. A shape that nothing enters
+    // stays closed, even where the soft tissue that was popped through lies against it.
     for (const int shape : {c.into, c.from}) {
       const ShapeFeel& own = feels_[std::size_t(shape)];
       if (!(own.front.pop_through_n > 0 || own.back.pop_through_n > 0)) continue;
@@ -154,7 +154,7 @@ bool Proxy::meet_round(const RoundBody::Touch& touch, Vec3 device, Vec3& goal) {
     goal = device;
     return true;
   }
-  // Where it stands the tool is up to a step away from the plane: it comes up to it first.
+  // The tool may stand up to a step away from the plane: it moves up to the plane first.
   const double off = dot(planes_[at].normal, centre_mm_ - planes_[at].point_mm);
   if (off < 0 || off > 2 * margin_mm_) {
     const Vec3 to = centre_mm_ - planes_[at].normal * off;

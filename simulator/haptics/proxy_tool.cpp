@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The proxy of a tool of many points. Planes are for the tip: a point that is `arm` away from it may not go behind its
-// wall, so the tip may not go behind the wall moved by -arm.
+// The proxy of a tool of many points. All planes hold back the tip: where a wall holds back a point that lies `arm`
+// away from the tip, the tip may not go behind that wall moved by -arm.
 #include <algorithm>
 #include <cmath>
 
@@ -10,18 +10,18 @@ namespace trephine {
 namespace {
 
 constexpr int most_passes = 10, turning_passes = 3;
-constexpr double cancels = 0.2;        // of the normals' lengths together
-constexpr double most_turn_rad = 0.5;  // a frame
+constexpr double cancels = 0.2;        // two normals whose sum is shorter than this share of their lengths cancel
+constexpr double most_turn_rad = 0.5;  // in a frame
 constexpr int unlock_frames = 8;
 constexpr int slices = 16;
-constexpr std::uint64_t most_looks = 4000;  // points a frame, on the way out of bone
+constexpr std::uint64_t most_looks = 4000;  // points that are tried in a frame, on the way out of bone
 
 std::uint64_t bit(int shape) { return shape != 0 ? std::uint64_t{1} << shape : 0; }
 
 }  // namespace
 
-// Puts the tool where the device is, or, where a point would lie inside what nothing enters, next to it. That may take
-// some frames: what is not found in one is looked for in the next, from as far away.
+// Puts the tool where the device is; or, where a point of it would lie in a shape that nothing enters, next to that
+// shape. That may take some frames: the search goes on in the next frame at the distance that it had reached.
 void Proxy::begin_tool(const HapticInput& in) {
   open_ = crossed_ = {0, 0};
   slice_ = 0;
@@ -39,7 +39,7 @@ void Proxy::begin_tool(const HapticInput& in) {
     exit_mm_ *= 1.25;
   }
   begun_ = free || !(exit_mm_ < farthest_exit_mm);
-  if (!free) body_->place(in.tip_mm, frame);  // with no way out what is inside stays inside
+  if (!free) body_->place(in.tip_mm, frame);  // where there is no way out, the points inside stay inside
   state_.proxy_mm = moved_from_mm_ = body_->tip_mm();
   state_.axis = frame.column[2];
   state_.inside = body_->shape(0);
@@ -77,8 +77,8 @@ Plane Proxy::tip_plane(int point, Vec3 normal) const {
   return {body_->met(point).point_mm + normal * margin_mm_ - body_->arm(point), normal};
 }
 
-// One wall, or two where the averaged normals would cancel. The tip's path meets it where the nearest point collides:
-// what the searches find beyond gives its normal.
+// The wall that the tool meets, or two walls where their normals would cancel each other in the average. The nearest
+// point that collides says where the wall is; the points that the searches from both ends find give its normal.
 int Proxy::find_walls(const ToolBody::Meeting& m, Wall* walls) const {
   const ToolBody& b = *body_;
   const auto normal_of = [&](int point) { return contact_.normal_of(b.met(point), b.way(point)); };
@@ -109,7 +109,7 @@ bool Proxy::knows(Vec3 normal) const {
   return false;
 }
 
-// The plane's place among the three, -1 where all others press.
+// Puts the plane among the three, in place of one that does not press; -1 where all three press.
 int Proxy::put_plane(const Plane& plane, const Contact& contact) {
   int at = count_ < 3 ? count_ : -1;
   for (int n = 0; n < count_ && count_ == 3; ++n)
@@ -139,7 +139,7 @@ void Proxy::hold_turn(Vec3 device, Vec3& goal, Mat3& aim) {
   solved_ = false;
 }
 
-// As meet(). False where the tool stays for this frame.
+// As meet(), for a tool of many points. False where the tool stays where it is for this frame.
 bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3& aim, int pass) {
   ToolBody& b = *body_;
   const bool turning = !(aim == b.frame());
@@ -191,7 +191,7 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
     solved_ = false;
     return true;
   }
-  // Friction acts along the walls; a turn may need the tip to give first.
+  // Friction acts along the walls. For a turn, the tip may first have to give way.
   const CaseFace& feel = held_[put[0]].feel;
   Nearest here;
   Vec3 from = b.tip_mm();
@@ -207,7 +207,7 @@ bool Proxy::meet_tool(const ToolBody::Meeting& m, Vec3 device, Vec3& goal, Mat3&
   return true;
 }
 
-// Up a step, along, and down towards the device, as step_over().
+// Goes up by a step, along, and down towards the device, as step_over() does.
 bool Proxy::step_over_tool(Vec3 normal, Vec3 device, Vec3 goal) {
   ToolBody& b = *body_;
   const Mat3 frame = b.frame();
@@ -234,9 +234,9 @@ bool Proxy::step_over_tool(Vec3 normal, Vec3 device, Vec3 goal) {
   return !barred;
 }
 
-// The orientation lock of [Rizzi, chapter 5, Table V]: the points that collide from both ends are further apart than
-// the distance, while the tool is turned into the wall of one of them. Of the two normals that wall's normal is kept:
-// between opposite walls, h's may be the one from which the tool turns away.
+// The orientation lock of [Rizzi, chapter 5, Table V]: the first points that collide from either end are further apart
+// than lock_distance_mm, while the tool is turned into the wall of one of them. The normal of that wall is kept, not
+// always that of the point h in the table: between opposite walls the tool may turn away from the wall of h.
 bool Proxy::should_lock(const ToolBody::Meeting& m, Vec3 turn) {
   const ToolBody& b = *body_;
   const auto collided = [&](int point) {
@@ -262,8 +262,8 @@ bool Proxy::should_lock(const ToolBody::Meeting& m, Vec3 turn) {
   return true;
 }
 
-// Ends the lock as in [Rizzi, chapter 5, Table VI], and also, as a check from time to time, where nothing is in the way
-// of the turn any more because the tool was drawn out.
+// Ends the lock as in [Rizzi, chapter 5, Table VI]. From time to time it also looks whether anything still bars the
+// turn, and ends the lock where nothing does, because the tool was drawn out.
 void Proxy::try_unlock(Vec3 axis) {
   if (!state_.locked) return;
   ToolBody& b = *body_;
@@ -275,7 +275,7 @@ void Proxy::try_unlock(Vec3 axis) {
   state_.events |= haptic_event::unlocked;
 }
 
-// What was popped through closes again when a round along the axis, a slice a frame, has found none of it.
+// Looks at one slice of the axis in each frame. Shapes that were popped through and are found in no slice close again.
 void Proxy::open_behind() {
   if (open_.front == 0 && open_.back == 0) return;
   const ToolBody& b = *body_;

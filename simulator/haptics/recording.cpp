@@ -23,7 +23,7 @@ using Json = nlohmann::ordered_json;
 constexpr char magic[9] = "TREPHSRV";
 constexpr std::size_t fixed_bytes = 16, header_bytes = 8192;
 
-// Added later: earlier recordings lack them, and were made without.
+// Fields that were added later: recordings without them were made before there was such a thing.
 bool is_newer(const std::string& name) {
   for (const char* newer :
        {"max_torque_n_mm", "turn_stiffness_n_mm_per_rad", "tool_points", "tool_points_sha256", "pierce_n"})
@@ -204,10 +204,10 @@ Recording read_recording(const std::filesystem::path& file) {
     r.frames.resize(count);
     for (std::size_t n = 0; n < count; ++n)
       std::memcpy(&r.frames[n], bytes.data() + fixed_bytes + length + n * each, each);
-    // Counts of ticks are differences of ticks and one more.
+    // A count of ticks is a difference of two ticks plus one, which must not overflow.
     if (!r.frames.empty() && r.frames.back().tick == std::numeric_limits<std::uint64_t>::max())
       refuse("frames", "the last tick is beyond what can be counted");
-    // Who steps through a recording by its times would step for ever towards one that is not finite.
+    // A program that steps through a recording by its times would never reach a time that is not finite.
     for (std::size_t n = 0; n < r.frames.size(); ++n)
       if (!std::isfinite(r.frames[n].time_s))
         refuse("frames", "time_s of frame " + std::to_string(n) + " is not finite");

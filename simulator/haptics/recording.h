@@ -15,7 +15,7 @@
 namespace trephine {
 
 /// Version 4 is written where the device knows how the tool is turned about its axis, else 3 where a session has
-/// several tools, else 2: who reads 2 alone can replay all that it reads.
+/// several tools, else 2: a program that knows only 2 can replay all that it can read.
 constexpr int recording_version = 4, several_tools_version = 3, single_tool_version = 2, oldest_recording_version = 1;
 
 /// The header of a recording: everything besides the case that its replay needs.

@@ -7,7 +7,7 @@
 namespace trephine {
 namespace {
 
-constexpr int frames_known = 16;    // after which it looks anew, for who cuts beside the servo's thread
+constexpr int frames_known = 16;    // after which it looks again, for another thread may have cut
 constexpr double together = 0.05;   // of a voxel: contacts of a rod that touch as deep as the deepest
 constexpr double same_side = 0.95;  // cosine between their normals
 
@@ -23,8 +23,8 @@ struct Disc {
   }
 };
 
-// Where on the line from lo to hi along the axis the disc is nearest. Over the disc the distance changes evenly, so it
-// is smallest where the line ends, meets the disc's plane, or leaves the disc; beside it, two projections to and fro.
+// The place on the line from lo to hi that is nearest to the disc. Above the disc the distance changes linearly, so it
+// is least where the line ends, meets the plane or leaves the disc; beside it, by projecting to the disc and back.
 double nearest_on_line(const Disc& disc, Vec3 begin, Vec3 axis, double lo, double hi) {
   const Vec3 r = begin - disc.middle;
   const double above = dot(r, disc.normal), slope = dot(axis, disc.normal);

@@ -31,7 +31,7 @@ void sleep_until(std::int64_t ns) {
   }
 }
 
-// Touches the stack that the loop may use, so that no page of it is first met there.
+// Touches the stack that the loop may use, so that no page of it is missing when the loop gets there.
 void touch_stack() {
   volatile char bytes[256 * 1024];
   for (std::size_t n = 0; n < sizeof bytes; n += 1024) bytes[n] = 0;
@@ -98,7 +98,7 @@ void Servo::tick(double dt_s, double late_ns) {
   HapticInput in;
   in.tip_mm = reading.tip_mm;
   in.axis = reading.axis;
-  if (device_.knows_across()) in.across = reading.across;  // else no recording would hold it
+  if (device_.knows_across()) in.across = reading.across;  // only then does a recording hold it
   in.buttons = reading.buttons;
   in.dt_s = dt_s;
   in.period_s = 1 / params_.rate_hz;

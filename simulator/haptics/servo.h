@@ -35,8 +35,8 @@ struct RealtimeGrant {
 /// Locks the process's memory and puts the calling thread under SCHED_FIFO.
 RealtimeGrant claim_realtime();
 
-/// How late a loop that does nothing but sleep wakes on this machine, at that rate for that long, under SCHED_FIFO
-/// where it is granted: what of the servo's lateness is the machine's. On a thread of its own.
+/// How late a loop that does nothing but sleep wakes up on this machine, at that rate for that long, under SCHED_FIFO
+/// where it is granted. So much of the servo's lateness is the machine's. It runs on a thread of its own.
 Histogram bare_loop_lateness(double rate_hz, double seconds, bool realtime);
 
 /// A queue of frames from the servo thread to the thread that writes them: one writer, one reader, no lock. A full
@@ -84,8 +84,8 @@ class Servo {
 
  private:
   void tick(double dt_s, double late_ns);
-  Proxy* proxy_ = nullptr;    // or
-  ToolBelt* belt_ = nullptr;  // of the two one
+  Proxy* proxy_ = nullptr;    // either this
+  ToolBelt* belt_ = nullptr;  // or this
   Device& device_;
   ServoParams params_;
   FrameQueue* queue_;

@@ -14,8 +14,8 @@ namespace {
 
 using Tip = ToolParams::Tip;
 
-constexpr double cone_lengths = 2;  // of a cone, in diameters
-constexpr double neck_ratio = 0.5;  // of the shaft behind a ball, of the ball's diameter
+constexpr double cone_lengths = 2;  // length of a cone, in diameters
+constexpr double neck_ratio = 0.5;  // diameter of the shaft behind a ball, by that of the ball
 constexpr int least_around = 4;
 
 // The outline from the tip to the tail: distance along the axis and from it, each `spacing` of its length.
@@ -44,7 +44,7 @@ std::string points_text(const std::string& file) {
   return {bytes.begin(), bytes.end()};
 }
 
-// The three numbers of a line, however they are parted; none where it is empty or a comment.
+// The three numbers of a line, whatever separates them; none where it is empty or a comment.
 std::optional<Vec3> point_of(const std::string& line, int number) {
   const auto refuse = [&](const std::string& what) {
     throw Error(ExitCode::bad_input, "", "line " + std::to_string(number), what);
@@ -66,7 +66,7 @@ std::optional<Vec3> point_of(const std::string& line, int number) {
   return at;
 }
 
-// From the tip to the tail; the tip itself is the first of them.
+// Sorts points from the tip to the tail; the tip itself is the first of them.
 std::vector<Vec3> points_of(const ToolParams& p) {
   return with_file(p.tool_points, [&] {
     const std::string text = points_text(p.tool_points);
@@ -138,7 +138,7 @@ Tool make_tool(const ToolParams& params) {
   tool.length_mm = p.tool_length_mm;
   const double length = p.tool_length_mm;
   Outline o;
-  // More than that along the outline, or around it, is too much anyway, and is not laid out first.
+  // More than that along the outline or around it is refused anyway, so it is not even laid out.
   if ((length + 4 * radius) / p.tool_spacing_mm > most_tool_points ||
       2 * M_PI * radius / p.tool_spacing_mm > most_tool_points)
     throw Error(ExitCode::bad_config, "", "tool_spacing_mm",
@@ -219,7 +219,7 @@ Vec3 rotation_between(const Mat3& from, const Mat3& to) {
   const double sine = 0.5 * norm(sines), cosine = 0.5 * (trace - 1);
   if (sine > 1e-9) return sines * (0.5 * std::atan2(sine, cosine) / sine);
   if (cosine > 0) return {};
-  // Half a turn: about the sum of a direction and where it goes, of that which is longest.
+  // Half a turn: the axis is the sum of a direction and what it is turned to; the longest such sum is the safest.
   Vec3 about;
   for (std::size_t c = 0; c < 3; ++c)
     if (const Vec3 sum = from.column[c] + to.column[c]; norm(sum) > norm(about)) about = sum;

@@ -8,7 +8,7 @@
 namespace trephine {
 namespace {
 
-// Within what a needle pierces: ours. It moves on against drag, and stays where it is when the hand lets go.
+// How a needle feels within what it pierced; the values are ours. It moves against drag, and stays when it is let go.
 constexpr double pierced_drag_n_s_per_mm = 0.03, pierced_friction_n_per_mm = 0.005;
 
 Feels felt_by(const BeltToolParams& tool, Feels feels) {
@@ -37,7 +37,7 @@ ToolBelt::ToolBelt(const ContactVolume& contact, const Feels& feels, const Force
 }
 ToolBelt::~ToolBelt() = default;
 
-// Whether another tool is in hand than before. A number that no tool has leaves the one that is.
+// Whether the tool in hand has changed. A number that no tool has changes nothing.
 bool ToolBelt::take(std::uint32_t buttons) {
   const int n = belt_button::tool(buttons);
   const int to = n < int(tools_.size()) ? n : std::max(0, in_hand_);
@@ -88,7 +88,7 @@ const HapticState& ToolBelt::update(const HapticInput& given) {
   return state_;
 }
 
-// What the hand felt of the tool that was put down falls as fast as a force may change, and so does the sum change.
+// The force of a tool that was put down falls as fast as a force may change; the sum keeps to that limit as well.
 void ToolBelt::settle_force(const HapticInput& in, Vec3 sent) {
   if (state_.faults != 0) {
     left_n_ = state_.force_n = {};

@@ -52,7 +52,7 @@ struct BeltToolParams : ToolParams {
 
 /// The tools of a session, of which the hand holds one at a time: a proxy for each, the drill, and what commands do in
 /// the tick. Changing the tool takes no time; the new one begins where the device is, and its force rises from zero.
-/// What the hand still felt falls within the limit on the force's rate.
+/// The force of the tool that was put down falls within the limit on the force's rate.
 ///
 /// - The command `incise` cuts the skin around the last point that a marking tool touched with its pedal down.
 /// - `pause` is taken while the tool is in the open; until `resume` nothing is felt, cut or marked.

@@ -30,7 +30,7 @@ bool ToolBody::place(Vec3 tip_mm, const Mat3& frame, std::uint64_t avoid) {
     *shape = contact_.shape_at(at);
     return *shape != 0 && (avoid >> *shape & 1);
   };
-  // Who tries pose after pose finds the same point barred most of the time.
+  // A search that tries one pose after another mostly finds the same point barred, so that point is looked at first.
   int shape = 0;
   if (barred(tip_mm + frame * points_mm_[barred_], &shape)) return false;
   tip_mm_ = tip_mm;
@@ -61,7 +61,7 @@ ToolBody::Meeting ToolBody::sweep(Vec3 tip_mm, const Mat3& frame, const Touchabl
   longest = std::sqrt(longest);
   const double together = longest > together_mm_ ? together_mm_ / longest : 1;
   Meeting m;
-  double until = 1;  // nothing beyond matters
+  double until = 1;  // contacts beyond this share of the way do not matter
   const auto walk_point = [&](std::size_t i) {
     Contact& c = met_[i];
     c = walk(i, until < 1 ? at_[i] + (end_[i] - at_[i]) * until : end_[i], faces);
@@ -99,7 +99,7 @@ void ToolBody::enter(std::size_t point, int shape) {
   known_[point] = {};
 }
 
-// Goes there where no point meets anything; without `all` only points whose ways do are looked at.
+// Moves to the pose if no point meets anything. Without `all`, only points that met or passed a face are looked at.
 bool ToolBody::try_pose(Vec3 tip_mm, const Mat3& frame, const TouchableFaces& faces, bool all) {
   for (std::size_t i = 0; i < at_.size(); ++i) {
     tried_[i] = tip_mm + frame * points_mm_[i];

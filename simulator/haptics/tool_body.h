@@ -73,7 +73,7 @@ class ToolBody {
   double together_mm_;
   std::size_t barred_ = 0;  // the point that place() found last
   std::uint64_t looked_at_ = 0;
-  int first_ = 0;  // that collided last: walked first, what lies beyond its contact need not be
+  int first_ = 0;  // the point that collided last: it is walked first, and other points only as far as its contact
 };
 
 }  // namespace trephine

@@ -8,8 +8,8 @@
 
 namespace trephine {
 
-/// Buttons that another hand than the device's presses, such as a keyboard's: pedal, tool and command of a session with
-/// several tools, as haptics/tool_belt.h says. One thread writes them, the servo's reads them.
+/// Buttons that are pressed elsewhere than on the device, such as on a keyboard: pedal, tool and command of a session
+/// with several tools, as haptics/tool_belt.h says. One thread writes them, and the servo's thread reads them.
 struct ButtonBoard {
   std::atomic<std::uint32_t> buttons{0};
 };

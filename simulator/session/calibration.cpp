@@ -15,13 +15,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double near_mm = 0.05, far_mm = 0.2;  // moved by a pulse; four times the way takes twice the time
+constexpr double near_mm = 0.05, far_mm = 0.2;  // ways of a pulse: four times the way takes twice the time
 constexpr double most_pulse_s = 0.06, rest_s = 0.4;
-constexpr double bite_mm = 0.3;         // how far the hand begins within a wall
+constexpr double bite_mm = 0.3;         // how far within the wall the hand is at its begin
 constexpr double at_rest_mm_per_s = 3;  // RMS over the last third of a wall
 constexpr double given_j = 2e-4;        // energy that noise may seem to give
 constexpr int pulses = 9;
-constexpr double least_pressed = 0.2;  // of a wall's time: with less it was not pressed
+constexpr double least_pressed = 0.2;  // share of a wall's time; a wall that was touched for less was not pressed
 constexpr int most_tries = 3;          // of a wall that nobody presses
 
 double median(std::vector<double> v) {
@@ -96,8 +96,8 @@ void measure_workspace(Hand& hand, double seconds, Calibration& out) {
   out.gap_p99_ms = gaps_ms[std::size_t(0.99 * double(gaps_ms.size() - 1))];
 }
 
-// A constant force on a mass: the way grows with the square of the time since it begins, so the time to four times the
-// way is twice as long, and what is left over is the latency.
+// Under a constant force the way of a mass grows with the square of the time since the motion began. So four times the
+// way takes twice the time; subtracting that from the time since the force was sent leaves the latency.
 double measure_latency(Hand& hand, double pulse_n) {
   std::vector<double> found_ms;
   for (int n = 0; n < pulses; ++n) {
@@ -131,7 +131,7 @@ Wall press_wall(Hand& hand, const CalibrationParams& p, double stiffness, double
   int counted = 0, pressed = 0, ticks = 0;
   for (double t = 0; t < p.wall_s; t += hand.dt_s()) {
     hand.tick([&](Vec3 at) {
-      work_j += pressed_n * (at.z - last_mm) / 1000;  // what the wall's last force did
+      work_j += pressed_n * (at.z - last_mm) / 1000;  // the work of the wall's last force
       ++ticks;
       pressed += pressed_n > 0;
       // Where nobody presses the wall, being at rest says nothing of it.
@@ -145,7 +145,7 @@ Wall press_wall(Hand& hand, const CalibrationParams& p, double stiffness, double
       return Vec3{0, 0, pressed_n};
     });
   }
-  // A spring gives back what it held at the begin, and holds at the end what the hand gave it.
+  // The spring held energy at the begin, which it gives back, and holds energy at the end, which the hand gave it.
   const double stored_j = pressed_n * pressed_n / (2000 * stiffness);
   if (work_j > given_j + held_j - stored_j) return Wall::unstable;
   if (counted == 0 || pressed < least_pressed * ticks) return Wall::unpressed;

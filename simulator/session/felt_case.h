@@ -31,7 +31,7 @@ struct FeltCase {
 void set_lesson(RecordingHeader& header, const std::vector<BeltToolParams>& tools, const std::string& module,
                 const std::string& participant, const CaseHaptic& haptic);
 
-/// What of a recorded session answers to poses: one tool, or several, and what they cut. It can be run again.
+/// The part of a recorded session that answers to poses: one tool, or several, and the drill. It can be run again.
 class Rerun {
  public:
   /// `felt` and `contact` must outlive it; `file` names the recording in errors. Throws as tool_again does.

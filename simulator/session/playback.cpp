@@ -60,7 +60,7 @@ std::shared_ptr<Patient> patient_again(const std::filesystem::path& folder, cons
   if (!before.empty()) uncut = std::make_shared<const Grid<std::int16_t>>(volume.voxels);
   const Feels feels = felt.feels;
   for (const std::filesystem::path& earlier : before) {
-    // Each is felt as it was felt then: what is cut depends on the force.
+    // Each recording is felt with the parameters of its own time, because what is cut depends on the force.
     const Recording r = read_recording(earlier);
     felt.feels = felt_again(folder, earlier.string(), r.header, {}, true).feels;
     must_begin(r.header, earlier);
@@ -91,7 +91,7 @@ Playback::Playback(const std::filesystem::path& folder, const std::filesystem::p
     IncisionWatch watch(r.header);
     for (const ServoFrame& f : r.frames) watch.look(f, incisions_);
   }
-  for (IncisionMark& mark : incisions_) mark.time_s = begin_s();  // what was there from the begin
+  for (IncisionMark& mark : incisions_) mark.time_s = begin_s();  // earlier ones are there from the begin
   IncisionWatch watch(h);
   for (const ServoFrame& f : recording_.frames) watch.look(f, incisions_);
   if (h.drilling.drill) run_through(file, progress);

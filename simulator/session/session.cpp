@@ -13,7 +13,7 @@
 namespace trephine {
 namespace {
 
-// So many frames of a session without a clock are kept until its end: what does not sleep would outrun any disk.
+// A session without a clock would outrun any disk, so its frames are kept until its end, up to this number.
 constexpr double most_kept_ticks = 2e7;
 
 double thread_cpu_s() {

@@ -13,7 +13,7 @@ constexpr double orbit_rad_per_px = 0.006, zoom_step = 0.9;
 constexpr double cut_step_mm = 1;
 constexpr double ask_again_s = 4;  // within which a lesson's end is asked for twice
 constexpr int left = 0, right = 1, middle = 2;
-constexpr double arm_first_s = 0.5, arm_again_s = 0.15;  // until a held key turns the C-arm on
+constexpr double arm_first_s = 0.5, arm_again_s = 0.15;  // until a key that is held turns the C-arm further
 
 struct ArmKey {
   int key;

@@ -79,7 +79,7 @@ GlfwWindow::GlfwWindow(const std::string& title, int width, int height, bool vis
     keep(w, {InputEvent::Kind::wheel, 0, false, control ? GLFW_MOD_CONTROL : 0, 0, y});
   });
   glfwSetWindowFocusCallback(window_, [](GLFWwindow* w, int focused) {
-    if (!focused) keep(w, {InputEvent::Kind::dropped, 0, false, 0, 0, 0});  // keys that are down are let go
+    if (!focused) keep(w, {InputEvent::Kind::dropped, 0, false, 0, 0, 0});  // all keys count as released
   });
 }
 

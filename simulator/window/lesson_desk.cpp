@@ -10,7 +10,7 @@
 namespace trephine {
 namespace {
 
-constexpr double dot_mm = 1;  // of ink, apart
+constexpr double dot_mm = 1;  // between dots of ink
 
 std::vector<LessonStep> steps_of(const LessonModule& module, const LessonFacts& facts,
                                  const std::vector<BeltToolParams>& tools) {
@@ -74,7 +74,7 @@ void LessonDesk::set_session(SessionOptions& o) const {
   o.record = play_.recording;
 }
 
-// What the board has now. A command is there until the servo saw it, and is let go before the next one.
+// Sets the board's buttons. A command stays until the servo has seen it, and is released before the next one.
 void LessonDesk::press() {
   std::uint32_t buttons = pedal_ ? belt_button::pedal : 0;
   buttons |= std::uint32_t(tool_) << belt_button::tool_shift;
@@ -171,7 +171,7 @@ void LessonDesk::judge(bool for_review, const std::atomic<bool>& stop) {
   judging_ = std::async(std::launch::async, [this, for_review, &stop] {
     JudgedLesson out;
     out.scored = score_recording(play_.recording, case_folder_, rubric_);
-    // The report for programs is last: where it is, all of it is.
+    // The report for programs is written last: where it exists, so do the other files.
     write_report(out.scored, case_folder_, {{}, play_.report.page, play_.report.log});
     write_report(out.scored, case_folder_, {play_.report.json, {}, {}});
     if (for_review)

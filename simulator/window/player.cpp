@@ -14,8 +14,8 @@ namespace trephine {
 namespace {
 
 constexpr double begin_mm = 15;    // before the site, where the tool waits
-constexpr double beyond_mm = 150;  // from where the depth of the tip is measured
-constexpr double drop_mm = 60;     // within which the place is lit where the tool would land
+constexpr double beyond_mm = 150;  // so far outside the depth of the tip is measured from
+constexpr double drop_mm = 60;     // up to this distance the place where the tool would land is lit
 constexpr std::size_t most_forces = 240;
 constexpr int xray_px = 512;
 
@@ -135,7 +135,7 @@ void Player::begin_session() {
     };
   }
   end_ = false;
-  // A device may have to be waited for: meanwhile the window lives.
+  // A device may have to be waited for; the window goes on meanwhile.
   coming_ = std::async(own ? std::launch::deferred : std::launch::async, [this, o] {
     const auto say = [this](const std::string& line) {
       const std::lock_guard<std::mutex> lock(said_mutex_);
@@ -156,7 +156,7 @@ void Player::meet_session() {
   if (!coming_.valid() || coming_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout) return;
   try {
     session_ = coming_.get();
-  } catch (...) {  // the hand has gone with the session that could not begin, and a window without one is of no use
+  } catch (...) {  // the session could not begin and took the hand with it; a window without a hand is of no use
     screen_hand_ = nullptr;
     quit_ = true;
     throw;
@@ -252,7 +252,7 @@ void Player::follow_session() {
     marked = marked || (f.buttons & Drilling::mark);
     if (!desk_) ink(f);
   }
-  if (marked && (goal_.buttons & Drilling::mark)) {  // the servo saw it: it is let go
+  if (marked && (goal_.buttons & Drilling::mark)) {  // the servo has seen the button: it is released
     goal_.buttons &= ~Drilling::mark;
     aim();
   }
@@ -322,7 +322,7 @@ Contact Player::seen(double x, double y, int width, int height) const {
   Vec3 from = eye.eye_mm;
   const Vec3 to = from + ray * (eye.far_mm + norm(b.max_mm - b.min_mm));
   if (stage_->state.cut) {
-    // What is cut away is not seen: the way begins where it comes out of that half.
+    // The half that is cut away is not seen: the line of sight begins where it leaves that half.
     const CutPlane& c = *stage_->state.cut;
     const double before = dot(c.normal, from - c.point_mm), slope = dot(c.normal, ray);
     if (before > 0) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a user does, and the remote's protocol, which is the same by words.
+// What a user does, and the remote's protocol, which does the same by words.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -88,7 +88,7 @@ void Player::set_pedal(bool down) {
     if (session_) desk_->set_pedal(down);
     return;
   }
-  if (tool_name_ == "scalpel") {  // it does not run: it cuts where it is
+  if (tool_name_ == "scalpel") {  // it has no motor: it cuts where it is
     if (down) incise();
     return;
   }

@@ -9,7 +9,7 @@ namespace trephine {
 namespace {
 
 constexpr double more_than_pierce = 1.25;
-constexpr double press_mm = 1.5, near_mm = 20;  // how deep a marker is pressed that draws; from where it is led there
+constexpr double press_mm = 1.5, near_mm = 20;  // how deep a marker is pressed to draw; within which it is led there
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -63,7 +63,7 @@ void Player::ink(const ServoFrame& f) {
   dots.push_back(last_ink_mm_ = at);
 }
 
-// The tool in hand: in green where it succeeded, in red where it failed.
+// Shows the tool in hand: in green where it succeeded, in red where it failed.
 void Player::show_lesson_tool() {
   constexpr std::array<float, 3> green{0.10f, 0.75f, 0.35f}, red{0.90f, 0.15f, 0.10f};
   tool_name_ = desk_->tool().name;
@@ -74,7 +74,7 @@ void Player::show_lesson_tool() {
   stage_->set_tool(own_tool(desk_->tool()), colour);
 }
 
-// A hand of mouse and keyboard that presses no harder than a burr wants would never pierce bone.
+// A hand of mouse and keyboard usually presses no harder than a burr needs, which would never pierce bone.
 void Player::press_as_needed() {
   goal_.least_most_n = desk_ ? more_than_pierce * desk_->tool().pierce_n : 0;
   aim();

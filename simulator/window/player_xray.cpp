@@ -17,7 +17,7 @@ std::string Player::move_arm(const std::string& how) {
   return lesson_command(preset ? "view_" + how : how);
 }
 
-// Asks for what X-rays show, and takes the picture that is there. The last one stays when they are off.
+// Asks for the next fluoroscopic picture, and takes the one that is ready. The last one stays when X-rays are off.
 void Player::follow_xray() {
   if (!fluoro_ || !live()) return;
   const LessonXray x = desk_->xray();

@@ -8,9 +8,9 @@
 namespace trephine {
 namespace {
 
-constexpr std::size_t looked_at = 8;    // pictures, of which the median counts
+constexpr std::size_t looked_at = 8;    // pictures, whose median counts
 constexpr double much_quicker = 0.35;   // of the target
-constexpr int quick_before_raised = 5;  // medians
+constexpr int quick_before_raised = 5;  // medians in a row that are much quicker
 constexpr int most_raised = 2;
 
 }  // namespace

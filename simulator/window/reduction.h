@@ -9,10 +9,10 @@
 
 namespace trephine {
 
-/// Where pictures take longer than they should, what makes them good is left out step by step, what is missed least
-/// first: smooth edges and the darkening of creases; grain; triangles far from the tool; the tool's shadow and half of
-/// the pixels. Never a surface. Where pictures are then much quicker than they need be, the last step is taken back, at
-/// most twice.
+/// Where pictures take longer than they should, their quality is reduced step by step, beginning with what is missed
+/// least: smooth edges and the darkening of creases; grain; triangles far from the tool; the tool's shadow and half of
+/// the pixels. No surface is ever left out. Where pictures are then much quicker than they need to be, the last step is
+/// taken back, at most twice.
 class Reduction {
  public:
   /// `target_ms` 0: nothing is ever left out. `software`: the processor draws, so the first step is taken at once.

@@ -75,9 +75,9 @@ bool Remote::serve(Client& c, const std::function<std::string(const std::string&
     std::string line = c.received.substr(0, end);
     c.received.erase(0, end + 1);
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line.find(" HTTP/1.") != std::string::npos) return false;  // a page in a browser, which no teacher's script is
+    if (line.find(" HTTP/1.") != std::string::npos) return false;  // a page in a browser, and not a script of the user
     const std::string said = answer(line) + "\n";
-    // An answer is short; who does not take it is let go.
+    // An answer is short; a client that does not read it is disconnected.
     if (::send(c.socket, said.data(), said.size(), MSG_NOSIGNAL) != ssize_t(said.size())) return false;
   }
   return !ended && c.received.size() <= longest_line;
@@ -104,7 +104,7 @@ HeadReceiver::~HeadReceiver() { ::close(socket_); }
 
 void HeadReceiver::poll(Vec3& head_mm) {
   char bytes[129];
-  // Who sends faster than pictures are drawn does not stop them.
+  // A sender that is faster than the pictures must not stop them.
   ssize_t n = 0;
   for (int k = 0; k < 256 && (n = ::recv(socket_, bytes, sizeof bytes - 1, 0)) >= 0; ++k) {
     bytes[n] = 0;

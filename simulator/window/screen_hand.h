@@ -33,7 +33,7 @@ struct ScreenHandParams {
 struct HandGoal {
   Vec3 tip_mm, axis{0, 0, 1};
   std::uint32_t buttons = 0;
-  std::uint32_t lifts = 0;  ///< another number: the hand takes the tool away, and is there at once
+  std::uint32_t lifts = 0;  ///< a new number: the hand takes the tool away, and is at the goal at once
   double least_most_n = 0;  ///< it may pull as hard as that, whatever hand_most_n says: what the tool needs to pierce
 };
 

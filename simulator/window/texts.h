@@ -94,7 +94,7 @@ enum class Text {
 enum class Language { english, german };
 const std::vector<std::pair<std::string, Language>>& languages();
 const char* text_of(Language language, Text text);
-/// The table's other word for what a lesson calls its steps and figures in English; itself where there is none.
+/// The word in that language for a lesson's step or figure, which has an English name; the name where there is none.
 std::string translated(Language language, const std::string& english);
 
 }  // namespace trephine

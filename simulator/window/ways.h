@@ -8,8 +8,8 @@
 
 namespace trephine {
 
-/// A further dot of a way, where it is at least `apart_mm` from the last; of too many every second one goes and the
-/// distance doubles, so that a long way costs no more than a short one.
+/// Adds a dot to a way, where it is at least `apart_mm` from the last one. Where there are too many, every second dot
+/// is removed and the distance doubles, so that a long way costs no more than a short one.
 void add_dot(std::vector<Vec3>& way, Vec3 at, double& apart_mm);
 
 /// Where the tool went in a recording, as dots. Of a lesson, which has several tools: that of the tool which was in
