@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # A case in the formats of other programs: every file is there and says the case's own triangles, the same bytes whatever
-# the threads, and what cannot be done is refused with its exit code and leaves nothing.
+# the threads, and what cannot be done is refused with its exit code and leaves nothing. LONG=1: on the scan's own voxels.
 . "$(dirname "$0")/common.sh"
 export_() { "$TREPHINE" export --quiet "$@"; }
-"$TREPHINE" run --quiet "$SOURCE/configs/sample.yaml" --out "$work/library" >"$work/run.log" 2>&1 ||
+"$TREPHINE" run --quiet "$SOURCE/configs/sample.yaml" --out "$work/library" "${coarse[@]}" >"$work/run.log" 2>&1 ||
   { cat "$work/run.log" >&2; fail "no case to export"; }
 case=$work/library/sample
 
@@ -66,7 +66,7 @@ cmp "$work/back.seg.nrrd.nrrd" "$work/back.nii.gz.nrrd" || fail "the labels of s
 # Points as markups of 3D Slicer: given to a run again they stay where they are, and so does the case.
 export_ "$case" --format mrk.json --out "$work/points"
 "$TREPHINE" run --quiet "$SOURCE/configs/sample.yaml" --landmarks "$work/points/landmarks.mrk.json" --out "$work/again" \
-  --no-pictures --no-page --cache "$work/library/.trephine-cache" >"$work/run.log" 2>&1 || { cat "$work/run.log" >&2; fail "no case of given landmarks"; }
+  "${coarse[@]}" --no-pictures --no-page --cache "$work/library/.trephine-cache" >"$work/run.log" 2>&1 || { cat "$work/run.log" >&2; fail "no case of given landmarks"; }
 "$TREPHINE" diff --quiet "$case" "$work/again/sample" --max-point-mm 1e-6 --max-deviation-mm 1e-6 --json "$work/diff.json"
 python3 - "$case" "$work/points" "$work/diff.json" <<'PY'
 import json, pathlib, sys

@@ -3,13 +3,14 @@
 # A second run takes everything from the cache and gives the same case; a damaged cache is as good as none; Ctrl-C and
 # kill -9 leave the old case and no temporary file after the next run; one parameter recomputes only what depends on it.
 . "$(dirname "$0")/common.sh"
-# LONG=1: all of the sample head; else its skin and skull on coarse voxels.
+# LONG=1: all of the sample head; else its skin and skull on very coarse voxels, for it is made ten times.
 config=$SOURCE/configs/sample_drilled.yaml
 coarse=(--set "haptic.spacing_mm=[1.6,1.6,1.6]")
 seen=(skin.segment skull.decimate brain.decimate skull.measure burr_hole_1 skull.boolean haptic.voxelize haptic.mismatch)
 changed=ventricles
 if ((LONG == 0)); then
   config=$work/c.yaml
+  coarse=(--set "haptic.spacing_mm=[3,3,3]")
   cp -r "$SOURCE/sample_dicom" "$SOURCE/configs/materials.yaml" "$SOURCE/pipelines/ventriculostomy.yaml" "$work"
   cat >"$config" <<Y
 trephine: 1
@@ -18,7 +19,7 @@ series: sample_dicom
 pipeline: ventriculostomy.yaml
 scene: s.yaml
 burr_holes: [{at: position, position_mm: [-25, -38, 116]}]
-set: {resample.spacing_mm: [2.5, 2.5, 2.5]}
+set: {resample.spacing_mm: [4, 4, 4]}
 Y
   cat >"$work/s.yaml" <<Y
 trephine: 1
