@@ -17,7 +17,7 @@ touch "$folder/root/trephine.root"
 cp -r "$source/pipelines" "$folder/root/"
 cat >"$folder/root/configs/scene.yaml" <<'YAML'
 trephine: 1
-anatomies: {brain: {}, ventricles: {}}
+anatomies: {ventricles: {}}  # the brain is computed for them, but its surface need not be
 YAML
 echo "head   brain Dice  ventr. Dice  seconds of the run"
 while read -r name variant seed noise slice slices tilt turn shift; do

@@ -198,8 +198,23 @@ TEST(VolumeFolder, OfSeveralMetaImages) {
   EXPECT_LT(norm(lattice_of(r.volume).to_world_mm({0, 19, 0}) - ct.to_world_mm({0, 19, 0})), 1e-9);
 }
 
-// Damaged MINC files: the parent lives, and what is read lies where the file's attributes now say.
+// Damaged MINC files: the parent lives, and what is read lies where the file's attributes now say, with the values that
+// valid_range, image-min and image-max now say.
 namespace {
+
+/// Where a double lies in the file, each time that it occurs.
+std::vector<std::size_t> places_of(const std::vector<char>& bytes, double number) {
+  const char* raw = reinterpret_cast<const char*>(&number);
+  std::vector<std::size_t> found;
+  for (auto at = bytes.begin(); (at = std::search(at, bytes.end(), raw, raw + 8)) != bytes.end(); ++at)
+    found.push_back(static_cast<std::size_t>(at - bytes.begin()));
+  return found;
+}
+double double_at(const std::vector<char>& bytes, std::size_t at) {
+  double v;
+  std::memcpy(&v, bytes.data() + at, 8);
+  return v;
+}
 
 void read_minc_mutants(std::uint64_t count, std::uint64_t seed) {
   const ScratchFolder folder;
@@ -207,16 +222,20 @@ void read_minc_mutants(std::uint64_t count, std::uint64_t seed) {
   const fs::path file = folder.path() / "m.mnc";
   write_volume_file(file, ct);
   const std::vector<char> whole = read_file(file);
-  // Where each step lies in the file: these doubles occur once.
   std::array<std::size_t, 3> step_at{};
   for (std::size_t a = 0; a < 3; ++a) {
-    const double step = ct.spacing_mm[static_cast<int>(a)];
-    const char* raw = reinterpret_cast<const char*>(&step);
-    const auto at = std::search(whole.begin(), whole.end(), raw, raw + 8);
-    ASSERT_NE(at, whole.end());
-    ASSERT_EQ(std::search(at + 1, whole.end(), raw, raw + 8), whole.end()) << "the step's double occurs twice";
-    step_at[a] = static_cast<std::size_t>(at - whole.begin());
+    const auto places = places_of(whole, ct.spacing_mm[static_cast<int>(a)]);
+    ASSERT_EQ(places.size(), 1u) << "the step's double occurs once";
+    step_at[a] = places[0];
   }
+  // valid_range lies as two numbers side by side; image-min and image-max are the other two.
+  const auto lows = places_of(whole, -32768), highs = places_of(whole, 32767);
+  ASSERT_EQ(lows.size(), 2u);
+  ASSERT_EQ(highs.size(), 2u);
+  const bool first = highs[0] == lows[0] + 8 || highs[1] == lows[0] + 8;
+  const std::size_t stored_low = lows[first ? 0 : 1], image_low = lows[first ? 1 : 0], stored_high = stored_low + 8,
+                    image_high = highs[highs[0] == stored_high ? 1 : 0];
+  ASSERT_TRUE(highs[0] == stored_high || highs[1] == stored_high);
   int read = 0, refused = 0, died = 0, other_voxels = 0, other_place = 0;
   for (std::uint64_t n = 0; n < count; ++n) {
     std::vector<char> mutant = whole;
@@ -231,21 +250,30 @@ void read_minc_mutants(std::uint64_t count, std::uint64_t seed) {
       const Lattice& l = lattice_of(v.volume);
       ASSERT_EQ(l.count(), ct.count()) << n;
       for (std::size_t a = 0; a < 3; ++a) {
-        double said;
-        std::memcpy(&said, mutant.data() + step_at[a], 8);
-        ASSERT_NEAR(l.spacing_mm[static_cast<int>(a)], std::fabs(said), 1e-9 * std::fabs(said)) << n;
+        const double said = std::fabs(double_at(mutant, step_at[a]));
+        ASSERT_NEAR(l.spacing_mm[static_cast<int>(a)], said, 1e-9 * said) << n;
       }
       other_place += norm(l.to_world_mm({0, 0, 0}) - ct.to_world_mm({0, 0, 0})) > 1e-6;
-      const auto* grid = std::get_if<Grid<std::int16_t>>(&v.volume);
-      other_voxels += !grid || grid->voxels != ct.voxels;
+      const double low = double_at(mutant, stored_low), high = double_at(mutant, stored_high),
+                   zero = double_at(mutant, image_low), scale = (double_at(mutant, image_high) - zero) / (high - low);
+      bool other = false;
+      for (std::size_t i = 0; i < ct.voxels.size(); ++i) {
+        const double said = zero + (ct.voxels[i] - low) * scale,
+                     is = std::visit([&](const auto&g) { return double(g.voxels[i]); }, v.volume);
+        ASSERT_NEAR(is, said, 1e-6 * (std::fabs(zero) + std::fabs(said) + 32768)) << n << ": another value unsaid";
+        other = other || is != ct.voxels[i];
+      }
+      other_voxels += other;
     } catch (const Error& e) {
       ASSERT_TRUE(e.code() == ExitCode::bad_input || e.code() == ExitCode::internal) << e.what();
       ++refused;
       died += e.code() == ExitCode::internal;
     }
   }
-  std::printf("MINC: %d read (%d with other voxels, %d elsewhere), %d refused, %d of them by the child's death\n", read,
-              other_voxels, other_place, refused, died);
+  std::printf(
+      "MINC: %d read (%d with other values, as the file then says, %d elsewhere), %d refused, %d of them by the "
+      "child's death\n",
+      read, other_voxels, other_place, refused, died);
   EXPECT_GT(refused, 0);
   EXPECT_GT(read, 0);
 }

@@ -78,23 +78,6 @@ void require_three_axes(hid_t file, const ItkVolume& head) {
   }
 }
 
-// A piece of the image that a damaged index has lost would be read as zeros.
-void require_all_pieces(hid_t file) {
-  const Id image(H5Dopen2(file, image_name, H5P_DEFAULT), H5Dclose);
-  const Id layout(H5Dget_create_plist(image), H5Pclose), space(H5Dget_space(image), H5Sclose);
-  if (H5Pget_layout(layout) != H5D_CHUNKED) return;
-  std::array<hsize_t, 3> size{}, piece{};
-  H5Sget_simple_extent_dims(space, size.data(), nullptr);
-  if (H5Pget_chunk(layout, 3, piece.data()) != 3) bad("image", "is damaged");
-  hsize_t wanted = 1, stored = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    if (piece[a] == 0) bad("image", "is damaged");
-    wanted *= (size[a] + piece[a] - 1) / piece[a];
-  }
-  if (H5Dget_num_chunks(image, space, &stored) < 0 || stored != wanted)
-    bad("image", "lacks some of its voxels: the file is damaged");
-}
-
 template <class T>
 std::array<double, 2> range_of(std::string_view voxels) {
   std::array<double, 2> range{0, 0};
@@ -159,7 +142,6 @@ ItkVolume minc_geometry(const std::string& name) {
   ItkVolume head;
   for (std::size_t a = 0; a < 3; ++a) take_axis(file, a, head);
   require_three_axes(file, head);
-  require_all_pieces(file);
   return head;
 }
 

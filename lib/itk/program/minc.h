@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -12,6 +15,28 @@ namespace trephine {
 /// Throws Error 65: not MINC 2, not three dimensions in space, irregular spacing, units that are not mm, a
 /// start, step or direction that is missing.
 ItkVolume minc_geometry(const std::string& file);
+
+/// What two readers of the same voxels must agree in.
+struct ValueFigures {
+  double smallest = 0, largest = 0, sum = 0;
+  std::uint64_t count = 0;
+  void add(double v) {
+    smallest = count == 0 ? v : std::min(smallest, v);
+    largest = count == 0 ? v : std::max(largest, v);
+    sum += v;
+    ++count;
+  }
+  bool agree(const ValueFigures& b) const {
+    const double near = 1e-5 * (std::fabs(smallest) + std::fabs(largest)) + 1e-12;
+    return count == b.count && count > 0 && std::fabs(smallest - b.smallest) <= near &&
+           std::fabs(largest - b.largest) <= near && std::fabs(sum - b.sum) <= near * static_cast<double>(count);
+  }
+};
+
+/// The figures of the voxels by what the file says of them (valid_range, image-min and image-max, one number or one for
+/// each slice), read without libminc, which takes 0, 1 and the type's range for what is missing. Throws Error 65: one
+/// of these is missing or damaged, the range is not the type's, the file has lost a part of the image.
+ValueFigures minc_values(const std::string& file);
 
 /// Writes a MINC 2 file: voxels as they are, without scaling, dates, history and the name of the user, which libminc
 /// writes into each file. Throws Error 74.

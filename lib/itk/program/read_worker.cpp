@@ -70,29 +70,41 @@ void put_voxels(ItkVolume head, const std::vector<char>& bytes, ChildRequest& to
     in_pieces(float{});
 }
 
-void put_voxels_of(itk::ImageIOBase::IOComponentEnum type, const ItkVolume& head, const std::vector<char>& bytes,
-                   ChildRequest& to) {
+/// Calls `use` with a zero of the type that ITK gives.
+template <class Use>
+void with_type(itk::ImageIOBase::IOComponentEnum type, const Use& use) {
   using Type = itk::ImageIOBase::IOComponentEnum;
   switch (type) {
     case Type::CHAR:
-      return put_voxels<signed char>(head, bytes, to);
+      return use(static_cast<signed char>(0));
     case Type::UCHAR:
-      return put_voxels<unsigned char>(head, bytes, to);
+      return use(static_cast<unsigned char>(0));
     case Type::SHORT:
-      return put_voxels<short>(head, bytes, to);
+      return use(short{0});
     case Type::USHORT:
-      return put_voxels<unsigned short>(head, bytes, to);
+      return use(static_cast<unsigned short>(0));
     case Type::INT:
-      return put_voxels<int>(head, bytes, to);
+      return use(0);
     case Type::UINT:
-      return put_voxels<unsigned>(head, bytes, to);
+      return use(0u);
     case Type::FLOAT:
-      return put_voxels<float>(head, bytes, to);
+      return use(0.0f);
     case Type::DOUBLE:
-      return put_voxels<double>(head, bytes, to);
+      return use(0.0);
     default:
       bad("type", "values of this type are not read: 8, 16 and 32 bits, float and double are");
   }
+}
+
+void require_values(const std::string& file, itk::ImageIOBase::IOComponentEnum type, const std::vector<char>& bytes) {
+  ValueFigures figures;
+  with_type(type, [&](auto zero) {
+    using T = decltype(zero);
+    const T* from = reinterpret_cast<const T*>(bytes.data());
+    for (std::size_t n = 0; n < bytes.size() / sizeof(T); ++n) figures.add(static_cast<double>(from[n]));
+  });
+  if (!minc_values(file).agree(figures))
+    bad("data", "its values are not what valid_range, image-min and image-max say, or are no numbers");
 }
 
 void read(ItkFormat format, const std::string& file, ChildRequest& request) {
@@ -149,8 +161,10 @@ void read(ItkFormat format, const std::string& file, ChildRequest& request) {
   second->Read(again.data());
   if (bytes != again) bad("data", "the file is cut short or damaged");
   again = {};
+  request.report(0.6);
+  if (format == ItkFormat::minc) require_values(file, io->GetComponentType(), bytes);
   request.report(0.8);
-  put_voxels_of(io->GetComponentType(), head, bytes, request);
+  with_type(io->GetComponentType(), [&](auto zero) { put_voxels<decltype(zero)>(head, bytes, request); });
 }
 
 const ChildWorker worker(read_worker_name, [](ChildRequest& request) {
