@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <fstream>
@@ -65,7 +68,7 @@ Refused refused(const ExternalParams& params) {
 
 /// Whether this kernel lets a program be confined; then it must be.
 struct Kernel {
-  bool network = false, files = false;
+  bool network = false, services = false, files = false;
   Kernel() {
     const ScratchFolder folder;
     ConfinedRequest request;
@@ -74,6 +77,7 @@ struct Kernel {
     request.log = folder.path() / "log.txt";
     const ConfinedResult result = run_confined(request);
     network = result.network_open.empty();
+    services = result.services_open.empty();
     files = result.files_open.empty();
   }
 };
@@ -223,6 +227,26 @@ TEST(External, HasNoNetworkAndWritesNowhereElse) {
   p.may_write = {{folder.path().string()}};
   EXPECT_EQ(refused(p).code, 0);
   EXPECT_TRUE(fs::exists(sign));
+}
+
+TEST(External, ReachesNoServiceAndLeavesNoSharedMemory) {
+  if (!Kernel().services) GTEST_SKIP() << "this kernel hides no service";
+  const ScratchFolder folder;
+  const fs::path file = folder.path() / "service";
+  sockaddr_un at{};
+  at.sun_family = AF_UNIX;
+  ASSERT_LT(file.string().size(), sizeof at.sun_path);
+  file.string().copy(at.sun_path, sizeof at.sun_path - 1);
+  const int service = socket(AF_UNIX, SOCK_STREAM, 0), client = socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_EQ(bind(service, reinterpret_cast<sockaddr*>(&at), sizeof at), 0);
+  ASSERT_EQ(listen(service, 4), 0);
+  const Refused is = refused(params_of("services", file.string()));
+  EXPECT_EQ(is.code, 0) << is.text;
+  EXPECT_FALSE(fs::exists("/dev/shm/trephine-external-note"));
+  // The service itself goes on.
+  EXPECT_EQ(connect(client, reinterpret_cast<sockaddr*>(&at), sizeof at), 0);
+  close(client);
+  close(service);
 }
 
 TEST(External, ItsEnvironmentIsItsOwn) {

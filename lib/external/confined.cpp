@@ -109,12 +109,14 @@ void keep(ChildRequest& r) {
   const double time_limit_s = in.at("time_limit_s");
   const auto memory_bytes = in.at("memory_bytes").get<std::uint64_t>();
 
-  const Separation apart = separate();
+  const Separation apart = separate(memory_bytes);
   const Restriction files(in.at("may_write").get<std::vector<std::string>>());
-  if (in.at("require_confined").get<bool>() && !(apart.network_open.empty() && files.open().empty()))
+  std::string open;
+  for (const std::string& one : {apart.network_open, apart.services_open, files.open()})
+    if (!one.empty()) open += (open.empty() ? "" : ", ") + one;
+  if (in.at("require_confined").get<bool>() && !open.empty())
     throw Error(ExitCode::internal, "", "require_confined",
-                "the kernel does not confine the program, and it was not started (" + apart.network_open +
-                    (apart.network_open.empty() || files.open().empty() ? "" : ", ") + files.open() + ")");
+                "the kernel does not confine the program, and it was not started (" + open + ")");
   prctl(PR_SET_CHILD_SUBREAPER, 1);
   int ends[2];
   if (pipe(ends) != 0) throw Error(ExitCode::internal, "", "external", "no pipe can be made");
@@ -144,6 +146,7 @@ void keep(ChildRequest& r) {
   end_descendants(getpid());
   const bool ended = heard && told.why_not_started == 0;
   Json out{{"timed_out", timed_out}, {"over_memory", over_memory}, {"network_open", apart.network_open}};
+  out["services_open"] = apart.services_open;
   out["files_open"] = files.open();
   out["not_started"] = told.why_not_started ? std::strerror(told.why_not_started) : "";
   out["signal"] = ended && WIFSIGNALED(told.status) ? WTERMSIG(told.status) : 0;
@@ -183,6 +186,7 @@ ConfinedResult run_confined(const ConfinedRequest& request, const Progress& prog
   made.over_memory = out.at("over_memory");
   made.not_started = out.at("not_started");
   made.network_open = out.at("network_open");
+  made.services_open = out.at("services_open");
   made.files_open = out.at("files_open");
   return made;
 }

@@ -28,8 +28,8 @@ struct ConfinedResult {
   int signal = 0;  ///< the signal that ended it, or 0
   bool timed_out = false, over_memory = false;
   std::string not_started;  ///< why it could not be started; empty where it was
-  /// What the kernel did not allow, each with the reason; empty where it is confined: "no network", "files".
-  std::string network_open, files_open;
+  /// What the kernel did not allow, each with the reason; empty where it is confined.
+  std::string network_open, services_open, files_open;
 };
 
 /// Runs the program and waits. It gets no network (a user, process and network namespace of its own, in which only

@@ -127,9 +127,11 @@ class Run {
     std::error_code ignored;
     fs::create_directories((scratch_.folder() / params_.labels_file).parent_path(), ignored);
     write_file(scratch_.folder() / "input.nii.gz", encode_nifti(volume, true));
+    report_.add("program_sha256", sha256_of_file(program_));
     const ConfinedResult result = run_confined(request_of(params_.arguments), progress);
     require_good(result, "");
     for (const auto& [open, what] : {std::make_pair(result.network_open, "has the network"),
+                                     {result.services_open, "may speak to services of this machine"},
                                      {result.files_open, "may write where the user may"}}) {
       if (open.empty()) continue;
       report_.warn(std::string("the program ") + what + ", the kernel allows no other (" + open + ")");

@@ -70,8 +70,8 @@ struct ExternalParams {
 /// as decode_labels does.
 ///
 /// The result has one layer of uint8 or int16 with the declared names. Report: said_version (the first line),
-/// output_sha256 (of the file's bytes), output_format, labels_count, labelled_ml. Warns where the program was not
-/// confined, and of what the file's reader warns.
+/// program_sha256 (of the program's file), output_sha256 (of the file's bytes), output_format, labels_count,
+/// labelled_ml. Warns where the program was not confined, and of what the file's reader warns.
 ///
 /// Throws Error: 64 for parameters that make no sense, and where the program says another version; 66 where there is no
 /// such program; 70 where it exceeds a limit, is killed, or ends with another code than 0 (with the last line that it

@@ -6,6 +6,7 @@
 #include <net/if.h>
 #include <sched.h>
 #include <sys/ioctl.h>
+#include <sys/mount.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -15,6 +16,8 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <fstream>
+#include <set>
 
 #include "base/error.h"
 
@@ -59,15 +62,45 @@ void keep_numbers(uid_t user, gid_t group) {
                 std::string("the namespace takes no user: ") + std::strerror(errno));
 }
 
+/// The socket files that processes of this network namespace listen on, or have bound.
+std::set<std::string> socket_files() {
+  std::set<std::string> files;
+  std::ifstream table("/proc/net/unix");
+  for (std::string line; std::getline(table, line);)
+    if (const auto at = line.find(" /"); at != std::string::npos) files.insert(line.substr(at + 1));
+  return files;
+}
+
+/// Lays something else over what must not be reached. The mounts are seen by this process and its children alone.
+std::string hide_services(const std::set<std::string>& sockets, std::uint64_t shared_memory_bytes) {
+  const auto fault = [](const std::string& what) { return what + " cannot be hidden: " + std::strerror(errno); };
+  if (mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0) return fault("services");
+  const std::string size = "mode=1777,size=" + std::to_string(shared_memory_bytes);
+  if (access("/dev/shm", F_OK) == 0 &&
+      mount("tmpfs", "/dev/shm", "tmpfs", MS_NOSUID | MS_NODEV | MS_NOEXEC, size.c_str()) != 0)
+    return fault("/dev/shm");
+  for (const std::string& file : sockets)  // one that is gone, or in a folder closed to the user, needs no hiding
+    if (mount("/dev/null", file.c_str(), nullptr, MS_BIND, nullptr) != 0 && errno != ENOENT && errno != EACCES &&
+        errno != ENOTDIR)
+      return fault("a socket file");
+  return "";
+}
+
 }  // namespace
 
-Separation separate() {
+Separation separate(std::uint64_t shared_memory_bytes) {
   const uid_t user = geteuid();
   const gid_t group = getegid();
   prctl(PR_SET_DUMPABLE, 1);  // else /proc/self is root's, and the numbers cannot be said
   Separation made;
-  if (unshare(CLONE_NEWUSER | CLONE_NEWNET | CLONE_NEWPID | CLONE_NEWIPC) == 0 ||
-      unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0) {
+  made.services_open = "no mount namespace";
+  const std::set<std::string> sockets = socket_files();
+  if (unshare(CLONE_NEWUSER | CLONE_NEWNET | CLONE_NEWPID | CLONE_NEWIPC | CLONE_NEWNS) == 0) {
+    keep_numbers(user, group);
+    bring_up_loopback();
+    made.services_open = hide_services(sockets, shared_memory_bytes);
+  } else if (unshare(CLONE_NEWUSER | CLONE_NEWNET | CLONE_NEWPID | CLONE_NEWIPC) == 0 ||
+             unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0) {
     keep_numbers(user, group);
     bring_up_loopback();
   } else if (const int why = errno; unshare(CLONE_NEWNET) == 0) {

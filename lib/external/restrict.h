@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -7,13 +8,16 @@ namespace trephine {
 
 /// What separate() could not do.
 struct Separation {
-  std::string network_open;  ///< why the network stays open; empty where it is closed
+  std::string network_open;   ///< why the network stays open; empty where it is closed
+  std::string services_open;  ///< why socket files and /dev/shm of this machine stay open; empty where they are closed
 };
 
 /// Puts this process, which must have one thread, and its children into a user and a network namespace of their own
 /// with loopback alone, and its children into a process namespace, which ends with the first of them. The user keeps
-/// his numbers. Where the kernel does not allow all of it, as much as it does.
-Separation separate();
+/// his numbers. In a mount namespace, too, /dev/shm is an empty one of its own of at most so many bytes, which ends
+/// with the last process, and each socket file that a process of this network namespace listens on now is hidden. Where
+/// the kernel does not allow all of it, as much as it does.
+Separation separate(std::uint64_t shared_memory_bytes);
 
 /// Landlock rules by which a process, and all that it starts, may write beneath these folders and to devices, and
 /// nowhere else.

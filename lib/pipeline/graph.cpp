@@ -361,15 +361,6 @@ class Builder {
 
 }  // namespace
 
-std::vector<std::pair<std::string, ParameterValue>> Node::recorded() const {
-  std::vector<std::pair<std::string, ParameterValue>> all;
-  for (const ParameterLeaf& leaf : leaves_of(params)) {
-    const auto file = file_sha256.find(leaf.path);
-    all.emplace_back(leaf.path, file == file_sha256.end() ? leaf.value() : ParameterValue("sha256 " + file->second));
-  }
-  return all;
-}
-
 int Graph::find(const std::string& name) const {
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (nodes[i].name == name) return static_cast<int>(i);

@@ -20,6 +20,7 @@ anatomies:
           arguments: [$1, "{input}", "{output}"]
           names: {tissue: 1, bone: 2}
           time_limit_s: 20
+          environment: {MODEL: "--weights=/home/private/w.pt mode=fast and/or"}
   skull:
     shows_face: false
     stages: [labels: {map: labeller.external, label: bone}, contour, decimate, smooth, normals]
@@ -49,12 +50,15 @@ expect 64 'labeller\.external: runs the program ".*external_program".*--allow-ex
 [[ ! -e $work/out/labelled ]] || fail "a refused run left a case"
 "${run[@]}" --allow-external --keep "$work/keep" --json "$work/run.json" >"$work/said" 2>&1 || { cat "$work/said"; fail "no case of labels"; }
 python3 - "$work/out/labelled/case.json" "$work/run.json" "$LABELLER" <<'PY'
-import json, sys
+import hashlib, json, sys
 manifest, run = (json.load(open(f)) for f in sys.argv[1:3])
 made_of = {k: v for k, v in manifest["provenance"]["parameters"].items() if k.startswith("labeller.external.")}
 of = lambda name: made_of["labeller.external." + name]
-assert of("program") == sys.argv[3] and of("arguments.0") == "good" and of("version") == "1.7", made_of
+assert of("program") == sys.argv[3].rpartition("/")[2] and of("arguments.0") == "good" and of("version") == "1.7", made_of
 assert of("said_version") == "labeller 1.7 (test)" and len(of("output_sha256")) == 64, made_of
+assert of("program_sha256") == hashlib.sha256(open(sys.argv[3], "rb").read()).hexdigest(), made_of
+assert of("environment.MODEL") == "--weights=w.pt mode=fast and/or", made_of
+assert "private" not in open(sys.argv[1]).read() and sys.argv[3] not in open(sys.argv[1]).read()
 volumes = {a["name"]: a["volume_ml"] for a in manifest["anatomies"]}
 assert 400 < volumes["skull"] < 1200 and volumes["head"] > 2.5 * volumes["skull"], volumes
 stages = run["stages"]
