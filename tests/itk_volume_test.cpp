@@ -164,7 +164,27 @@ TEST_F(Volumes, OtherFormatsThatItkReads) {
   const VolumeFile read = read_volume_file(vtk);
   EXPECT_EQ(std::get<Grid<std::int16_t>>(read.volume).voxels, ct.voxels);
   EXPECT_EQ(read.warnings.size(), 1u);
-  EXPECT_EQ(refusal(write("h.hdr", std::string(348, '\0'))).field, "format");
+  // Analyze, which does not say which side is left, in a folder of its own.
+  std::string header(348, '\0');
+  const auto put = [&](std::size_t at, auto v) { std::memcpy(header.data() + at, &v, sizeof v); };
+  put(0, std::int32_t{348});
+  const std::int16_t dim[] = {3, 24, 20, 18};
+  for (std::size_t a = 0; a < 4; ++a) put(40 + 2 * a, dim[a]);
+  put(70, std::int16_t{4});
+  put(72, std::int16_t{16});
+  const float steps[] = {2.5f, 3, 4};
+  for (std::size_t a = 0; a < 3; ++a) put(80 + 4 * a, steps[a]);
+  fs::create_directories(folder.path() / "pair");
+  EXPECT_EQ(refusal(write("pair/h.hdr", header)).field, "image");
+  const fs::path image = write("pair/h.img", bytes_of<std::int16_t>(ct));
+  EXPECT_EQ(refusal(folder.path() / "pair/h.hdr").field, "analyze_axes");
+  EXPECT_EQ(refusal(image).field, "format");
+  const VolumeFile pair = read_volume_file(folder.path() / "pair/h.hdr", {}, "LPS");
+  EXPECT_EQ(std::get<Grid<std::int16_t>>(pair.volume).voxels, ct.voxels);
+  EXPECT_EQ(pair.format, "Analyze");
+  EXPECT_EQ(pair.warnings.size(), 1u);
+  EXPECT_EQ(find_volume_files(folder.path() / "pair").size(), 1u) << "the image is no volume of its own";
+  EXPECT_EQ(data_file_of(folder.path() / "pair/h.hdr"), image);
 }
 
 TEST_F(Volumes, AMetaImageThatLeavesAnythingOpenIsRefused) {

@@ -38,7 +38,7 @@ Report convert(const ParsedCommand& parsed, const Progress& progress) {
   Report report;
   std::string format;
   std::vector<std::string> warnings;
-  const AnyGrid grid = read_grid_file(input, &format, &warnings, progress.part(0, 0.5));
+  const AnyGrid grid = read_grid_file(input, &format, &warnings, progress.part(0, 0.5), parsed.text("analyze_axes"));
   write_volume_file(parsed.path("output"), grid, progress.part(0.5, 1));
   const Lattice& lattice = std::visit([](const auto& g) -> const Lattice& { return g; }, grid);
   report.add("format", format);
@@ -59,18 +59,24 @@ Command convert_command() {
   c.name = "convert";
   c.summary = "writes a volume, a field or labels in another program's format";
   c.description =
-      "Reads a volume (NRRD, NIfTI, MetaImage, GIPL, VTK image, MINC 2) and writes its voxels as they are, in the "
+      "Reads a volume (NRRD, NIfTI, Analyze, MetaImage, GIPL, VTK image, MINC 2) and writes its voxels as they are, in "
+      "the "
       "format "
       "that the output's ending says. Place and axes are kept, in each format's own convention, and the file is read "
       "back before it gets its name. GIPL and VTK images hold no directions, so only volumes along left, back and up "
       "are written so. Nothing else of the input is carried over: no name, date or comment. The values are not judged; "
       "`import` reads a CT into HU.";
   c.examples = {"trephine convert head.nrrd --output head.mnc", "trephine convert skull.nrrd --output skull.mha",
-                "trephine convert painted.mha --output painted.nii.gz"};
+                "trephine convert painted.mha --output painted.nii.gz",
+                "trephine convert old.hdr --analyze-axes LAS --output old.nii.gz"};
   Argument input = argument("input", Kind::in_file, "The volume.");
   Argument output = argument("output", Kind::out_file, "Where it goes (" + endings_text() + ").");
   input.positional = input.required = output.required = true;
-  c.arguments = {input, output, report_argument()};
+  Argument axes = argument("analyze_axes", Kind::text,
+                           "Of Analyze 7.5 (.hdr and .img), which does not say which side is left: the sides to which "
+                           "its columns, rows and slices rise, as three letters, one of R and L, one of A and P, one "
+                           "of S and I.");
+  c.arguments = {input, output, axes, report_argument()};
   c.run = [](const ParsedCommand& parsed) {
     run_with_report(parsed, [&](const Progress& progress) { return convert(parsed, progress); });
     return ExitCode::ok;

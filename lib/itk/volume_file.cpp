@@ -15,6 +15,7 @@
 #include "base/memory_budget.h"
 #include "base/temporary_folder.h"
 #include "base/write_file.h"
+#include "grid/image_pair.h"
 #include "grid/nifti.h"
 #include "grid/nrrd.h"
 #include "grid/nrrd_header.h"
@@ -27,17 +28,30 @@ namespace fs = std::filesystem;
 
 namespace {
 
-enum class Kind { none, nifti, nrrd, detached_nrrd, meta_image, gipl, vtk, minc, analyze };
+enum class Kind { none, nifti, nrrd, detached_nrrd, meta_image, gipl, vtk, minc, pair, image };
 
 Kind kind_of(const fs::path& file) {
   static const std::pair<const char*, Kind> endings[] = {
-      {".nii", Kind::nifti},      {".nii.gz", Kind::nifti},   {".nrrd", Kind::nrrd},   {".nhdr", Kind::detached_nrrd},
-      {".mha", Kind::meta_image}, {".mhd", Kind::meta_image}, {".gipl", Kind::gipl},   {".gipl.gz", Kind::gipl},
-      {".vtk", Kind::vtk},        {".mnc", Kind::minc},       {".hdr", Kind::analyze}, {".img", Kind::analyze},
-      {".img.gz", Kind::analyze}};
+      {".nii", Kind::nifti},      {".nii.gz", Kind::nifti},   {".nrrd", Kind::nrrd}, {".nhdr", Kind::detached_nrrd},
+      {".mha", Kind::meta_image}, {".mhd", Kind::meta_image}, {".gipl", Kind::gipl}, {".gipl.gz", Kind::gipl},
+      {".vtk", Kind::vtk},        {".mnc", Kind::minc},       {".hdr", Kind::pair},  {".img", Kind::image},
+      {".img.gz", Kind::image}};
   for (const auto& [ending, kind] : endings)
     if (has_ending(file, ending)) return kind;
   return Kind::none;
+}
+
+/// The other file of a header and an image; empty where there is none.
+fs::path image_of_pair(fs::path header) {
+  std::error_code none;
+  for (const char* ending : {".img", ".img.gz"})
+    if (fs::is_regular_file(header.replace_extension(ending), none)) return header;
+  return {};
+}
+fs::path header_of_pair(fs::path image) {
+  std::error_code none;
+  if (has_ending(image, ".gz")) image.replace_extension();
+  return fs::is_regular_file(image.replace_extension(".hdr"), none) ? image : fs::path();
 }
 
 // DICOM files of any name; those without a preamble too where the name is one that scanners' exports have.
@@ -46,10 +60,13 @@ bool is_dicom(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   in.read(head, sizeof head);
   if (in && std::memcmp(head + 128, "DICM", 4) == 0) return true;
-  return kind_of(file) == Kind::analyze && (head[0] == 8 || head[0] == 2) && head[1] == 0;
+  const Kind kind = kind_of(file);
+  const bool alone = kind == Kind::pair || (kind == Kind::image && header_of_pair(file).empty());
+  return alone && (head[0] == 8 || head[0] == 2) && head[1] == 0;
 }
 
 bool is_data_file(const fs::path& file) {
+  if (has_ending(file, ".img") || has_ending(file, ".img.gz")) return !header_of_pair(file).empty();
   return has_ending(file, ".raw") || has_ending(file, ".zraw") || has_ending(file, ".raw.gz");
 }
 
@@ -74,6 +91,19 @@ VolumeFile read_nifti(const fs::path& file) {
   Nifti nifti = decode_nifti({bytes.data(), bytes.size()});
   VolumeFile out = decoded(std::move(nifti.grid), "NIfTI");
   out.warnings = std::move(nifti.warnings);
+  return out;
+}
+
+VolumeFile read_pair(const fs::path& file, const std::string& analyze_axes) {
+  const fs::path image = image_of_pair(file);
+  if (image.empty()) throw Error(ExitCode::no_input, "", "image", "lacks its other file, .img or .img.gz, beside it");
+  const std::vector<char> head = read_file(file), data = read_file(image);
+  ImagePair pair =
+      join_image_pair({head.data(), head.size()}, {data.data(), data.size()}, image.extension() == ".gz", analyze_axes);
+  Nifti nifti = decode_nifti(pair.nifti);
+  VolumeFile out = decoded(std::move(nifti.grid), pair.is_analyze ? "Analyze" : "NIfTI");
+  out.warnings = std::move(pair.warnings);
+  out.warnings.insert(out.warnings.end(), nifti.warnings.begin(), nifti.warnings.end());
   return out;
 }
 
@@ -167,7 +197,7 @@ HuVolume right_handed(HuVolume volume) {
       std::move(volume));
 }
 
-VolumeFile read_any(const fs::path& file, const Progress& progress) {
+VolumeFile read_any(const fs::path& file, const Progress& progress, const std::string& analyze_axes) {
   switch (kind_of(file)) {
     case Kind::nifti:
       return read_nifti(file);
@@ -192,9 +222,10 @@ VolumeFile read_any(const fs::path& file, const Progress& progress) {
     }
     case Kind::minc:
       return read_with_itk(file, ItkFormat::minc, "MINC", progress);
-    case Kind::analyze:
-      throw Error(ExitCode::bad_input, "", "format",
-                  "Analyze does not say which side is left: write it as NIfTI with the program that knows");
+    case Kind::pair:
+      return read_pair(file, analyze_axes);
+    case Kind::image:
+      throw Error(ExitCode::usage, "", "format", "is the image of a pair: name its header, the .hdr beside it");
     case Kind::none:
       break;
   }
@@ -226,9 +257,11 @@ std::vector<fs::path> find_volume_files(const fs::path& path) {
   return found;
 }
 
-VolumeFile read_volume_file(const fs::path& file, const Progress& progress) {
+VolumeFile read_volume_file(const fs::path& file, const Progress& progress, const std::string& analyze_axes) {
   return with_file(file.string(), [&] {
-    VolumeFile out = read_any(file, progress);
+    if (!analyze_axes.empty() && kind_of(file) != Kind::pair)
+      throw Error(ExitCode::usage, "", "analyze_axes", "is only for Analyze (.hdr)");
+    VolumeFile out = read_any(file, progress, analyze_axes);
     out.volume = right_handed(std::move(out.volume));
     return out;
   });
@@ -239,6 +272,7 @@ fs::path data_file_of(const fs::path& file) {
   return with_file(file.string(), [&] {
     return kind == Kind::meta_image                            ? check_meta_header(head_of(file), file).data_file
            : kind == Kind::detached_nrrd || kind == Kind::nrrd ? check_nrrd_text(head_of(file), file).data_file
+           : kind == Kind::pair                                ? image_of_pair(file)
                                                                : fs::path();
   });
 }

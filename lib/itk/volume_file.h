@@ -13,7 +13,7 @@ namespace trephine {
 /// A volume of one value a voxel from a file that is no DICOM. LPS, mm; whole numbers as int16 where all fit.
 struct VolumeFile {
   HuVolume volume;
-  std::string format;  ///< "NIfTI", "NRRD", "MetaImage", "GIPL", "VTK image", "MINC"
+  std::string format;  ///< "NIfTI", "Analyze", "NRRD", "MetaImage", "GIPL", "VTK image", "MINC"
   std::vector<std::string> warnings;
 };
 
@@ -32,15 +32,18 @@ std::vector<std::filesystem::path> find_volume_files(const std::filesystem::path
 /// spacing, place and direction, and ITK must have understood the same (as must the attributes of a MINC file, whose
 /// RAS becomes LPS); the bytes must be as many as the header says; a data file must lie beside its header.
 ///
-/// GIPL and VTK do not say which way the axes lie: they are taken as LPS, with a warning. Analyze 7.5 is refused: it
-/// does not say which side is left. Metres and micrometres become mm where the file has units.
+/// GIPL and VTK do not say which way the axes lie: they are taken as LPS, with a warning. A header and an image in two
+/// files (.hdr with .img or .img.gz) are NIfTI or Analyze 7.5, which does not say which side is left: then
+/// `analyze_axes` must, as join_image_pair says (grid/image_pair.h), with a warning. Metres and micrometres become mm
+/// where the file has units.
 ///
-/// Throws Error 66; 65 naming the field: damaged, sheared axes, colours, more than one volume, a voxel that is not
-/// finite, over 4e9 voxels; 70 as run_child.
-VolumeFile read_volume_file(const std::filesystem::path& file, const Progress& progress = {});
+/// Throws Error 66; 64 where analyze_axes is missing, or given for another format; 65 naming the field: damaged,
+/// sheared axes, colours, more than one volume, a voxel that is not finite, over 4e9 voxels; 70 as run_child.
+VolumeFile read_volume_file(const std::filesystem::path& file, const Progress& progress = {},
+                            const std::string& analyze_axes = "");
 
-/// The file beside a header (.mhd, .nhdr) that holds its voxels; empty where they are in the file itself. Throws Error
-/// 65 where the header is refused.
+/// The file beside a header (.mhd, .nhdr, .hdr) that holds its voxels; empty where they are in the file itself. Throws
+/// Error 65 where the header is refused.
 std::filesystem::path data_file_of(const std::filesystem::path& file);
 /// Hash of the bytes of the file and of its data file. Throws as read_volume_file does.
 std::string hash_of_volume_file(const std::filesystem::path& file);

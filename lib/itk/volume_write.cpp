@@ -162,14 +162,14 @@ void write_volume_file(const fs::path& file, const AnyGrid& grid, const Progress
 }
 
 AnyGrid read_grid_file(const fs::path& file, std::string* format, std::vector<std::string>* warnings,
-                       const Progress& progress) {
+                       const Progress& progress, const std::string& analyze_axes) {
   const auto tell = [&](const std::string& name, const std::vector<std::string>& said) {
     if (format) *format = name;
     if (warnings) *warnings = said;
   };
   const std::string name = file.filename().string();
   const Ending* ending = ending_of(file);
-  if (ending && !ending->itk) {
+  if (ending && !ending->itk && analyze_axes.empty()) {
     const bool nrrd = std::string_view(ending->text) == ".nrrd";
     try {
       return with_file(file.string(), [&]() -> AnyGrid {
@@ -186,7 +186,7 @@ AnyGrid read_grid_file(const fs::path& file, std::string* format, std::vector<st
       if (!nrrd || (e.field() != "encoding" && e.field() != "data file")) throw;
     }
   }
-  VolumeFile volume = read_volume_file(file, progress);
+  VolumeFile volume = read_volume_file(file, progress, analyze_axes);
   tell(volume.format, volume.warnings);
   return std::visit([](auto&& g) -> AnyGrid { return std::move(g); }, std::move(volume.volume));
 }

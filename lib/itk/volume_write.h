@@ -26,7 +26,7 @@ void write_volume_file(const std::filesystem::path& file, const AnyGrid& grid, c
 /// read_volume_file gives it. `format` (may be null) becomes the format's name, `warnings` what is to be said. Throws
 /// as read_volume_file.
 AnyGrid read_grid_file(const std::filesystem::path& file, std::string* format, std::vector<std::string>* warnings,
-                       const Progress& progress = {});
+                       const Progress& progress = {}, const std::string& analyze_axes = "");
 
 /// read_labels of every format that write_volume_file writes (not of two files: a cache knows the one that is named).
 LabelFile read_label_file(const std::filesystem::path& file, const Progress& progress = {});
