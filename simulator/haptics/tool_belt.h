@@ -36,7 +36,7 @@ constexpr int count = int(sizeof names / sizeof *names);
 struct BeltToolParams : ToolParams {
   std::string name;
   bool blunt = false, marks = false, cuts = false;
-  double pierce_n = 0;
+  double pierce_n = 0, cuts_wider_mm = 0;
   template <class V>
   static void describe(V& v) {
     using P = BeltToolParams;
@@ -47,6 +47,8 @@ struct BeltToolParams : ToolParams {
     v.flag(&P::cuts, "cuts", "While the pedal is down it drills.");
     v.number(&P::pierce_n, "pierce_n", Range{0, 100},
              "Force at which it enters and leaves what else nothing enters, such as bone; 0: it does not.");
+    v.number(&P::cuts_wider_mm, "cuts_wider_mm", Range{0, 5},
+             "How much wider than the tool is felt its drill cuts, in diameter, so that it fits into what it cut.");
   }
 };
 

@@ -27,14 +27,17 @@ FeltCase::FeltCase(const std::filesystem::path& folder, const std::string& shape
 std::unique_ptr<Drilling> FeltCase::drilling_of(const RecordingHeader& header, ContactVolume& contact,
                                                 DirtyBricks* marks) {
   if (!header.drilling.drill) return nullptr;
-  const ToolParams* tool = &header.tool;
+  ToolParams tool = header.tool;
   for (const BeltToolParams& t : header.tools)
-    if (t.cuts) tool = &t;
+    if (t.cuts) {
+      tool = own_tool(t);
+      tool.tool_diameter_mm += t.cuts_wider_mm;
+    }
   DrillShapes shapes = drill_shapes_of(loaded.manifest.haptic);
-  if (tool->tool == "scalpel")
+  if (tool.tool == "scalpel")
     for (DrillShape& s : shapes) s.cuttable = s.cuttable && !(s.energy_j_per_mm3 > 0);
   return std::make_unique<Drilling>(loaded.haptic, contact, shapes, header.drilling, header.law,
-                                    cutter_of(header.drilling, own_tool(*tool)), marks);
+                                    cutter_of(header.drilling, own_tool(tool)), marks);
 }
 
 RecordingHeader FeltCase::header() const {
