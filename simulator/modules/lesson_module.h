@@ -48,6 +48,13 @@ struct LessonXray {
   std::vector<MetalRod> metal;
 };
 
+/// X-rays that were on without a break, as its review shows them: what was seen at their end.
+struct LessonShot {
+  double begin_s = 0, end_s = 0;
+  LessonXray::Pose seen;
+  std::vector<MetalRod> metal;
+};
+
 /// A lesson that the program knows: everything that commands, scripts, reports, logs and curricula need of it. Every
 /// simulator/scoring/NAME_module.cpp defines `LessonModule NAME_module()`, and CMake finds it; its rubric is declared
 /// in lib/lesson/NAME_rubric.cpp. Nothing else names a module.
@@ -80,6 +87,8 @@ struct LessonModule {
   std::function<std::vector<Vec3>(const LessonFacts&)> ink;
   /// Of a lesson with a C-arm; else empty. A lesson that does not need its pictures shows them where the case has a CT.
   std::function<LessonXray(const Lesson&, const CaseManifest&)> xray;
+  /// And all that was seen, in the order of time.
+  std::function<std::vector<LessonShot>(const LessonFacts&, const CaseManifest&)> shots;
   /// 1: the tool is shown in green, as it succeeded; -1: in red, as it failed; 0: neither. By the lesson's rubric.
   std::function<int(const LessonFacts&, const AnyParams& rubric)> verdict;
 

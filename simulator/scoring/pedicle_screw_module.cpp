@@ -55,6 +55,7 @@ LessonModule pedicle_screw_module() {
   m.pictures = spine_pictures;
   m.status = spine_status;
   m.xray = spine_xray;
+  m.shots = spine_shots;
   return m;
 }
 

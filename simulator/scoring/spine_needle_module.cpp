@@ -63,6 +63,7 @@ LessonModule spine_needle_module() {
     return std::vector<LessonGuide>{{"Needle through a pedicle", "needle", ""}, {"Finished", "", "finish"}};
   };
   m.xray = spine_xray;
+  m.shots = spine_shots;
   return m;
 }
 

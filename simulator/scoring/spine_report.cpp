@@ -89,19 +89,27 @@ std::vector<LessonStatus> spine_status(const LessonFacts& lesson) {
           {"exposure_s", "X-rays, s", fmt::format("{:.1f}", f.exposure_s())}};
 }
 
+static LessonXray::Pose pose_of(const CaseManifest& manifest, const ArmPose& p) {
+  return {p.view(), p.orbit_deg, p.tilt_deg, arm_of(manifest, p)};
+}
+
+std::vector<LessonShot> spine_shots(const LessonFacts& lesson, const CaseManifest& manifest) {
+  std::vector<LessonShot> all;
+  for (const FluoroShot& s : own(lesson).shots)
+    all.push_back({s.begin_s, s.end_s, pose_of(manifest, s.arm), {s.metal()}});
+  return all;
+}
+
 LessonXray spine_xray(const Lesson& lesson, const CaseManifest& manifest) {
   const SpineNeedle& spine = static_cast<const SpineNeedle&>(lesson);
-  const auto pose = [&](const ArmPose& p) {
-    return LessonXray::Pose{p.view(), p.orbit_deg, p.tilt_deg, arm_of(manifest, p)};
-  };
   const SpineNeedleFacts& f = spine.facts();
   LessonXray x;
-  x.now = pose(spine.arm());
+  x.now = pose_of(manifest, spine.arm());
   x.on = spine.exposing();
   x.exposure_s = f.exposure_s();
   x.shots_count = f.shots.size();
   if (f.shots.empty()) return x;
-  x.seen = pose(f.shots.back().arm);
+  x.seen = pose_of(manifest, f.shots.back().arm);
   x.metal = {f.shots.back().metal()};
   return x;
 }

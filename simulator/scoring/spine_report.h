@@ -11,6 +11,7 @@ std::vector<StepChoice> spine_steps();
 nlohmann::ordered_json spine_facts_json(const LessonFacts& facts);
 std::vector<LessonStatus> spine_status(const LessonFacts& facts);
 LessonXray spine_xray(const Lesson& lesson, const CaseManifest& manifest);
+std::vector<LessonShot> spine_shots(const LessonFacts& facts, const CaseManifest& manifest);
 std::string spine_pictures(const LessonFacts& facts, const LoadedCase& loaded);
 
 }  // namespace trephine

@@ -182,6 +182,7 @@ void Hud::draw(Player& player, Controls& controls, const PictureTimes& times, in
     if (player.playback()) playback_panel(player, width, height);
   }
   if (player.has_xray()) xray_panel(player, controls, width, height);
+  if (!player.shots_taken().empty()) shot_panel(player, width, height);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }

@@ -36,6 +36,8 @@ class Hud {
   void lesson_panel(Player& player, Controls& controls);
   void score_panel(const Player& player, int width, int height);
   void xray_panel(Player& player, Controls& controls, int width, int height);
+  void shot_panel(Player& player, int width, int height);  // of a review
+  void xray_picture(const Player& player, float edge);
   void playback_panel(Player& player, int width, int height);
   const char* say(Text text) const { return text_of(language_, text); }
   double scale_;

@@ -30,6 +30,52 @@ void upload(const FluoroPicture& picture) {
 
 }  // namespace
 
+void Hud::xray_picture(const Player& player, float edge) {
+  const MadeFluoro* seen = player.xray();
+  if (!seen) return ImGui::Dummy({edge, edge});
+  if (texture_ == 0) glGenTextures(1, &texture_);
+  if (in_texture_ != player.xrays_made()) {
+    GLint before = 0;
+    glGetIntegerv(GL_TEXTURE_BINDING_2D, &before);
+    glBindTexture(GL_TEXTURE_2D, texture_);
+    upload(seen->picture);
+    glBindTexture(GL_TEXTURE_2D, GLuint(before));
+    in_texture_ = player.xrays_made();
+  }
+  ImGui::Image(reinterpret_cast<ImTextureID>(std::intptr_t(texture_)), {edge, edge});
+}
+
+// What X-rays had shown last at the moment that a review shows, with the way to the shots before and after it.
+void Hud::shot_panel(Player& player, int width, int height) {
+  const std::vector<LessonShot>& shots = player.shots_taken();
+  const int shown = player.shot_shown(), count = int(shots.size());
+  const float letter = ImGui::GetFontSize(), side = std::clamp(0.45f * float(std::min(width, height)), 120.f, 512.f);
+  ImGui::SetNextWindowPos({8, float(height) - 5 * letter}, ImGuiCond_FirstUseEver, {0, 1});
+  ImGui::SetNextWindowSize({side, side + 6 * letter}, ImGuiCond_FirstUseEver);
+  ImGui::Begin(fmt::format("{}###shots", say(Text::fluoroscopy)).c_str(), nullptr,
+               ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
+  ImGui::TextColored(sky, "%s %d / %d", say(Text::shots), shown + 1, count);
+  if (shown >= 0) {
+    const LessonShot& s = shots[std::size_t(shown)];
+    ImGui::SameLine();
+    ImGui::TextUnformatted(fmt::format(" {:.1f} s, {:.1f} s", s.begin_s, s.end_s - s.begin_s).c_str());
+    ImGui::TextColored(grey, "%s %.0f, %s %.0f", say(Text::arm_turned), s.seen.orbit_deg, say(Text::arm_tilted),
+                       s.seen.tilt_deg);
+  }
+  const ImVec2 room = ImGui::GetContentRegionAvail();
+  const float edge = std::max(32.f, std::min(room.x, room.y - 2 * letter));
+  if (shown >= 0)
+    xray_picture(player, edge);
+  else
+    ImGui::Dummy({edge, edge});
+  for (const int by : {-1, 1}) {
+    if (by > 0) ImGui::SameLine();
+    const int to = shown + by;
+    if (ImGui::SmallButton(by < 0 ? " < " : " > ") && to >= 0 && to < count) player.go_to(shots[std::size_t(to)].end_s);
+  }
+  ImGui::End();
+}
+
 void Hud::xray_panel(Player& player, Controls& controls, int width, int height) {
   const LessonXray x = player.desk()->xray();
   const float letter = ImGui::GetFontSize(), side = std::clamp(0.5f * float(std::min(width, height)), 120.f, 512.f);
@@ -55,21 +101,7 @@ void Hud::xray_panel(Player& player, Controls& controls, int width, int height) 
   ImGui::SameLine();
   ImGui::TextUnformatted(fmt::format(" {:.1f} s, {}: {}", x.exposure_s, say(Text::shots), x.shots_count).c_str());
   const ImVec2 room = ImGui::GetContentRegionAvail();
-  const float edge = std::max(32.f, std::min(room.x, room.y - 3.2f * letter));
-  if (seen) {
-    if (texture_ == 0) glGenTextures(1, &texture_);
-    if (in_texture_ != player.xrays_made()) {
-      GLint before = 0;
-      glGetIntegerv(GL_TEXTURE_BINDING_2D, &before);
-      glBindTexture(GL_TEXTURE_2D, texture_);
-      upload(seen->picture);
-      glBindTexture(GL_TEXTURE_2D, GLuint(before));
-      in_texture_ = player.xrays_made();
-    }
-    ImGui::Image(reinterpret_cast<ImTextureID>(std::intptr_t(texture_)), {edge, edge});
-  } else {
-    ImGui::Dummy({edge, edge});
-  }
+  xray_picture(player, std::max(32.f, std::min(room.x, room.y - 3.2f * letter)));
   const auto button = [&](const char* label, const char* how, bool on_line) {
     if (on_line) ImGui::SameLine();
     if (ImGui::SmallButton(label)) controls.said = player.move_arm(how);

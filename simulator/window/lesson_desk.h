@@ -70,6 +70,10 @@ class LessonDesk {
   int verdict() const;  ///< LessonModule::verdict
   bool has_arm() const { return bool(module_.xray); }
   LessonXray xray() const { return module_.xray(*lesson_, manifest_); }  ///< where it has one
+  /// The X-rays of the lesson that was judged, for its review.
+  std::vector<LessonShot> shots() const {
+    return module_.shots && judged_ ? module_.shots(*judged_->scored.facts, manifest_) : std::vector<LessonShot>();
+  }
   /// What the marker drew and nobody erased, as dots; true where it changed since the last call.
   bool take_ink(std::vector<Vec3>& ink_mm);
 

@@ -89,7 +89,7 @@ class Loop {
     if (player_.takes_shot()) {
       const std::filesystem::path file = player_.next_shot();
       write_file(file, png_of(read_picture(width, height)));
-      if (const MadeFluoro* xray = player_.xray(); xray && player_.has_xray())
+      if (const MadeFluoro* xray = player_.xray(); xray && (player_.has_xray() || player_.shot_shown() >= 0))
         write_file(file.parent_path() / (file.stem().string() + "-xray.png"),
                    grey_png(xray->picture.size, xray->picture.size, xray->picture.grey));
       controls_.said = file.string();

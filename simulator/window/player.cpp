@@ -229,6 +229,7 @@ void Player::step(double wall_s) {
       stage_->set_tool(playback_->tool());
     }
     look_at(playback_->frame());
+    follow_review_xray();
   } else {
     view_->write({camera.right(), camera.up, goal_.least_most_n});
     meet_session();

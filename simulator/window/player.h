@@ -91,9 +91,12 @@ class Player {
   bool live() const { return !playback_; }
   const Playback* playback() const { return playback_.get(); }
   const ServoFrame& frame() const { return frame_; }
-  const LessonDesk* desk() const { return desk_.get(); }                ///< null without a lesson
-  bool has_xray() const { return fluoro_ != nullptr && live(); }        ///< a lesson with a C-arm goes on
-  bool commanding() const { return desk_ && desk_->commanding(); }      ///< a lesson's command waits for the servo
+  const LessonDesk* desk() const { return desk_.get(); }            ///< null without a lesson
+  bool has_xray() const { return fluoro_ != nullptr && live(); }    ///< a lesson with a C-arm goes on
+  bool commanding() const { return desk_ && desk_->commanding(); }  ///< a lesson's command waits for the servo
+  /// The X-rays that a review shows, and which of them at its moment: the last one that had begun; -1 before the first.
+  const std::vector<LessonShot>& shots_taken() const { return shots_taken_; }
+  int shot_shown() const;
   const MadeFluoro* xray() const { return seen_ ? &*seen_ : nullptr; }  ///< the last picture; null before the first
   std::uint64_t xrays_made() const { return xrays_made_; }
   std::vector<std::string> tools() const;
@@ -127,6 +130,7 @@ class Player {
   void follow_session();
   void follow_lesson(const std::vector<ServoFrame>& frames);
   void follow_xray();
+  void follow_review_xray();
   std::string xray_state() const;
   void begin_review();
   void ink(const ServoFrame& frame);
@@ -152,6 +156,8 @@ class Player {
   std::unique_ptr<FluoroThread> fluoro_;  // reads patient_, or worked_on_
   std::optional<MadeFluoro> seen_;
   std::uint64_t xrays_made_ = 0;
+  std::vector<LessonShot> shots_taken_;  // of a review
+  int shot_asked_ = -1;
   std::size_t shots_shown_ = 0;
   double exposure_shown_s_ = 0;
   std::unique_ptr<Session> session_;

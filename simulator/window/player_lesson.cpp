@@ -110,6 +110,7 @@ void Player::begin_review() {
   own.frames = playback_->frames();
   stage_->state.trace_mm = way_of(own);
   playback_->go_to(playback_->end_s());
+  if (fluoro_) shots_taken_ = desk_->shots();
   paused_ = true;
   show_lesson_tool();
   const ScoreSum sum = sum_of(desk_->scored()->score);

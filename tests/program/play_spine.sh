@@ -111,6 +111,20 @@ ok finish
 until_is lesson 'end finished points [0-9]+ of 35'
 ask 'arm lateral'
 [[ $answer == error:* ]] || fail "the arm moves after the end"
+# The review shows what X-rays had shown last at the moment that is looked at, and no X-rays before the first.
+until_is xray '^review shot 2 of 2 .* view lateral .* size_px 512 tip_px '
+second_s=$(sed -E 's/.* begin_s ([^ ]+) .*/\1/' <<<"$answer")
+ok shot
+for try in {1..100}; do [[ -s $work/shots/picture-003-xray.png ]] && break; sleep 0.1; done
+in_picture "$work/shots/picture-003-xray.png"
+ok "go_to $(awk -v s="$second_s" 'BEGIN { print s - 0.05 }')"
+until_is xray '^review shot 1 of 2 .* view ap .* size_px 512 tip_px '
+ok shot
+for try in {1..100}; do [[ -s $work/shots/picture-004-xray.png ]] && break; sleep 0.1; done
+in_picture "$work/shots/picture-004-xray.png"
+cmp -s "$work/shots/picture-003-xray.png" "$work/shots/picture-004-xray.png" && fail "both moments show one picture"
+ok 'go_to 0'
+until_is xray '^review shot 0 of 2$'
 ok quit
 finish 0
 one=$work/out/r-01-spine_needle-01-spine
@@ -129,7 +143,7 @@ PY
 # The open exercise: finder, then screw.
 begin pedicle_screw
 until_is lesson 'tool finder'
-ok 'tool screw_5.5x40'
+until_is 'tool screw_5.5x40' '^ok$'  # once its device is there
 until_is lesson 'tool screw_5.5x40'
 xdotool keydown space
 until_is xray '^on .* tip_px '
