@@ -2,6 +2,8 @@
 if(TARGET trephine-itk AND TARGET trephine_phantom)
 trephine_test(itk itk dicom phantom library)
 add_dependencies(itk_test trephine-itk)
+find_package(HDF5 REQUIRED COMPONENTS C)  # tests make files of it that a program of good will would not
+target_link_libraries(itk_test PRIVATE hdf5::hdf5)
 # No program but trephine-itk loads ITK.
 if(NOT TREPHINE_SANITIZE)
   add_test(NAME program.itk_apart COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/itk_apart.sh)

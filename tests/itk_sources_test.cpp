@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Which volume a path and a name mean: nothing else than what the user chose is read.
 #include <gtest/gtest.h>
+#include <hdf5.h>
 
 #include <functional>
 
@@ -137,5 +138,47 @@ TEST(VolumeSource, AMemoryOfSeriesSeesFilesBesideThem) {
     const std::string before = memory.content_of(path, any_values(), false, {}).sha256;
     write_data(1);
     EXPECT_NE(memory.content_of(path, any_values(), false, {}).sha256, before) << path;
+  }
+}
+
+// HDF5 follows links into other files, reads voxels from other files, and takes voxels that were never written for
+// zeros.
+TEST(VolumeSource, AnHdf5FileReadsNoOtherFile) {
+  const ScratchFolder folder;
+  const fs::path file = folder.path() / "m.mnc", other = folder.path() / "other.mnc";
+  write_volume_file(other, counted(5));
+  write_file(folder.path() / "secret.bin", std::string(1000, 's'));
+  const char* image = "/minc-2.0/image/0/image";
+  enum { link, external, unwritten };
+  for (const int way : {link, external, unwritten}) {
+    write_volume_file(file, counted(5));
+    EXPECT_EQ(std::get<Grid<std::int16_t>>(read_volume_file(file).volume).voxels, counted(5).voxels);
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);  // closes what is open in it, too
+    const hid_t f = H5Fopen(file.c_str(), H5F_ACC_RDWR, access);
+    const hid_t old = H5Dopen2(f, image, H5P_DEFAULT);
+    const hid_t space = H5Dget_space(old), type = H5Dget_type(old), plain = H5Pcreate(H5P_DATASET_CREATE);
+    ASSERT_GE(H5Ldelete(f, image, H5P_DEFAULT), 0);
+    if (way == link) {
+      ASSERT_GE(H5Lcreate_external(other.c_str(), image, f, image, H5P_DEFAULT, H5P_DEFAULT), 0);
+    } else {
+      if (way == external)
+        ASSERT_GE(H5Pset_external(plain, (folder.path() / "secret.bin").c_str(), 0, 5 * 6 * 7 * 2), 0);
+      const hid_t fresh = H5Dcreate2(f, image, type, space, H5P_DEFAULT, plain, H5P_DEFAULT);
+      ASSERT_GE(fresh, 0);
+      for (const char* name : {"dimorder", "valid_range"}) {
+        const hid_t from = H5Aopen(old, name, H5P_DEFAULT);
+        const hid_t kind = H5Aget_type(from), extent = H5Aget_space(from);
+        char bytes[256] = {};
+        ASSERT_LE(H5Tget_size(kind) * std::size_t(H5Sget_simple_extent_npoints(extent)), sizeof bytes);
+        ASSERT_GE(H5Aread(from, kind, bytes), 0);
+        ASSERT_GE(H5Awrite(H5Acreate2(fresh, name, kind, extent, H5P_DEFAULT, H5P_DEFAULT), kind, bytes), 0);
+      }
+    }
+    H5Fclose(f);
+    const Error e = fault([&] { read_volume_file(file); });
+    EXPECT_EQ(e.code(), ExitCode::bad_input) << way;
+    EXPECT_NE(std::string(e.what()).find(way == unwritten ? "lacks its voxels" : "another file"), std::string::npos)
+        << way << ": " << e.field() << ": " << e.what();
   }
 }

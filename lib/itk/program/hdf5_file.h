@@ -50,6 +50,25 @@ inline bool is_usual(hid_t type) {
   return false;
 }
 
+/// Throws Error 65 where anything of the file lies in another file: HDF5 would read it there without a word.
+inline void require_self_contained(hid_t file) {
+  const auto look_at_link = [](hid_t, const char*, const H5L_info_t* link, void*) -> herr_t {
+    return link->type == H5L_TYPE_HARD || link->type == H5L_TYPE_SOFT ? 0 : 1;
+  };
+  const auto look_at_object = [](hid_t root, const char* name, const H5O_info_t* object, void*) -> herr_t {
+    if (object->type != H5O_TYPE_DATASET) return 0;
+    const Id data(H5Dopen2(root, name, H5P_DEFAULT), H5Dclose);
+    if (!data.valid()) return -1;
+    const Id layout(H5Dget_create_plist(data), H5Pclose);
+    return H5Pget_external_count(layout) != 0 || H5Pget_layout(layout) == H5D_VIRTUAL ? 1 : 0;
+  };
+  const herr_t links = H5Lvisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at_link, nullptr);
+  const herr_t objects =
+      links == 0 ? H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_NATIVE, look_at_object, nullptr, H5O_INFO_BASIC) : 0;
+  if (links < 0 || objects < 0) bad("", "is damaged");
+  if (links > 0 || objects > 0) bad("links", "lead into another file, which is not read");
+}
+
 /// The numbers of an attribute of an object; none where there is no such attribute.
 inline std::vector<double> numbers_of(hid_t file, const std::string& object, const char* name) {
   if (H5Aexists_by_name(file, object.c_str(), name, H5P_DEFAULT) <= 0) return {};

@@ -139,6 +139,7 @@ ItkVolume minc_geometry(const std::string& name) {
   const Id file(H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.valid() || H5Lexists(file, "/minc-2.0", H5P_DEFAULT) <= 0)
     bad("", "is no MINC 2 file (MINC 1 is not read: convert it with mincconvert -2)");
+  require_self_contained(file);
   ItkVolume head;
   for (std::size_t a = 0; a < 3; ++a) take_axis(file, a, head);
   require_three_axes(file, head);

@@ -24,7 +24,12 @@ constexpr const char* folder = "/minc-2.0/image/0/";
 void require_all_pieces(hid_t image) {
   const Id layout(H5Dget_create_plist(image), H5Pclose), space(H5Dget_space(image), H5Sclose),
       type(H5Dget_type(image), H5Tclose);
-  if (H5Pget_layout(layout) != H5D_CHUNKED) return;
+  if (H5Pget_layout(layout) != H5D_CHUNKED) {
+    H5D_space_status_t stored = H5D_SPACE_STATUS_NOT_ALLOCATED;
+    if (H5Dget_space_status(image, &stored) < 0 || stored != H5D_SPACE_STATUS_ALLOCATED)
+      bad("image", "lacks its voxels: the file is damaged");
+    return;
+  }
   std::array<hsize_t, 3> size{}, piece{}, at{};
   H5Sget_simple_extent_dims(space, size.data(), nullptr);
   if (H5Pget_chunk(layout, 3, piece.data()) != 3 || std::find(piece.begin(), piece.end(), 0u) != piece.end())

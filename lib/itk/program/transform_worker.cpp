@@ -20,6 +20,11 @@ void read(const std::string& file, ChildRequest& request) {
   itk::TransformFactoryBase::RegisterDefaultTransforms();
   const auto io = itk::HDF5TransformIOTemplate<double>::New();
   if (!io->CanReadFile(file.c_str())) bad("", "is no HDF5 file of an ITK transform");
+  {
+    const Id opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+    if (!opened.valid()) bad("", "is damaged");
+    require_self_contained(opened);
+  }
   io->SetFileName(file);
   io->Read();
   MessageWriter out;
