@@ -64,7 +64,7 @@ Tissue tissue_of(const HuView& hu, const Box& box, const CoarseRaster& raster, B
   if (p.edge == SegmentEdge::half_maximum) level_tissue(v, known, report, progress);
   // More noise is averaged over wider planes.
   const double noise = tissue_noise(v, known, progress);
-  check_noise(noise, v);
+  check_noise(noise, v, p.smoothing_sigma_mm);
   Tissue t{v, {}, known, noise};
   const double wide_mm = std::min(most_sheet_mm, sheet_mm_per_noise * noise);
   if (wide_mm >= least_sheet_mm) v = averaged_along_sheets(v, known, wide_mm, progress);

@@ -127,32 +127,59 @@ void level_tissue(Grid<float>& hu, const BitMask& known, Report& report, const P
 
 namespace {
 
-constexpr double structure_mm3 = 8;  // a cube of 2 mm
+constexpr double structure_mm3 = 8;               // a cube of 2 mm
+constexpr double fine_mm = 1.0, coarse_mm = 2.5;  // sigma of the two means that tissue_noise compares
+constexpr double most_smoothing_mm = 2;           // what is smoothed more has no ventricles left
 
-void check_cube_noise(double hu) {
+/// Variance of the difference of two Gaussian means of white noise of density 1 that was smoothed before.
+double variance_of_means(double smoothed_mm) {
+  constexpr double pi = 3.14159265358979323846;
+  const double f = fine_mm * fine_mm + smoothed_mm * smoothed_mm, c = coarse_mm * coarse_mm + smoothed_mm * smoothed_mm;
+  const auto overlap = [&](double a, double b) { return std::pow(2 * pi * (a + b), -1.5); };
+  return overlap(f, f) + overlap(c, c) - 2 * overlap(f, c);
+}
+
+void check_cube_noise(double hu, double smoothed_mm) {
   constexpr double most_hu = 23;  // 20 HU in slices of 3 mm are 15
-  if (hu > most_hu)
-    throw refusal("volume",
-                  fmt::format("noise of {:.0f} HU in a cube of 2 mm, at most {:.0f}: CSF and tissue are not told apart",
-                              hu, most_hu),
-                  {"take a series of a smoother kernel (`import --list` shows all), or set `smoothing_sigma_mm`"});
+  // Each stage measures noise on its own voxels, by up to a fifth differently.
+  constexpr double clear_of_it = 0.75;
+  if (!(hu > most_hu)) return;
+  const std::string what = fmt::format(
+      "noise of {:.0f} HU in a cube of 2 mm, at most {:.0f}: CSF and tissue are not told apart", hu, most_hu);
+  const Remedy series{"take a series of a smoother kernel or of thicker slices (`import --list` shows all)"};
+  const double s = smoothing_for_noise(hu, smoothed_mm, clear_of_it * most_hu);
+  if (!(s <= most_smoothing_mm)) throw refusal("volume", what, series);
+  throw refusal("volume", what,
+                {series.text +
+                 fmt::format(", or set `smoothing_sigma_mm` of the stages `brain` and `ventricles` to {0:.1f} (--set "
+                             "brain.brain.smoothing_sigma_mm={0:.1f} --set "
+                             "ventricles.ventricles.smoothing_sigma_mm={0:.1f}): narrow horns blur, and the class will "
+                             "be uncertain",
+                             s)});
 }
 
 }  // namespace
 
-void check_noise(double noise, const Lattice& lattice) {
-  check_cube_noise(noise / std::sqrt(std::max(structure_mm3, lattice.voxel_volume_mm3())));
+double smoothing_for_noise(double noise, double smoothed_mm, double wanted) {
+  const double share = wanted / noise * std::sqrt(variance_of_means(smoothed_mm));
+  for (int tenths = 1; tenths <= 50; ++tenths)
+    if (const double s = 0.1 * tenths; s > smoothed_mm && std::sqrt(variance_of_means(s)) <= share) return s;
+  return 1e9;
+}
+
+void check_noise(double noise, const Lattice& lattice, double smoothed_mm) {
+  check_cube_noise(noise / std::sqrt(std::max(structure_mm3, lattice.voxel_volume_mm3())), smoothed_mm);
 }
 
 void check_scan_noise(const HuVolume& volume, const Progress& progress) {
   // In coarser voxels the tissue's own detail looks like noise.
   if (lattice_of(volume).voxel_volume_mm3() > structure_mm3) return;
   const ScanFigures scan = measure_scan(volume, progress);
-  if (scan.known()) check_cube_noise(scan.cube_noise_hu);
+  if (scan.known()) check_cube_noise(scan.cube_noise_hu, 0);
 }
 
 double tissue_noise(const Grid<float>& hu, const BitMask& known, const Progress& progress) {
-  constexpr double fine_mm = 1.0, coarse_mm = 2.5, off_edges_mm = 6, near_hu = 10, to_sigma = 1.4826;
+  constexpr double off_edges_mm = 6, near_hu = 10, to_sigma = 1.4826;
   const Lattice& l = hu;
   const BitMask deep = eroded(known, off_edges_mm, progress);
   const Grid<float> fine = masked_gaussian(hu, known, fine_mm, -1000, 0.02, progress),
@@ -169,11 +196,7 @@ double tissue_noise(const Grid<float>& hu, const BitMask& known, const Progress&
         if (deep.get(i, j, k) && std::abs(coarse.at(i, j, k) - tissue) < near_hu)
           spread.push_back(std::abs(fine.at(i, j, k) - coarse.at(i, j, k)));
   const double sigma = to_sigma * median(spread, 0.f);
-  // Variance of the difference of two Gaussian means of white noise of density 1.
-  constexpr double pi = 3.14159265358979323846;
-  const auto overlap = [&](double a, double b) { return std::pow(2 * pi * (a * a + b * b), -1.5); };
-  const double variance = overlap(fine_mm, fine_mm) + overlap(coarse_mm, coarse_mm) - 2 * overlap(fine_mm, coarse_mm);
-  return sigma / std::sqrt(variance);
+  return sigma / std::sqrt(variance_of_means(0));
 }
 
 void total_variation(Grid<float>& hu, const BitMask& domain, double strength_hu_mm, int iterations,

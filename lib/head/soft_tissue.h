@@ -21,8 +21,13 @@ void level_tissue(Grid<float>& hu, const BitMask& known, Report& report, const P
 /// It is computed from the spread between two Gaussian means in the tissue among `known`.
 double tissue_noise(const Grid<float>& hu, const BitMask& known, const Progress& progress = {});
 /// Throws Error 80 where this noise leaves so much in a cube of 2 mm (or a voxel, where that is larger) that CSF and
-/// tissue, some 20 HU apart, cannot be told apart.
-void check_noise(double noise, const Lattice& lattice);
+/// tissue, some 20 HU apart, cannot be told apart. The noise is that of values which a Gaussian of sigma `smoothed_mm`
+/// smoothed before (0: none did); the remedy says which sigma would do.
+void check_noise(double noise, const Lattice& lattice, double smoothed_mm);
+/// The smallest sigma in tenths of a mm, above `smoothed_mm`, of a Gaussian against white noise after which
+/// tissue_noise() would measure at most `wanted` where it measures `noise` after one of smoothed_mm; 1e9 where even 5
+/// mm would not do.
+double smoothing_for_noise(double noise, double smoothed_mm, double wanted);
 /// The same of a scan as measure_scan sees it, whatever the colour of its noise: so much that the skull itself is found
 /// wrong leaves tissue_noise() no tissue to measure. Nothing is checked where
 /// measure_scan does not know the noise, and in voxels of more than 8 mm^3.

@@ -175,15 +175,22 @@ Field ventricles_in(const HuView& hu, const VentriclesMasks& masks, const Ventri
   BitMask envelope = closed(brain, envelope_close_mm, progress);
   envelope |= holes(envelope, {0, 1000, true}, progress);
   BitMask known = eroded(envelope, shell_mm, progress);
-  known &= make_mask(l, [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < l.size[0]; ++i) row[i] = raw.at(i, j, k) > -100 && raw.at(i, j, k) < 160;
-  });
-  if (p.smoothing_sigma_mm > 0)
-    raw = masked_gaussian(std::move(raw), known, p.smoothing_sigma_mm, 1000, 0.02, progress);
+  const auto soft_alone = [&] {
+    return make_mask(l, [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < l.size[0]; ++i) row[i] = raw.at(i, j, k) > -100 && raw.at(i, j, k) < 160;
+    });
+  };
+  if (p.smoothing_sigma_mm > 0) {
+    // Noise takes single voxels out of the range, which are tissue all the same.
+    BitMask averaged = known;
+    averaged &= soft_alone();
+    raw = masked_gaussian(std::move(raw), averaged, p.smoothing_sigma_mm, 1000, 0.02, progress);
+  }
+  known &= soft_alone();
   if (p.edge == SegmentEdge::half_maximum) level_tissue(raw, known, report, progress);
   Field soft = soft_tissue(raw, known, false, strength_ratio, 1000, report, progress);
   const double noise = tissue_noise(raw, known, progress);
-  check_noise(noise, raw);
+  check_noise(noise, raw, p.smoothing_sigma_mm);
   progress.report(0.4);
   const double lower = p.lower_hu;
   double upper = p.upper_hu;
