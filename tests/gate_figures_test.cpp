@@ -71,6 +71,27 @@ TEST(HeadFigures, WidthsOfSimpleShapes) {
   }
 }
 
+// What the scan cannot show makes the class uncertain, however whole the ventricles look.
+TEST(HeadFigures, AScanTooNoisyOrTooSmoothIsUncertain) {
+  Simple s;
+  s.make();
+  const auto class_with = [&](double voxel_hu, double cube_hu, std::int64_t tiles) {
+    segmentation::ScanFigures scan;
+    scan.noise_hu = voxel_hu, scan.cube_noise_hu = cube_hu, scan.tiles_count = tiles;
+    HeadFields fields = s.fields();
+    fields.scan = &scan;
+    Report report;
+    const HeadClass c = measure_head(fields, &s.landmarks, {}, report).head_class;
+    EXPECT_EQ(report.warnings.empty(), c != HeadClass::uncertain);
+    return c;
+  };
+  EXPECT_EQ(class_with(10, 5, 500), HeadClass::normal);
+  EXPECT_EQ(class_with(40, 30, 500), HeadClass::uncertain);
+  EXPECT_EQ(class_with(95, 20, 500), HeadClass::uncertain);
+  EXPECT_EQ(class_with(1.1, 0.8, 500), HeadClass::uncertain);
+  EXPECT_EQ(class_with(1.1, 0.8, 10), HeadClass::normal);  // not known
+}
+
 TEST(HeadFigures, ShiftAgainstPlaneAndAgainstTheInnerSkull) {
   Simple s;
   s.middle = 7;

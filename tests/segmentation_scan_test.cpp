@@ -169,6 +169,9 @@ TEST(ScanVerdict, EveryLimitHasItsVerdictAndItsRemedy) {
   EXPECT_EQ(changed([](ScanFigures& f) { f.edge_mm = 3.5; }), "suited for brain and ventricles, doubtful for skull");
   EXPECT_EQ(changed([](ScanFigures& f) { f.noise_hu = 1.5, f.kernel_mm = 3; }),
             "suited for brain, doubtful for ventricles, suited for skull");
+  // A filter that keeps edges: what noise is left is as fine as before, and its whole HU are finer still.
+  EXPECT_EQ(changed([](ScanFigures& f) { f.noise_hu = 1.1, f.cube_noise_hu = 0.8, f.kernel_mm = 1; }),
+            "suited for brain, doubtful for ventricles, suited for skull");
   EXPECT_EQ(changed([](ScanFigures& f) { f.artefact_ratio = 0.2; }),
             "doubtful for brain and ventricles, suited for skull");
 }

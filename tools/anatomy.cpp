@@ -26,7 +26,13 @@ Report examine(const ParsedCommand& parsed, const Progress& progress) {
     }
   if (!any) throw Error(ExitCode::usage, "", "--skin, --skull, --brain, --ventricles", "none is given");
   const auto field = [&](int a) { return given[a] ? &*given[a] : nullptr; };
-  const HeadFields fields{field(0), field(1), field(2), field(3)};
+  std::optional<HuVolume> volume;
+  segmentation::ScanFigures scan;
+  if (parsed.has("volume")) {
+    volume = read_hu_nrrd(parsed.path("volume"));
+    scan = segmentation::measure_scan(*volume, progress);
+  }
+  const HeadFields fields{field(0), field(1), field(2), field(3), volume ? &scan : nullptr};
   StageData landmarks;
   const HeadLandmarks* known = nullptr;
   if (parsed.has("landmarks")) {
@@ -36,7 +42,7 @@ Report examine(const ParsedCommand& parsed, const Progress& progress) {
   Report report;
   const AnatomyFindings found = examine_anatomy(fields, known, parsed.params<AnatomyGateParams>(), report, progress);
   if (parsed.has("picture") && !found.faults.empty())
-    write_file(parsed.path("picture"), anatomy_picture(read_hu_nrrd(parsed.path("volume")), fields, found.faults[0]));
+    write_file(parsed.path("picture"), anatomy_picture(*volume, fields, found.faults[0]));
   if (!found.faults.empty()) {
     // The measurements are useful even where the check refuses the case.
     if (parsed.has("report")) write_file(parsed.path("report"), report_json(report));
@@ -64,8 +70,8 @@ Command anatomy_command() {
   c.arguments.push_back(report_argument());
   c.groups = {{"Parameters", stage.make_params}};
   c.run = [](const ParsedCommand& parsed) {
-    if (parsed.has("picture") != parsed.has("volume"))
-      throw Error(ExitCode::usage, "", "--picture, --volume", "belong together");
+    if (parsed.has("picture") && !parsed.has("volume"))
+      throw Error(ExitCode::usage, "", "--picture", "needs --volume, of which it is a picture");
     run_with_report(parsed, [&](const Progress& progress) { return examine(parsed, progress); });
     return ExitCode::ok;
   };

@@ -121,5 +121,21 @@ std::vector<std::string> ventricle_doubts(const Field& ventricles, const Ventric
   return out;
 }
 
+std::string scan_doubt(const ScanFigures& scan, const HeadClassParams& params) {
+  if (!scan.known()) return "";
+  if (scan.cube_noise_hu < params.least_cube_noise_hu)
+    return fmt::format(
+        "the scan's noise in a cube of 2 mm is {:.1f} HU, below {:.1f} it was denoised so strongly that narrow horns "
+        "may "
+        "be gone",
+        scan.cube_noise_hu, params.least_cube_noise_hu);
+  if (scan.cube_noise_hu > params.most_cube_noise_hu || scan.noise_hu > params.most_noise_hu)
+    return fmt::format(
+        "the scan's noise is {:.0f} HU a voxel and {:.0f} HU in a cube of 2 mm, above {:.0f} or {:.0f} narrow horns "
+        "cannot be seen",
+        scan.noise_hu, scan.cube_noise_hu, params.most_noise_hu, params.most_cube_noise_hu);
+  return "";
+}
+
 }  // namespace segmentation
 }  // namespace trephine

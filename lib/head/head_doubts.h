@@ -29,4 +29,8 @@ std::vector<std::string> ventricle_doubts(const Field& ventricles, const Ventric
                                           const HeadLandmarks* landmarks, const HeadFigures& figures,
                                           const HeadClassParams& params, Report& report, bool& horns_whole);
 
+/// Why ventricles of such a scan may be wrong whatever they look like: noise that hides horns, or a denoising that took
+/// them away with it. Empty where neither is so, or the noise is not known.
+std::string scan_doubt(const ScanFigures& scan, const HeadClassParams& params);
+
 }  // namespace trephine::segmentation

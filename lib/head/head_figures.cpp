@@ -335,9 +335,11 @@ bool doubt(const HeadFields& fields, const HeadAxes& axes, const Horns& horns, c
            const HeadClassParams& params, HeadFigures& f, Report& report) {
   const double middle = f.midline_shift_mm ? dot(f.midline_place_mm - axes.origin, axes.left) : 0;
   bool horns_whole = true;
-  const auto doubts =
+  auto doubts =
       segmentation::ventricle_doubts(*fields.ventricles, {axes.origin, axes.left, axes.back, middle, horns.monro_back},
                                      landmarks, f, params, report, horns_whole);
+  if (fields.scan)
+    if (const std::string d = segmentation::scan_doubt(*fields.scan, params); !d.empty()) doubts.push_back(d);
   for (const std::string& d : doubts) report.warn("the class is uncertain: " + d);
   if (!horns_whole) f.frontal_horns_mm = f.evans_index_ratio = std::nullopt;
   return !doubts.empty();

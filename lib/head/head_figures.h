@@ -7,6 +7,7 @@
 #include "base/report.h"
 #include "grid/grid.h"
 #include "head/head_landmarks.h"
+#include "mask/scan_figures.h"
 
 namespace trephine {
 
@@ -17,6 +18,7 @@ struct HeadFields {
   const Field* skull = nullptr;
   const Field* brain = nullptr;  ///< includes the ventricles
   const Field* ventricles = nullptr;
+  const segmentation::ScanFigures* scan = nullptr;  ///< of the scan that they were made from
 };
 
 /// The class of a case, which follows from its ventricles; uncertain where they cannot be whole.
@@ -35,6 +37,7 @@ struct HeadClassParams {
   double least_ventricles_ml = 3, most_ventricles_ml = 400;
   double least_evans_ratio = 0.12, most_evans_ratio = 0.75;
   double most_shift_mm = 25;
+  double least_cube_noise_hu = 1.2, most_cube_noise_hu = 23, most_noise_hu = 80;
 
   template <class V>
   static void describe(V& v) {
@@ -64,6 +67,13 @@ struct HeadClassParams {
              "The class is uncertain below this Evans' index.");
     v.number(&P::most_evans_ratio, "most_evans_ratio", Range{0, 1}, "The class is uncertain above this Evans' index.");
     v.number(&P::most_shift_mm, "most_shift_mm", Range{0, 100}, "The class is uncertain above this midline shift.");
+    v.number(&P::least_cube_noise_hu, "least_cube_noise_hu", Range{0, 1000},
+             "The class is uncertain below this noise of the scan in a cube of 2 mm: no scanner has so little, so that "
+             "horns may have been smoothed away with it.");
+    v.number(&P::most_cube_noise_hu, "most_cube_noise_hu", Range{0, 1000},
+             "The class is uncertain above this noise of the scan in a cube of 2 mm.");
+    v.number(&P::most_noise_hu, "most_noise_hu", Range{0, 2000},
+             "The class is uncertain above this noise of a voxel of the scan.");
   }
 };
 
@@ -99,7 +109,8 @@ struct HeadFigures {
 ///   apply, the first of this list is given: uncertain, shifted, hydrocephalic, small, normal. The class is unknown
 ///   where the ventricles or what bounds them are missing.
 ///
-/// - Uncertain: the ventricles cannot be whole (head_doubts.h); each reason is a warning. Where a frontal horn is
+/// - Uncertain: the ventricles cannot be whole, or the scan does not show whether they are (head_doubts.h); each reason
+///   is a warning. Where a frontal horn is
 /// missing
 ///   or a thread, frontal_horns_mm and evans_index_ratio are empty: the width would be measured across the gap.
 ///

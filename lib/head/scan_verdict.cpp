@@ -78,7 +78,9 @@ ScanVerdict judge_scan(const segmentation::ScanFigures& f, const ScanLimits& lim
     return out;
   }
   const bool sharp = f.neighbour_correlation_ratio < sharp_correlation && f.pixel_mm < 0.75;
-  const bool waxy = f.noise_hu < limits.waxy_noise_hu && f.kernel_mm > limits.waxy_kernel_mm;
+  // Filters that keep edges leave the little noise that is left as fine as it was: the kernel alone does not tell.
+  const bool smeared = f.noise_hu < limits.waxy_noise_hu && f.kernel_mm > limits.waxy_kernel_mm;
+  const bool waxy = smeared || f.cube_noise_hu < limits.waxy_cube_noise_hu;
   out.kernel = waxy ? "denoised" : sharp ? "sharp" : "soft";
   const Suitability soft_tissue =
       std::max(above(f.noise_hu, limits.doubtful_noise_hu, limits.unsuited_noise_hu),
@@ -102,8 +104,9 @@ ScanVerdict judge_scan(const segmentation::ScanFigures& f, const ScanLimits& lim
   if (waxy) {
     worsen(out.ventricles, Suitability::doubtful);
     say(Suitability::doubtful, "ventricles",
-        fmt::format("noise of only {:.1f} HU that hangs together over {:.1f} mm: strongly denoised", f.noise_hu,
-                    f.kernel_mm),
+        smeared ? fmt::format("noise of only {:.1f} HU that hangs together over {:.1f} mm: strongly denoised",
+                              f.noise_hu, f.kernel_mm)
+                : fmt::format("noise of only {:.1f} HU in a cube of 2 mm: strongly denoised", f.cube_noise_hu),
         "choose the series without iterative reconstruction or with less of it");
   }
   if (f.artefact_ratio > limits.doubtful_artefact_ratio) {

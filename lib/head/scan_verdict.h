@@ -14,7 +14,7 @@ struct ScanLimits {
   double doubtful_noise_hu = 40, unsuited_noise_hu = 80;
   double doubtful_bone_noise_hu = 75, unsuited_bone_noise_hu = 150;
   double doubtful_slice_mm = 3.5, unsuited_slice_mm = 7;
-  double waxy_noise_hu = 2.5, waxy_kernel_mm = 2.2, doubtful_edge_mm = 3;
+  double waxy_noise_hu = 2.5, waxy_kernel_mm = 2.2, waxy_cube_noise_hu = 1.2, doubtful_edge_mm = 3;
   double doubtful_artefact_ratio = 0.04;
   bool refuse = false;
 
@@ -41,6 +41,8 @@ struct ScanLimits {
         &P::waxy_noise_hu, "waxy_noise_hu", Range{0, 100},
         "Noise of a voxel below which a scan that is correlated over waxy_kernel_mm is taken for strongly denoised: "
         "doubtful for ventricles.");
+    v.number(&P::waxy_cube_noise_hu, "waxy_cube_noise_hu", Range{0, 100},
+             "Noise in a cube of 2 mm below which a scan is taken for strongly denoised, however it is correlated.");
     v.number(&P::waxy_kernel_mm, "waxy_kernel_mm", Range{0, 20}, "See waxy_noise_hu.");
     v.number(&P::doubtful_edge_mm, "doubtful_edge_mm", Range{0, 20},
              "Width of the kernel at edges above which the skull is doubtful.");

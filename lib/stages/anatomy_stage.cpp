@@ -7,7 +7,7 @@ namespace trephine {
 StageType anatomy_stage() {
   StageType s;
   s.name = "anatomy";
-  s.version = 2;
+  s.version = 3;
   s.typical_s = 3;
   s.place = StagePlace::scan;
   s.role = StageRole::check;
@@ -29,19 +29,21 @@ StageType anatomy_stage() {
              {"brain", DataKind::field, false, "the brain"},
              {"ventricles", DataKind::field, false, "the ventricles"},
              {"landmarks", DataKind::landmarks, false, "landmarks and the midsagittal plane"},
-             {"volume", DataKind::volume, false, "CT volume, for a picture of what is wrong"}};
+             {"volume", DataKind::volume, false, "CT volume, for its noise and a picture of what is wrong"}};
   s.output = DataKind::nothing;
   s.make_params = [] { return AnyParams::make<AnatomyGateParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
+    const auto* volume = in.get<HuVolume>("volume");
+    segmentation::ScanFigures scan;
+    if (volume) scan = segmentation::measure_scan(*volume, progress);
     const HeadFields fields{in.get<Field>("skin"), in.get<Field>("skull"), in.get<Field>("brain"),
-                            in.get<Field>("ventricles")};
+                            in.get<Field>("ventricles"), volume ? &scan : nullptr};
     const AnatomyFindings findings =
         examine_anatomy(fields, in.get<HeadLandmarks>("landmarks"), params.as<AnatomyGateParams>(), report, progress);
     try {
       require_anatomy(findings);
     } catch (AnatomyError& e) {
-      if (const auto* volume = in.get<HuVolume>("volume"))
-        e.picture_png = anatomy_picture(*volume, fields, e.faults().front());
+      if (volume) e.picture_png = anatomy_picture(*volume, fields, e.faults().front());
       throw;
     }
     return {};

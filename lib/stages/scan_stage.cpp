@@ -7,7 +7,7 @@ namespace trephine {
 StageType scan_stage() {
   StageType s;
   s.name = "scan";
-  s.version = 1;
+  s.version = 2;
   s.place = StagePlace::scan;
   s.role = StageRole::suitability;
   s.summary = "measures noise, kernel and artefacts of a head's scan and says what it is suited for";
