@@ -167,6 +167,39 @@ TEST(AnatomyGate, BrainInTheBone) {
   expect_fault(head, {"ml of the brain lie in the skull"}, {0, 74, 0}, 35);
 }
 
+// What the message says to set lets the case pass, at the first try, also where several pairs are at fault.
+TEST(AnatomyGate, TheRemedyFollowedWorks) {
+  Head head;
+  head.brain_at = {0, 7, 0};
+  head.skull_at = {8.5, 0, 0};
+  head.ventricles_at = {0, -35, 5};
+  head.make();
+  Report report;
+  AnatomyGateParams params;
+  params.min_skin_skull_gap_mm = 3;
+  const AnatomyFindings found = examine_anatomy(head.fields(), nullptr, params, report);
+  ASSERT_GE(found.faults.size(), 3u);
+  std::string text;
+  try {
+    require_anatomy(found);
+  } catch (const AnatomyError& e) {
+    text = e.what();
+  }
+  const auto follow = [&](const char* key, double& value) {
+    const std::size_t at = text.find(std::string(" for `") + key + "`");
+    if (at == std::string::npos) return false;
+    value = std::stod(text.substr(text.rfind(' ', at - 1) + 1));
+    EXPECT_EQ(text.find(std::string("`") + key + "`", at + 8), std::string::npos) << "said twice: " << text;
+    return true;
+  };
+  EXPECT_TRUE(follow("max_outside_ml", params.max_outside_ml)) << text;
+  EXPECT_TRUE(follow("max_near_mm2", params.max_near_mm2)) << text;
+  follow("max_outside_skull_ml", params.max_outside_skull_ml);
+  follow("max_loose_brain_ml", params.max_loose_brain_ml);
+  const AnatomyFindings now = examine_anatomy(head.fields(), nullptr, params, report);
+  EXPECT_TRUE(now.faults.empty()) << text << "\n" << now.faults[0].what;
+}
+
 TEST(AnatomyGate, BrainOutsideOfTheSkull) {
   Head head;
   head.make();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "base/refusal.h"
@@ -30,10 +31,9 @@ BitMask coarse_bone(const Field& skull) {
   return segmentation::coarse_mask(segmentation::positive(skull, skull), segmentation::coarse_raster(skull, 2), 0);
 }
 
-/// The first part of a remedy; a value and its key follow.
 const Remedy wrong_shape{
     "look there in the pictures: where the shape is wrong, paint it and bring it back by the stage `labels`, or take a "
-    "series of a smoother kernel or thinner slices; where it is right, set "};
+    "series of a smoother kernel or thinner slices"};
 
 struct Gate {
   const HeadFields& fields;
@@ -46,11 +46,13 @@ struct Gate {
   };
   std::vector<Ranked> faults;
 
-  void add(double badness, std::string what, Remedy remedy, std::string value_to_set, Vec3 place, const char* first,
+  using Values = std::vector<std::pair<std::string, double>>;
+  void add(double badness, std::string what, Remedy remedy, Values values_to_set, Vec3 place, const char* first,
            const char* second) {
     faults.push_back(
-        {badness, {std::move(what), std::move(remedy.text), std::move(value_to_set), place, first, second}});
+        {badness, {std::move(what), std::move(remedy.text), std::move(values_to_set), place, first, second}});
   }
+  static double above(double ml) { return std::ceil(10 * ml + 0.5) / 10; }
 
   /// Checks `name` against `other_name`. `wrong_figure` and `gap_figure` are the names of the results in the report.
   void check_pair(const char* name, const Field* one, const char* other_name, const Field* other, Relation relation,
@@ -60,26 +62,29 @@ struct Gate {
     const bool inside = relation == Relation::inside;
     report.add(wrong_figure, c.wrong_ml);
     if (c.gap_mm < 1e5) report.add(gap_figure, c.gap_mm);
+    const bool too_near = c.near_mm2 > params.max_near_mm2 && c.gap_mm < gap_mm;
+    const Values near_value{{"max_near_mm2", std::ceil(c.near_mm2) + 1}};
     if (c.wrong_ml > params.max_outside_ml) {
+      // What may lie outside is also nearer than it should be, which would be the next refusal.
+      Values values = too_near ? near_value : Values{};
+      values.insert(values.begin(), {"max_outside_ml", above(c.wrong_ml)});
       add(c.wrong_ml,
           fixed(c.wrong_ml, 2) + " ml of the " + name + (inside ? " lie outside of the " : " lie in the ") +
               other_name + ", by up to " + fixed(c.depth_mm, 1) + " mm, deepest at " + at_text(c.deepest_mm),
-          wrong_shape, fixed(c.wrong_ml + 0.05, 1) + " for `max_outside_ml` of the stage `anatomy`", c.deepest_mm, name,
-          other_name);
-    } else if (c.near_mm2 > params.max_near_mm2 && c.gap_mm < gap_mm) {
+          wrong_shape, values, c.deepest_mm, name, other_name);
+    } else if (too_near) {
       add(0.001 * c.near_mm2,
           std::string("the surfaces of ") + name + " and " + other_name + " are only " + fixed(c.gap_mm, 2) +
               " mm apart at " + at_text(c.gap_at_mm) + ", and over " + fixed(c.near_mm2, 0) + " mm2 nearer than the " +
               fixed(gap_mm, 2) + " mm asked for",
-          wrong_shape, fixed(c.near_mm2 + 1, 0) + " for `max_near_mm2` of the stage `anatomy`", c.gap_at_mm, name,
-          other_name);
+          wrong_shape, near_value, c.gap_at_mm, name, other_name);
     }
   }
 
   void check_empty(const char* name, const Field* field, const std::optional<double>& ml) {
     if (field && *ml <= 0)
       add(1e6, std::string("the ") + name + " have not one voxel",
-          {"set other thresholds (`lower_hu`, `upper_hu`), or paint it and bring it back by the stage `labels`"}, "",
+          {"set other thresholds (`lower_hu`, `upper_hu`), or paint it and bring it back by the stage `labels`"}, {},
           field->to_world_mm({0, 0, 0}), name, "");
   }
 
@@ -107,7 +112,7 @@ struct Gate {
         std::string("the ") + name + " is in " + grouped_text(static_cast<long long>(pieces.list.size())) +
             " pieces; " + fixed(loose, 2) + " ml hang on nothing, of which the largest is " +
             fixed(double(pieces.list[second].voxels) * unit, 2) + " ml about " + at_text(place),
-        wrong_shape, fixed(loose + 0.05, 1) + " for `max_loose_brain_ml` of the stage `anatomy`", place, name, "");
+        wrong_shape, {{"max_loose_brain_ml", above(loose)}}, place, name, "");
   }
 
   /// `allowed` is the cranial cavity with the bone, on a coarser raster.
@@ -129,7 +134,7 @@ struct Gate {
     add(ml,
         fixed(ml, 2) + " ml of the " + name + " lie outside of the cranial cavity, most of them about " +
             at_text(place),
-        wrong_shape, fixed(ml + 0.05, 1) + " for `max_outside_skull_ml` of the stage `anatomy`", place, name, "skull");
+        wrong_shape, {{"max_outside_skull_ml", above(ml)}}, place, name, "skull");
   }
 
   void check_enclosed() {
@@ -155,16 +160,18 @@ std::string all_of(const std::vector<AnatomyFault>& faults) {
   return text;
 }
 
-/// Each remedy once; a first part that several share is said with the first of them alone.
+/// Each remedy once, and each key once, with the value that all faults need.
 Remedy remedies_of(const std::vector<AnatomyFault>& faults) {
-  std::set<std::string> first_parts, values;
-  std::string text;
+  std::set<std::string> said;
+  std::map<std::string, double> values;
+  std::string text, keys;
   for (const AnatomyFault& f : faults) {
-    const bool is_new_first = first_parts.insert(f.remedy).second, is_new_value = values.insert(f.value_to_set).second;
-    if (!is_new_first && !is_new_value) continue;
-    text += (text.empty() ? "" : ", ") + (is_new_first ? f.remedy : "") + f.value_to_set;
+    if (said.insert(f.remedy).second) text += (text.empty() ? "" : "; ") + f.remedy;
+    for (const auto& [key, value] : f.values_to_set) values[key] = std::max(values[key], value);
   }
-  return {text};
+  for (const auto& [key, value] : values)
+    keys += (keys.empty() ? "" : " and ") + fixed(value, value < 1000 ? 1 : 0) + " for `" + key + "`";
+  return {text + (keys.empty() ? "" : "; where it is right, set " + keys + " of the stage `anatomy`")};
 }
 
 }  // namespace

@@ -42,9 +42,11 @@ struct AnatomyGateParams : HeadClassParams {
 /// One thing that is wrong with a head's anatomies.
 struct AnatomyFault {
   std::string what;  ///< "3.2 ml of the ventricles lie outside of the brain, by up to 4.1 mm, farthest at (12, -3, 55)"
-  /// What a person can do about it, with names of keys in backticks (base/refusal.h), in two parts: the first may be
-  /// that of other faults too and is then said once.
-  std::string remedy, value_to_set;
+  /// What a person can do about it, with names of keys in backticks (base/refusal.h); the same of several faults is
+  /// said once. And where the shape is right: keys of the stage `anatomy` with values that let it pass, this fault
+  /// alone; of several faults each key is said once, with the largest.
+  std::string remedy;
+  std::vector<std::pair<std::string, double>> values_to_set;
   Vec3 place_mm;              ///< where it is worst
   std::string first, second;  ///< the anatomies it is about; second may be empty
 };
