@@ -20,4 +20,7 @@ foreach(script second_scan several_scans)
   set_tests_properties(program.${script} PROPERTIES FIXTURES_REQUIRED head_with_mr TIMEOUT 600
     ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};HEAD=${head}")
 endforeach()
+add_test(NAME program.two_kernels COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/two_kernels.sh)
+set_tests_properties(program.two_kernels PROPERTIES TIMEOUT 600
+  ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR}")
 endif()

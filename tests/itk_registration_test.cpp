@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "grid/resample.h"
+#include "itk/same_place.h"
 #include "itk_scans.h"
 
 using namespace trephine;
@@ -132,6 +133,21 @@ TEST(Registration, TakesAGivenTransform) {
   LinearMap mirrored = second.truth;
   mirrored.matrix.column[0] = -mirrored.matrix.column[0];
   EXPECT_THROW(given_registration(ct, HuVolume(second.volume), mirrored, {}, report), Error) << "left would be right";
+}
+
+// Two kernels of one scan lie upon each other as they are; a patient who moved by 3 mm in between does not.
+TEST(Registration, BonesTellTwoKernelsFromAPatientWhoMoved) {
+  const Head head = hard_head(3);
+  const phantom::ScanParams how = phantom_heads::scan_of(200, 40, 20, 80);
+  const HuVolume soft = phantom::volume_of(phantom::scan(head, how)),
+                 sharp = phantom::volume_of(phantom::scan(head, how, {0.6, 2}));
+  const double same = bone_ratio(soft, sharp);
+  HuVolume moved = sharp;
+  std::visit([](auto& grid) { grid.origin_mm.x += 3; }, moved);
+  const double apart = bone_ratio(soft, moved);
+  std::printf("bone_ratio %.3f, moved by 3 mm %.3f\n", same, apart);
+  EXPECT_GT(same, least_bone_ratio + 0.05);
+  EXPECT_LT(apart, least_bone_ratio - 0.05);
 }
 
 TEST(Registration, SaysThatAResultIsDoubtful) {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstring>
 #include <exception>
@@ -15,6 +16,7 @@
 #include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "dicom/catalogue.h"
+#include "dicom/frame_of_reference.h"
 #include "dicom/hu.h"
 #include "dicom/mixtures.h"
 #include "dicom/resample.h"
@@ -331,16 +333,34 @@ std::string hash_of_series_input(const std::filesystem::path& folder_or_file, co
   });
 }
 
-std::optional<bool> of_one_patient(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress) {
-  std::string ids[2];
+namespace {
+
+/// What the two series' headers say, by `of`; nothing where one of them is a volume file.
+template <class Of>
+std::optional<std::array<std::string, 2>> said_by(const SeriesChoice& a, const SeriesChoice& b,
+                                                  const Progress& progress, Of&& of) {
+  std::array<std::string, 2> said;
   for (const SeriesChoice* c : {&a, &b}) {
     if (!volume_sources(c->folder_or_file, progress).empty()) return std::nullopt;
     const Catalogue catalogue = scan(c->folder_or_file, c->params.modality, progress);
-    ids[c == &b] = choose(catalogue, c->params.series).slices.front().header->patient_id;
+    said[c == &b] = of(*choose(catalogue, c->params.series).slices.front().header);
   }
-  if (ids[0].empty() || ids[1].empty()) return std::nullopt;
-  if (ids[0] == ids[1] && is_shared_patient_id(ids[0])) return std::nullopt;
-  return ids[0] == ids[1];
+  return said;
+}
+
+}  // namespace
+
+std::optional<bool> of_one_patient(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress) {
+  const auto ids = said_by(a, b, progress, [](const FileHeader& h) { return h.patient_id; });
+  if (!ids || (*ids)[0].empty() || (*ids)[1].empty()) return std::nullopt;
+  if ((*ids)[0] == (*ids)[1] && is_shared_patient_id((*ids)[0])) return std::nullopt;
+  return (*ids)[0] == (*ids)[1];
+}
+
+std::optional<bool> of_one_frame(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress) {
+  const auto uids = said_by(a, b, progress, [](const FileHeader& h) { return h.frame_uid; });
+  if (!uids || (*uids)[0].empty() || (*uids)[1].empty()) return std::nullopt;
+  return (*uids)[0] == (*uids)[1];
 }
 
 }  // namespace trephine

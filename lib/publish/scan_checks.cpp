@@ -3,6 +3,9 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "dicom/frame_of_reference.h"
+#include "itk/same_place.h"
+#include "itk/transform_file.h"
 
 namespace trephine {
 
@@ -17,8 +20,20 @@ std::vector<std::string> require_one_patient(const CaseConfig& config, const std
   std::vector<std::string> warnings;
   for (const std::string& name : scans) {
     const CaseScan& scan = *config.find_scan(name);
-    const auto same =
-        of_one_patient({config.series, config.import}, {scan.series, scan.import.as<ImportParams>()}, progress);
+    const SeriesChoice ct{config.series, config.import}, other{scan.series, scan.import.as<ImportParams>()};
+    const std::string& given = scan.registration.as<RegistrationParams>().given;
+    if (scan.modality != ScanModality::mr && !given.empty() && is_identity(read_transform(given))) {
+      const auto frame = of_one_frame(ct, other, progress);
+      if (!frame)
+        warnings.push_back(name + ".register: that it lies in the CT's frame of reference is taken on trust: one of " +
+                           "the two does not say which it has");
+      else if (!*frame)
+        throw Error(
+            ExitCode::bad_input, "", "scans." + name + ".register.given",
+            "moves nothing, and the scan has another frame of reference than the CT; leave given out, and it is "
+            "registered");
+    }
+    const auto same = of_one_patient(ct, other, progress);
     if (!same)
       warnings.push_back(name + ".import: that it is of the same patient as the CT is taken on trust: " +
                          "one of the two has no PatientID, or both have one that says nothing");

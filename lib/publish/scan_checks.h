@@ -14,7 +14,8 @@ std::vector<std::string> names_of_scans(const Graph& graph);
 
 /// A scan of another patient must not become part of the case: compares the PatientID of each of these scans with that
 /// of the CT. Returns a warning for each of which it is not sure; the IDs themselves go nowhere. Throws Error 65, field
-/// scans.NAME, where an ID is another one and the configuration does not say why; what of_one_patient throws.
+/// scans.NAME, where an ID is another one and the configuration does not say why; what of_one_patient throws. Also of a
+/// scan whose given transform moves nothing, that it has the CT's frame of reference: Error 65 where it has another.
 std::vector<std::string> require_one_patient(const CaseConfig& config, const std::vector<std::string>& scans,
                                              const Progress& progress);
 

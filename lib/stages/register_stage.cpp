@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include "base/error.h"
 #include "base/refusal.h"
 #include "itk/registration.h"
+#include "itk/same_place.h"
 #include "itk/transform_file.h"
 #include "stages/stage.h"
 
@@ -10,11 +13,12 @@ namespace trephine {
 StageType register_stage() {
   StageType s;
   s.name = "register";
-  s.version = 2;
+  s.version = 3;
   s.place = StagePlace::scene;  // a case names its further scans, and a recipe's steps read them by `scan`
   s.role = StageRole::second_scan;
   s.typical_s = 12;
-  s.provenance = {"transform", "turn_deg", "spread_mm", "inverse_mm", "overlap_ratio", "margin_ratio", "scale_ratio"};
+  s.provenance = {"transform",     "turn_deg",     "spread_mm",   "inverse_mm",
+                  "overlap_ratio", "margin_ratio", "scale_ratio", "bone_ratio"};
   s.summary = "lays a second scan of the patient (MR, angiography, another CT) on the CT";
   s.description =
       "Registers the second scan onto the CT by Mattes' mutual information, from coarse voxels to fine ones, and gives "
@@ -37,6 +41,19 @@ StageType register_stage() {
         params.given.empty()
             ? register_scans(fixed, moving, in.get<Field>("within"), initial, params, report, progress.part(0, 0.9))
             : given_registration(fixed, moving, read_transform(params.given), params, report);
+    // A given transform that moves nothing says that both are reconstructions of one scan: that can be checked.
+    if (!params.given.empty() && is_identity(r.map) && params.moving == MovingValues::hu) {
+      report.warnings.pop_back();  // of given_registration: that nothing was checked
+      const double bone = bone_ratio(fixed, moving, progress.part(0, 0.9));
+      report.add("bone_ratio", bone);
+      if (!(bone >= least_bone_ratio))
+        throw refusal(
+            "given",
+            fmt::format("moves nothing, and the bones of the two scans lie upon each other by {:.2f}, at least "
+                        "{} of two reconstructions of one scan",
+                        bone, least_bone_ratio),
+            {"leave `given` out, and they are registered"});
+    }
     if (!r.doubts.empty())
       throw refusal("", "the registration is doubtful: " + r.doubts,
                     {"look at its picture; give an `initial` transform from another program to begin with, or `within` "
