@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <queue>
 
 #include "head/soft_tissue.h"
@@ -40,6 +41,7 @@ constexpr double wide_drop_mm = 0.4, wide_score_mm = 0.5;
 constexpr double share_along_mm = 3, place_along_mm = 2;  ///< sigma of the means along a path
 constexpr double least_radius_mm = 1, most_radius_mm = 4;
 constexpr double far_mm = 4;
+constexpr double least_spreads = 3;  ///< a horn is darker than this many standard deviations of lines beside it
 
 constexpr double horn_reach_mm = 9;  ///< a head's horns lie this near to the template's
 
@@ -252,6 +254,41 @@ Path tube_along(const Path& path, double wide_floor) {
   return tube;
 }
 
+/// Whether the tube is darker than what lies beside it is uneven: streaks are dark and bright lines side by side, of
+/// which any one looks like a horn. `share` is the share of CSF at each voxel, `tissue` where it means something.
+bool stands_out(const Path& tube, const Grid<float>& share, const BitMask& tissue) {
+  constexpr int ways = 8;
+  constexpr double beside_mm[] = {6, 8.5}, least_seen = 0.5;
+  const Vec3 along = normalized(tube.back().at - tube.front().at);
+  const Vec3 aside = normalized(cross(along, std::abs(along.z) < 0.8 ? Vec3{0, 0, 1} : Vec3{1, 0, 0}));
+  const Vec3 other = cross(along, aside);
+  const auto mean_at = [&](Vec3 off, bool anywhere) -> std::optional<double> {
+    double sum = 0;
+    std::size_t seen = 0;
+    for (const Node& n : tube) {
+      const Vec3 i = share.to_index(n.at + off);
+      const int a = int(std::lround(i.x)), b = int(std::lround(i.y)), c = int(std::lround(i.z));
+      if (!share.contains(a, b, c) || !(anywhere || tissue.get(a, b, c))) continue;
+      sum += share.at(a, b, c);
+      ++seen;
+    }
+    if (double(seen) < least_seen * double(tube.size())) return {};
+    return sum / double(seen);
+  };
+  std::vector<float> beside;
+  for (const double mm : beside_mm)
+    for (int w = 0; w < ways; ++w) {
+      const double turn = 2 * 3.14159265358979323846 * w / ways;
+      if (const auto m = mean_at(aside * (mm * std::cos(turn)) + other * (mm * std::sin(turn)), false))
+        beside.push_back(float(*m));
+    }
+  if (beside.size() < ways) return true;
+  const float middle = median(beside, 0.f);
+  for (float& m : beside) m = std::abs(m - middle);
+  const double spread = 1.4826 * median(beside, 0.f), mine = *mean_at({}, true) - middle;
+  return mine >= least_spreads * spread;
+}
+
 /// The union with the signed distance to the tube.
 void draw(const Path& tube, Grid<float>& out) {
   const Vec3 s = out.spacing_mm;
@@ -326,7 +363,7 @@ Grid<float> find_horns(const Grid<float>& hu, const BitMask& known, const BitMas
   const Tree tree = grow_tree(share, way, start, least, progress);
   for (const Path& path : best_paths(tree, share, wide_share, start, distance_mm(core, progress), least, progress)) {
     const Path tube = tube_along(path, wide_floor);
-    if (tube.empty()) continue;
+    if (tube.empty() || !stands_out(tube, share, tissue)) continue;
     draw(tube, out);
     ++count;
   }
