@@ -136,6 +136,29 @@ TEST(SegmentPlace, SlitsAreFoundFissuresCisternsAndCystsAreNot) {
     EXPECT_FALSE(holds(found, p)) << p.y;
 }
 
+// The streak of a catheter's valve lies across both ventricles, as dark as they are.
+TEST(SegmentPlace, AStreakAcrossTheVentriclesIsNoPartOfThem) {
+  Scene s;
+  const Vec3 from{-44, -32, 62}, to{44, 12, 62};
+  const auto on = [&](double t) { return from + (to - from) * t; };
+  for (int k = 0; k < s.lattice.size[2]; ++k)
+    for (int j = 0; j < s.lattice.size[1]; ++j)
+      for (int i = 0; i < s.lattice.size[0]; ++i) {
+        const Vec3 p = s.lattice.to_world_mm({double(i), double(j), double(k)});
+        const double t = std::clamp(dot(p - from, to - from) / dot(to - from, to - from), 0.0, 1.0);
+        if (norm(p - on(t)) < 2) s.soft.at(i, j, k) = 6;
+      }
+  BitMask others;
+  const BitMask found = deep_csf(s.soft, s.envelope, straight(), -15, 18.5, {}, &others);
+  for (const double side : {-1.0, 1.0})
+    for (const Vec3 p : {Vec3{10, -38, 58}, Vec3{7, -13, 61}, Vec3{24, 34, 55}, Vec3{23, 50, 49}, Vec3{33, -5, 27}})
+      EXPECT_TRUE(holds(found, {side * p.x, p.y, p.z})) << side * p.x << " " << p.y;
+  for (const double t : {0.05, 0.15, 0.25, 0.8, 0.9, 0.95}) {
+    EXPECT_FALSE(holds(found, on(t))) << t;
+    EXPECT_TRUE(holds(others, on(t))) << t;
+  }
+}
+
 TEST(SegmentPlace, MissingAndCompressedPartsAreSaid) {
   const Lattice l = lattice_about({0, 5, 45}, {45, 75, 45}, 1.5);
   const BitMask whole = mask_of(l, [](Vec3 p) { return ventricle_mm(p) < 0; });

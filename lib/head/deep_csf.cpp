@@ -112,6 +112,26 @@ BitMask in_place(const BitMask& mask, const HeadPlace& place) {
   return select(pieces, keep);
 }
 
+/// What is thin, begins off the ventricles' place and leads far away from it: a streak of a catheter or clip, or a
+/// sulcus that touches. A wide ventricle that reaches as far is not thin.
+BitMask strands(const BitMask& mask, const HeadPlace& place, const Progress& progress) {
+  constexpr double thin_mm = 2.5, begins_mm = 6, reaches_mm = 14;
+  BitMask thin = mask;
+  thin.remove(dilated(eroded(mask, thin_mm, progress), thin_mm + 0.5, progress));
+  const auto farther = [&](double mm) {
+    return make_mask(mask.lattice(), [&](int j, int k, std::uint8_t* row) {
+      for (int i = 0; i < mask.lattice().size[0]; ++i) {
+        row[i] = thin.get(i, j, k);
+        if (!row[i]) continue;
+        const Vec3 p = place.to_template(mask.lattice().to_world_mm({double(i), double(j), double(k)}));
+        row[i] = std::min(lateral_mm(p), third_mm(p)) > mm;
+      }
+    });
+  };
+  const Components pieces = components(farther(begins_mm), true);
+  return select(pieces, touching(pieces, farther(reaches_mm)));
+}
+
 /// y of the calcified pineal gland in the template, which lies behind the third ventricle; 14 where there is none.
 double pineal_y(const Grid<float>& soft, const HeadPlace& place) {
   constexpr float bone_hu = 55;
@@ -219,12 +239,17 @@ BitMask deep_csf(const Grid<float>& soft, const BitMask& envelope, const HeadPla
     for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 1;
   });
   mine = at_least_ml(components(mine), ventricle_speck_ml);
-  if (place.sure) mine = in_place(mine, place);
+  BitMask strange(l);
+  if (place.sure) {
+    mine = in_place(mine, place);
+    mine.remove(strange = strands(mine, place, progress));
+  }
   // Grown back to the edge, but not into the fluid of other spaces.
   BitMask free = fluid(upper_hu);
   BitMask apart = make_mask(l, [&](int j, int k, std::uint8_t* row) {
     for (int i = 0; i < l.size[0]; ++i) row[i] = labels.at(i, j, k) == 2;
   });
+  apart |= strange;
   free.remove(apart);
   if (others) *others = std::move(apart);
   return grown_within(mine, free, regrow_mm, progress);

@@ -8,7 +8,7 @@ namespace trephine {
 StageType brain_stage() {
   StageType s;
   s.name = "brain";
-  s.version = 3;
+  s.version = 4;
   s.typical_s = 4;
   s.summary = "finds the brain inside the skull";
   s.description =
