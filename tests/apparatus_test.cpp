@@ -24,6 +24,7 @@ const Volume& head() {
   static const Volume v = [] {
     phantom::ScanParams how = phantom_heads::scan_of(220, 140, 8, 140 * 1.5, 264);
     how.table = false;
+    how.subvoxel_mm = 1;
     return phantom::volume_of(phantom::scan(phantom_heads::head_of(phantom::Level::clinical, 5), how));
   }();
   return v;

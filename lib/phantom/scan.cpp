@@ -15,7 +15,6 @@ namespace {
 
 constexpr double degree = 0.017453292519943295;
 constexpr double fwhm_per_sigma = 2.3548200450309493;
-constexpr double subvoxel_mm = 0.5;
 
 Vec3 turned(Vec3 v, Vec3 axis, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
@@ -92,8 +91,8 @@ class Exposure {
         table_(params.table && !head.params().hard.couch),
         prone_(params.position == Position::head_first_prone || params.position == Position::feet_first_prone) {
     normal_ = normalized(cross(pose.row, pose.column));
-    in_plane_ = std::max(1, static_cast<int>(std::ceil(pixel_ / subvoxel_mm - 1e-9)));
-    across_ = std::max(1, static_cast<int>(std::ceil(thickness_ / subvoxel_mm - 1e-9)));
+    in_plane_ = std::max(1, static_cast<int>(std::ceil(pixel_ / params.subvoxel_mm - 1e-9)));
+    across_ = std::max(1, static_cast<int>(std::ceil(thickness_ / params.subvoxel_mm - 1e-9)));
     width_ = 0.5 * (pixel_ / in_plane_ + thickness_ / across_);
   }
 

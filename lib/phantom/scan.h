@@ -20,6 +20,7 @@ struct ScanParams {
   int columns_count = 512, rows_count = 512, slices_count = 192;
   double pixel_mm = 0.47, field_of_view_mm = 0;
   double slice_step_mm = 1.0, upper_step_mm = 0, slice_thickness_mm = 1.0, jitter_mm = 0;
+  double subvoxel_mm = 0.5;
   std::array<double, 3> centre_mm{0, -10, 42};
   double tilt_deg = 0;
   Plane plane = Plane::axial;
@@ -43,6 +44,9 @@ struct ScanParams {
     v.number(&P::upper_step_mm, "upper_step_mm", Range{0, 20},
              "Table feed in the second half of the slices; 0: the same.");
     v.number(&P::slice_thickness_mm, "slice_thickness_mm", Range{0.05, 20}, "Thickness over which a slice averages.");
+    v.number(&P::subvoxel_mm, "subvoxel_mm", Range{0.1, 20},
+             "A voxel with an edge in it is the average over pieces of at most this size, each with its edges as a "
+             "ramp. Larger ones take less time and show edges less exactly.");
     v.number(&P::jitter_mm, "jitter_mm", Range{0, 5},
              "Each slice lies off its place by up to this much along the feed; its position in the file says so.");
     v.numbers(&P::centre_mm, "centre_mm", Range{-500, 500},
@@ -123,7 +127,7 @@ struct Kernel {
   double width_mm = 1.0, sharpen_ratio = 0;
 };
 
-/// Scans the head. Tissue is averaged over each voxel (sub-voxels of at most 0.5 mm, edges ramped within them), then
+/// Scans the head. Tissue is averaged over each voxel (pieces of at most subvoxel_mm, edges ramped within them), then
 /// blurred by the kernel, then artefacts, marks and noise are added. Reproducible: the same bytes for the same
 /// parameters, whatever the thread count. Throws Cancelled.
 Scan scan(const Head& head, const ScanParams& params, const Progress& progress = {});
