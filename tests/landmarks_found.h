@@ -15,6 +15,7 @@ inline const LandmarkScene& scene() {
     how.slices_count = 104;
     how.pixel_mm = 1.12;
     how.slice_step_mm = how.slice_thickness_mm = 1.8;
+    how.subvoxel_mm = 1;
     return make_scene(who, how);
   }();
   return s;
