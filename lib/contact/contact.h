@@ -188,7 +188,7 @@ class ContactVolume {
   /// not of one shape. The block's details must be known.
   int shape_of_uniform_cell(std::size_t block, int i, int j, int k) const;
   void note_cells(std::size_t block, int bi, int bj, int bk);
-  bool shares_around(const int* begin, int from, int into, double (*v)[16]) const;
+  bool shares_around(const int* begin, int from, int into, float (*v)[16]) const;
   double share_around(int i, int j, int k, int from, int into) const;
   /// The shape to which the rest of a partly filled voxel of shape `own` belongs, if the voxel is not bare.
   int second_of(int own, int i, int j, int k) const;

@@ -135,6 +135,10 @@ void Proxy::set_torque(const HapticInput& in, Vec3 before) {
     const Mat3 aim = frame_along(in.axis);
     torque += rotation_between(aim, turned(aim, state_.axis)) * force_.turn_stiffness_n_mm_per_rad;
   }
+  if (torque == Vec3{} && before == Vec3{}) {  // of a point, and in air
+    state_.torque_n_mm = torque;
+    return;
+  }
   if (since_s_ < force_.ramp_s) torque = torque * (since_s_ / force_.ramp_s);
   const double size = norm(torque), most = force_.max_torque_n_mm;
   if (!(size <= most)) torque = std::isfinite(size) ? torque * (most / size) : Vec3{};
