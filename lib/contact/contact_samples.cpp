@@ -56,6 +56,14 @@ int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, Surfa
   const auto entry_at = [&](int i, int j, int k) {
     return v.contains(i, j, k) ? table_[std::uint16_t(detail::load_voxel(v.at(i, j, k)))] : 0;
   };
+  // Around a point, how far the row of voxels (j, k) lies within reach; negative where it does not. A sample lies up to
+  // one voxel behind its voxel.
+  const auto half_row = [&](int j, int k) {
+    const double y = v.spacing_mm.y * std::max({0.0, j - c.y, c.y - (j + 1)});
+    const double z = v.spacing_mm.z * std::max({0.0, k - c.z, c.z - (k + 1)});
+    const double left = reach_mm * reach_mm * (1 + 1e-9) + 1e-9 - y * y - z * z;
+    return left < 0 ? -1 : std::sqrt(left) / v.spacing_mm.x;
+  };
   const auto [low_k, high_k] = voxels_of(2, {0, 1});
   for (int bk = low_k >> block_bits; bk <= high_k >> block_bits; ++bk) {
     const Part of_slice = part_near(2, {0, 1}, bk);
@@ -69,7 +77,14 @@ int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, Surfa
         if (shape_of_block(bi * side, bj * side, bk * side) != mixed_block) continue;
         for (int k = std::max(low_k, bk * side); k <= std::min(high_k, bk * side + side - 1); ++k)
           for (int j = std::max(low_j, bj * side); j <= std::min(high_j, bj * side + side - 1); ++j) {
-            for (int i = std::max(low_i, bi * side); i <= std::min(high_i, bi * side + side - 1); ++i) {
+            int begin_i = std::max(low_i, bi * side), end_i = std::min(high_i, bi * side + side - 1);
+            if (!(way_squared > 0)) {
+              const double half = half_row(j, k);
+              if (half < 0) continue;
+              begin_i = std::max(begin_i, int(std::floor(c.x - half)) - 1);
+              end_i = std::min(end_i, int(std::ceil(c.x + half)));
+            }
+            for (int i = begin_i; i <= end_i; ++i) {
               const bool inner =
                   i >= 0 && j >= 0 && k >= 0 && i + 1 < v.size[0] && j + 1 < v.size[1] && k + 1 < v.size[2];
               const std::int16_t* at = inner ? v.voxels.data() + v.index(i, j, k) : nullptr;
