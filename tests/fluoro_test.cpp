@@ -257,6 +257,29 @@ TEST(FluoroThread, ACoarsePictureComesFirstAndTheEndIsAtOnce) {
   EXPECT_THROW(FluoroThread(Grid<std::int16_t>(), 512), Error);
 }
 
+// While the arm turns, pictures of half the size follow, each of where it was; once it stands the whole one comes.
+TEST(FluoroThread, ATurningArmIsSeen) {
+  const Grid<std::int16_t> ct = ct_of(160, 1, [](Vec3 p) { return 70 - norm(p - Vec3{9, 2, 4}); });
+  constexpr int size = 512;
+  FluoroThread thread(ct, size);
+  Fluoroscope scope(ct);
+  int seen = 0;
+  double orbit = 0;
+  for (; seen < 3 && orbit < 200; orbit += 0.1) {
+    thread.show(free_arm(orbit, 0), {});
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    const auto made = thread.take();
+    if (!made) continue;
+    ++seen;
+    EXPECT_EQ(made->picture.size, size / 2);
+    EXPECT_LE(made->arm.orbit_deg, orbit);
+    EXPECT_EQ(made->picture.grey, scope.picture(made->arm, size / 2, {}).grey);
+  }
+  EXPECT_EQ(seen, 3);
+  thread.show(free_arm(orbit, 0), {});
+  EXPECT_EQ(wait_for(thread, size).arm.orbit_deg, orbit);
+}
+
 // Printed, and bounded loosely: the machine's load is not the program's.
 TEST(Fluoro, TimesOfAPicture) {
   Grid<std::int16_t> ct = ct_of(256, 1, [](Vec3 p) { return 100 - norm(p); });

@@ -98,17 +98,20 @@ void FluoroThread::make(const FluoroVolume& volume, const Ask& ask, bool prepare
     }
   const Kept* coarse = patient(volume, ask, prepares, size_ / 2, nullptr);
   if (!coarse) return;
-  publish(*coarse);
+  publish(*coarse, prepares ? nullptr : &ask);
   const Kept* whole = patient(volume, ask, prepares, size_, coarse);
   if (!whole) return;
   published_ = 0;  // it shows better what the other one showed
   publish(*whole);
 }
 
-// Whether it is still what is wanted next.
-bool FluoroThread::goes_on(const Ask& ask, bool prepares) {
+// Whether it is still what is wanted next. Half a picture that was asked for is made even where the arm has gone on:
+// while it turns, each call asks for another place, and there would be no picture until it stands still.
+bool FluoroThread::goes_on(const Ask& ask, bool prepares, bool coarse) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (stop_ || (shown_.number != served_ && !same_arm(shown_.arm, ask.arm))) return false;
+  if (stop_) return false;
+  if (coarse && !prepares) return true;
+  if (shown_.number != served_ && !same_arm(shown_.arm, ask.arm)) return false;
   return !prepares || moved_.number == ask.number;
 }
 
@@ -159,7 +162,7 @@ bool FluoroThread::integrate(const FluoroVolume& volume, const Ask& ask, bool pr
     } catch (const std::system_error&) {  // fewer threads are slower, and nothing else
     }
     while (band()) {
-      if (!goes_on(ask, prepares)) return false;
+      if (!goes_on(ask, prepares, !coarse)) return false;
       if (coarse) publish(*coarse);
     }
     others.done = true;
@@ -167,14 +170,19 @@ bool FluoroThread::integrate(const FluoroVolume& volume, const Ask& ask, bool pr
   return true;
 }
 
-// The patient with the metal as it was last shown, if that was at this place of the arm and has no such picture yet.
-void FluoroThread::publish(const Kept& patient) {
+// The patient with the metal as it was last shown, if that was at this place of the arm; or, where the arm has gone on,
+// as it was `asked` for. Nothing where that has such a picture already.
+void FluoroThread::publish(const Kept& patient, const Ask* asked) {
   Ask ask;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     ask = shown_;
   }
-  if (ask.number == published_ || !same_arm(patient.arm, ask.arm)) return;  // 0 is what nobody asked for
+  if (!same_arm(patient.arm, ask.arm)) {
+    if (!asked || asked->number < published_) return;
+    ask = *asked;
+  }
+  if (ask.number == published_) return;  // 0 is what nobody asked for
   MadeFluoro made;
   made.picture = picture_of(patient.integrals, patient.bright, CArm(patient.arm, patient.integrals.size), ask.metal);
   made.arm = ask.arm;

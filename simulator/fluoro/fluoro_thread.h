@@ -29,10 +29,14 @@ struct MadeFluoro {
 ///   then the whole one.
 /// - While the arm stands still only the needle is drawn anew. What was asked for meanwhile and is older than the last
 ///   call is left out.
+/// - While the arm turns, pictures of half the size follow each other, each of a place where it was; MadeFluoro::arm
+///   says which.
 /// - move() makes what does not hang on the needle before X-rays are on, so that they show a picture at once.
 ///
-/// Calls come from one thread and return at once; nothing here waits for a picture but the destructor, for at most
-/// about a row of one.
+/// Calls come from one thread and return at once; nothing here waits for a picture but the destructor. It waits until
+/// its thread has ended: for what is left of the FluoroVolume that the thread makes of the CT at its start, for the
+/// eight rows of a picture on which each thread is, and for the drawing of a needle. What was asked for and is not made
+/// yet is dropped.
 class FluoroThread {
  public:
   /// `ct` must stay as it is, and must outlive the object. Throws Error 65 where it has no voxels. `size`: pixels of a
@@ -65,8 +69,8 @@ class FluoroThread {
   void make(const FluoroVolume& volume, const Ask& ask, bool prepares);
   const Kept* patient(const FluoroVolume& volume, const Ask& ask, bool prepares, int size, const Kept* coarse);
   bool integrate(const FluoroVolume& volume, const Ask& ask, bool prepares, const Kept* coarse, FluoroIntegrals& out);
-  void publish(const Kept& patient);
-  bool goes_on(const Ask& ask, bool prepares);
+  void publish(const Kept& patient, const Ask* asked = nullptr);
+  bool goes_on(const Ask& ask, bool prepares, bool coarse);
 
   const Grid<std::int16_t>& ct_;
   const int size_;
