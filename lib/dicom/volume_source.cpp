@@ -106,7 +106,7 @@ void unpack(const fs::path& path, VolumeSource& source, const Progress& progress
       std::string ending = name.extension().string();
       if (ending == ".gz") ending = name.stem().extension().string() + ending;
       const fs::path file = source.unpacked->path() / ("volume" + ending);
-      write_file(file, member->bytes);
+      source.unpacked->fill(member->bytes.size(), [&] { write_file(file, member->bytes); });
       source.file = file;
     }
     std::error_code none;

@@ -147,14 +147,17 @@ void write_volume_file(const fs::path& file, const AnyGrid& grid, const Progress
       require_no_directions(lattice_of_grid(grid), ending->text);
     const TemporaryFolder folder;
     const fs::path made = folder.path() / (std::string("volume") + ending->text);
-    if (ending->itk)
-      write_with_itk(made, *ending->itk, grid, progress.part(0, 0.6));
-    else if (std::string_view(ending->text) != ".nrrd")
-      write_file(made, nifti_of(grid, std::string_view(ending->text) == ".nii.gz"));
-    else if (const auto* mask = std::get_if<Mask>(&grid))
-      write_nrrd(made, *mask, {}, NrrdEncoding::gzip);
-    else
-      write_nrrd(made, to_hu(grid), {}, NrrdEncoding::gzip);
+    const std::size_t voxels = lattice_of_grid(grid).count();
+    folder.fill(512 + voxels * sizeof(float), [&] {
+      if (ending->itk)
+        write_with_itk(made, *ending->itk, grid, progress.part(0, 0.6));
+      else if (std::string_view(ending->text) != ".nrrd")
+        write_file(made, nifti_of(grid, std::string_view(ending->text) == ".nii.gz"));
+      else if (const auto* mask = std::get_if<Mask>(&grid))
+        write_nrrd(made, *mask, {}, NrrdEncoding::gzip);
+      else
+        write_nrrd(made, to_hu(grid), {}, NrrdEncoding::gzip);
+    });
     require_read_back(made, grid, progress.part(0.6, 0.9));
     const std::vector<char> bytes = read_file(made, std::uint64_t{1} << 36);
     write_file(file, {bytes.data(), bytes.size()});
