@@ -148,9 +148,10 @@ std::unique_ptr<Pad> first_pad() {
     if (pad->fault().empty()) return pad;
   }
   throw Error(ExitCode::no_input, "", "--device gamepad",
-              "no gamepad is there" + (closed > 0 ? " (" + std::to_string(closed) +
-                                                        " of /dev/input/event* may not be read: the group `input` may)"
-                                                  : std::string()));
+              closed == 0 ? "no gamepad is there: plug one in, or name its file by --gamepad /dev/input/eventN"
+                          : "no gamepad is there that you may read, and " + std::to_string(closed) +
+                                " of /dev/input/event* may not be read: plug one in, or join the group `input` "
+                                "(usermod -aG input NAME, then log in anew)");
 }
 
 class Gamepad : public RateHand {

@@ -23,7 +23,8 @@ struct Library {
 
   Library() {
     void* handle = ::dlopen("libspnav.so.0", RTLD_NOW | RTLD_LOCAL);
-    if (!handle) fail("libspnav.so.0 is not installed (Debian: libspnav0, and spacenavd)");
+    if (!handle)
+      fail("libspnav.so.0 is not installed: install it and the daemon (Debian: apt install libspnav0 spacenavd)");
     find(handle, "spnav_open", open);
     find(handle, "spnav_close", close);
     find(handle, "spnav_fd", fd);
@@ -42,7 +43,10 @@ struct Library {
 class Spacemouse : public RateHand {
  public:
   Spacemouse(const RateHandParams& params, const DeviceScene& scene) : RateHand(params, scene) {
-    if (library_.open() == -1) Library::fail("the daemon spacenavd does not answer");
+    if (library_.open() == -1)
+      Library::fail(
+          "the daemon spacenavd does not answer: plug the 3D mouse in and start it (Debian: systemctl start "
+          "spacenavd)");
     thread_ = std::thread([this] { follow(); });
   }
   ~Spacemouse() override {

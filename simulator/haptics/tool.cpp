@@ -94,7 +94,8 @@ std::vector<RoundPart> round_parts(const ToolParams& p, double radius, double ne
   if (p.tool_tip != Tip::ball && p.tool_tip != Tip::round)
     throw Error(ExitCode::usage, "", "--tool-tip", "must be round or ball for --tool " + p.tool);
   if (p.tool_length_mm < 2 * radius)
-    throw Error(ExitCode::bad_config, "", "tool_length_mm", "is less than the diameter " + to_text(2 * radius));
+    throw Error(ExitCode::bad_config, "", "tool_length_mm",
+                "must be at least the diameter, " + to_text(2 * radius) + ": make the tool longer, or thinner");
   const double end = p.tool_length_mm - neck;
   if (p.tool_tip == Tip::round) return {{radius, end, radius}};
   return {{radius, radius, radius}, {radius, std::max(radius, end), neck}};
@@ -160,7 +161,9 @@ Tool make_tool(const ToolParams& params) {
       break;
   }
   if (o.at.back().z > length)
-    throw Error(ExitCode::bad_config, "", "tool_length_mm", "is less than the tip's " + to_text(o.at.back().z));
+    throw Error(ExitCode::bad_config, "", "tool_length_mm",
+                "must be at least the tip's length, " + to_text(o.at.back().z) +
+                    ": make the tool longer or thinner, or choose another tool_tip");
   if (o.at.back().z < length) o.line(neck, length);
   int ring = 0;
   for (const Vec3& at : o.at) {
