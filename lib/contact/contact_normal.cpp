@@ -83,7 +83,7 @@ Vec3 fitted_gradient(const float (*v)[16], Vec3 f, double full) {
   const double xx = yz_xx[1] / m - x * x, yy = yy_zz[0] / m - y * y, zz = yy_zz[1] / m - z * z;
   const double xy = y_xy[1] / m - x * y, xz = z_xz[1] / m - x * z, yz = yz_xx[0] / m - y * z;
   const Vec3 b{o_ox[1] / m - o * x, oy_oz[0] / m - o * y, oy_oz[1] / m - o * z};
-  // The matrix is positive definite, for all 64 count; Cramer's rule, whose determinant is positive, leaves its length.
+  // All 64 voxels count, so the matrix is positive definite. Cramer's rule without its determinant, which is positive.
   return {b.x * (yy * zz - yz * yz) + b.y * (xz * yz - xy * zz) + b.z * (xy * yz - xz * yy),
           b.x * (xz * yz - xy * zz) + b.y * (xx * zz - xz * xz) + b.z * (xy * xz - xx * yz),
           b.x * (xy * yz - xz * yy) + b.y * (xy * xz - xx * yz) + b.z * (xx * yy - xy * xy)};
@@ -94,7 +94,7 @@ Vec3 fitted_gradient(const float (*v)[16], Vec3 f, double full) {
 Vec3 ContactVolume::normal_of(const Contact& c, Vec3 way) const {
   const Vec3 forward = normalized(way);
   Vec3 n = normal_at(c.point_mm, c.from, c.into);
-  // The differences are smoother than the surface: where they point along the way, the normal is turned across it.
+  // The fit is smoother than the surface. Where its normal points along the way, it is turned to lie across the way.
   const double ahead = dot(n, forward);
   if (n == Vec3{} || ahead > 0.999)
     n = -forward;
@@ -103,8 +103,8 @@ Vec3 ContactVolume::normal_of(const Contact& c, Vec3 way) const {
   return n;
 }
 
-// What rises at the voxels of the 4 x 4 x 4 from `begin` on towards `into`, or, where that is nothing, towards `from`,
-// x the first index. False where they are not all in the lattice, or `hu`.
+// What each of the 4 x 4 x 4 voxels from `begin` on holds of `into` (or of `from`, where `into` is 0); x is the first
+// index. False where they are not all in the lattice, and for the encoding `hu`.
 bool ContactVolume::shares_around(const int* begin, int from, int into, float (*v)[16]) const {
   const Grid<std::int16_t>& voxels = volume_.voxels;
   for (int a = 0; a < 3; ++a)
