@@ -62,22 +62,17 @@ struct Gate {
     const bool inside = relation == Relation::inside;
     report.add(wrong_figure, c.wrong_ml);
     if (c.gap_mm < 1e5) report.add(gap_figure, c.gap_mm);
-    const bool too_near = c.near_mm2 > params.max_near_mm2 && c.gap_mm < gap_mm;
-    const Values near_value{{"max_near_mm2", std::ceil(c.near_mm2) + 1}};
     if (c.wrong_ml > params.max_outside_ml) {
-      // What may lie outside is also nearer than it should be, which would be the next refusal.
-      Values values = too_near ? near_value : Values{};
-      values.insert(values.begin(), {"max_outside_ml", above(c.wrong_ml)});
       add(c.wrong_ml,
           fixed(c.wrong_ml, 2) + " ml of the " + name + (inside ? " lie outside of the " : " lie in the ") +
               other_name + ", by up to " + fixed(c.depth_mm, 1) + " mm, deepest at " + at_text(c.deepest_mm),
-          wrong_shape, values, c.deepest_mm, name, other_name);
-    } else if (too_near) {
+          wrong_shape, {{"max_outside_ml", above(c.wrong_ml)}}, c.deepest_mm, name, other_name);
+    } else if (c.near_mm2 > params.max_near_mm2 && c.gap_mm < gap_mm) {
       add(0.001 * c.near_mm2,
           std::string("the surfaces of ") + name + " and " + other_name + " are only " + fixed(c.gap_mm, 2) +
               " mm apart at " + at_text(c.gap_at_mm) + ", and over " + fixed(c.near_mm2, 0) + " mm2 nearer than the " +
               fixed(gap_mm, 2) + " mm asked for",
-          wrong_shape, near_value, c.gap_at_mm, name, other_name);
+          wrong_shape, {{"max_near_mm2", std::ceil(c.near_mm2) + 1}}, c.gap_at_mm, name, other_name);
     }
   }
 
