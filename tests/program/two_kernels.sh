@@ -16,7 +16,7 @@ sharp=$(sed -n 's/^ *\(s[0-9]\)-.*sharp.*/\1/p;s/^ *\(s[0-9]\)-.*bone.*/\1/p' li
   printf '%s %s\n' "$(sed -n 's/^ *"noise_hu": *\([0-9.]*\),*$/\1/p' $s.json)" $s
 done | sort -g | tail -n 1 | cut -d' ' -f2)
 soft=$([[ $sharp == s1 ]] && echo s2 || echo s1)
-printf 'trephine: 1\nanatomies: {skull: {}, brain: {}, ventricles: {}}\n' >root/configs/three.yaml
+printf 'trephine: 1\nanatomies: {skull: {}, brain: {}, ventricles: {}}\nface: {policy: keep, reason: a phantom has no face}\n' >root/configs/three.yaml
 sed 's/scene: .*/scene: three.yaml/' root/configs/head_two_kernels.yaml >root/configs/two.yaml
 both() {
   "$TREPHINE" run root/configs/two.yaml --series head/dicom --set import.series=$soft --out out --case two --quiet \
