@@ -210,6 +210,14 @@ std::vector<std::size_t> places_of(const std::vector<char>& bytes, double number
     found.push_back(static_cast<std::size_t>(at - bytes.begin()));
   return found;
 }
+/// Where numbers lie side by side, which must be in the file once.
+std::size_t place_of(const std::vector<char>& bytes, const std::vector<double>& numbers) {
+  const char* raw = reinterpret_cast<const char*>(numbers.data());
+  const auto at = std::search(bytes.begin(), bytes.end(), raw, raw + 8 * numbers.size());
+  EXPECT_NE(at, bytes.end());
+  EXPECT_EQ(std::search(at + 1, bytes.end(), raw, raw + 8 * numbers.size()), bytes.end());
+  return static_cast<std::size_t>(at - bytes.begin());
+}
 double double_at(const std::vector<char>& bytes, std::size_t at) {
   double v;
   std::memcpy(&v, bytes.data() + at, 8);
@@ -227,6 +235,15 @@ void read_minc_mutants(std::uint64_t count, std::uint64_t seed) {
     const auto places = places_of(whole, ct.spacing_mm[static_cast<int>(a)]);
     ASSERT_EQ(places.size(), 1u) << "the step's double occurs once";
     step_at[a] = places[0];
+  }
+  // MINC's RAS: a place is the sum of (start + step times index) times direction_cosines over the axes.
+  std::array<std::size_t, 3> start_at{}, cosines_at{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Vec3 axis = ct.direction.column[a];
+    double start = 0;
+    for (int r = 0; r < 3; ++r) start += ct.origin_mm[r] * axis[r];
+    start_at[a] = place_of(whole, {start});
+    cosines_at[a] = place_of(whole, {0 - axis.x + 0.0, 0 - axis.y + 0.0, axis.z});
   }
   // valid_range lies as two numbers side by side; image-min and image-max are the other two.
   const auto lows = places_of(whole, -32768), highs = places_of(whole, 32767);
@@ -252,6 +269,23 @@ void read_minc_mutants(std::uint64_t count, std::uint64_t seed) {
       for (std::size_t a = 0; a < 3; ++a) {
         const double said = std::fabs(double_at(mutant, step_at[a]));
         ASSERT_NEAR(l.spacing_mm[static_cast<int>(a)], said, 1e-9 * said) << n;
+      }
+      for (int corner = 0; corner < 8; ++corner) {
+        Vec3 said;
+        for (std::size_t a = 0; a < 3; ++a) {
+          const double along =
+              double_at(mutant, start_at[a]) + (corner >> a & 1 ? ct.size[a] - 1 : 0) * double_at(mutant, step_at[a]);
+          for (int r = 0; r < 3; ++r)
+            said[r] += (r < 2 ? -1 : 1) * along * double_at(mutant, cosines_at[a] + 8 * std::size_t(r));
+        }
+        double nearest = 1e300;
+        for (int other = 0; other < 8; ++other) {
+          Vec3 index;
+          for (int a = 0; a < 3; ++a) index[a] = other >> a & 1 ? l.size[std::size_t(a)] - 1.0 : 0;
+          nearest = std::min(nearest, norm(l.to_world_mm(index) - said));
+        }
+        // Axes that are not quite of length one, or at right angles, are made so.
+        ASSERT_LT(nearest, 0.01 + 2e-3 * norm(said)) << n << ": lies elsewhere, unsaid";
       }
       other_place += norm(l.to_world_mm({0, 0, 0}) - ct.to_world_mm({0, 0, 0})) > 1e-6;
       const double low = double_at(mutant, stored_low), high = double_at(mutant, stored_high),
