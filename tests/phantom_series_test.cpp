@@ -284,6 +284,66 @@ TEST(PhantomSpine, ATiltedScansTruthIsOfWhatItShows) {
   }
 }
 
+// A chest: the same bytes whatever the thread count; each tissue has its HU where the labels have it; vessels and lung
+// lie where truth.json and anatomy say; a turn turns all of it.
+TEST(PhantomChest, IsScannedWithItsTruth) {
+  PhantomParams p;
+  p.body.body = BodyParams::Body::chest;
+  p.scan.columns_count = p.scan.rows_count = 165;
+  p.scan.pixel_mm = 2;
+  p.scan.slices_count = 56;
+  p.scan.slice_step_mm = p.scan.slice_thickness_mm = 2;
+  p.scan.noise_hu = 0;
+  p.scan.kernel_mm = 0;
+  const ScratchFolder one, other;
+  make_phantom(one.path(), p);
+  set_thread_count(1);
+  make_phantom(other.path(), p);
+  set_thread_count(0);
+  EXPECT_EQ(hashes_of(one.path()), hashes_of(other.path()));
+  const Grid<std::int16_t> ct = volume_of(scan(p.body.chest, p.scan, 1));
+  const Mask labels = read_mask_nrrd(one.path() / "truth" / "labels.nrrd");
+  ASSERT_EQ(labels.count(), ct.count());
+  double sum[7] = {}, count[7] = {};
+  for (std::size_t n = 0; n < ct.count(); ++n) {
+    sum[labels.voxels[n]] += ct.voxels[n];
+    count[labels.voxels[n]] += 1;
+  }
+  const double expected[7] = {-1000, 50, 700, 600, 200, 42, -850};  // edges are mixed
+  const double within[7] = {20, 40, 150, 150, 40, 15, 60};
+  for (int n = 0; n < 7; ++n) {
+    ASSERT_GT(count[n], 200) << n;
+    EXPECT_NEAR(sum[n] / count[n], expected[n], within[n]) << n;
+  }
+  // The needle's way: below the clavicle the vein, behind it the artery, below both the lung; all of it symmetric.
+  const Chest chest;
+  const Vec3 notch = chest.notch_mm();
+  EXPECT_NEAR(notch.x, 0, 1e-9);
+  for (const bool left : {false, true}) {
+    const Vec3 bone = chest.clavicle_line(left)[15], vein = chest.vein_line(left)[30],
+               artery = chest.artery_line(left)[20];
+    EXPECT_GT(chest.clavicle(bone), 5.9);
+    EXPECT_GT(chest.vein(vein), 4.9);
+    EXPECT_LT(chest.clavicle(vein), 0);
+    EXPECT_LT(chest.vein(artery), -2);
+    EXPECT_GT(vein.y, bone.y);
+    EXPECT_LT(vein.z, bone.z);
+    EXPECT_GT(artery.y, vein.y);
+    EXPECT_GT(chest.lung({left ? 30.0 : -30.0, 0, -40}), 5);
+    for (const Vec3& q : chest.vein_line(left)) {
+      EXPECT_LT(chest.lung(q), -6) << q.x << " " << q.y << " " << q.z;  // the pleura's 2 mm lie between
+      EXPECT_LT(chest.other_bone(q), 0) << q.x << " " << q.y << " " << q.z;
+      EXPECT_GT(chest.skin(q), 10);
+    }
+  }
+  ChestParams askew;
+  askew.chest_turned_deg = 8;
+  const Chest turned(askew);
+  const double a = 8 * M_PI / 180, x = notch.x * std::cos(a) - notch.y * std::sin(a);
+  EXPECT_NEAR(turned.notch_mm().x, x, 1e-9);
+  EXPECT_NEAR(turned.vein(turned.vein_line(true)[20]), 5, 0.01);
+}
+
 TEST(PhantomSpine, WhatIsOfHeadsIsRefused) {
   const ScratchFolder folder;
   const auto refused = [&](const PhantomParams& p, const char* field) {
@@ -309,4 +369,9 @@ TEST(PhantomSpine, WhatIsOfHeadsIsRefused) {
   p = tiny();
   p.body.spine.turned_deg = 5;
   refused(p, "turned_deg");
+  p.body.body = BodyParams::Body::chest;
+  refused(p, "turned_deg");
+  p = spine;
+  p.body.chest.vein_contrast_hu = 0;
+  refused(p, "vein_contrast_hu");
 }

@@ -10,7 +10,7 @@ Command phantom_command() {
   using namespace phantom;
   Command c;
   c.name = "phantom";
-  c.summary = "makes a synthetic head or spine as a CT series, with its truth";
+  c.summary = "makes a synthetic head, spine or chest as a CT series, with its truth";
   c.description =
       "Scans an analytic head (skin, skull, brain, ventricles), whose surfaces are known to a fraction of a "
       "micrometre, with a simulated CT scanner: partial volume, kernel blur, correlated noise, tilt and, at clinical "
@@ -18,11 +18,14 @@ Command phantom_command() {
       "landmarks and truth.json, which `measure --truth` reads; FOLDER/second, if asked for, another scan of the head "
       "and "
       "where it lies. With --body spine it is a lumbar spine of plain shapes, "
-      "whose pedicles truth.json holds. The same parameters give the same bytes.";
+      "whose pedicles truth.json holds; with --body chest a chest with clavicles, subclavian veins and arteries, and "
+      "lungs, whose middle lines and sternal notch truth.json holds. The same parameters give the same bytes.";
   c.examples = {"trephine phantom head --variant hydrocephalic --seed 7",
                 "trephine phantom head --level clinical --tilt-deg 13.5 --slice-step-mm 2.5 --slices-count 80",
                 "trephine phantom head --level hard --mask --couch --clamps --noise-hu 30 --second-kernel-mm 0.6",
-                "trephine phantom spine --body spine --columns-count 256 --rows-count 256 --field-of-view-mm 240"};
+                "trephine phantom spine --body spine --columns-count 256 --rows-count 256 --field-of-view-mm 240",
+                "trephine phantom chest --body chest --columns-count 256 --rows-count 256 --field-of-view-mm 330 "
+                "--slices-count 112"};
   Argument out;
   out.name = "folder";
   out.kind = Argument::Kind::out_folder;

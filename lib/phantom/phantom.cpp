@@ -12,6 +12,14 @@ void append(std::string& text, const P& params) {
   for (const Parameter& p : parameters_of<P>().parameters) text += p.name + "=" + to_text(p.get(&params)) + "\n";
 }
 
+// Of the body alone that is scanned: what another body might be is nothing of its.
+void append_body(std::string& text, const BodyParams& body) {
+  const bool chest = body.body == BodyParams::Body::chest;
+  const ParameterSet& others = chest ? parameters_of<SpineParams>() : parameters_of<ChestParams>();
+  for (const Parameter& p : parameters_of<BodyParams>().parameters)
+    if (!others.find(p.name)) text += p.name + "=" + to_text(p.get(&body)) + "\n";
+}
+
 /// Things are of level hard, and lie around a patient on the back.
 void check_hard(const PhantomParams& params) {
   const HardParams fresh;
@@ -37,24 +45,30 @@ void check_default(const P& params, const char* why) {
 
 // What is of the other body would be ignored.
 void check_body(const PhantomParams& params) {
-  if (params.body.body == BodyParams::Body::head) return check_default(params.body.spine, "on a head: --body spine");
-  check_default(params.head, "on a spine");
-  check_default(params.head.hard, "on a spine");
-  check_default(params.second, "on a spine");
+  using Body = BodyParams::Body;
+  const Body body = params.body.body;
+  if (body != Body::spine) check_default(params.body.spine, "but on a spine: --body spine");
+  if (body != Body::chest) check_default(params.body.chest, "but on a chest: --body chest");
+  if (body == Body::head) return;
+  const char* why = "but on a head";
+  check_default(params.head, why);
+  check_default(params.head.hard, why);
+  check_default(params.second, why);
   if (params.scan.contents != Contents::head)
-    throw Error(ExitCode::usage, "", "contents", "a spine is scanned without marks");
+    throw Error(ExitCode::usage, "", "contents", "only a head is scanned with marks");
 }
 
-Report make_spine(const std::filesystem::path& out, const PhantomParams& params, const Progress& progress) {
-  const SpineParams& spine = params.body.spine;
-  const Scan scanned = scan(spine, params.scan, std::uint64_t(params.head.seed), progress.part(0, 0.8));
+template <class Body>
+Report make_body(const std::filesystem::path& out, const Body& body, const PhantomParams& params,
+                 const Progress& progress) {
+  const Scan scanned = scan(body, params.scan, std::uint64_t(params.head.seed), progress.part(0, 0.8));
   Report report;
   report.add("slices_count", static_cast<std::int64_t>(scanned.slices.size()));
   const std::uint64_t bytes =
       write_series(out / "dicom", scanned, params.scan, params.series, identity_of(params), progress.part(0.8, 0.9));
   report.add("series_mb", static_cast<double>(bytes) / 1e6);
   remove_series(out / "dicom", second_series);
-  write_truth(out / "truth", spine, scanned, params.scan, params.truth.labels, report);
+  write_truth(out / "truth", body, scanned, params.scan, params.truth.labels, report);
   progress.report(1);
   return report;
 }
@@ -72,7 +86,7 @@ std::uint64_t write_second_series(const std::filesystem::path& folder, const Hea
 
 std::string identity_of(const PhantomParams& params) {
   std::string text;
-  if (params.body.body == BodyParams::Body::spine) append(text, params.body);
+  if (params.body.body != BodyParams::Body::head) append_body(text, params.body);
   append(text, params.head);
   append(text, params.scan);
   append(text, params.series);
@@ -94,7 +108,8 @@ Report make_phantom(const std::filesystem::path& out, const PhantomParams& param
   check_body(params);
   check_hard(params);
   make_output_folder(out);
-  if (params.body.body == BodyParams::Body::spine) return make_spine(out, params, progress);
+  if (params.body.body == BodyParams::Body::spine) return make_body(out, params.body.spine, params, progress);
+  if (params.body.body == BodyParams::Body::chest) return make_body(out, params.body.chest, params, progress);
   const Head head(params.head);
   const double first = params.head.hard.second_kernel_mm > 0 ? 0.4 : 0.7;  // of the progress
   const Scan scanned = scan(head, s, progress.part(0, first - 0.1));

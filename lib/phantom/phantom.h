@@ -29,7 +29,7 @@ struct PhantomParams {
 std::string identity_of(const PhantomParams& params);
 
 /// Makes out/dicom/slice_*.dcm, out/truth/* and, where asked for, out/second/*: the same bytes for the same parameters.
-/// Of a spine, what is of heads must be as by default, and the other way round.
+/// Of a spine or a chest, what is of other bodies must be as by default, and the other way round.
 /// Throws as write_series and write_truth do, 64 for parameters that contradict each other.
 Report make_phantom(const std::filesystem::path& out, const PhantomParams& params, const Progress& progress = {});
 

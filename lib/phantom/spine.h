@@ -10,6 +10,7 @@
 #include "base/progress.h"
 #include "base/report.h"
 #include "base/vec3.h"
+#include "phantom/chest.h"
 #include "phantom/scan.h"
 
 namespace trephine::phantom {
@@ -44,16 +45,19 @@ struct SpineParams {
 
 /// Which body a phantom is.
 struct BodyParams {
-  enum class Body { head, spine };
+  enum class Body { head, spine, chest };
   Body body = Body::head;
   SpineParams spine;
+  ChestParams chest;
   template <class V>
   static void describe(V& v) {
     using P = BodyParams;
     v.choice(
-        &P::body, "body", {{"head", Body::head}, {"spine", Body::spine}},
-        "A head, or a lumbar spine of plain shapes whose pedicles are known; parameters of the other one are refused.");
+        &P::body, "body", {{"head", Body::head}, {"spine", Body::spine}, {"chest", Body::chest}},
+        "A head, a lumbar spine of plain shapes whose pedicles are known, or a chest of plain shapes with clavicles, "
+        "subclavian vessels and lungs; parameters of another one are refused.");
     v.all_of(&P::spine);
+    v.all_of(&P::chest);
   }
 };
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The spine on the scanner of the head, and its truth.
-#include <atomic>
 #include <nlohmann/json.hpp>
 
 #include "base/parallel.h"
 #include "base/write_file.h"
 #include "grid/nrrd.h"
-#include "phantom/slice_image.h"
+#include "phantom/body_scan.h"
 #include "phantom/spine_parts.h"
 
 namespace trephine::phantom {
@@ -14,17 +13,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double fwhm_per_sigma = 2.3548200450309493;
-constexpr double most_step_mm = 0.5;      // across a slice
 constexpr double vertebra_reach_mm = 30;  // before and behind the middle
 
 Json to_json(Vec3 v) { return {v.x, v.y, v.z}; }
 
 // From the scanner's frame to the spine's: the middle of the default block is the spine's middle.
-Vec3 offset_mm() {
-  const ScanParams fresh;
-  return Vec3{fresh.centre_mm[0], fresh.centre_mm[1], fresh.centre_mm[2]} - Vec3{0, 10, 0};
-}
+Vec3 offset_mm() { return default_centre_mm() - Vec3{0, 10, 0}; }
 
 // As many vertebrae as the block is high, and one more: none ends in it that a scan would show whole.
 Spine spine_in(SpineParams spine, const std::vector<SlicePose>& slices, const ScanParams& p) {
@@ -60,40 +54,9 @@ bool whole(const Spine& spine, int vertebra, const std::vector<SlicePose>& slice
 }  // namespace
 
 Scan scan(const SpineParams& of, const ScanParams& params, std::uint64_t seed, const Progress& progress) {
-  Scan out;
-  out.columns = params.columns_count, out.rows = params.rows_count;
-  out.pixel_mm = pixel_spacing_mm(params);
-  out.slices = slice_poses(params);
-  out.padded = params.round_field;
-  const Spine spine = spine_in(of, out.slices, params);
-  const std::size_t per_slice = std::size_t(out.columns) * std::size_t(out.rows);
-  out.hu.resize(per_slice * out.slices.size());
-  const double sigma_px = params.kernel_mm / fwhm_per_sigma / out.pixel_mm;
-  const int across = std::max(1, int(std::ceil(params.slice_thickness_mm / most_step_mm)));
-  std::atomic<int> done{0};
-  parallel_for(0, params.slices_count, 1, [&](std::int64_t from, std::int64_t to) {
-    for (int k = int(from); k < to; ++k) {
-      progress.check();
-      const SlicePose& pose = out.slices[std::size_t(k)];
-      const Vec3 normal = normalized(cross(pose.row, pose.column));
-      SliceImage image(out.columns, out.rows, -1000);
-      for (int j = 0; j < out.rows; ++j)
-        for (int i = 0; i < out.columns; ++i) {
-          double sum = 0;
-          for (int a = 0; a < across; ++a)
-            sum += hu_of(spine,
-                         out.position_mm(i, j, k) - offset_mm() +
-                             normal * (((a + 0.5) / across - 0.5) * params.slice_thickness_mm),
-                         out.pixel_mm);
-          image.at(i, j) = float(sum / across);
-        }
-      blur(image, sigma_px);
-      add_noise(image, sigma_px, params.noise_hu, seed, std::uint64_t(k));
-      quantize(image, params.round_field, &out.hu[per_slice * std::size_t(k)]);
-      progress.report(++done / double(params.slices_count));
-    }
-  });
-  return out;
+  const Spine spine = spine_in(of, slice_poses(params), params);
+  return scan_body([&](Vec3 p, double width_mm) { return hu_of(spine, p - offset_mm(), width_mm); }, params, seed,
+                   progress);
 }
 
 void write_truth(const std::filesystem::path& folder, const SpineParams& of, const Scan& scan, const ScanParams& params,

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The shipped library of exercises, from nothing to results, by the commands of docs/lessons.md: heads of four classes, and spines.
+# The shipped library of exercises, from nothing to results, by the commands of docs/lessons.md: heads of four classes, spines, and
+# chests.
 . "$(dirname "$0")/common.sh"
 : "${SIM:?}"
 PATH=$(dirname "$TREPHINE"):$(dirname "$SIM"):$PATH
@@ -22,6 +23,18 @@ assert sorted(r["case"] for r in rows) == ["spine-1", "spine-2"], rows
 for r in rows:
     print(r["case"], r["points"], "of", r["most_points"])
     assert int(r["points"]) >= 30 and r["most_points"] == "35", r
+PY
+# Where clavicles, veins and lungs lie is what the phantom has, and the needle of the page's script draws blood at its first pass.
+python3 - results exercises <<'PY'
+import csv, json, sys
+rows = list(csv.DictReader(open(sys.argv[1] + "/attempts-subclavian.csv")))
+assert sorted(r["case"] for r in rows) == ["chest-1", "chest-2"], rows
+for r in rows:
+    print(r["case"], r["points"], "of", r["most_points"], {k: v for k, v in r.items() if k.endswith("_score")})
+    assert r["vein_score"] == "5" and r["lung_score"] == "5" and r["artery_score"] == "" and r["passes_count"] == "1", r
+for name in ("chest-1", "chest-2"):
+    case = json.load(open(f"{sys.argv[2]}/{name}/case.json"))
+    assert not any("estimated" in json.dumps(a) for a in case["anatomies"] if a["name"] == "vein"), "the vein was not seen"
 PY
 # The axes that were found are those that the phantom has.
 python3 - exercises <<'PY'
