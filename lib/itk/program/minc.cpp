@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/text.h"
+#include "base/write_file.h"
 #include "hdf5_file.h"
 
 namespace trephine {
@@ -21,6 +22,30 @@ using namespace hdf5;
 constexpr const char* image_name = "/minc-2.0/image/0/image";
 constexpr std::array<const char*, 3> axes{"xspace", "yspace", "zspace"};
 std::string path_of(const char* axis) { return std::string("/minc-2.0/dimensions/") + axis; }
+
+// HDF5 1.10 believes the sizes within an attribute's message, and reads what lies elsewhere, zeros mostly, where one is
+// damaged. They follow from the message's own type and space, so they are checked in the file's bytes (HDF5 File Format
+// Specification 3.0, IV.A.2.b, d and m; newer versions of the message have a checksum over them).
+void require_sound_messages(std::string_view bytes, std::string_view name) {
+  const auto byte = [&](std::size_t at) { return at < bytes.size() ? static_cast<unsigned char>(bytes[at]) : 0u; };
+  const auto two = [&](std::size_t at) { return byte(at) + 256u * byte(at + 1); };
+  const auto padded = [](std::size_t n) { return (n + 7) / 8 * 8; };
+  const std::string whole = std::string(name) + '\0';
+  for (std::size_t at = 0; (at = bytes.find(whole, at)) != std::string_view::npos; ++at) {
+    if (at < 8 || byte(at - 8) != 1 || byte(at - 7) != 0 || two(at - 6) != whole.size()) continue;
+    const std::size_t type = at + padded(whole.size()), type_bytes = two(at - 4), space = type + padded(type_bytes);
+    const unsigned kind = byte(type) & 15, numbers = byte(space + 1) * (1 + (byte(space + 2) & 1u));
+    const bool type_fits = (kind == 0 && type_bytes == 12) || (kind == 1 && type_bytes == 20) || kind > 1;
+    if (!type_fits || two(at - 2) != (byte(space) == 1 ? 8u : 4u) + 8 * numbers)
+      bad(std::string(name), "is damaged: its sizes do not go with its type");
+  }
+}
+
+void require_sound_messages(const std::string& file) {
+  const std::vector<char> bytes = read_file(file);
+  for (const char* name : {"start", "step", "length", "direction_cosines", "valid_range"})
+    require_sound_messages({bytes.data(), bytes.size()}, name);
+}
 
 // libminc takes 0, 1 and the patient's axes for what is missing, and so would one damaged letter of a name.
 [[noreturn]] void missing(const char* name) {
@@ -140,6 +165,7 @@ ItkVolume minc_geometry(const std::string& name) {
   if (!file.valid() || H5Lexists(file, "/minc-2.0", H5P_DEFAULT) <= 0)
     bad("", "is no MINC 2 file (MINC 1 is not read: convert it with mincconvert -2)");
   require_self_contained(file);
+  require_sound_messages(name);
   ItkVolume head;
   for (std::size_t a = 0; a < 3; ++a) take_axis(file, a, head);
   require_three_axes(file, head);

@@ -19,9 +19,22 @@ using namespace hdf5;
 
 constexpr const char* folder = "/minc-2.0/image/0/";
 
+/// HDF5 reads zeros where an address leads beyond the file's end.
+void require_in_file(hid_t file, haddr_t at, hsize_t bytes, const char* name) {
+  hsize_t whole = 0;
+  if (H5Fget_filesize(file, &whole) < 0 || at == HADDR_UNDEF || at > whole || bytes > whole - at)
+    bad(name, "lies beyond the file's end: the file is cut short or damaged");
+}
+
+void require_contiguous_in_file(hid_t file, hid_t data, const char* name) {
+  const Id layout(H5Dget_create_plist(data), H5Pclose);
+  if (H5Pget_layout(layout) == H5D_CONTIGUOUS)
+    require_in_file(file, H5Dget_offset(data), H5Dget_storage_size(data), name);
+}
+
 /// The pieces that an image is stored in: each must be found where it is looked for, for HDF5 reads zeros in place of
 /// one that its index has lost, and stored as it says, packed or whole.
-void require_all_pieces(hid_t image) {
+void require_all_pieces(hid_t file, hid_t image) {
   const Id layout(H5Dget_create_plist(image), H5Pclose), space(H5Dget_space(image), H5Sclose),
       type(H5Dget_type(image), H5Tclose);
   if (H5Pget_layout(layout) != H5D_CHUNKED) {
@@ -36,6 +49,7 @@ void require_all_pieces(hid_t image) {
     bad("image", "is damaged");
   const hsize_t whole_bytes = piece[0] * piece[1] * piece[2] * H5Tget_size(type);
   if (whole_bytes > (hsize_t{1} << 31)) bad("image", "is stored in pieces of more than 2 GB");
+  const bool packed = H5Pget_nfilters(layout) > 0;
   std::vector<char> stored;
   for (at[0] = 0; at[0] < size[0]; at[0] += piece[0])
     for (at[1] = 0; at[1] < size[1]; at[1] += piece[1])
@@ -49,6 +63,11 @@ void require_all_pieces(hid_t image) {
         if (H5Dread_chunk(image, H5P_DEFAULT, at.data(), &filters_left_out, stored.data()) < 0 ||
             (filters_left_out != 0 && bytes != whole_bytes))
           bad("image", "is damaged");
+        if (packed && filters_left_out == 0) continue;  // zeros would not be unpacked
+        unsigned mask = 0;
+        haddr_t address = HADDR_UNDEF;
+        if (H5Dget_chunk_info_by_coord(image, at.data(), &mask, &address, &bytes) < 0) bad("image", "is damaged");
+        require_in_file(file, address, bytes, "image");
       }
 }
 
@@ -59,6 +78,7 @@ std::vector<double> numbers_of_slices(hid_t file, const char* name, hsize_t slic
     bad(name, "is missing: the file does not say what its voxels mean");
   const Id data(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose);
   if (!data.valid()) bad(name, "is damaged");
+  require_contiguous_in_file(file, data, name);
   const Id type(H5Dget_type(data), H5Tclose), space(H5Dget_space(data), H5Sclose);
   const hssize_t count = H5Sget_simple_extent_npoints(space);
   if (H5Sget_simple_extent_ndims(space) > 1 || (count != 1 && static_cast<hsize_t>(count) != slices))
@@ -93,7 +113,8 @@ ValueFigures minc_values(const std::string& name) {
   const Id file(H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   const Id image(H5Dopen2(file, (folder + std::string("image")).c_str(), H5P_DEFAULT), H5Dclose);
   if (!image.valid()) bad("image", "is missing");
-  require_all_pieces(image);
+  require_all_pieces(file, image);
+  require_contiguous_in_file(file, image, "image");
   const Id space(H5Dget_space(image), H5Sclose), type(H5Dget_type(image), H5Tclose);
   std::array<hsize_t, 3> size{}, from{};
   H5Sget_simple_extent_dims(space, size.data(), nullptr);
