@@ -31,6 +31,19 @@ PhantomParams tiny() {
   return p;
 }
 
+/// A body in voxels of 2 mm that neither noise nor a kernel changes.
+PhantomParams exact(BodyParams::Body body, int columns, int slices) {
+  PhantomParams p;
+  p.body.body = body;
+  p.scan.columns_count = p.scan.rows_count = columns;
+  p.scan.pixel_mm = 2;
+  p.scan.slices_count = slices;
+  p.scan.slice_step_mm = p.scan.slice_thickness_mm = 2;
+  p.scan.noise_hu = 0;
+  p.scan.kernel_mm = 0;
+  return p;
+}
+
 std::string text_of(const gdcm::DataSet& set, std::uint16_t group, std::uint16_t element) {
   const gdcm::Tag tag(group, element);
   if (!set.FindDataElement(tag) || !set.GetDataElement(tag).GetByteValue()) return "";
@@ -218,14 +231,7 @@ TEST(PhantomSample, RegeneratesTheCommittedSeries) {
 
 // A spine: the same bytes whatever the thread count, HU of its tissues where they are, and the truth of what it shows.
 TEST(PhantomSpine, IsScannedWithItsTruth) {
-  PhantomParams p;
-  p.body.body = BodyParams::Body::spine;
-  p.scan.columns_count = p.scan.rows_count = 120;
-  p.scan.pixel_mm = 2;
-  p.scan.slices_count = 40;
-  p.scan.slice_step_mm = p.scan.slice_thickness_mm = 2;
-  p.scan.noise_hu = 0;
-  p.scan.kernel_mm = 0;
+  const PhantomParams p = exact(BodyParams::Body::spine, 120, 40);
   const ScratchFolder one, other;
   const Report report = make_phantom(one.path(), p);
   set_thread_count(1);
@@ -287,14 +293,7 @@ TEST(PhantomSpine, ATiltedScansTruthIsOfWhatItShows) {
 // A chest: the same bytes whatever the thread count; each tissue has its HU where the labels have it; vessels and lung
 // lie where truth.json and anatomy say; a turn turns all of it.
 TEST(PhantomChest, IsScannedWithItsTruth) {
-  PhantomParams p;
-  p.body.body = BodyParams::Body::chest;
-  p.scan.columns_count = p.scan.rows_count = 165;
-  p.scan.pixel_mm = 2;
-  p.scan.slices_count = 56;
-  p.scan.slice_step_mm = p.scan.slice_thickness_mm = 2;
-  p.scan.noise_hu = 0;
-  p.scan.kernel_mm = 0;
+  const PhantomParams p = exact(BodyParams::Body::chest, 165, 56);
   const ScratchFolder one, other;
   make_phantom(one.path(), p);
   set_thread_count(1);
