@@ -184,9 +184,12 @@ TEST(HapticsTorque, AToolIsTurnedAboutItsAxis) {
 TEST(HapticsTorque, EarlierRecordingsAreRead) {
   const ScratchFolder folder;
   const auto file = folder.path() / "a.servo";
-  RecordingWriter writer(file, {});
+  RecordingHeader header;
+  header.drilling.drill = true;
+  RecordingWriter writer(file, header);
   writer.add({ServoFrame()});
   writer.finish();
+  EXPECT_EQ(read_recording(file).header.drilling.clearance_voxels, DrillingParams().clearance_voxels);
   const std::vector<char> bytes = read_file(file);
   std::string text(bytes.begin(), bytes.end());
   const auto blank = [&](const std::string& key) {
@@ -199,6 +202,8 @@ TEST(HapticsTorque, EarlierRecordingsAreRead) {
   blank("max_torque_n_mm");
   blank("turn_stiffness_n_mm_per_rad");
   EXPECT_EQ(read_recording(file).header.force.max_torque_n_mm, ForceParams().max_torque_n_mm);
+  blank("clearance_voxels");
+  EXPECT_EQ(read_recording(file).header.drilling.clearance_voxels, 0) << "tools were felt as wide as they cut";
   blank("ramp_s");
   EXPECT_THROW(read_recording(file), Error);
 }

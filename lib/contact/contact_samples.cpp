@@ -58,11 +58,24 @@ int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, Surfa
   };
   // Around a point, how far the row of voxels (j, k) lies within reach; negative where it does not. A sample lies up to
   // one voxel behind its voxel.
+  const double per_x = (1 + 1e-9) / v.spacing_mm.x;
   const auto half_row = [&](int j, int k) {
     const double y = v.spacing_mm.y * std::max({0.0, j - c.y, c.y - (j + 1)});
     const double z = v.spacing_mm.z * std::max({0.0, k - c.z, c.z - (k + 1)});
     const double left = reach_mm * reach_mm * (1 + 1e-9) + 1e-9 - y * y - z * z;
-    return left < 0 ? -1 : std::sqrt(left) / v.spacing_mm.x;
+    return left < 0 ? -1 : std::sqrt(left) * per_x;
+  };
+  // The square of the distance from the line.
+  const auto far_from_line = [&](Vec3 world) {
+    Vec3 d = world - from_mm;
+    if (way_squared > 0) d = d - way * std::clamp(dot(d, way) / way_squared, 0.0, 1.0);
+    return dot(d, d);
+  };
+  // The samples of a block's voxels lie within a ball about its middle.
+  const double block_mm = 0.5 * side * norm(v.spacing_mm), block_reach_mm = (reach_mm + block_mm) * (1 + 1e-9);
+  const auto block_is_near = [&](int bi, int bj, int bk) {
+    const Vec3 middle = v.to_world_mm({(bi + 0.5) * side, (bj + 0.5) * side, (bk + 0.5) * side});
+    return far_from_line(middle) <= block_reach_mm * block_reach_mm;
   };
   const auto [low_k, high_k] = voxels_of(2, {0, 1});
   for (int bk = low_k >> block_bits; bk <= high_k >> block_bits; ++bk) {
@@ -75,32 +88,43 @@ int ContactVolume::samples_near(Vec3 from_mm, Vec3 to_mm, double reach_mm, Surfa
       const auto [low_i, high_i] = voxels_of(0, of_row);
       for (int bi = low_i >> block_bits; bi <= high_i >> block_bits; ++bi) {
         if (shape_of_block(bi * side, bj * side, bk * side) != mixed_block) continue;
+        if (!block_is_near(bi, bj, bk)) continue;
+        const bool inner = bi >= 0 && bj >= 0 && bk >= 0 && (bi + 1) * side < v.size[0] &&
+                           (bj + 1) * side < v.size[1] && (bk + 1) * side < v.size[2];
         for (int k = std::max(low_k, bk * side); k <= std::min(high_k, bk * side + side - 1); ++k)
           for (int j = std::max(low_j, bj * side); j <= std::min(high_j, bj * side + side - 1); ++j) {
             int begin_i = std::max(low_i, bi * side), end_i = std::min(high_i, bi * side + side - 1);
             if (!(way_squared > 0)) {
               const double half = half_row(j, k);
               if (half < 0) continue;
-              begin_i = std::max(begin_i, int(std::floor(c.x - half)) - 1);
-              end_i = std::min(end_i, int(std::ceil(c.x + half)));
+              begin_i = std::max(begin_i, int(c.x - half) - 1);
+              end_i = std::min(end_i, int(c.x + half) + 1);
             }
+            const std::int16_t* row = inner ? v.voxels.data() + v.index(0, j, k) : nullptr;
             for (int i = begin_i; i <= end_i; ++i) {
-              const bool inner =
-                  i >= 0 && j >= 0 && k >= 0 && i + 1 < v.size[0] && j + 1 < v.size[1] && k + 1 < v.size[2];
-              const std::int16_t* at = inner ? v.voxels.data() + v.index(i, j, k) : nullptr;
-              const std::uint32_t here = inner ? table_[std::uint16_t(detail::load_voxel(*at))] : entry_at(i, j, k);
+              std::uint32_t here, next[3];
+              if (inner) {
+                const std::int16_t* at = row + i;
+                const std::int16_t raw = detail::load_voxel(*at);
+                const std::int16_t x = detail::load_voxel(at[1]), y = detail::load_voxel(at[step[1]]),
+                                   z = detail::load_voxel(at[step[2]]);
+                if (raw == x && raw == y && raw == z) continue;  // most are
+                here = table_[std::uint16_t(raw)];
+                next[0] = table_[std::uint16_t(x)];
+                next[1] = table_[std::uint16_t(y)];
+                next[2] = table_[std::uint16_t(z)];
+              } else {
+                here = entry_at(i, j, k);
+                for (int a = 0; a < 3; ++a) next[a] = entry_at(i + (a == 0), j + (a == 1), k + (a == 2));
+              }
               const int shape = shape_of_entry(here);
               for (int a = 0; a < 3; ++a) {
-                const std::uint32_t next = inner ? table_[std::uint16_t(detail::load_voxel(at[step[a]]))]
-                                                 : entry_at(i + (a == 0), j + (a == 1), k + (a == 2));
-                const int other = shape_of_entry(next);
+                const int other = shape_of_entry(next[a]);
                 if (other == shape) continue;
                 Vec3 p{double(i), double(j), double(k)};
-                p[a] += hu ? 0.5 : crossing_of(here, next);
+                p[a] += hu ? 0.5 : crossing_of(here, next[a]);
                 const Vec3 world = v.to_world_mm(p);
-                Vec3 d = world - from_mm;
-                if (way_squared > 0) d = d - way * std::clamp(dot(d, way) / way_squared, 0.0, 1.0);
-                if (dot(d, d) > reach_mm * reach_mm || count == most) continue;
+                if (far_from_line(world) > reach_mm * reach_mm || count == most) continue;
                 out[count++] = {world, {}, std::uint8_t(shape), std::uint8_t(other)};
               }
             }

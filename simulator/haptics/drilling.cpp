@@ -13,6 +13,10 @@ constexpr double slowness_s = 0.005;    // time constant of the filters on veloc
 constexpr double half_speed_mm_s = 20;  // of the tool, at which half of the reaction is felt
 constexpr double least_depth_mm = 1;    // of a way through bone that counts as a breach
 
+constexpr double least_felt_ratio = 0.3;  // of the diameter
+
+bool is_ball(const ToolParams& tool) { return tool.tool == "burr" || tool.tool == "round_burr" || tool.tool == "ball"; }
+
 double smooth(double value, double to, double dt_s) { return value + (to - value) * dt_s / (dt_s + slowness_s); }
 
 }  // namespace
@@ -33,13 +37,21 @@ std::uint64_t drilled_shapes(const CaseHaptic& haptic) {
   return bits;
 }
 
+ToolParams felt_tool(const DrillingParams& params, const ToolParams& tool, Vec3 spacing_mm) {
+  ToolParams felt = tool;
+  if (!params.drill || !(is_ball(tool) || tool.tool == "craniotome")) return felt;
+  const double clearance_mm = params.clearance_voxels * std::max({spacing_mm.x, spacing_mm.y, spacing_mm.z});
+  felt.tool_diameter_mm = std::max(tool.tool_diameter_mm - clearance_mm, least_felt_ratio * tool.tool_diameter_mm);
+  return felt;
+}
+
 Cutter cutter_of(const DrillingParams& params, const ToolParams& tool) {
   Cutter c;
   if (tool.tool == "scalpel") {  // it only incises: FeltCase::drilling_of gives it no shape to drill
     c.radius_mm = 0.5;
     return c;
   }
-  const bool round = tool.tool == "burr" || tool.tool == "round_burr" || tool.tool == "ball";
+  const bool round = is_ball(tool);
   const bool craniotome = tool.tool == "craniotome";
   if (!round && !craniotome)
     throw Error(ExitCode::usage, "", "--drill",

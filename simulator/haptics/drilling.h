@@ -22,6 +22,7 @@ struct DrillingParams {
   double spindle_rpm = 60000, stall_force_n = 3, reaction_ratio = 0.5;
   double vibration_n = 0.05, vibration_hz = 200;
   double incision_radius_mm = 15;
+  double clearance_voxels = 1.75;
   template <class V>
   static void describe(V& v) {
     using P = DrillingParams;
@@ -41,6 +42,10 @@ struct DrillingParams {
     v.number(&P::vibration_n, "vibration_n", Range{0, 5}, "Amplitude of the vibration at full power, across the tool.");
     v.number(&P::vibration_hz, "vibration_hz", Range{1, 1000}, "Its frequency.");
     v.number(&P::incision_radius_mm, "incision_radius_mm", Range{0.1, 30}, "Radius of an incision.");
+    v.number(
+        &P::clearance_voxels, "clearance_voxels", Range{0, 10},
+        "How much narrower than it cuts the tool is felt, in diameter and voxels, so that it fits into its own hole: "
+        "what it cuts ends at the voxels' middles, up to half a voxel's diagonal inside of it.");
   }
 };
 
@@ -59,6 +64,9 @@ struct DrillingOutcome {
 DrillShapes drill_shapes_of(const CaseHaptic& haptic);
 /// The shapes that a drill removes, bit n for shape n.
 std::uint64_t drilled_shapes(const CaseHaptic& haptic);
+/// The tool as it is felt while it cuts: narrower by the clearance in voxels of that spacing, but no less than 0.3 of
+/// its diameter wide, with its foremost point where it is. Whatever does not rotate stays as it is.
+ToolParams felt_tool(const DrillingParams& params, const ToolParams& own_tool, Vec3 spacing_mm);
 /// The tool's cutter. Throws Error 64 where the tool cuts nothing.
 Cutter cutter_of(const DrillingParams& params, const ToolParams& own_tool);
 

@@ -25,8 +25,8 @@ constexpr std::size_t fixed_bytes = 16, header_bytes = 8192;
 
 // Fields that were added later: recordings without them were made before there was such a thing.
 bool is_newer(const std::string& name) {
-  for (const char* newer :
-       {"max_torque_n_mm", "turn_stiffness_n_mm_per_rad", "tool_points", "tool_points_sha256", "pierce_n"})
+  for (const char* newer : {"max_torque_n_mm", "turn_stiffness_n_mm_per_rad", "tool_points", "tool_points_sha256",
+                            "pierce_n", "clearance_voxels"})
     if (name == newer) return true;
   return false;
 }
@@ -181,6 +181,7 @@ Recording read_recording(const std::filesystem::path& file) {
       from_json(j.at("shaft"), h.shaft);
       if (j.contains("tool")) from_json(j.at("tool"), h.tool);
       if (j.contains("drilling")) {
+        h.drilling.clearance_voxels = 0;  // as recordings without it were felt
         from_json(j.at("drilling"), h.drilling);
         from_json(j.at("law"), h.law);
       }

@@ -52,6 +52,13 @@ struct BeltToolParams : ToolParams {
   }
 };
 
+/// The tool as wide as it cuts, which is how it is drawn.
+inline ToolParams whole_tool(const BeltToolParams& tool) {
+  ToolParams whole = own_tool(tool);
+  whole.tool_diameter_mm += tool.cuts_wider_mm;
+  return whole;
+}
+
 /// The tools of a session, of which the hand holds one at a time: a proxy for each, the drill, and what commands do in
 /// the tick. Changing the tool takes no time; the new one begins where the device is, and its force rises from zero.
 /// The force of the tool that was put down falls within the limit on the force's rate.

@@ -12,8 +12,7 @@ namespace {
 constexpr double lift_s = 0.3, lift_mm = 5;  // a marker that leaves the skin for less goes on with its trace
 constexpr double path_step_mm = 0.25;        // of a catheter's way
 constexpr double look_each_s = 0.25;         // while the burr runs
-constexpr double burr_felt_narrower_mm = 0.6;
-constexpr double withdrawn_mm = 1;  // before the place of entry: nearer to it, in nothing, the tip is out
+constexpr double withdrawn_mm = 1;           // before the place of entry: nearer to it, in nothing, the tip is out
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
@@ -32,10 +31,6 @@ std::vector<BeltToolParams> ventriculostomy_tools() {
                  catheter = tool_of("catheter", "catheter");
   marker.blunt = marker.marks = true;
   burr.blunt = burr.cuts = true;
-  // It cuts as a ball of 5 mm. What that leaves in voxels of 0.8 mm is felt up to half a voxel narrower, and would hold
-  // a ball of 5 mm in its own hole, whatever presses it.
-  burr.cuts_wider_mm = burr_felt_narrower_mm;
-  burr.tool_diameter_mm -= burr_felt_narrower_mm;
   return {marker, burr, catheter};
 }
 

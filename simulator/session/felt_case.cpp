@@ -29,15 +29,16 @@ std::unique_ptr<Drilling> FeltCase::drilling_of(const RecordingHeader& header, C
   if (!header.drilling.drill) return nullptr;
   ToolParams tool = header.tool;
   for (const BeltToolParams& t : header.tools)
-    if (t.cuts) {
-      tool = own_tool(t);
-      tool.tool_diameter_mm += t.cuts_wider_mm;
-    }
+    if (t.cuts) tool = whole_tool(t);
   DrillShapes shapes = drill_shapes_of(loaded.manifest.haptic);
   if (tool.tool == "scalpel")
     for (DrillShape& s : shapes) s.cuttable = s.cuttable && !(s.energy_j_per_mm3 > 0);
   return std::make_unique<Drilling>(loaded.haptic, contact, shapes, header.drilling, header.law,
                                     cutter_of(header.drilling, own_tool(tool)), marks);
+}
+
+ToolParams FeltCase::felt_tool_of(const RecordingHeader& header) const {
+  return felt_tool(header.drilling, header.tool, loaded.haptic.voxels.spacing_mm);
 }
 
 RecordingHeader FeltCase::header() const {
@@ -53,10 +54,16 @@ RecordingHeader FeltCase::header() const {
 void set_lesson(RecordingHeader& h, const std::vector<BeltToolParams>& tools, const std::string& module,
                 const std::string& participant, const CaseHaptic& haptic) {
   h.tools = tools;
-  h.tool = tools.front();
   bool cuts = false;
   for (const BeltToolParams& t : tools) cuts = cuts || t.cuts;
   h.drilling.drill = cuts && drilled_shapes(haptic) != 0;
+  for (BeltToolParams& t : h.tools) {
+    if (!t.cuts) continue;
+    const ToolParams whole = whole_tool(t);
+    t.tool_diameter_mm = felt_tool(h.drilling, whole, haptic.spacing_mm).tool_diameter_mm;
+    t.cuts_wider_mm = whole.tool_diameter_mm - t.tool_diameter_mm;
+  }
+  h.tool = h.tools.front();
   h.lesson = module;
   h.participant = participant;
 }
@@ -65,7 +72,7 @@ Rerun::Rerun(FeltCase& felt, ContactVolume& contact, const std::string& file, co
              DirtyBricks* marks)
     : rate_hz_(h.rate_hz), drilling_(felt.drilling_of(h, contact, marks)) {
   if (h.tools.empty())
-    proxy_ = std::make_unique<Proxy>(contact, felt.feels, h.force, h.shaft, tool_again(file, h.tool));
+    proxy_ = std::make_unique<Proxy>(contact, felt.feels, h.force, h.shaft, tool_again(file, felt.felt_tool_of(h)));
   else
     belt_ = with_file(file, [&] {
       return std::make_unique<ToolBelt>(contact, felt.feels, h.force, h.shaft, h.tools, drilling_.get());

@@ -23,11 +23,14 @@ struct FeltCase {
   /// What cuts, where the recording's tool does; else null. Throws as Drilling and cutter_of do.
   std::unique_ptr<Drilling> drilling_of(const RecordingHeader& header, ContactVolume& contact,
                                         DirtyBricks* marks = nullptr);
+  /// The tool of a session with one, as it is felt.
+  ToolParams felt_tool_of(const RecordingHeader& header) const;
   /// The case and shape of a recording.
   RecordingHeader header() const;
 };
 
-/// What a lesson's recording has beside a session's: its tools, of which the burr drills where the case can be drilled.
+/// What a lesson's recording has beside a session's: its tools, of which the burr drills where the case can be drilled,
+/// and is felt narrower than it cuts by the clearance of `header.drilling`.
 void set_lesson(RecordingHeader& header, const std::vector<BeltToolParams>& tools, const std::string& module,
                 const std::string& participant, const CaseHaptic& haptic);
 

@@ -37,7 +37,7 @@ void IncisionWatch::look(const ServoFrame& f, std::vector<IncisionMark>& out) {
 
 ToolParams Playback::tool() const {
   const RecordingHeader& h = recording_.header;
-  return h.tools.empty() ? h.tool : own_tool(tool_of(h.tools, frame()));
+  return h.tools.empty() ? h.tool : whole_tool(tool_of(h.tools, frame()));
 }
 
 std::string Playback::tool_name() const {

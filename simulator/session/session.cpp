@@ -57,7 +57,8 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
   FrameQueue* queue = recording_ || options.watched ? &queue_ : nullptr;
   const Feels& feels = patient_->felt.feels;
   if (header_.tools.empty()) {
-    proxy_ = std::make_unique<Proxy>(patient_->contact, feels, options.force, options.shaft, make_tool(header_.tool));
+    proxy_ = std::make_unique<Proxy>(patient_->contact, feels, options.force, options.shaft,
+                                     make_tool(patient_->felt.felt_tool_of(header_)));
     servo_.emplace(*proxy_, *device_, options.servo, queue, drilling_.get());
   } else {
     belt_ = std::make_unique<ToolBelt>(patient_->contact, feels, options.force, options.shaft, header_.tools,

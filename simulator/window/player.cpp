@@ -122,7 +122,7 @@ void Player::begin_session() {
     o.drilling.drill = options_.session.drilling.drill && cuts(o.tool.tool) && can_cut(*patient_);
     o.begins_sha256 = begins_sha256_;
   }
-  stage_->set_tool(own_tool(desk_ ? static_cast<const ToolParams&>(desk_->tool()) : o.tool));
+  stage_->set_tool(desk_ ? whole_tool(desk_->tool()) : own_tool(o.tool));
   if (desk_) tool_name_ = desk_->tool().name;
   screen_hand_ = nullptr;
   const bool own = o.device.name.empty();

@@ -71,7 +71,7 @@ void Player::show_lesson_tool() {
   verdict_ = desk_->verdict();
   std::optional<std::array<float, 3>> colour;
   if (verdict_ != 0) colour = verdict_ > 0 ? green : red;
-  stage_->set_tool(own_tool(desk_->tool()), colour);
+  stage_->set_tool(whole_tool(desk_->tool()), colour);
 }
 
 // A hand of mouse and keyboard usually presses no harder than a burr needs, which would never pierce bone.
