@@ -1,23 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A gamepad, read from Linux's event device by a thread of its own: it is as quick as the servo loop however slowly
-// pictures are drawn, and works without a window. Axes and buttons are those of the kernel's gamepad protocol
-// (Documentation/input/gamepad.rst).
+// pictures are drawn, and works without a window.
 #include <fcntl.h>
 #include <linux/input.h>
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <map>
+#include <optional>
 #include <thread>
 
 #include "base/error.h"
 #include "base/text.h"
+#include "device/pad_state.h"
 #include "device/rate_hand.h"
 
 namespace trephine {
@@ -33,36 +31,21 @@ struct GamepadParams {
   }
 };
 
-template <std::size_t bits>
-using Bits = std::array<std::uint8_t, bits / 8 + 1>;
-template <class B>
-bool has(const B& bits, int n) {
-  return bits[std::size_t(n / 8)] >> (n % 8) & 1;
-}
-
-constexpr int axes[] = {ABS_X, ABS_Y, ABS_Z, ABS_RX, ABS_RY, ABS_RZ, ABS_GAS, ABS_BRAKE};
-// Button 1 of the device, and so on.
-constexpr int buttons[] = {BTN_SOUTH, BTN_EAST, BTN_WEST, BTN_NORTH, BTN_TL, BTN_TR, BTN_SELECT, BTN_START};
-
 // What one event device is, and how it is held now.
-class Pad {
+class Pad : public PadSource {
  public:
   explicit Pad(const std::string& file) : descriptor_(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {
     if (descriptor_ < 0) fault_ = std::strerror(errno);
-    Bits<KEY_MAX> keys{};
+    PadKeys there{};
     if (fault_.empty() &&
-        (::ioctl(descriptor_, EVIOCGBIT(EV_KEY, keys.size()), keys.data()) < 0 || !has(keys, BTN_GAMEPAD)))
+        (::ioctl(descriptor_, EVIOCGBIT(EV_KEY, there.size()), there.data()) < 0 || !is_down(there, BTN_GAMEPAD)))
       fault_ = "is no gamepad";
     if (!fault_.empty()) return;
     char name[128] = "";
     if (::ioctl(descriptor_, EVIOCGNAME(sizeof name - 1), name) >= 0) name_ = printable(name);
-    for (const int axis : axes) {
-      input_absinfo info{};
-      if (::ioctl(descriptor_, EVIOCGABS(axis), &info) >= 0 && info.maximum > info.minimum) axis_[axis] = info;
-    }
-    look();
+    state_.emplace(*this);
   }
-  ~Pad() {
+  ~Pad() override {
     if (descriptor_ >= 0) ::close(descriptor_);
   }
   Pad(const Pad&) = delete;
@@ -77,61 +60,20 @@ class Pad {
     input_event events[32];
     const ssize_t n = ::read(descriptor_, events, sizeof events);
     if (n <= 0) return n < 0 && (errno == EAGAIN || errno == EINTR);
-    for (std::size_t k = 0; k < std::size_t(n) / sizeof *events; ++k) take(events[k]);
+    for (std::size_t k = 0; k < std::size_t(n) / sizeof *events; ++k) state_->take(events[k]);
     return true;
   }
 
-  // Left stick: in the picture's plane. Right trigger: along the tool; left: back. Right stick: tilts the tool.
-  Push push() const {
-    // Gamepads without a driver of their own have the right stick where others have the triggers.
-    const bool usual = axis_.count(ABS_RX) != 0;
-    const auto trigger = [&](int analog, int digital) {
-      const auto found = axis_.find(analog);
-      const double pressed = found == axis_.end() ? 0 : share(found->second);
-      return std::max(pressed, down(digital) ? 1.0 : 0.0);
-    };
-    Push p;
-    p.move = {stick(ABS_X), -stick(ABS_Y), 0};
-    p.turn = {stick(usual ? ABS_RY : ABS_RZ), stick(usual ? ABS_RX : ABS_Z), 0};
-    p.ahead = trigger(usual ? ABS_RZ : ABS_GAS, BTN_TR2) - trigger(usual ? ABS_Z : ABS_BRAKE, BTN_TL2);
-    for (std::size_t n = 0; n < std::size(buttons); ++n)
-      if (down(buttons[n])) p.buttons |= std::uint32_t{1} << n;
-    return p;
-  }
+  // Of a pad without a fault.
+  Push push() const { return state_->push(); }
+
+  bool axis(int code, input_absinfo& out) const override { return ::ioctl(descriptor_, EVIOCGABS(code), &out) >= 0; }
+  bool keys(PadKeys& out) const override { return ::ioctl(descriptor_, EVIOCGKEY(out.size()), out.data()) >= 0; }
 
  private:
-  static double share(const input_absinfo& i) {
-    return std::clamp((double(i.value) - i.minimum) / (double(i.maximum) - i.minimum), 0.0, 1.0);
-  }
-  double stick(int axis) const {
-    const auto found = axis_.find(axis);
-    return found == axis_.end() ? 0 : 2 * share(found->second) - 1;
-  }
-  bool down(int key) const { return has(down_, key); }
-
-  // As all of it is held now: at the start, and where the kernel had to drop events.
-  void look() {
-    for (auto& [axis, info] : axis_) {
-      input_absinfo now{};
-      if (::ioctl(descriptor_, EVIOCGABS(axis), &now) >= 0) info.value = now.value;
-    }
-    if (::ioctl(descriptor_, EVIOCGKEY(down_.size()), down_.data()) < 0) down_.fill(0);
-  }
-  void take(const input_event& e) {
-    if (e.type == EV_SYN && e.code == SYN_DROPPED) look();
-    if (e.type == EV_ABS)
-      if (const auto found = axis_.find(e.code); found != axis_.end()) found->second.value = e.value;
-    if (e.type == EV_KEY && e.code < KEY_MAX) {
-      std::uint8_t& byte = down_[std::size_t(e.code / 8)];
-      const auto bit = std::uint8_t(1u << (e.code % 8));
-      byte = std::uint8_t(e.value != 0 ? byte | bit : byte & ~bit);
-    }
-  }
-
   const int descriptor_;
   std::string fault_, name_ = "gamepad";
-  std::map<int, input_absinfo> axis_;
-  Bits<KEY_MAX> down_{};
+  std::optional<PadState> state_;
 };
 
 // The event devices in the order of their numbers; those that are no gamepads, or nobody may read, are passed over.
