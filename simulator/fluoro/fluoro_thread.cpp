@@ -15,17 +15,10 @@
 namespace trephine {
 namespace {
 
-constexpr std::size_t most_kept = 8;  // of both sizes
-constexpr int band_rows = 8;          // between two looks at what is asked for
+constexpr int band_rows = 8;  // between two looks at what is asked for
 constexpr int most_threads = 8, nice_by = 5;
 
 double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
-bool same_arm(const CArmParams& a, const CArmParams& b) {
-  return a.view == b.view && a.orbit_deg == b.orbit_deg && a.tilt_deg == b.tilt_deg && a.centre_mm == b.centre_mm &&
-         a.source_to_centre_mm == b.source_to_centre_mm && a.source_to_detector_mm == b.source_to_detector_mm &&
-         a.detector_mm == b.detector_mm;
-}
 
 }  // namespace
 
@@ -91,15 +84,14 @@ void FluoroThread::serve(const FluoroVolume& volume) {
 }
 
 void FluoroThread::make(const FluoroVolume& volume, const Ask& ask, bool prepares) {
-  for (const Kept& k : kept_)
-    if (k.integrals.size == size_ && same_arm(k.arm, ask.arm)) {
-      publish(k);
-      return;
-    }
-  const Kept* coarse = patient(volume, ask, prepares, size_ / 2, nullptr);
+  if (const KeptFluoro* kept = memory_.find(ask.arm, size_)) {
+    publish(*kept);
+    return;
+  }
+  const KeptFluoro* coarse = patient(volume, ask, prepares, size_ / 2, nullptr);
   if (!coarse) return;
   publish(*coarse, prepares ? nullptr : &ask);
-  const Kept* whole = patient(volume, ask, prepares, size_, coarse);
+  const KeptFluoro* whole = patient(volume, ask, prepares, size_, coarse);
   if (!whole) return;
   published_ = 0;  // it shows better what the other one showed
   publish(*whole);
@@ -116,21 +108,18 @@ bool FluoroThread::goes_on(const Ask& ask, bool prepares, bool coarse) {
 }
 
 // The integrals at that size, or null where they are not wanted any more.
-const FluoroThread::Kept* FluoroThread::patient(const FluoroVolume& volume, const Ask& ask, bool prepares, int size,
-                                                const Kept* coarse) {
-  for (const Kept& k : kept_)
-    if (k.integrals.size == size && same_arm(k.arm, ask.arm)) return &k;
-  Kept k{ask.arm, {}, 1};
+const KeptFluoro* FluoroThread::patient(const FluoroVolume& volume, const Ask& ask, bool prepares, int size,
+                                        const KeptFluoro* coarse) {
+  if (const KeptFluoro* kept = memory_.find(ask.arm, size)) return kept;
+  KeptFluoro k{ask.arm, {}, 1};
   k.integrals.size = size;
   if (!integrate(volume, ask, prepares, coarse, k.integrals)) return nullptr;
   k.bright = bright_of(k.integrals);
-  if (kept_.size() >= most_kept) kept_.pop_front();
-  kept_.push_back(std::move(k));
-  return &kept_.back();
+  return &memory_.keep(std::move(k));
 }
 
 // Rows in bands, by this thread and others; between two bands this one looks for what is asked for.
-bool FluoroThread::integrate(const FluoroVolume& volume, const Ask& ask, bool prepares, const Kept* coarse,
+bool FluoroThread::integrate(const FluoroVolume& volume, const Ask& ask, bool prepares, const KeptFluoro* coarse,
                              FluoroIntegrals& out) {
   const int size = out.size;
   out.integral.resize(std::size_t(size) * std::size_t(size));
@@ -172,7 +161,7 @@ bool FluoroThread::integrate(const FluoroVolume& volume, const Ask& ask, bool pr
 
 // The patient with the metal as it was last shown, if that was at this place of the arm; or, where the arm has gone on,
 // as it was `asked` for. Nothing where that has such a picture already.
-void FluoroThread::publish(const Kept& patient, const Ask* asked) {
+void FluoroThread::publish(const KeptFluoro& patient, const Ask* asked) {
   Ask ask;
   {
     const std::lock_guard<std::mutex> lock(mutex_);

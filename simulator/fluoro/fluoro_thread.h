@@ -2,7 +2,6 @@
 #pragma once
 #include <atomic>
 #include <condition_variable>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -10,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "fluoro/fluoro_memory.h"
 #include "fluoro/fluoroscope.h"
 
 namespace trephine {
@@ -31,6 +31,7 @@ struct MadeFluoro {
 ///   call is left out.
 /// - While the arm turns, pictures of half the size follow each other, each of a place where it was; MadeFluoro::arm
 ///   says which.
+/// - Places where the arm stood are remembered (FluoroMemory): where it comes back to one, only the needle is drawn.
 /// - move() makes what does not hang on the needle before X-rays are on, so that they show a picture at once.
 ///
 /// Calls come from one thread and return at once; nothing here waits for a picture but the destructor. It waits until
@@ -58,18 +59,15 @@ class FluoroThread {
     std::uint64_t number = 0;  ///< 0: there was none
     double asked_s = 0;
   };
-  struct Kept {
-    CArmParams arm;
-    FluoroIntegrals integrals;
-    double bright = 1;
-  };
 
   void run();
   void serve(const FluoroVolume& volume);
   void make(const FluoroVolume& volume, const Ask& ask, bool prepares);
-  const Kept* patient(const FluoroVolume& volume, const Ask& ask, bool prepares, int size, const Kept* coarse);
-  bool integrate(const FluoroVolume& volume, const Ask& ask, bool prepares, const Kept* coarse, FluoroIntegrals& out);
-  void publish(const Kept& patient, const Ask* asked = nullptr);
+  const KeptFluoro* patient(const FluoroVolume& volume, const Ask& ask, bool prepares, int size,
+                            const KeptFluoro* coarse);
+  bool integrate(const FluoroVolume& volume, const Ask& ask, bool prepares, const KeptFluoro* coarse,
+                 FluoroIntegrals& out);
+  void publish(const KeptFluoro& patient, const Ask* asked = nullptr);
   bool goes_on(const Ask& ask, bool prepares, bool coarse);
 
   const Grid<std::int16_t>& ct_;
@@ -82,7 +80,7 @@ class FluoroThread {
   bool stop_ = false;
 
   // Of the thread alone:
-  std::list<Kept> kept_;                  // the last few, the newest at the end
+  FluoroMemory memory_;
   std::uint64_t published_ = 0;           // the number of the show() that the last picture answers
   std::uint64_t served_ = 0, ahead_ = 0;  // the numbers of the show() and the move() that were seen to
   std::thread thread_;

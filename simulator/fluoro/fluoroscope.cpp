@@ -10,7 +10,6 @@
 namespace trephine {
 namespace {
 
-constexpr std::size_t most_kept = 4;
 constexpr float least_of_patient = 0.05f;  // less is air
 constexpr double bright_quantile = 0.995;
 constexpr double bright_grey = 200;  // of that share of the patient: metal must stand out before dense bone
@@ -145,19 +144,15 @@ FluoroPicture picture_of(const FluoroIntegrals& patient, double bright, const CA
   return out;
 }
 
-const Fluoroscope::Kept& Fluoroscope::patient(const CArmParams& arm, int size) {
-  const AnyParams key = AnyParams::make<CArmParams>(arm);
-  for (const Kept& k : kept_)
-    if (k.integrals.size == size && to_text(k.arm) == to_text(key)) return k;
-  if (kept_.size() >= most_kept) kept_.erase(kept_.begin());
-  Kept k{key, volume_.integrals(CArm(arm, size)), 1};
+const KeptFluoro& Fluoroscope::patient(const CArmParams& arm, int size) {
+  if (const KeptFluoro* kept = memory_.find(arm, size)) return *kept;
+  KeptFluoro k{arm, volume_.integrals(CArm(arm, size)), 1};
   k.bright = bright_of(k.integrals);
-  kept_.push_back(std::move(k));
-  return kept_.back();
+  return memory_.keep(std::move(k));
 }
 
 FluoroPicture Fluoroscope::picture(const CArmParams& params, int size, const std::vector<MetalRod>& metal) {
-  const Kept& k = patient(params, size);
+  const KeptFluoro& k = patient(params, size);
   return picture_of(k.integrals, k.bright, CArm(params, size), metal);
 }
 

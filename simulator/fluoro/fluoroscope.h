@@ -5,15 +5,10 @@
 #include <vector>
 
 #include "fluoro/carm.h"
+#include "fluoro/fluoro_memory.h"
 #include "grid/grid.h"
 
 namespace trephine {
-
-/// A picture of attenuation: line integrals of the linear attenuation coefficient, without a unit.
-struct FluoroIntegrals {
-  int size = 0;
-  std::vector<float> integral;  ///< row by row
-};
 
 struct FluoroPicture {
   int size = 0;
@@ -51,7 +46,7 @@ double bright_of(const FluoroIntegrals& patient);
 FluoroPicture picture_of(const FluoroIntegrals& patient, double bright, const CArm& arm,
                          const std::vector<MetalRod>& metal);
 
-/// While the arm stands still only the needle moves: the patient's integrals are kept for each place of the arm.
+/// While the arm stands still only the needle moves: the patient's integrals are remembered (FluoroMemory).
 class Fluoroscope {
  public:
   explicit Fluoroscope(const Grid<std::int16_t>& ct) : volume_(ct) {}
@@ -59,14 +54,9 @@ class Fluoroscope {
   const FluoroVolume& volume() const { return volume_; }
 
  private:
-  struct Kept {
-    AnyParams arm;
-    FluoroIntegrals integrals;
-    double bright = 1;
-  };
-  const Kept& patient(const CArmParams& arm, int size);
+  const KeptFluoro& patient(const CArmParams& arm, int size);
   FluoroVolume volume_;
-  std::vector<Kept> kept_;  ///< the last few
+  FluoroMemory memory_;
 };
 
 /// A grey PNG.
