@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptics/turned_about.h"
+
 namespace trephine {
 namespace {
 
 constexpr double above_mm = 20;  // of the volume's middle in which something is felt
 constexpr double spring_damping = 0.006;
 
-Vec3 turned_about(Vec3 v, Vec3 by_rad) {
-  const double angle = norm(by_rad);
-  if (!(angle > 0)) return v;
-  const Vec3 axis = by_rad / angle;
-  return v * std::cos(angle) + cross(axis, v) * std::sin(angle) + axis * (dot(axis, v) * (1 - std::cos(angle)));
+Vec3 turned_by(Vec3 v, Vec3 rad) {
+  const double angle = norm(rad);
+  return angle > 0 ? turned_about(v, rad / angle, angle) : v;
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ bool RateHand::read(double dt_s, DeviceReading& out) {
   if (const Vec3 behind = goal_mm_ - hand_.position_mm(); norm(behind) > most)
     goal_mm_ = hand_.position_mm() + behind * (most / norm(behind));
   axis_goal_ =
-      normalized(turned_about(axis_goal_, in_case(speed(push_.turn)) * (params_.push_deg_per_s * M_PI / 180 * span)));
+      normalized(turned_by(axis_goal_, in_case(speed(push_.turn)) * (params_.push_deg_per_s * M_PI / 180 * span)));
   hand_.follow(goal_mm_, dt_s, axes_.least_most_n);
   axis_ = turned_towards(axis_, axis_goal_, dt_s);
   out = {};

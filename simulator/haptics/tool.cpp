@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "base/text.h"
 #include "base/write_file.h"
+#include "haptics/turned_about.h"
 
 namespace trephine {
 namespace {
@@ -203,15 +204,6 @@ Mat3 frame_of(Vec3 axis, Vec3 across) {
   return f;
 }
 
-namespace {
-
-Vec3 turn_about(Vec3 v, Vec3 unit, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  return v * c + cross(unit, v) * s + unit * (dot(unit, v) * (1 - c));
-}
-
-}  // namespace
-
 Vec3 rotation_between(const Mat3& from, const Mat3& to) {
   Vec3 sines;  // of the rotation's axis by twice its sine
   double trace = 0;
@@ -233,8 +225,8 @@ Mat3 turned_to(const Mat3& frame, const Mat3& aim, double most_rad) {
   const Vec3 rotation = rotation_between(frame, aim);
   const double angle = norm(rotation);
   if (angle <= most_rad) return aim;
-  return frame_of(turn_about(frame.column[2], rotation / angle, most_rad),
-                  turn_about(frame.column[0], rotation / angle, most_rad));
+  return frame_of(turned_about(frame.column[2], rotation / angle, most_rad),
+                  turned_about(frame.column[0], rotation / angle, most_rad));
 }
 
 Mat3 turned(const Mat3& frame, Vec3 axis, double most_rad) {
@@ -257,8 +249,8 @@ Mat3 turned(const Mat3& frame, Vec3 axis, double most_rad) {
   }
   const double angle = std::min(most_rad, std::atan2(sine, cosine));
   Mat3 f;
-  f.column[2] = angle < most_rad ? to : normalized(turn_about(w, about, angle));
-  const Vec3 u = turn_about(frame.column[0], about, angle);
+  f.column[2] = angle < most_rad ? to : normalized(turned_about(w, about, angle));
+  const Vec3 u = turned_about(frame.column[0], about, angle);
   f.column[0] = normalized(u - f.column[2] * dot(u, f.column[2]));
   f.column[1] = cross(f.column[2], f.column[0]);
   return f;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -51,7 +53,8 @@ void Renderer::Impl::surface_with(int parts) {
                                                         {balls_part, "BALLS"},
                                                         {wall_part, "WALL"},
                                                         {shadow_part, "SHADOW"}};
-    std::string source = "#version 430 core\n";
+    std::string source = fmt::format("#version 430 core\n#define KEY_LIGHT vec3({:.9f}, {:.9f}, {:.9f})\n",
+                                     key_light[0], key_light[1], key_light[2]);
     for (const auto& [part, name] : names)
       if (parts & part) source += std::string("#define ") + name + "\n";
     p = GlProgram((source + surface_vertex).c_str(), (source + surface_fragment).c_str());

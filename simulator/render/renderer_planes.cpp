@@ -7,11 +7,6 @@
 #include "render/renderer_impl.h"
 
 namespace trephine {
-namespace {
-
-float linear(double srgb) { return float(std::pow(std::clamp(srgb, 0.0, 1.0), 2.2)); }
-
-}  // namespace
 
 void Renderer::Impl::set_plane(const EyeView& eye) const {
   plane.use();
@@ -62,7 +57,7 @@ void Renderer::Impl::draw_caps(const EyeView& eye, const SceneState& state) {
     glStencilOp(GL_ZERO, GL_ZERO, GL_ZERO);
     set_plane(eye);
     const std::array<float, 3>& c = items[n].colour_rgb;
-    plane.set("tint", linear(c[0]), linear(c[1]), linear(c[2]));
+    plane.set("tint", linear_of(c[0]), linear_of(c[1]), linear_of(c[2]));
     plane.set("ct_share", has_ct && state.cut_shows_ct ? 0.8f : 0.f);
     plane.set("only_ct", 0);
     plane.set("light", light);

@@ -91,7 +91,7 @@ void main() {
   base *= 1 + grain * g;
 #endif
   if (inner) base *= vec3(0.62, 0.5, 0.5);
-  const vec3 key = normalize(vec3(-0.45, 0.62, 0.64)), fill = normalize(vec3(0.80, 0.05, 0.45)),
+  const vec3 key = normalize(KEY_LIGHT), fill = normalize(vec3(0.80, 0.05, 0.45)),
              rim = normalize(vec3(0.25, 0.55, -0.80));
   float past = past_tool();
   float light = 0.70 * past * max(0.0, dot(n, key)) + 0.30 * max(0.0, dot(n, fill)) + 0.12 * max(0.0, dot(n, rim)) +

@@ -4,12 +4,13 @@
 
 namespace trephine::shaders {
 
-/// Where the key light comes from, in the viewer's axes; the fragment shader has the same.
+/// Where the key light comes from, in the viewer's axes; the fragment shader gets it as KEY_LIGHT.
 constexpr std::array<float, 3> key_light{-0.45f, 0.62f, 0.64f};
 
 // GLSL 4.30. Positions are mm from the scene's centre until to_camera; colours are linear after the vertex shader.
 extern const char* const surface_vertex;
-/// Surfaces, tools, markers, and the walls of incisions: without a version, and with these defined before it.
+/// Surfaces, tools, markers, and the walls of incisions: without a version, and with KEY_LIGHT and these defined before
+/// it.
 extern const char* const surface_fragment;
 enum SurfacePart { grain_part = 1, glow_part = 2, balls_part = 4, wall_part = 8, shadow_part = 16, all_parts = 31 };
 extern const char* const plane_vertex;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptics/turned_about.h"
 #include "surface/bounds.h"
 
 namespace trephine {
@@ -13,10 +14,6 @@ constexpr Vec3 superior{0, 0, 1}, anterior{0, -1, 0}, patient_left{1, 0, 0};
 constexpr double radians = 3.14159265358979323846 / 180;
 constexpr double surgeon_field_mm = 110;  // height of what the surgeon's view shows
 constexpr double surgeon_tilt = 0.5;      // tangent of its angle to the tool's way
-
-Vec3 turned_about(Vec3 v, Vec3 axis, double rad) {
-  return v * std::cos(rad) + cross(axis, v) * std::sin(rad) + axis * (dot(axis, v) * (1 - std::cos(rad)));
-}
 
 Vec3 upright(Vec3 toward, Vec3 up) {
   Vec3 right = cross(up, toward);
