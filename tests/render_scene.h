@@ -3,7 +3,10 @@
 // A context and scenes to draw.
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -11,6 +14,7 @@
 #include "case_samples.h"
 #include "picture/camera.h"
 #include "render/renderer.h"
+#include "render/stage.h"
 
 namespace trephine::drawing {
 
@@ -70,6 +74,30 @@ inline trephine::Picture drawn(Renderer& renderer, const EyeView& eye, const Sce
   OffscreenPicture out(width, height);
   out.bind();
   renderer.present(0, 0, width, height);
+  return out.read();
+}
+
+/// With the case that a window's tests play: a scalp that an incision cuts, a live skull, a brain.
+class PlayCase : public Picture {
+ protected:
+  void SetUp() override {
+    Picture::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    folder_ = std::filesystem::temp_directory_path() / ("trephine-stage-" + std::to_string(::getpid()));
+    case_samples::play_case().write(folder_ / "case");
+    loaded_ = load_case(folder_ / "case");
+    view_.samples = 1;
+    view_.places = false;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path folder_;
+  LoadedCase loaded_;
+  ViewParams view_;
+};
+
+inline trephine::Picture shot(Stage& stage, const OrbitCamera& camera, int w = width, int h = height) {
+  OffscreenPicture out(w, h);
+  stage.draw(camera, w, h, [&](Eye) { out.bind(); });
   return out.read();
 }
 

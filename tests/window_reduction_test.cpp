@@ -18,7 +18,7 @@ int pictures(Reduction& r, double ms, int count) {
 }  // namespace
 
 TEST(Reduction, StepsAreTakenInTheirOrderAndTold) {
-  Reduction r(100, {}, {2.5, 40}, false);
+  Reduction r(100, {}, 40, false);
   EXPECT_EQ(r.level(), 0);
   EXPECT_EQ(r.text(Language::english), "");
   EXPECT_EQ(pictures(r, 300, 8), 1);
@@ -30,9 +30,8 @@ TEST(Reduction, StepsAreTakenInTheirOrderAndTold) {
   EXPECT_FALSE(r.view().grain);
   EXPECT_EQ(r.coarse().within_mm, 0);
   EXPECT_EQ(pictures(r, 300, 8), 1);
-  EXPECT_EQ(r.coarse().within_mm, 2.5);
-  EXPECT_NE(r.text(Language::english).find("surfaces within 2.5 mm, but whole within 40 mm of the tool"),
-            std::string::npos);
+  EXPECT_EQ(r.coarse().within_mm, 2.5) << "three times too long: the largest triangles at once";
+  EXPECT_NE(r.text(Language::english).find("coarse surfaces (2.5 mm) beyond 40 mm of the tool"), std::string::npos);
   EXPECT_EQ(r.scale(), 1);
   EXPECT_EQ(pictures(r, 300, 800), 1) << "there is no further step";
   EXPECT_EQ(r.scale(), 0.5);
@@ -41,16 +40,16 @@ TEST(Reduction, StepsAreTakenInTheirOrderAndTold) {
 }
 
 TEST(Reduction, AMachineThatIsQuickEnoughKeepsAll) {
-  Reduction r(100, {}, {}, false);
+  Reduction r(100, {}, 40, false);
   EXPECT_EQ(pictures(r, 99, 1000), 0);
-  Reduction never(0, {}, {}, true);
+  Reduction never(0, {}, 40, true);
   EXPECT_EQ(pictures(never, 1e4, 1000), 0);
   EXPECT_EQ(never.level(), 0);
 }
 
 // One slow picture of eight is none; where all are quick a step is taken back, but not to and fro for ever.
 TEST(Reduction, ItDoesNotSway) {
-  Reduction r(100, {}, {2.5, 40}, true);
+  Reduction r(100, {}, 40, true);
   EXPECT_EQ(r.level(), 1) << "the processor draws";
   for (int n = 0; n < 20; ++n) {
     r.look(900);
@@ -63,9 +62,40 @@ TEST(Reduction, ItDoesNotSway) {
   EXPECT_LE(changes, 6);
 }
 
-TEST(Reduction, WithoutCoarseSurfacesThatStepIsPassedOver) {
-  Reduction r(100, {}, {0, 40}, false);
-  EXPECT_EQ(pictures(r, 300, 24), 3);
+// How much too long pictures take says how large triangles become; if that does not do, they become larger.
+TEST(Reduction, ItTakesTheFinestTrianglesThatDo) {
+  Reduction r(100, {}, 40, false);
+  pictures(r, 110, 16);
+  EXPECT_EQ(r.coarse().within_mm, 0);
+  for (const double mm : {0.5, 1.0, 1.5}) {
+    EXPECT_EQ(pictures(r, 110, 8), 1);
+    EXPECT_EQ(r.coarse().within_mm, mm);
+    EXPECT_EQ(r.level(), 3);
+    EXPECT_EQ(pictures(r, 90, 80), 0) << "it does";
+  }
+  EXPECT_EQ(r.text(Language::german),
+            "ohne Abdunkeln von Falten, raue Kanten, ohne Körnung, grobe Flächen (1.5 mm) weiter als 40 mm vom "
+            "Instrument");
+  Reduction slower(100, {}, 40, false);
+  pictures(slower, 140, 24);
+  EXPECT_EQ(slower.coarse().within_mm, 1);
+  pictures(slower, 180, 8);
+  EXPECT_EQ(slower.coarse().within_mm, 1.5);
+  EXPECT_EQ(pictures(slower, 20, 40), 1);
+  EXPECT_EQ(slower.coarse().within_mm, 1) << "much quicker than need be: one size back";
+  EXPECT_EQ(slower.level(), 3);
+}
+
+TEST(Reduction, ASizeThatIsGivenIsTheOnlyOne) {
+  ViewParams whole;
+  whole.coarse_mm = 1.2;
+  Reduction r(100, whole, 40, false);
+  pictures(r, 300, 16);
+  EXPECT_EQ(r.coarse().within_mm, 0);
+  pictures(r, 300, 8);
+  EXPECT_EQ(r.coarse().within_mm, 1.2);
+  EXPECT_EQ(r.level(), 3);
+  pictures(r, 300, 8);
   EXPECT_EQ(r.level(), 4);
-  EXPECT_EQ(r.text(Language::english).find("surfaces"), std::string::npos);
+  EXPECT_EQ(r.coarse().within_mm, 1.2);
 }

@@ -35,6 +35,13 @@ Sight sight_in(const Sight& sight, const Mat3& axes, Vec3 offset_mm) {
   return s;
 }
 
+void Chunk::include(const Chunk& other) {
+  for (int k = 0; k < 3; ++k) {
+    low[k] = std::min(low[k], other.low[k]);
+    high[k] = std::max(high[k], other.high[k]);
+  }
+}
+
 bool may_be_seen(const Chunk& chunk, const Sight& sight) {
   if (chunk.low.x > chunk.high.x) return false;
   for (const Sight::Plane& p : sight.planes) {

@@ -37,6 +37,8 @@ struct Chunk {
   };
   Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
   Range range[6];
+  /// The box becomes one that holds the other's too.
+  void include(const Chunk& other);
 };
 
 /// Sorts triangles into chunks. `box_of(t)` is the number of the chunk of triangle t; `indices` is rearranged, and

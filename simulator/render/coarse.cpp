@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/coarse.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <unordered_map>
+
+#include "surface/point_to_mesh.h"
 
 namespace trephine {
 namespace {
@@ -22,6 +26,31 @@ double away_from_mean(const SceneVertex& v, const Cell& c) {
     sum += d * d;
   }
   return sum;
+}
+
+Vec3 place_of(const SceneVertex& v) { return {v.position_mm[0], v.position_mm[1], v.position_mm[2]}; }
+
+CoarseFacts facts_of(const std::vector<SceneVertex>& places, std::size_t whole_triangles,
+                     const std::vector<SceneVertex>& vertices, const std::vector<std::uint32_t>& indices) {
+  TriMesh coarse;
+  std::vector<std::uint32_t> number(vertices.size(), none);
+  for (std::size_t t = 0; t + 2 < indices.size(); t += 3) {
+    std::array<std::uint32_t, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = indices[t + k];
+      if (number[v] == none) {
+        number[v] = std::uint32_t(coarse.points_mm.size());
+        coarse.points_mm.push_back(place_of(vertices[v]));
+      }
+      corners[k] = number[v];
+    }
+    coarse.triangles.push_back(corners);
+  }
+  std::vector<Vec3> all;
+  all.reserve(places.size());
+  for (const SceneVertex& v : places) all.push_back(place_of(v));
+  const double worst_mm = PointToMesh(coarse).largest_distance_mm(all, 0);
+  return {whole_triangles, indices.size() / 3, places.size(), worst_mm, 0};
 }
 
 }  // namespace
@@ -63,6 +92,7 @@ CoarseTriangles coarse_triangles(const std::vector<SceneVertex>& vertices, const
 
 SceneSurface coarse_surface(const SceneSurface& whole, double within_mm) {
   const CoarseTriangles coarse = coarse_triangles(whole.vertices, whole.indices, within_mm);
+  if (coarse.indices.empty()) return whole;
   SceneSurface out = whole;
   out.vertices.clear();
   out.indices.clear();
@@ -75,6 +105,21 @@ SceneSurface coarse_surface(const SceneSurface& whole, double within_mm) {
     out.indices.push_back(number[v]);
   }
   return out;
+}
+
+CoarseFacts coarse_facts(const SceneSurface& whole, const SceneSurface& coarse) {
+  return facts_of(whole.vertices, whole.indices.size() / 3, coarse.vertices, coarse.indices);
+}
+
+CoarseFacts coarse_facts(const std::vector<SceneVertex>& vertices, std::size_t whole_triangles,
+                         const std::vector<std::uint32_t>& coarse_indices) {
+  CoarseFacts facts = facts_of(vertices, whole_triangles, vertices, coarse_indices);
+  facts.bytes = coarse_indices.size() * sizeof(std::uint32_t);
+  return facts;
+}
+
+std::string CoarseFacts::text() const {
+  return fmt::format("{} of {} triangles, {} places measured, the worst {:.2f} mm off", left, whole, places, worst_mm);
 }
 
 }  // namespace trephine

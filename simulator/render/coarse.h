@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <string>
 #include <vector>
 
 #include "scene/scene.h"
 
 namespace trephine {
 
+/// How coarse surfaces may become, one size after the other, where the program chooses.
+constexpr double coarse_sizes_mm[] = {0.5, 1, 1.5, 2.5};
+
 /// How much coarser surfaces are drawn on a machine that is too slow for all triangles.
 struct Coarseness {
   double within_mm = 0;  ///< how far a vertex may go; 0: nothing is made coarser
   double fine_mm = 30;   ///< around the tool's tip surfaces stay as they are
+  /// What the coarser triangles of all surfaces may take of the graphics memory, beside those that they stand for.
+  std::size_t most_bytes = std::numeric_limits<std::size_t>::max();
 };
 
 struct CoarseTriangles {
@@ -24,7 +32,21 @@ struct CoarseTriangles {
 /// it is to be looked at, and nothing else.
 CoarseTriangles coarse_triangles(const std::vector<SceneVertex>& vertices, const std::vector<std::uint32_t>& indices,
                                  double within_mm);
-/// The surface of such triangles, with the vertices that they use.
+/// The surface of such triangles, with the vertices that they use; the whole one where no triangle would be left.
 SceneSurface coarse_surface(const SceneSurface& whole, double within_mm);
+
+/// What a coarser surface is, beside the whole one.
+struct CoarseFacts {
+  std::size_t whole = 0, left = 0;  ///< triangles
+  std::size_t places = 0;           ///< vertices of the whole surface: all of them were measured
+  double worst_mm = 0;              ///< the largest distance of one of these from the coarser surface
+  std::size_t bytes = 0;            ///< that it takes beside the whole one; 0 where it stands in place of it
+  std::string text() const;
+};
+/// Measures every vertex of the whole surface, exactly; a thin part that vanished counts as far as it is then off. The
+/// coarser one has a triangle at least.
+CoarseFacts coarse_facts(const SceneSurface& whole, const SceneSurface& coarse);
+CoarseFacts coarse_facts(const std::vector<SceneVertex>& vertices, std::size_t whole_triangles,
+                         const std::vector<std::uint32_t>& coarse_indices);
 
 }  // namespace trephine

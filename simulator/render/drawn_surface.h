@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "render/chunks.h"
+#include "render/coarse.h"
 #include "scene/mat4.h"
 #include "scene/scene.h"
 
@@ -47,9 +49,9 @@ class DrawnSurface {
   /// `seen` (by chunk; may be null): 0 where something hides the chunk.
   virtual void list(const Sight& scene, const std::vector<std::uint8_t>* seen, DrawList& out) const = 0;
   virtual void draw(const DrawList& list) const = 0;
-  /// Makes coarser triangles beside its own (render/coarse.h), or removes them (0). What the graphics card makes has
-  /// none.
-  virtual void make_coarse(double /*within_mm*/) {}
+  /// Makes coarser triangles beside its own (render/coarse.h), or removes them (0). Returns what they are; none where
+  /// it has none: they would take more bytes than that, or nothing of it would be left, or the graphics card makes it.
+  virtual std::optional<CoarseFacts> make_coarse(double /*within_mm*/, std::size_t /*most_bytes*/) { return {}; }
   /// That the list draws. May wait for the graphics card.
   virtual std::size_t triangles(const DrawList& list) const = 0;
   virtual std::size_t bytes() const = 0;

@@ -52,8 +52,14 @@ Renderer::Impl::Impl(const SceneData& scene, const RenderQuality& q)
   radius_mm = norm(b.max_mm - b.min_mm) / 2 + norm((b.max_mm + b.min_mm) / 2 - centre_mm);
   samples = std::clamp(q.samples, 1, driver_facts().most_samples);
   for (const SceneSurface& s : scene.surfaces) {
-    Item item{
-        {float(s.colour_rgb[0]), float(s.colour_rgb[1]), float(s.colour_rgb[2])}, s.live, s.incised, {}, {}, {}, {}};
+    Item item{{float(s.colour_rgb[0]), float(s.colour_rgb[1]), float(s.colour_rgb[2])},
+              s.live,
+              s.incised,
+              true,
+              {},
+              {},
+              {},
+              {}};
     if (!s.live) item.buffer = std::make_unique<SurfaceBuffer>(s);
     items.push_back(std::move(item));
   }
@@ -156,8 +162,26 @@ void Renderer::set_quality(const RenderQuality& quality) {
   const int samples = std::clamp(quality.samples, 1, driver_facts().most_samples);
   if (samples != impl_->samples) impl_->width = 0;
   impl_->samples = samples;
-  for (Impl::Item& item : impl_->items)
-    if (item.buffer) item.buffer->make_coarse(quality.coarse.within_mm);
+  impl_->make_coarse();
+}
+
+// The outermost surfaces come first: they are seen.
+void Renderer::Impl::make_coarse() {
+  std::size_t room = quality.coarse.most_bytes;
+  coarse_facts.assign(items.size(), {});
+  for (std::size_t n = 0; n < items.size(); ++n) {
+    if (!items[n].buffer || !items[n].whole) continue;
+    coarse_facts[n] = items[n].buffer->make_coarse(quality.coarse.within_mm, room);
+    if (coarse_facts[n]) room -= coarse_facts[n]->bytes;
+  }
+}
+
+const std::vector<std::optional<CoarseFacts>>& Renderer::coarse_facts() const { return impl_->coarse_facts; }
+
+void Renderer::set_surface(int n, const SceneSurface& shown, bool whole) {
+  Impl::Item& item = impl_->items[std::size_t(n)];
+  item.buffer = std::make_unique<SurfaceBuffer>(shown);
+  item.whole = whole;
 }
 
 std::string Renderer::set_live(int n, const HapticVolume& volume, int shape, ViewParams::SurfaceBy by) {
@@ -166,7 +190,6 @@ std::string Renderer::set_live(int n, const HapticVolume& volume, int shape, Vie
   Impl::Item& item = impl_->items[std::size_t(n)];
   item.maker = maker.get();
   item.buffer = std::move(maker);
-  item.buffer->make_coarse(impl_->quality.coarse.within_mm);
   return choice.text();
 }
 std::size_t Renderer::follow(const std::vector<std::size_t>& marked) {
@@ -196,6 +219,7 @@ int Renderer::most_ct_side() {
   return most;
 }
 
+std::size_t Renderer::incisions() const { return impl_->walls.size(); }
 void Renderer::clear_incisions() { impl_->walls.clear(); }
 void Renderer::drop_oldest_incision() {
   if (!impl_->walls.empty()) impl_->walls.erase(impl_->walls.begin());
@@ -276,8 +300,11 @@ std::size_t Renderer::drawn_triangles() const {
 }
 
 std::size_t Renderer::graphics_bytes() const {
+  return scene_bytes() + picture_bytes(impl_->width, impl_->height, impl_->samples);
+}
+
+std::size_t Renderer::scene_bytes() const {
   std::size_t n = impl_->has_ct ? impl_->ct_lattice.count() * 2 : 0;
-  n += picture_bytes(impl_->width, impl_->height, impl_->samples);
   for (const Impl::Item& item : impl_->items) n += item.buffer ? item.buffer->bytes() : 0;
   for (const Impl::Wall& wall : impl_->walls) n += wall.bytes;
   return n;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,11 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   void set_quality(const RenderQuality& quality);
+  /// By surface, what the coarser triangles of the quality are; none where there are none (DrawnSurface::make_coarse).
+  const std::vector<std::optional<CoarseFacts>>& coarse_facts() const;
+  /// Draws that in place of a surface that is not live. `whole`: false where it was made coarser already, so that it
+  /// has no coarser triangles beside it.
+  void set_surface(int surface, const SceneSurface& shown, bool whole);
   /// Draws a live surface as the shape of the volume, which must outlive the renderer. Throws Error 74 where the
   /// graphics card is to make it (SurfaceBy::graphics) and cannot. Returns who makes it.
   std::string set_live(int surface, const HapticVolume& volume, int shape, ViewParams::SurfaceBy by);
@@ -66,6 +72,7 @@ class Renderer {
   void add_incision(const IncisionWall& wall);
   void clear_incisions();
   void drop_oldest_incision();
+  std::size_t incisions() const;
   static constexpr std::size_t most_incisions = 48;
   void set_background(std::array<float, 3> linear_rgb);
 
@@ -82,7 +89,8 @@ class Renderer {
 
   /// In the last picture, once each for all its passes. May wait for the graphics card.
   std::size_t drawn_triangles() const;
-  std::size_t graphics_bytes() const;  ///< of vertices, triangles and textures, and of the last picture
+  std::size_t scene_bytes() const;     ///< of vertices, triangles and textures
+  std::size_t graphics_bytes() const;  ///< and of the last picture
 
  private:
   struct Impl;

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/stage.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "base/error.h"
-#include "render/coarse.h"
-#include "render/memory.h"
 #include "voxel/decode.h"
 
 namespace trephine {
@@ -18,12 +13,15 @@ namespace {
 constexpr double inset_mm = 60;    // half of what an inset shows
 constexpr double full_glow_n = 2;  // force at which the contact is lit most
 
-constexpr double scarce_mm = 2.5;  // how far surfaces may be off that the memory does not hold whole
-
-// Of the picture that a screen shows.
-std::size_t room_for_picture(int samples) { return picture_bytes(1920, 1080, samples); }
-
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
+
+// The triangles come when it is known how many the graphics memory holds.
+SceneData without_triangles(const SceneData& scene) {
+  SceneData out{scene.centre_mm, scene.bounds, {}};
+  for (const SceneSurface& s : scene.surfaces)
+    out.surfaces.push_back({s.name, s.colour_rgb, s.opacity, s.shape, s.live, s.incised, {}, {}});
+  return out;
+}
 
 }  // namespace
 
@@ -33,8 +31,7 @@ Stage::Stage(const LoadedCase& loaded, const ViewParams& params, const Grid<std:
       params_(params),
       driver_(driver_facts()),
       scene_(scene_of(loaded)) {
-  fit_surfaces();
-  renderer_ = std::make_unique<Renderer>(scene_, quality_of(params));
+  renderer_ = std::make_unique<Renderer>(without_triangles(scene_), quality_of(params));
   bool incised = false;
   for (std::size_t n = 0; n < scene_.surfaces.size(); ++n) {
     const SceneSurface& s = scene_.surfaces[n];
@@ -42,64 +39,13 @@ Stage::Stage(const LoadedCase& loaded, const ViewParams& params, const Grid<std:
     if (!s.live) continue;
     surfaces_by_ = renderer_->set_live(int(n), loaded.haptic, s.shape, params.surface_by);
   }
-  if (!fits(renderer_->graphics_bytes() + room_for_picture(samples_of(params))))
-    throw Error(
-        ExitCode::io, "", "graphics_budget_mb",
-        fmt::format("{:g} is too little: surfaces and pictures need {:.0f}", params.graphics_budget_mb,
-                    std::ceil(1e-6 * double(renderer_->graphics_bytes() + room_for_picture(samples_of(params))))));
-  fit_ct();
+  fit_memory();
   if (incised && loaded.haptic.encoding == HapticEncoding::occupancy) {
     before_.voxels = uncut ? *uncut : loaded.haptic.voxels;
     before_.shapes = loaded.haptic.shapes;
   }
   state.opacity = opacities_of(scene_, params.opacity);
   set_view(params);
-}
-
-int Stage::samples_of(const ViewParams& p) const {
-  return std::min(most_samples_, p.samples > 0 ? p.samples : driver_.software ? 1 : 4);
-}
-
-bool Stage::fits(std::size_t bytes) const { return budget_bytes_ == 0 || bytes <= budget_bytes_; }
-
-// What is missed least is left out first: smooth edges, then whole triangles of what no tool cuts.
-void Stage::fit_surfaces() {
-  const auto needed = [&] {
-    std::size_t bytes = room_for_picture(samples_of(params_));
-    for (const SceneSurface& s : scene_.surfaces) bytes += bytes_of(s);
-    return bytes;
-  };
-  if (!fits(needed()) && samples_of(params_) > 1) {
-    most_samples_ = 1;
-    notes_.push_back("graphics memory: rough edges");
-  }
-  if (fits(needed())) return;
-  const std::size_t whole = needed();
-  for (SceneSurface& s : scene_.surfaces)
-    if (!s.live) s = coarse_surface(s, scarce_mm);
-  notes_.push_back(fmt::format("graphics memory: surfaces within {:.1f} mm, {:.0f} MB in place of {:.0f}", scarce_mm,
-                               1e-6 * double(needed()), 1e-6 * double(whole)));
-}
-
-void Stage::fit_ct() {
-  if (!loaded_.has_ct()) return;
-  const std::size_t used = renderer_->graphics_bytes() + room_for_picture(samples_of(params_));
-  const auto good = [&](const Grid<std::int16_t>& g) {
-    return fits(used + g.count() * sizeof(std::int16_t)) &&
-           *std::max_element(g.size.begin(), g.size.end()) <= Renderer::most_ct_side();
-  };
-  if (good(loaded_.ct)) {
-    renderer_->set_ct(loaded_.ct);
-    return;
-  }
-  Grid<std::int16_t> less = halved(loaded_.ct);
-  if (!good(less)) less = halved(less);
-  if (!good(less)) {
-    notes_.push_back("graphics memory: no CT on cuts and slices");
-    return;
-  }
-  notes_.push_back(fmt::format("graphics memory: the CT in voxels of {:.1f} mm", less.spacing_mm.x));
-  renderer_->set_ct(less);
 }
 
 RenderQuality Stage::quality_of(const ViewParams& p) const {
@@ -110,6 +56,7 @@ RenderQuality Stage::quality_of(const ViewParams& p) const {
 
 void Stage::set_view(const ViewParams& params) {
   params_ = params;
+  samples_ = samples_of(params);
   renderer_->set_quality(quality_of(params));
   state.cut = cut_of(params, scene_);
   state.insets = params.insets;
@@ -117,12 +64,6 @@ void Stage::set_view(const ViewParams& params) {
   state.ct_low_hu = params.ct_low_hu;
   state.ct_high_hu = params.ct_high_hu;
   state.markers = params.places ? places_of(loaded_.manifest) : std::vector<Marker>();
-}
-
-void Stage::set_quality(const ViewParams& params, double scale, const Coarseness& coarse) {
-  coarse_ = coarse;
-  renderer_->set_quality(quality_of(params));
-  scale_ = scale;
 }
 
 void Stage::set_tool(const ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb) {
@@ -145,15 +86,15 @@ void Stage::show_incisions(const std::vector<IncisionMark>& all, std::size_t cou
     shown_incisions_ = 0;
   }
   const HapticDecoder decoder(before_);
-  for (; shown_incisions_ < count; ++shown_incisions_)
+  for (; shown_incisions_ < count; ++shown_incisions_) {
+    std::size_t walls = 0;
     for (std::size_t n = 0; n < scene_.surfaces.size(); ++n)
       if (scene_.surfaces[n].incised) {
         renderer_->add_incision(wall_of(all[shown_incisions_], int(n), decoder));
-        if (fits(renderer_->graphics_bytes())) continue;
-        renderer_->drop_oldest_incision();
-        if (!std::exchange(told_incisions_, true))
-          notes_.push_back("graphics memory: the oldest incisions look closed, and are not");
+        ++walls;
       }
+    fit_incisions(walls);
+  }
 }
 
 IncisionWall Stage::wall_of(const IncisionMark& mark, int surface, const HapticDecoder& decoder) const {
@@ -205,7 +146,8 @@ void Stage::draw(const OrbitCamera& camera, int width, int height, const std::fu
   const double screen_mm = params_.convergence_mm > 0 ? params_.convergence_mm : camera.distance_mm;
   const auto one = [&](int x, int y, int w, int h, double offset_mm, int mask, Eye which = Eye::both) {
     const EyeView eye = beside(camera.eye(w, h, scene_.bounds), screen_mm, head_mm + Vec3{offset_mm, 0, 0});
-    renderer_->draw(eye, state, std::max(1, int(w * scale_)), std::max(1, int(h * scale_)));
+    const double scale = picture_scale(w, h);
+    renderer_->draw(eye, state, std::max(1, int(w * scale)), std::max(1, int(h * scale)));
     bind(which);
     renderer_->present(x, y, w, h, mask);
   };

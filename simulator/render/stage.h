@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "render/renderer.h"
@@ -23,6 +24,7 @@ class Stage {
   void set_view(const ViewParams& params);
   const ViewParams& view() const { return params_; }
   /// How good pictures are from now on, without another view; `scale` below 1: so many pixels less in each direction.
+  /// The notes say of each surface that becomes coarser by how much.
   void set_quality(const ViewParams& params, double scale, const Coarseness& coarse = {});
   /// `colour_rgb`: of all of it, in place of its own.
   void set_tool(const ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb = {});
@@ -45,7 +47,7 @@ class Stage {
   Renderer& renderer() { return *renderer_; }
   const Renderer& renderer() const { return *renderer_; }
   const DriverFacts& driver() const { return driver_; }
-  /// What was left out for want of graphics memory, a line each; may grow.
+  /// What was left out, for want of graphics memory or because pictures took too long, a line each; may grow.
   const std::vector<std::string>& notes() const { return notes_; }
   /// Who makes the surfaces that are cut; empty where none is.
   const std::string& surfaces_by() const { return surfaces_by_; }
@@ -56,8 +58,14 @@ class Stage {
 
  private:
   void draw_insets(int width, int height);
-  void fit_surfaces();
-  void fit_ct();
+  // stage_memory.cpp
+  void fit_memory();
+  void show_ct(int halvings);
+  void put_back();
+  void show_coarse();
+  void fit_incisions(std::size_t of_newest);
+  double picture_scale(int width, int height);
+  std::size_t room() const;  ///< for a picture
   int samples_of(const ViewParams& params) const;
   bool fits(std::size_t bytes) const;
   RenderQuality quality_of(const ViewParams& params) const;
@@ -75,8 +83,12 @@ class Stage {
   std::unique_ptr<Renderer> renderer_;
   std::vector<std::size_t> marked_;
   std::size_t shown_incisions_ = 0;
-  bool told_incisions_ = false;
+  bool told_incisions_ = false, told_over_ = false;
+  std::pair<int, int> told_picture_{0, 0};
+  /// By surface, how coarse it is everywhere: at least, for want of memory, and now. 0: it is whole.
+  std::vector<double> needed_mm_, shown_mm_;
   double scale_ = 1;
+  int samples_ = 1;  ///< of the pictures that are drawn now
   Coarseness coarse_;
 };
 

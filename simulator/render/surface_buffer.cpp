@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <tuple>
 #include <unordered_map>
 
 #include "render/coarse.h"
@@ -92,27 +93,41 @@ SurfaceBuffer::SurfaceBuffer(const SceneSurface& s) {
   placed_.chunks = make_chunks(
       index_work_, box_of, numbers.size(), [&](std::uint32_t v) { return vec(vertex_work_[v].position_mm); }, nullptr);
   fine_end_ = index_work_.size();
+  keep_boxes();
   upload(0, 0);
 }
 
-void SurfaceBuffer::make_coarse(double within_mm) {
-  if (within_mm == coarse_mm_) return;
+void SurfaceBuffer::keep_boxes() {
+  boxes_.clear();
+  for (const Chunk& c : placed_.chunks) boxes_.emplace_back(c.low, c.high);
+}
+
+std::optional<CoarseFacts> SurfaceBuffer::make_coarse(double within_mm, std::size_t most_bytes) {
+  if (within_mm == coarse_mm_ && (!coarse_facts_ || coarse_facts_->bytes <= most_bytes)) return coarse_facts_;
   coarse_mm_ = within_mm;
+  coarse_most_ = most_bytes;
   index_work_.resize(fine_end_);
   add_coarse();
   upload(0, 0);
+  return coarse_facts_;
 }
 
-void SurfaceBuffer::make_coarse(const LiveSurface& surface, double within_mm) {
-  if (within_mm == coarse_mm_) return;
+std::optional<CoarseFacts> SurfaceBuffer::make_coarse(const LiveSurface& surface, double within_mm,
+                                                      std::size_t most_bytes) {
+  if (within_mm == coarse_mm_ && (!coarse_facts_ || coarse_facts_->bytes <= most_bytes)) return coarse_facts_;
   coarse_mm_ = within_mm;
+  coarse_most_ = most_bytes;
   upload_bricks(surface);
+  return coarse_facts_;
 }
 
-// Behind the triangles of the chunks, in the same chunks.
+// Behind the triangles of the chunks, in the same chunks. A vertex may have gone beyond the box of its chunk, so the
+// box grows: whether a chunk is seen is asked of its box.
 void SurfaceBuffer::add_coarse() {
   coarse_.clear();
+  coarse_facts_.reset();
   cut_.assign(placed_.chunks.size(), 0);
+  for (std::size_t n = 0; n < boxes_.size(); ++n) std::tie(placed_.chunks[n].low, placed_.chunks[n].high) = boxes_[n];
   if (!(coarse_mm_ > 0)) return;
   std::vector<std::uint32_t> chunk_of(index_work_.size() / 3);
   for (std::size_t n = 0; n < placed_.chunks.size(); ++n) {
@@ -120,12 +135,15 @@ void SurfaceBuffer::add_coarse() {
       std::fill_n(chunk_of.begin() + r.first / 3, r.count / 3, std::uint32_t(n));
   }
   CoarseTriangles coarse = coarse_triangles(vertex_work_, index_work_, coarse_mm_);
+  if (coarse.indices.empty() || coarse.indices.size() * sizeof(std::uint32_t) > coarse_most_) return;
+  coarse_facts_ = coarse_facts(vertex_work_, fine_end_ / 3, coarse.indices);
   std::vector<std::uint32_t> box_of;
   box_of.reserve(coarse.from.size());
   for (const std::uint32_t t : coarse.from) box_of.push_back(chunk_of[t]);
   coarse_ = make_chunks(
       coarse.indices, box_of, placed_.chunks.size(), [&](std::uint32_t v) { return vec(vertex_work_[v].position_mm); },
       nullptr);
+  for (std::size_t n = 0; n < coarse_.size(); ++n) placed_.chunks[n].include(coarse_[n]);
   const auto first = std::uint32_t(index_work_.size());
   for (Chunk& chunk : coarse_)
     for (Chunk::Range& r : chunk.range) {
@@ -200,6 +218,7 @@ void SurfaceBuffer::upload_bricks(const LiveSurface& surface) {
   for (Chunk& chunk : placed_.chunks)
     for (Chunk::Range& r : chunk.range) r.axis = r.axis * sign;
   fine_end_ = index_work_.size();
+  keep_boxes();
   add_coarse();
   upload(vertex_work_.size() / 4 + 65536, fine_end_ / 4 + 6 * 65536);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "render/drawn_surface.h"
@@ -39,9 +41,9 @@ class SurfaceBuffer : public DrawnSurface {
   void list(const Sight& scene, const std::vector<std::uint8_t>* seen, DrawList& out) const override;
   void draw(const DrawList& list) const override;
   /// Of what the processor made from a file.
-  void make_coarse(double within_mm) override;
+  std::optional<CoarseFacts> make_coarse(double within_mm, std::size_t most_bytes) override;
   /// Of bricks.
-  void make_coarse(const LiveSurface& surface, double within_mm);
+  std::optional<CoarseFacts> make_coarse(const LiveSurface& surface, double within_mm, std::size_t most_bytes);
   std::size_t triangles(const DrawList& list) const override;
   std::size_t bytes() const override {
     return vertex_room_ * sizeof(SceneVertex) + index_room_ * sizeof(std::uint32_t);
@@ -52,6 +54,7 @@ class SurfaceBuffer : public DrawnSurface {
     std::uint32_t first_vertex = 0, vertex_room = 0, first_index = 0, index_room = 0;
   };
   void upload_bricks(const LiveSurface& surface);
+  void keep_boxes();
   void add_coarse();
   void upload(std::size_t spare_vertices, std::size_t spare_indices);
   void leave_chunk(std::size_t brick);
@@ -61,12 +64,15 @@ class SurfaceBuffer : public DrawnSurface {
   GlObject array_, vertices_, indices_;
   PlacedChunks placed_;
   double coarse_mm_ = 0;
-  std::vector<Chunk> coarse_;            ///< by chunk; empty: there are no coarser triangles
-  std::vector<std::uint8_t> cut_;        ///< by chunk: bricks have left it, so its coarser triangles are wrong
-  std::vector<std::uint32_t> chunk_of_;  ///< by brick
-  std::size_t fine_end_ = 0;             ///< of indices; behind it lie the coarser triangles
-  std::size_t chunk_end_ = 0;            ///< of indices; behind it lie bricks that were cut
-  std::vector<Place> places_;            ///< by brick, behind the chunks; without room: it is in its chunk
+  std::size_t coarse_most_ = 0;  ///< bytes of them
+  std::optional<CoarseFacts> coarse_facts_;
+  std::vector<Chunk> coarse_;                 ///< by chunk; empty: there are no coarser triangles
+  std::vector<std::pair<Vec3, Vec3>> boxes_;  ///< by chunk, of its own triangles
+  std::vector<std::uint8_t> cut_;             ///< by chunk: bricks have left it, so its coarser triangles are wrong
+  std::vector<std::uint32_t> chunk_of_;       ///< by brick
+  std::size_t fine_end_ = 0;                  ///< of indices; behind it lie the coarser triangles
+  std::size_t chunk_end_ = 0;                 ///< of indices; behind it lie bricks that were cut
+  std::vector<Place> places_;                 ///< by brick, behind the chunks; without room: it is in its chunk
   std::vector<std::uint32_t> brick_first_, where_;  ///< by brick its first triangle; by triangle its indices' place
   std::size_t vertex_end_ = 0, index_end_ = 0, vertex_room_ = 0, index_room_ = 0;
   std::vector<SceneVertex> vertex_work_;

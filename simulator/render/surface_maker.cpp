@@ -41,7 +41,9 @@ class ProcessorSurface : public SurfaceMaker {
     buffer_.list(scene, seen, out);
   }
   void draw(const DrawList& list) const override { buffer_.draw(list); }
-  void make_coarse(double within_mm) override { buffer_.make_coarse(live_, within_mm); }
+  std::optional<CoarseFacts> make_coarse(double within_mm, std::size_t most_bytes) override {
+    return buffer_.make_coarse(live_, within_mm, most_bytes);
+  }
   std::size_t triangles(const DrawList& list) const override { return buffer_.triangles(list); }
   std::size_t bytes() const override { return buffer_.bytes(); }
 

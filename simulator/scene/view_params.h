@@ -25,7 +25,7 @@ struct ViewParams {
   int samples = 0;
   bool occlusion = true, shadow = true, grain = true;
   SurfaceBy surface_by = SurfaceBy::measured;
-  double occlusion_mm = 20, graphics_budget_mb = 2048;
+  double occlusion_mm = 20, coarse_mm = 0, graphics_budget_mb = 2048;
   template <class V>
   static void describe(V& v) {
     using P = ViewParams;
@@ -69,6 +69,11 @@ struct ViewParams {
              "Graphics memory that surfaces, CT and pictures may take, counted by the program. Where it is too little "
              "smooth edges, whole triangles, and the CT's resolution are left out, and it says so; 0: any.")
         .none_at_zero();
+    v.number(
+        &P::coarse_mm, "coarse_mm", Range{0, 20},
+        "Where pictures take too long or the graphics memory does not suffice, surfaces are drawn with triangles of "
+        "about that size, and the program says by how much they are off; 0: 0.5, 1, 1.5 or 2.5 mm, the finest that "
+        "does.");
     v.flag(&P::grain, "grain", "A fine texture on what only an incision cuts.");
   }
   std::string fault() const { return ct_high_hu > ct_low_hu ? "" : "ct_high_hu: must be above ct_low_hu"; }

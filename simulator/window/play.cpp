@@ -38,8 +38,7 @@ class Loop {
         params_(params),
         controls_(options.hand),
         hud_(window, params.letters, params.language),
-        reduction_(params.target_ms, options.view, {params.coarse_mm, params.fine_mm},
-                   player.stage().driver().software) {
+        reduction_(params.target_ms, options.view, params.fine_mm, player.stage().driver().software) {
     controls_.panels_shown = params.panels;
     reduce();
   }

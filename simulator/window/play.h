@@ -14,7 +14,7 @@ namespace trephine {
 struct WindowParams {
   int window_width = 1280, window_height = 720;
   double frames_per_s = 60, target_ms = 100, letters = 1;
-  double coarse_mm = 2.5, fine_mm = 30;
+  double fine_mm = 30;
   Language language = Language::english;
   bool panels = true;
   template <class V>
@@ -27,10 +27,9 @@ struct WindowParams {
              "Time for a picture; where pictures take longer, some of what makes them good is left out, and the window "
              "says what. 0: nothing is left out.");
     v.number(
-        &P::coarse_mm, "coarse_mm", Range{0, 20},
-        "Where pictures take too long, triangles far from the tool are made coarser, and may then lie so far beside "
-        "the surface; 0: they are not.");
-    v.number(&P::fine_mm, "fine_mm", Range{0, 1000}, "Around the tool's tip, surfaces stay whole so far.");
+        &P::fine_mm, "fine_mm", Range{0, 1000},
+        "Where surfaces are drawn coarser because pictures take too long, they stay whole so far around the tool's "
+        "tip.");
     v.number(&P::letters, "letters", Range{0.5, 5}, "Size of the letters; 1: 13 pixels.");
     v.choice(&P::language, "language", languages(), "Language of the panels.");
     v.flag(&P::panels, "panels", "Show the panels at the start; the key H shows and hides them.");

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace trephine {
 namespace {
@@ -12,11 +13,21 @@ constexpr std::size_t looked_at = 8;    // pictures, whose median counts
 constexpr double much_quicker = 0.35;   // of the target
 constexpr int quick_before_raised = 5;  // medians in a row that are much quicker
 constexpr int most_raised = 2;
+// Pictures that took so many times too long need this size or a larger one: triangles are about as many as the square
+// of their size is small, and much of a picture's time is none of theirs.
+constexpr double too_long_for[] = {1, 1.3, 1.7, 2.5};
 
 }  // namespace
 
-Reduction::Reduction(double target_ms, const ViewParams& whole, const Coarseness& coarse, bool software)
-    : target_ms_(target_ms), whole_(whole), coarse_(coarse), level_(software && target_ms > 0 ? 1 : 0) {}
+Reduction::Reduction(double target_ms, const ViewParams& whole, double fine_mm, bool software)
+    : target_ms_(target_ms),
+      whole_(whole),
+      fine_mm_(fine_mm),
+      sizes_mm_(std::begin(coarse_sizes_mm), std::end(coarse_sizes_mm)),
+      level_(software && target_ms > 0 ? 1 : 0) {
+  static_assert(std::size(too_long_for) == std::size(coarse_sizes_mm));
+  if (whole.coarse_mm > 0) sizes_mm_ = {whole.coarse_mm};
+}
 
 bool Reduction::look(double ms) {
   if (!(target_ms_ > 0)) return false;
@@ -27,18 +38,34 @@ bool Reduction::look(double ms) {
   times_.clear();
   quick_ = typical < much_quicker * target_ms_ ? quick_ + 1 : 0;
   if (typical > target_ms_ && level_ < most) {
-    ++level_;
-    if (level_ == 3 && !(coarse_.within_mm > 0)) ++level_;  // nothing is to be made coarser
+    reduce(typical / target_ms_);
     return true;
   }
   if (quick_ >= quick_before_raised && level_ > 0 && raised_ < most_raised) {
-    --level_;
-    if (level_ == 3 && !(coarse_.within_mm > 0)) --level_;
-    ++raised_;
-    quick_ = 0;
+    raise();
     return true;
   }
   return false;
+}
+
+void Reduction::reduce(double too_long) {
+  const bool begins = level_ == coarse_level - 1;
+  if (!begins && (level_ != coarse_level || size_ + 1 == sizes_mm_.size())) {
+    ++level_;
+    return;
+  }
+  level_ = coarse_level;
+  size_ = begins ? 0 : size_ + 1;
+  while (size_ + 1 < sizes_mm_.size() && too_long >= too_long_for[size_ + 1]) ++size_;
+}
+
+void Reduction::raise() {
+  if (level_ == coarse_level && size_ > 0)
+    --size_;
+  else
+    --level_;
+  ++raised_;
+  quick_ = 0;
 }
 
 ViewParams Reduction::view() const {
@@ -48,7 +75,7 @@ ViewParams Reduction::view() const {
     v.occlusion = false;
   }
   if (level_ >= 2) v.grain = false;
-  if (level_ >= 4) v.shadow = false;
+  if (level_ >= most) v.shadow = false;
   return v;
 }
 
@@ -59,11 +86,10 @@ std::string Reduction::text(Language language) const {
   };
   add(Text::without_darkening, level_ >= 1);
   add(Text::without_grain, level_ >= 2 && whole_.grain);
-  if (level_ >= 3 && coarse_.within_mm > 0)
-    out +=
-        ", " + fmt::format(fmt::runtime(text_of(language, Text::coarse_surfaces)), coarse_.within_mm, coarse_.fine_mm);
-  add(Text::without_shadow, level_ >= 4 && whole_.shadow);
-  add(Text::half_the_pixels, level_ >= 4);
+  if (level_ >= coarse_level)
+    out += ", " + fmt::format(fmt::runtime(text_of(language, Text::coarse_surfaces)), sizes_mm_[size_], fine_mm_);
+  add(Text::without_shadow, level_ >= most && whole_.shadow);
+  add(Text::half_the_pixels, level_ >= most);
   return out;
 }
 

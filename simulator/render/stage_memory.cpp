@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a stage shows of a case where the graphics memory does not hold all of it, or pictures take too long.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/error.h"
+#include "render/memory.h"
+#include "render/stage.h"
+
+namespace trephine {
+namespace {
+
+constexpr int most_halvings = 2;  // of the CT; after them there is none
+
+// Of the picture that a screen shows.
+std::size_t room_for_picture(int samples) { return picture_bytes(1920, 1080, samples); }
+
+std::array<int, 3> halved_size(std::array<int, 3> size, int times) {
+  for (; times > 0; --times)
+    for (int& n : size) n = (n + 1) / 2;
+  return size;
+}
+
+std::size_t ct_bytes(const std::array<int, 3>& size) {
+  return std::size_t(size[0]) * std::size_t(size[1]) * std::size_t(size[2]) * sizeof(std::int16_t);
+}
+
+// What several coarsenings of a surface are, each made once.
+class CoarseSurfaces {
+ public:
+  explicit CoarseSurfaces(const SceneData& scene) : scene_(scene) {}
+  const SceneSurface& of(std::size_t n, double mm) {
+    if (!(mm > 0)) return scene_.surfaces[n];
+    const auto found = made_.find({n, mm});
+    if (found != made_.end()) return found->second;
+    return made_.emplace(std::pair(n, mm), coarse_surface(scene_.surfaces[n], mm)).first->second;
+  }
+
+ private:
+  const SceneData& scene_;
+  std::map<std::pair<std::size_t, double>, SceneSurface> made_;
+};
+
+// How coarse each surface must be, so that all of them take no more than `room`: the largest first, and none much
+// coarser than another. Returns what they then take, which may be more.
+std::size_t fit_surfaces(const SceneData& scene, const std::vector<double>& sizes_mm, std::size_t room,
+                         CoarseSurfaces& coarse, std::vector<double>& shown_mm) {
+  shown_mm.assign(scene.surfaces.size(), 0);
+  std::vector<std::size_t> order;
+  std::size_t sum = 0;
+  for (std::size_t n = 0; n < scene.surfaces.size(); ++n) {
+    if (scene.surfaces[n].live) continue;
+    order.push_back(n);
+    sum += bytes_of(scene.surfaces[n]);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return bytes_of(scene.surfaces[a]) > bytes_of(scene.surfaces[b]);
+  });
+  for (const double mm : sizes_mm)
+    for (const std::size_t n : order) {
+      if (sum <= room) return sum;
+      const std::size_t was = bytes_of(coarse.of(n, shown_mm[n])), now = bytes_of(coarse.of(n, mm));
+      if (now >= was) continue;
+      sum -= was - now;
+      shown_mm[n] = mm;
+    }
+  return sum;
+}
+
+}  // namespace
+
+std::size_t Stage::room() const { return room_for_picture(samples_of(params_)); }
+
+int Stage::samples_of(const ViewParams& p) const {
+  return std::min(most_samples_, p.samples > 0 ? p.samples : driver_.software ? 1 : 4);
+}
+
+bool Stage::fits(std::size_t bytes) const { return budget_bytes_ == 0 || bytes <= budget_bytes_; }
+
+// The live surfaces are there, for what is cut cannot be coarser. What is missed least is left out first: smooth edges,
+// then triangles of what no tool drills, then the CT's resolution.
+void Stage::fit_memory() {
+  std::vector<double> sizes(std::begin(coarse_sizes_mm), std::end(coarse_sizes_mm));
+  if (params_.coarse_mm > 0) sizes = {params_.coarse_mm};
+  const std::size_t live = renderer_->scene_bytes();
+  CoarseSurfaces coarse(scene_);
+  std::size_t needed = 0;
+  const auto try_it = [&](int halvings, bool may_be_coarse) {
+    const std::size_t ct =
+        loaded_.has_ct() && halvings <= most_halvings ? ct_bytes(halved_size(loaded_.ct.size, halvings)) : 0;
+    const std::size_t rest = live + room() + ct;
+    const std::size_t left = budget_bytes_ == 0     ? std::numeric_limits<std::size_t>::max()
+                             : budget_bytes_ > rest ? budget_bytes_ - rest
+                                                    : 0;
+    needed = rest + fit_surfaces(scene_, may_be_coarse ? sizes : std::vector<double>(), left, coarse, needed_mm_);
+    return fits(needed);
+  };
+  int halvings = 0;
+  const auto too_large = [&](int h) {
+    const std::array<int, 3> size = halved_size(loaded_.ct.size, h);
+    return *std::max_element(size.begin(), size.end()) > Renderer::most_ct_side();
+  };
+  while (loaded_.has_ct() && halvings <= most_halvings && too_large(halvings)) ++halvings;
+  if (!try_it(halvings, false)) {
+    if (samples_of(params_) > 1) {
+      most_samples_ = 1;
+      notes_.push_back("graphics memory: rough edges");
+    }
+    while (!try_it(halvings, true)) {
+      if (!loaded_.has_ct() || halvings > most_halvings)
+        throw Error(ExitCode::io, "", "graphics_budget_mb",
+                    fmt::format("{:g} is too little: surfaces and pictures need {:.0f}", params_.graphics_budget_mb,
+                                std::ceil(1e-6 * double(needed))));
+      ++halvings;
+    }
+  }
+  shown_mm_ = needed_mm_;
+  for (std::size_t n = 0; n < scene_.surfaces.size(); ++n) {
+    if (scene_.surfaces[n].live) continue;
+    const SceneSurface& shown = coarse.of(n, shown_mm_[n]);
+    renderer_->set_surface(int(n), shown, !(shown_mm_[n] > 0));
+    if (shown_mm_[n] > 0)
+      notes_.push_back(fmt::format("graphics memory: {} shown coarse: {}", scene_.surfaces[n].name,
+                                   coarse_facts(scene_.surfaces[n], shown).text()));
+  }
+  show_ct(halvings);
+}
+
+void Stage::show_ct(int halvings) {
+  if (!loaded_.has_ct()) return;
+  if (halvings == 0) {
+    renderer_->set_ct(loaded_.ct);
+    return;
+  }
+  if (halvings > most_halvings) {
+    notes_.push_back("graphics memory: no CT on cuts and slices");
+    return;
+  }
+  Grid<std::int16_t> less = halved(loaded_.ct);
+  for (int n = 1; n < halvings; ++n) less = halved(less);
+  notes_.push_back(fmt::format("graphics memory: the CT in voxels of {:.1f} mm", less.spacing_mm.x));
+  renderer_->set_ct(less);
+}
+
+void Stage::set_quality(const ViewParams& params, double scale, const Coarseness& coarse) {
+  const bool other = coarse.within_mm != coarse_.within_mm;
+  coarse_ = coarse;
+  scale_ = scale;
+  samples_ = samples_of(params);
+  if (other) put_back();
+  if (budget_bytes_ > 0) {
+    std::size_t used = renderer_->scene_bytes() + room();
+    for (const auto& facts : renderer_->coarse_facts())
+      if (facts) used -= facts->bytes;
+    coarse_.most_bytes = budget_bytes_ > used ? budget_bytes_ - used : 0;
+  }
+  renderer_->set_quality(quality_of(params));
+  if (other) show_coarse();
+}
+
+// Surfaces that are coarse everywhere because pictures took too long: as the memory lets them be.
+void Stage::put_back() {
+  for (std::size_t n = 0; n < shown_mm_.size(); ++n) {
+    if (shown_mm_[n] == needed_mm_[n]) continue;
+    shown_mm_[n] = needed_mm_[n];
+    renderer_->set_surface(int(n),
+                           shown_mm_[n] > 0 ? coarse_surface(scene_.surfaces[n], shown_mm_[n]) : scene_.surfaces[n],
+                           !(shown_mm_[n] > 0));
+  }
+}
+
+// Where the memory does not hold coarser triangles beside the whole ones, they are drawn in their place.
+void Stage::show_coarse() {
+  if (!(coarse_.within_mm > 0)) return;
+  for (std::size_t n = 0; n < scene_.surfaces.size(); ++n) {
+    const SceneSurface& whole = scene_.surfaces[n];
+    if (const auto& facts = renderer_->coarse_facts()[n]) {
+      notes_.push_back(fmt::format("beyond {:.0f} mm of the tool {} is shown coarse: {}", coarse_.fine_mm, whole.name,
+                                   facts->text()));
+    } else if (!whole.live && coarse_.within_mm > shown_mm_[n]) {
+      const SceneSurface less = coarse_surface(whole, coarse_.within_mm);
+      if (less.indices.size() == whole.indices.size()) continue;
+      shown_mm_[n] = coarse_.within_mm;
+      renderer_->set_surface(int(n), less, false);
+      notes_.push_back(fmt::format("{} is shown coarse: {}", whole.name, coarse_facts(whole, less).text()));
+    }
+  }
+}
+
+// The newest incision is what somebody looks at: older ones go for it.
+void Stage::fit_incisions(std::size_t of_newest) {
+  const auto over = [&] { return !fits(renderer_->scene_bytes() + room()); };
+  bool dropped = false;
+  while (over() && renderer_->incisions() > of_newest) {
+    renderer_->drop_oldest_incision();
+    dropped = true;
+  }
+  if (dropped && !std::exchange(told_incisions_, true))
+    notes_.push_back("graphics memory: the oldest incisions look closed, and are not");
+  if (over() && !std::exchange(told_over_, true))
+    notes_.push_back(fmt::format("graphics memory: the newest incision takes {:.2f} MB more than graphics_budget_mb",
+                                 1e-6 * double(renderer_->scene_bytes() + room() - budget_bytes_)));
+}
+
+// A window may be larger than the screen that was reckoned with: it then has fewer pixels.
+double Stage::picture_scale(int width, int height) {
+  const auto sized = [&](double scale) {
+    return std::pair(std::max(1, int(width * scale)), std::max(1, int(height * scale)));
+  };
+  const auto bytes = [&](double scale) {
+    const auto [w, h] = sized(scale);
+    return picture_bytes(w, h, samples_);
+  };
+  const std::size_t used = renderer_->scene_bytes();
+  if (fits(used + bytes(scale_))) return scale_;
+  const std::size_t left = std::max(room(), budget_bytes_ > used ? budget_bytes_ - used : 0);
+  double scale = std::min(scale_, std::sqrt(double(left) / double(bytes(1))));
+  while (bytes(scale) > left && scale > 0.01) scale *= 0.99;
+  if (std::exchange(told_picture_, {width, height}) != std::pair(width, height))
+    notes_.push_back(fmt::format("graphics memory: pictures of {} x {} pixels in place of {} x {}", sized(scale).first,
+                                 sized(scale).second, width, height));
+  return scale;
+}
+
+}  // namespace trephine
