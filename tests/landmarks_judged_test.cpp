@@ -151,6 +151,33 @@ TEST(Judged, ALandmarkOfWhichNothingSpeaksIsNone) {
   for (const CaseLandmark& l : found.landmarks) EXPECT_GE(l.confidence, 0.05) << l.name;
 }
 
+// An ear is known by its shape alone: without the other one nothing confirms it.
+TEST(Judged, ALoneTragusIsDoubtful) {
+  const double right = scene().head.landmark("tragus_right").x, all = 1e4;
+  const LandmarkScene s = cut(scene(), {right + 12, -all, -all}, {all, all, all});
+  Report report;
+  EXPECT_LT(confidence(find(s, report), "tragus_left"), 0.5);
+  EXPECT_TRUE(warns(report, "tragus_left is doubtful", "the other one, on the right, was not found"));
+  // Where a person gives the other one, the two confirm each other.
+  LandmarkInputs in = scene().inputs();
+  in.given = {{"tragus_right", scene().head.landmark("tragus_right"), 1, "given"}};
+  Report with_given;
+  EXPECT_GT(confidence(find_landmarks(scene().volume, in, as_the_truth(), with_given), "tragus_left"), 0.8);
+}
+
+TEST(Judged, ATragusWhoseOtherOneIsDoubtfulIsDoubtfulToo) {
+  // The scan ends a few millimetres beside the right one, which is found there and not trusted.
+  const double right = scene().head.landmark("tragus_right").x, all = 1e4;
+  const LandmarkScene s = cut(scene(), {right - 5, -all, -all}, {all, all, all});
+  Report report;
+  const HeadLandmarks found = find(s, report);
+  ASSERT_TRUE(found.find("tragus_right"));
+  EXPECT_LT(confidence(found, "tragus_right"), 0.5);
+  ASSERT_TRUE(found.find("tragus_left"));
+  EXPECT_LT(confidence(found, "tragus_left"), 0.5);
+  EXPECT_TRUE(warns(report, "tragus_left is doubtful", "the other one, on the right, is itself doubtful"));
+}
+
 /// Points that a reader placed on a real head, with the radius within which he was sure.
 struct Read {
   const char* name;

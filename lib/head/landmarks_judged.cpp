@@ -3,15 +3,38 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "craniometry/plausible.h"
 #include "head/landmarks_parts.h"
 
 namespace trephine::segmentation {
+namespace {
+constexpr double of_a_lone_tragus = 0.45;
+}
 
 void lower_confidence(CaseLandmark& landmark, double factor, const std::string& reason, Reasons& reasons) {
   if (factor < 1) reasons.emplace(landmark.name, reason);
   landmark.confidence *= factor;
+}
+
+void judge_tragi(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons) {
+  const std::array<const char*, 2> names{"tragus_left", "tragus_right"};
+  std::array<std::string, 2> against;  // why the other one does not confirm it
+  for (int s = 0; s < 2; ++s) {
+    const CaseLandmark* other = all.find(names[1 - s]);
+    const char* side = s == 0 ? "right" : "left";
+    if (!other)
+      against[s] = fmt::format("the other one, on the {}, was not found, and nothing confirms it", side);
+    else if (!given.count(other->name) && other->confidence < doubtful_confidence)
+      against[s] =
+          fmt::format("the other one, on the {}, is itself doubtful (confidence {:.2f}) and does not confirm it", side,
+                      other->confidence);
+  }
+  for (CaseLandmark& l : all.landmarks)
+    for (int s = 0; s < 2; ++s)
+      if (l.name == names[s] && !against[s].empty() && !given.count(l.name) && l.confidence >= doubtful_confidence)
+        lower_confidence(l, of_a_lone_tragus, against[s], reasons);
 }
 
 void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons) {
@@ -28,6 +51,7 @@ void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reas
         lower_confidence(l, doubt.factor, "it is measured from the nasion, which is doubtful: " + doubt.reason,
                          reasons);
     }
+  judge_tragi(all, given, reasons);
 }
 
 void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& given, const Reasons& reasons,

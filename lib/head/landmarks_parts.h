@@ -45,8 +45,11 @@ constexpr double doubtful_confidence = 0.5;  ///< each landmark below this is to
 using Reasons = std::map<std::string, std::string>;
 /// Multiplies the confidence, and keeps the reason where it is the first one.
 void lower_confidence(CaseLandmark& landmark, double factor, const std::string& reason, Reasons& reasons);
+/// An ear is recognized by its shape alone, and a fold of a mask or the edge of the scan can look like one: a tragus
+/// whose other one was not found, or is doubtful, becomes doubtful too. What was given stays, and confirms the other.
+void judge_tragi(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons);
 /// What cannot belong to one head together becomes doubtful (craniometry/plausible.h), and with the nasion all that is
-/// measured from it. What was given stays.
+/// measured from it; the tragi are judged as a pair. What was given stays.
 void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reasons& reasons);
 /// Nothing of which nothing speaks is a landmark: what is below least_confidence is left out. Warns of that and of each
 /// doubtful one, with the reason and how to give it.
