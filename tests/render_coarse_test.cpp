@@ -160,4 +160,38 @@ TEST_F(RenderCoarsePicture, NoneOfThemIsLeftOutWrongly) {
   EXPECT_GT(seen, 8 * width * height);
 }
 
+// Where large triangles stay as many, they are not drawn coarser: that would be off and no quicker.
+TEST_F(RenderCoarsePicture, WhatIsCoarseAlreadyStaysAsItIs) {
+  SceneData scene;
+  scene.bounds = {{-40, -40, -40}, {40, 40, 40}};
+  scene.surfaces = {surface_of(case_samples::ball(40, 80), "fine", {1, 1, 1}),
+                    surface_of(case_samples::ball(30, 20), "coarse", {1, 1, 1})};
+  Renderer renderer(scene, {1, false, 9, false, false, 0, {}});
+  renderer.set_quality({1, false, 9, false, false, 0, {5, 0}});
+  EXPECT_TRUE(renderer.coarse_facts()[0]);
+  EXPECT_FALSE(renderer.coarse_facts()[1]);
+}
+
+// Where a smooth surface turns away from the viewer its normals lean over the edge first, on triangles that are still
+// seen from outside: they must not have the darker and redder colour of an inner side, which made specks there.
+TEST_F(RenderCoarsePicture, AnEdgeHasNoSpecksOfTheInnerSide) {
+  SceneData scene;
+  scene.bounds = {{-40, -40, -40}, {40, 40, 40}};
+  scene.surfaces = {surface_of(case_samples::ball(40, 12), "ball", {0.8, 0.8, 0.8})};
+  Renderer renderer(scene, {1, false, 9, false, false, 0, {}});
+  OrbitCamera camera;
+  camera.look(ViewPreset::front, scene.bounds, {}, {});
+  const EyeView eye = camera.eye(width, height, scene.bounds);
+  SceneState state;
+  state.opacity = {1};
+  const trephine::Picture p = drawn(renderer, eye, state);
+  int seen = 0, reddish = 0;
+  for (std::size_t k = 0; k < p.rgb.size(); k += 3) {
+    seen += p.rgb[k] > 60;
+    reddish += p.rgb[k] > p.rgb[k + 2] + 6;
+  }
+  EXPECT_GT(seen, 1000);
+  EXPECT_EQ(reddish, 0);
+}
+
 }  // namespace trephine::drawing

@@ -35,6 +35,10 @@ CoarseTriangles coarse_triangles(const std::vector<SceneVertex>& vertices, const
 /// The surface of such triangles, with the vertices that they use; the whole one where no triangle would be left.
 SceneSurface coarse_surface(const SceneSurface& whole, double within_mm);
 
+/// Coarser triangles are worth what they are off where at most this share of the triangles is left.
+constexpr double worth_ratio = 2.0 / 3;
+inline bool is_worth_it(std::size_t left, std::size_t whole) { return double(left) <= worth_ratio * double(whole); }
+
 /// What a coarser surface is, beside the whole one.
 struct CoarseFacts {
   std::size_t whole = 0, left = 0;  ///< triangles

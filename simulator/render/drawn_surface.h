@@ -50,7 +50,8 @@ class DrawnSurface {
   virtual void list(const Sight& scene, const std::vector<std::uint8_t>* seen, DrawList& out) const = 0;
   virtual void draw(const DrawList& list) const = 0;
   /// Makes coarser triangles beside its own (render/coarse.h), or removes them (0). Returns what they are; none where
-  /// it has none: they would take more bytes than that, or nothing of it would be left, or the graphics card makes it.
+  /// it has none: they would take more bytes than that, are too many to be worth it (is_worth_it) or none, or the
+  /// graphics card makes it.
   virtual std::optional<CoarseFacts> make_coarse(double /*within_mm*/, std::size_t /*most_bytes*/) { return {}; }
   /// That the list draws. May wait for the graphics card.
   virtual std::size_t triangles(const DrawList& list) const = 0;

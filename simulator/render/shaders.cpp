@@ -83,7 +83,7 @@ void main() {
   if (any(lessThan(at, vec3(0))) || any(greaterThan(at, vec3(1))) || texture(occupancy, at).r < 0.5) discard;
 #endif
   vec3 n = normalize(facing), to_eye = normalize(-seen_from_eye);
-  bool inner = dot(n, to_eye) < 0;
+  bool inner = !gl_FrontFacing;  // not by the normal, which leans over the edge where a surface turns away
   if (inner) n = -n;
   vec3 base = albedo;
 #ifdef GRAIN

@@ -182,7 +182,7 @@ void Stage::show_coarse() {
                                    facts->text()));
     } else if (!whole.live && coarse_.within_mm > shown_mm_[n]) {
       const SceneSurface less = coarse_surface(whole, coarse_.within_mm);
-      if (less.indices.size() == whole.indices.size()) continue;
+      if (!is_worth_it(less.indices.size(), whole.indices.size())) continue;
       shown_mm_[n] = coarse_.within_mm;
       renderer_->set_surface(int(n), less, false);
       notes_.push_back(fmt::format("{} is shown coarse: {}", whole.name, coarse_facts(whole, less).text()));

@@ -135,7 +135,9 @@ void SurfaceBuffer::add_coarse() {
       std::fill_n(chunk_of.begin() + r.first / 3, r.count / 3, std::uint32_t(n));
   }
   CoarseTriangles coarse = coarse_triangles(vertex_work_, index_work_, coarse_mm_);
-  if (coarse.indices.empty() || coarse.indices.size() * sizeof(std::uint32_t) > coarse_most_) return;
+  if (coarse.indices.empty() || !is_worth_it(coarse.indices.size(), fine_end_) ||
+      coarse.indices.size() * sizeof(std::uint32_t) > coarse_most_)
+    return;
   coarse_facts_ = coarse_facts(vertex_work_, fine_end_ / 3, coarse.indices);
   std::vector<std::uint32_t> box_of;
   box_of.reserve(coarse.from.size());

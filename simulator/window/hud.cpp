@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -25,8 +26,18 @@ constexpr float letter_px = 13;
 namespace hud {
 void line(const char* what, const std::string& value, const ImVec4& colour) {
   ImGui::TextColored(grey, "%s", what);
-  ImGui::SameLine(ImGui::GetFontSize() * 9.5f);
+  ImGui::SameLine(ImGui::GetFontSize() * 10);
+  ImGui::PushTextWrapPos(0);
   ImGui::TextColored(colour, "%s", value.c_str());
+  ImGui::PopTextWrapPos();
+}
+
+// ImGui's small button ends where the letters' feet begin.
+bool button(const char* label) {
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {ImGui::GetStyle().FramePadding.x, ImGui::GetFontSize() * 0.1f});
+  const bool pressed = ImGui::Button(label);
+  ImGui::PopStyleVar();
+  return pressed;
 }
 
 void tool_buttons(Player& player, int a_line) {
@@ -35,7 +46,7 @@ void tool_buttons(Player& player, int a_line) {
     if (on_line++ % a_line != 0) ImGui::SameLine();
     const bool held = player.tool() == name;
     if (held) ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.1f, 0.45f, 0.65f, 1));
-    if (ImGui::SmallButton(name.c_str())) player.take_tool(name);
+    if (button(name.c_str())) player.take_tool(name);
     if (held) ImGui::PopStyleColor();
   }
 }
@@ -66,10 +77,14 @@ Hud::~Hud() {
 bool Hud::has_mouse() const { return ImGui::GetIO().WantCaptureMouse; }
 bool Hud::has_keys() const { return ImGui::GetIO().WantTextInput; }
 
-void Hud::patient_panel(Player& player) {
+void Hud::patient_panel(Player& player, int height) {
   ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({ImGui::GetFontSize() * 22, 0}, ImGuiCond_FirstUseEver);
-  ImGui::Begin(player.patient().felt.loaded.manifest.case_token.c_str(), nullptr, ImGuiWindowFlags_NoFocusOnAppearing);
+  // As high as what it shows: a cut adds to it. Where the window is too low for that it is scrolled.
+  const float across = ImGui::GetFontSize() * 23.5f;
+  ImGui::SetNextWindowSizeConstraints({across, 0}, {across, std::max(ImGui::GetFontSize() * 4, float(height) - 16)});
+  ImGui::Begin(player.patient().felt.loaded.manifest.case_token.c_str(), nullptr,
+               ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_AlwaysAutoResize);
+  ImGui::PushItemWidth(ImGui::GetFontSize() * 14);
   ImGui::TextColored(sky, "%s", say(Text::anatomies));
   Stage& stage = player.stage();
   for (std::size_t n = 0; n < stage.scene().surfaces.size(); ++n) {
@@ -81,7 +96,7 @@ void Hud::patient_panel(Player& player) {
   int on_line = 0;
   for (const auto& [name, value] : view_presets()) {
     if (on_line++ % 4 != 0) ImGui::SameLine();
-    if (ImGui::SmallButton(name.c_str())) player.set_view(name);
+    if (button(name.c_str())) player.set_view(name);
   }
   bool places = !stage.state.markers.empty();
   if (ImGui::Checkbox(say(Text::places), &places)) player.set_places(places);
@@ -92,7 +107,7 @@ void Hud::patient_panel(Player& player) {
   ImGui::TextColored(sky, "%s", say(Text::cut_away));
   for (const char* how : {"none", "tool", "axial", "coronal", "sagittal"}) {
     if (how[0] != 'n') ImGui::SameLine();
-    if (ImGui::SmallButton(how)) player.cut(how);
+    if (button(how)) player.cut(how);
   }
   if (stage.state.cut) {
     float moved = 0;
@@ -105,12 +120,13 @@ void Hud::patient_panel(Player& player) {
     tool_buttons(player, 3);
   }
   if (ImGui::CollapsingHeader(say(Text::keys))) ImGui::TextUnformatted(say(Text::keys_help));
+  ImGui::PopItemWidth();
   ImGui::End();
 }
 
 void Hud::status_panel(Player& player, const Controls& controls, const PictureTimes& times, int width, int height) {
   ImGui::SetNextWindowPos({float(width) - 8, 8}, ImGuiCond_Always, {1, 0});
-  ImGui::SetNextWindowSize({ImGui::GetFontSize() * 24, 0}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({ImGui::GetFontSize() * 27, 0}, ImGuiCond_Always);
   ImGui::Begin("##status", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoFocusOnAppearing);
@@ -176,7 +192,7 @@ void Hud::draw(Player& player, Controls& controls, const PictureTimes& times, in
     if (player.desk() && player.live())
       lesson_panel(player, controls);
     else
-      patient_panel(player);
+      patient_panel(player, height);
     if (player.desk() && player.playback()) score_panel(player, width, height);
     status_panel(player, controls, times, width, height);
     if (player.playback()) playback_panel(player, width, height);

@@ -31,7 +31,7 @@ class Hud {
   void draw(Player& player, Controls& controls, const PictureTimes& times, int width, int height);
 
  private:
-  void patient_panel(Player& player);
+  void patient_panel(Player& player, int height);
   void status_panel(Player& player, const Controls& controls, const PictureTimes& times, int width, int height);
   void lesson_panel(Player& player, Controls& controls);
   void score_panel(const Player& player, int width, int height);

@@ -35,7 +35,7 @@ void Hud::lesson_panel(Player& player, Controls& controls) {
   tool_buttons(player, 3);
   const auto command = [&](Text text, const char* name, bool on_line) {
     if (on_line) ImGui::SameLine();
-    if (ImGui::SmallButton(say(text))) controls.said = player.lesson_command(name);
+    if (button(say(text))) controls.said = player.lesson_command(name);
   };
   bool on_line = false;
   for (const LessonStep& step : desk.steps()) {

@@ -15,6 +15,8 @@ inline const ImVec4 sky{0.34f, 0.71f, 0.91f, 1}, orange{0.90f, 0.62f, 0.00f, 1},
 
 /// A line of a panel: what it is, and its value.
 void line(const char* what, const std::string& value, const ImVec4& colour = {1, 1, 1, 1});
+/// A low button, with room for all of the letters. Returns whether it was pressed.
+bool button(const char* label);
 /// The tools that may be taken, so many a line.
 void tool_buttons(Player& player, int a_line);
 

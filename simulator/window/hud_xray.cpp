@@ -71,7 +71,7 @@ void Hud::shot_panel(Player& player, int width, int height) {
   for (const int by : {-1, 1}) {
     if (by > 0) ImGui::SameLine();
     const int to = shown + by;
-    if (ImGui::SmallButton(by < 0 ? " < " : " > ") && to >= 0 && to < count) player.go_to(shots[std::size_t(to)].end_s);
+    if (button(by < 0 ? " < " : " > ") && to >= 0 && to < count) player.go_to(shots[std::size_t(to)].end_s);
   }
   ImGui::End();
 }
@@ -104,7 +104,7 @@ void Hud::xray_panel(Player& player, Controls& controls, int width, int height) 
   xray_picture(player, std::max(32.f, std::min(room.x, room.y - 3.2f * letter)));
   const auto button = [&](const char* label, const char* how, bool on_line) {
     if (on_line) ImGui::SameLine();
-    if (ImGui::SmallButton(label)) controls.said = player.move_arm(how);
+    if (hud::button(label)) controls.said = player.move_arm(how);
   };
   button(say(Text::arm_ap), "ap", false);
   button(say(Text::arm_lateral), "lateral", true);
