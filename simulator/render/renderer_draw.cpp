@@ -35,10 +35,11 @@ void Renderer::Impl::set_balls(const GlProgram& program, bool any) const {
   }
 }
 
-void Renderer::Impl::begin_surface(const EyeView& eye, const SceneState& state) {
+void Renderer::Impl::begin_surface(const EyeView& eye, const SceneState& state, bool cut) {
   begun = 0;
   surface_eye = &eye;
   surface_state = &state;
+  surface_cut = cut && state.cut;
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_3D, noise);
 }
@@ -67,7 +68,7 @@ void Renderer::Impl::surface_with(int parts) {
   const SceneState& state = *surface_state;
   p.set("to_camera", surface_eye->to_camera(centre_mm));
   p.set("projection", surface_eye->projection());
-  if (state.cut) {
+  if (surface_cut) {
     const Vec3 n = normalized(state.cut->normal);
     p.set("clip", float(n.x), float(n.y), float(n.z), float(dot(n, relative(state.cut->point_mm))));
   } else {
@@ -337,13 +338,15 @@ void Renderer::Impl::draw(const EyeView& eye, const SceneState& state, int w, in
   if (state.cut) draw_caps(eye, state);
   glDisable(GL_CLIP_DISTANCE0);
   draw_ct_planes(eye, state);
-  begin_surface(eye, state);
+  // Mesa's llvmpipe clips by the shader's distance even where that is switched off, so the distance itself must say no.
+  begin_surface(eye, state, false);
   draw_solids(state);
   if (quality.occlusion) darken(eye);
   if (state.cut) glEnable(GL_CLIP_DISTANCE0);
   begin_surface(eye, state);
   draw_transparent(state);
   glDisable(GL_CLIP_DISTANCE0);
+  begin_surface(eye, state, false);
   draw_ghost(state);
   if (samples > 1) {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, many);

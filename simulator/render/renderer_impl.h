@@ -27,8 +27,8 @@ struct Renderer::Impl {
 
   // renderer_draw.cpp
   void draw(const EyeView& eye, const SceneState& state, int width, int height);
-  /// What is drawn from now on, until it is called again, is seen by that eye.
-  void begin_surface(const EyeView& eye, const SceneState& state);
+  /// What is drawn from now on, until it is called again, is seen by that eye; `cut` away, or not.
+  void begin_surface(const EyeView& eye, const SceneState& state, bool cut = true);
   /// Uses the program with these parts (shaders::SurfacePart), which `surface` is then.
   void surface_with(int parts);
   void draw_surface(std::size_t n, Sight::Faces faces, const std::vector<std::uint8_t>* seen = nullptr);
@@ -70,6 +70,7 @@ struct Renderer::Impl {
   const GlProgram* surface = nullptr;          ///< in use
   const EyeView* surface_eye = nullptr;
   const SceneState* surface_state = nullptr;
+  bool surface_cut = false;
   GlProgram plane, box, openness, smoothing, darkening, presenting;
   GlObject plane_array, plane_corners, empty_array, noise, ct;
   bool has_ct = false;
