@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "body/pressed_strands.h"
 #include "mask/bits.h"
 #include "mask/coarse.h"
 #include "mask/hu_view.h"
@@ -230,7 +231,14 @@ HuVolume keep_body(const HuVolume& volume, const BodyParams& p, Report& report, 
   }
   BitMask whole = found;
   whole |= holes(found, FillRule{outlet_mm, most_cavity_ml, true}, progress);
-  const BitMask body = with_edge(whole, hu, p, progress);
+  BitMask body = with_edge(whole, hu, p, progress);
+  if (p.strand_mm > 0 && thin_ml > sheet_ml) {
+    const PressedStrands pressed = find_pressed_strands(hu, whole, body, p.strand_mm, progress);
+    if (pressed.found) {
+      report.add("strands_on_skin_ml", ml_of(both(pressed.strands, tissue)));
+      body.remove(pressed.strands);
+    }
+  }
   progress.report(0.9);
   const BitMask apparatus = without(tissue, body);
   const double apparatus_ml = ml_of(apparatus);

@@ -16,6 +16,7 @@ struct BodyParams {
   double most_part_ml = 80;
   double edge_mm = 1.6;
   double least_ml = 0.5;
+  double strand_mm = 4;
 
   template <class V>
   static void describe(V& v) {
@@ -35,6 +36,8 @@ struct BodyParams {
     v.number(&P::edge_mm, "edge_mm", Range{0.5, 5},
              "How far the skin's blurred edge reaches beyond tissue_hu, as long as the HU fall outwards.");
     v.number(&P::least_ml, "least_ml", Range{0, 100}, "Where there is less apparatus than this, the scan stays as is.");
+    v.number(&P::strand_mm, "strand_mm", Range{0, 8},
+             "Where a perforated mask lies, bumps of the skin that are lower than this are its strands; 0: they stay.");
   }
 };
 
@@ -48,12 +51,16 @@ struct BodyParams {
 /// thickness goes and what is left of an ear stays. The skin's edge is followed outwards as long as the HU fall; where
 /// they rise again, something lies on the skin.
 ///
-/// What it cannot do: apparatus that touches the skin without a gap that the scan shows, as a mask of the HU of skin
-/// pressed onto it, stays with its thickness where it is wider than it is high.
+/// Where there is a perforated mask, its strands that lie on the skin without a gap are bumps of the skin: those lower
+/// than strand_mm are smoothed off (body/pressed_strands.h).
+///
+/// What it cannot do: a sheet without holes that touches the skin without a gap that the scan shows stays with its
+/// thickness where it is wider than it is high.
 ///
 /// The report: apparatus_ml (brighter than tissue_hu), apparatus_pieces_count, thin_apparatus_ml (its sheets and
-/// strands) and body_ml; a warning where the body was not found, and the scan then stays as it is. The result has the
-/// same bits whatever the thread count. Throws Error 65 where a voxel is not finite; Cancelled.
+/// strands), body_ml, and strands_on_skin_ml where there is such a mask; a warning where the body was not found, and
+/// the scan then stays as it is. The result has the same bits whatever the thread count. Throws Error 65 where a voxel
+/// is not finite; Cancelled.
 HuVolume keep_body(const HuVolume& volume, const BodyParams& params, Report& report, const Progress& progress = {});
 
 }  // namespace trephine

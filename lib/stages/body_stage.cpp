@@ -8,7 +8,7 @@ namespace trephine {
 StageType body_stage() {
   StageType s;
   s.name = "body";
-  s.version = 2;
+  s.version = 3;
   s.typical_s = 1;
   s.place = StagePlace::scan;
   s.role = StageRole::prepare;
