@@ -137,7 +137,8 @@ std::string ConfigValues::set(const std::string& path, const std::string& text, 
     std::vector<std::string> known;
     for (const auto& target : targets_) known.push_back(target.first);
     const std::string near = did_you_mean(path, known);
-    return "no such parameter" + (near.empty() ? ", a path is anatomy.stage.parameter or import.parameter" : near);
+    return "no such parameter" +
+           (near.empty() ? ", a path is anatomy.stage.parameter, import.parameter or scene.key" : near);
   }
   for (const std::string& one : paths) {
     if (const auto fixed = fixed_.find(one); fixed != fixed_.end()) return fixed->second;

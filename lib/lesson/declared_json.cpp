@@ -142,6 +142,9 @@ void check_size(std::string_view text) {
   }
 }
 
+constexpr const char* no_json =
+    "is no JSON; what is written in YAML is compiled first, a rubric by `trephine rubric FILE.yaml --output FILE.json`";
+
 }  // namespace
 
 std::string declared_json(const AnyParams& params, int indent) {
@@ -151,7 +154,7 @@ std::string declared_json(const AnyParams& params, int indent) {
 std::string declared_text(std::string_view text, const std::vector<std::string>& keys) {
   check_size(text);
   const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
-  if (json.is_discarded()) refuse("json", "is damaged");
+  if (json.is_discarded()) refuse("json", no_json);
   const Json* at = &json;
   for (const std::string& key : keys) {
     if (!at->is_object() || !at->contains(key)) return "";
@@ -180,7 +183,7 @@ void read_declared_json(std::string_view text, const ParameterSet& set, void* ob
   try {
     json = Json::parse(text.begin(), text.end(), watch);
   } catch (const Json::exception&) {
-    refuse("json", "is damaged");
+    refuse("json", no_json);
   }
   if (!twice.empty()) refuse(twice, "is given twice");
   read_struct(json, "", set, object);

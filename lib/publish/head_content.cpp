@@ -30,6 +30,13 @@ const CaseLandmark* surest(const std::vector<CaseLandmark>& all, const std::stri
 void require(const SceneLandmark& wanted, const std::vector<CaseLandmark>& known) {
   const CaseLandmark* l = surest(known, wanted.name);
   if (l && l->confidence >= wanted.min_confidence) return;
+  if (l && l->name != wanted.name)
+    throw refusal("landmarks." + wanted.name,
+                  "none was found surely (best: " + l->name + " with confidence " + two_digits(l->confidence) +
+                      ", the scene needs " + two_digits(wanted.min_confidence) +
+                      "); is this a scan of what the scene is of",
+                  {"if it is, give it in mm, LPS: `landmarks: {" + l->name +
+                   ": [x, y, z]}` and the points that belong to it, or a `landmarks_file`"});
   throw refusal("landmarks." + wanted.name,
                 l ? "was found with confidence " + two_digits(l->confidence) + ", the scene needs " +
                         two_digits(wanted.min_confidence)

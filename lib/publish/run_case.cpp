@@ -358,6 +358,9 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     result.case_token = token;
     result.anatomies = content.anatomies;
     result.table = case_table(content.anatomies);
+    if (content.manifest.face_policy == "keep")
+      result.table += "\nface: the case shows it (" + content.manifest.face_reason +
+                      "); `--set scene.face.policy=deface` takes it off\n";
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
     tell_overrun(run, seconds);
     result.warnings = run.warnings;

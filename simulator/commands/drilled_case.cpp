@@ -2,11 +2,13 @@
 #include "commands/drilled_case.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/refusal.h"
 #include "haptics/recording.h"
+#include "modules/drilled_hole.h"
 #include "session/playback.h"
 #include "voxel/cut.h"
 #include "voxel/haptic_file.h"
@@ -22,6 +24,37 @@ CaseFile copy_file(const std::filesystem::path& from, const CaseFile& file, cons
   return write_case_file(out, file.name.substr(0, dash), file.name.substr(dot), read_case_file(from, file));
 }
 
+// The way out of the bone, as the tool was held while it cut.
+Vec3 held_axis(const std::vector<ServoFrame>& frames) {
+  Vec3 sum;
+  for (const ServoFrame& f : frames)
+    if (f.buttons & Drilling::pedal) sum += {f.axis[0], f.axis[1], f.axis[2]};
+  return sum;
+}
+
+// What was drilled through, so that whoever uses the case knows of it: a lesson does not score such a hole.
+void add_hole(const HapticVolume& before, const HapticVolume& now, const CaseShape& shape, Vec3 out, CaseManifest& m) {
+  if (!(norm(out) > 0)) return;
+  HoleSearch search;
+  search.bone = shape.number;
+  search.out = out;
+  const std::optional<BoneHole> found = find_drilled_hole(before, now, search);
+  if (!found || !found->through) return;
+  const double thick_mm = norm(found->outer_mm - found->inner_mm);
+  if (!(thick_mm > 0)) return;
+  CaseBurrHole hole;
+  const auto taken = [&](const std::string& name) {
+    return std::any_of(m.burr_holes.begin(), m.burr_holes.end(), [&](const auto& b) { return b.name == name; });
+  };
+  for (int n = 1; hole.name.empty() || taken(hole.name); ++n) hole.name = "drilled_" + std::to_string(n);
+  hole.position_mm = found->outer_mm;
+  hole.direction = -found->out;
+  hole.diameter_mm = 2 * std::sqrt(found->removed_mm3 / (M_PI * thick_mm));
+  hole.cut = {shape.name};
+  hole.figures = {{"bone_thickness_mm", thick_mm}, {shape.name + ".removed_haptic_mm3", found->removed_mm3}};
+  m.burr_holes.push_back(std::move(hole));
+}
+
 }  // namespace
 
 std::string write_drilled_case(const std::filesystem::path& case_folder, const std::filesystem::path& file,
@@ -31,6 +64,7 @@ std::string write_drilled_case(const std::filesystem::path& case_folder, const s
   if (!h.drilling.drill) throw Error(ExitCode::bad_input, file.string(), "drilling", "nothing was cut in this session");
   const std::shared_ptr<Patient> patient = patient_again(case_folder, file, h, h.contact, before);
   FeltCase& felt = patient->felt;
+  const HapticVolume before_it = copy_without_hardness(felt.loaded.haptic);
   Rerun(felt, patient->contact, file.string(), h).run(recording.frames);
   const HapticVolume& volume = felt.loaded.haptic;
   if (h.outcome && volume_digest(volume) != h.outcome->volume_sha256)
@@ -51,6 +85,9 @@ std::string write_drilled_case(const std::filesystem::path& case_folder, const s
   }
   std::sort(m.files.begin(), m.files.end(), [](const CaseFile& a, const CaseFile& b) { return a.name < b.name; });
   for (CaseShape& s : m.haptic.shapes) s.volume_ml = shape_volume_mm3(volume, s.number) / 1000;
+  const std::uint64_t drilled = drilled_shapes(m.haptic);
+  for (const CaseShape& s : m.haptic.shapes)
+    if (drilled >> s.number & 1) add_hole(before_it, volume, s, held_axis(recording.frames), m);
   m.parameters.emplace_back("drilled.recording_sha256", sha256_of_file(file));
   publish_case(out, m);
   return m.case_token;
