@@ -59,7 +59,7 @@ feeder=
 # Buffers for two eyes that the driver lacks; pictures that are to be quicker than they can be; too little memory.
 open_window "${play[@]}" --stereo quad_buffer --target-ms 0.01
 until_said '^stereo: the driver has no buffer for each eye, so the picture is side by side$'
-until_said '^reduced: .*grain.*surfaces within 2.5 mm.*no shadow of the tool, half the pixels$'
+until_said '^reduced: .*grain.*coarse surfaces.*no shadow of the tool, half the pixels$'
 quit
 [[ $code == 0 ]] || { cat "$work/fault"; fail "ends with $code"; }
 expect 74 'graphics_budget_mb: 16 is too little: surfaces and pictures need' "${play[@]}" --graphics-budget-mb 16
