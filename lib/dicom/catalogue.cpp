@@ -384,7 +384,8 @@ const Series& choose(const Catalogue& c, const std::string& token) {
                 fmt::format("only localizers ({}), no slices", c.localizers));
   if (!c.broken.empty() && (c.is_single_file || c.broken.size() == 1))
     throw Error(ExitCode::bad_input, c.broken.front().name, c.broken.front().field, c.broken.front().what);
-  throw Error(ExitCode::bad_input, "", "series", fmt::format("no DICOM image among {} files; `trephine import --list FOLDER` says what each is", c.files));
+  throw Error(ExitCode::bad_input, "", "series",
+              fmt::format("no DICOM image among {} files; `trephine import --list FOLDER` says what each is", c.files));
 }
 
 }  // namespace trephine::dicom

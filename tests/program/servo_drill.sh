@@ -39,8 +39,8 @@ before, after, manifest = (json.load(open(f)) for f in sys.argv[1:])
 assert after["case"] == "sample-drilled" and after["haptic"]["size"] == before["haptic"]["size"], after
 assert "drilled.recording_sha256" in json.dumps(manifest), sorted(manifest)
 # The hole is told of, so that a lesson does not score it.
-(hole,) = manifest["burr_holes"]
-assert hole["name"] == "drilled_1" and hole["cut"] == ["skull"] and 7 < hole["diameter_mm"] < 10, hole
+(hole,) = [h for h in manifest["burr_holes"] if h["name"] == "drilled_1"]
+assert hole["cut"] == ["skull"] and 7 < hole["diameter_mm"] < 10, hole
 assert 3 < hole["figures"]["bone_thickness_mm"] < 9, hole
 PY
 "$TREPHINE" servo "$work/after" --seconds 0.2 --no-paced --approach-mm 1 --radius-mm 1 >/dev/null || fail "the drilled case is not felt"
