@@ -110,11 +110,11 @@ function(trephine_test name)
   set(discovered)
   if(${name} IN_LIST TREPHINE_TEST_AT_ONCE)
     add_test(NAME ${name}.all COMMAND ${name}_test --gtest_filter=-*Long*)
-    set_tests_properties(${name}.all PROPERTIES TIMEOUT 1200)
+    set_tests_properties(${name}.all PROPERTIES TIMEOUT 1800)
     set(discovered TEST_FILTER *Long*)
   endif()
-  gtest_discover_tests(${name}_test TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 ${discovered}
-                       PROPERTIES TIMEOUT 1200)
+  gtest_discover_tests(${name}_test TEST_PREFIX ${name}. DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 1800 ${discovered}
+                       PROPERTIES TIMEOUT 1800)
 endfunction()
 
 # trephine_no_test_is_lost(): fails for a tests/*_test.cpp that no test program compiles, which would never run.

@@ -7,7 +7,7 @@ target_link_libraries(page_samples PRIVATE trephine_page trephine_cases)
 target_include_directories(page_samples PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 function(browser_test name)
   add_test(NAME browser.${name} COMMAND python3 ${CMAKE_CURRENT_SOURCE_DIR}/browser/${ARGN})
-  set_tests_properties(browser.${name} PROPERTIES TIMEOUT 600 SKIP_RETURN_CODE 77 ENVIRONMENT
+  set_tests_properties(browser.${name} PROPERTIES TIMEOUT 1800 SKIP_RETURN_CODE 77 ENVIRONMENT
     "TREPHINE=$<TARGET_FILE:trephine>;PAGE_SAMPLES=$<TARGET_FILE:page_samples>;PYTHONDONTWRITEBYTECODE=1")
 endfunction()
 foreach(mode webgl2 processor no-3d)

@@ -225,7 +225,8 @@ void check_series(const Seed& seed, const std::string& bytes, const std::string&
     EXPECT_TRUE(e.code() == ExitCode::bad_input || e.code() == ExitCode::usage || e.code() == ExitCode::internal)
         << label << e.line("");
   }
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 20) << label;
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 600)
+      << label << ": it hangs";
 }
 
 void run_mutants(int count, std::uint64_t first) {

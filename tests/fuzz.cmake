@@ -3,7 +3,7 @@
 add_executable(fuzz_corpus fuzz/corpus.cpp)
 target_link_libraries(fuzz_corpus PRIVATE trephine_phantom ZLIB::ZLIB)
 add_test(NAME fuzz.build COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/run.sh build ${PROJECT_BINARY_DIR}/fuzz)
-set_tests_properties(fuzz.build PROPERTIES FIXTURES_SETUP fuzzers SKIP_RETURN_CODE 77 TIMEOUT 1200
+set_tests_properties(fuzz.build PROPERTIES FIXTURES_SETUP fuzzers SKIP_RETURN_CODE 77 TIMEOUT 1800
   ENVIRONMENT "CORPUS=$<TARGET_FILE:fuzz_corpus>")
 foreach(target scanner decoder archive)
   add_test(NAME fuzz.${target}

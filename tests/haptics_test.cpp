@@ -244,6 +244,24 @@ TEST(Haptics, WhatIsNotFiniteLatchesZeroForce) {
     }
 }
 
+// How long a loop may stand still is a parameter: a busy machine needs more than a device in a hand.
+TEST(Haptics, ATickThatStandsForTooLongIsAFault) {
+  HapticVolume v = floor_volume();
+  const ContactVolume contact(v);
+  for (const double most_s : {1.0, 0.25, 60.0}) {
+    ForceParams params = plain();
+    if (most_s != 1) params.max_step_s = most_s;  // 1: as it is declared
+    Proxy proxy(contact, one_shape(1, face(1), face(1)), params);
+    proxy.update(at({0, 0, 1}));
+    HapticInput in = at({0, 0, -1});
+    in.dt_s = most_s;
+    EXPECT_EQ(proxy.update(in).faults, 0u) << most_s;
+    in.dt_s = 1.001 * most_s;
+    EXPECT_EQ(proxy.update(in).faults, haptic_fault::time_step) << most_s;
+    EXPECT_EQ(proxy.state().force_n, Vec3{});
+  }
+}
+
 // H5: with the tip in bone there is no blow at the start.
 TEST(Haptics, StartsInsideBoneWithAForceThatRises) {
   HapticVolume v = floor_volume();

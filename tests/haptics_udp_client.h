@@ -40,7 +40,7 @@ class UdpClient {
   void send_bytes(const void* bytes, std::size_t count) { (void)!::send(socket_, bytes, count, 0); }
 
   /// The next answer; false where none comes in that time.
-  bool receive(UdpForce& out, int patience_ms = 2000) {
+  bool receive(UdpForce& out, int patience_ms = 60000) {
     pollfd p{socket_, POLLIN, 0};
     if (poll(&p, 1, patience_ms) <= 0) return false;
     std::uint8_t bytes[256] = {};
@@ -48,7 +48,7 @@ class UdpClient {
     return count > 0 && decode_force(bytes, std::size_t(count), out);
   }
   /// Sends and waits for the answer to that very pose.
-  bool ask(Vec3 tip_mm, UdpForce& out, int patience_ms = 2000) {
+  bool ask(Vec3 tip_mm, UdpForce& out, int patience_ms = 60000) {
     send_pose(tip_mm);
     while (receive(out, patience_ms))
       if (out.answers == next.sequence) return true;

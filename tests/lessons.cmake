@@ -5,7 +5,7 @@ endif()
 if(TARGET trephine-sim AND TARGET trephine)
 foreach(script lesson exercise spine_needle)
 add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
-set_tests_properties(program.${script} PROPERTIES TIMEOUT 300
+set_tests_properties(program.${script} PROPERTIES TIMEOUT 1800
   ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;OFFLINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case")
 endforeach()
 add_test(NAME program.LongExercises COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/exercises_long.sh)

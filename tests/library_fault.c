@@ -2,6 +2,7 @@
 // Loaded by LD_PRELOAD: the n-th call of one function fails, in programs whose command line holds a word.
 //   TREPHINE_FAULT=write:3:28    the third write to a file of a folder (no memfd) fails with errno 28 (ENOSPC); short:3 writes one byte
 //   TREPHINE_FAULT=write+:3:28   it and all that follow
+//   TREPHINE_FAULT=signal:3:11    the third allocation of 4 KB and more sends the program itself signal 11 (SIGSEGV)
 //   TREPHINE_FAULT_IN=run        only where an argument is this word
 //   TREPHINE_FAULT_COUNT=FILE    no call fails; the number of calls is appended to the file at the end
 // Nothing fails before main. Functions: write (and short), fsync, rename, open (of files to be made), close (of files that were written), malloc (of
@@ -10,6 +11,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -134,6 +136,7 @@ void* malloc(size_t size) {
     real = next("malloc");
     within = 0;
   }
+  if (active && size >= 4096 && fails("signal")) kill(getpid(), error_number);
   if (active && size >= 4096 && fails("malloc")) {
     errno = ENOMEM;
     return NULL;

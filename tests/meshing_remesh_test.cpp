@@ -96,6 +96,7 @@ TEST(Remesh, BeyondItsTimeOrNotASurface) {  // M11
     return ExitCode::ok;
   };
   EXPECT_EQ(code(surface(sphere(30, 20))), ExitCode::internal);
+  p = {};
   TriMesh open = surface(sphere(30, 20));
   open.triangles.pop_back();
   EXPECT_EQ(code(open), ExitCode::quality);

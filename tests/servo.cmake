@@ -11,10 +11,10 @@ set_target_properties(spnav_stub PROPERTIES OUTPUT_NAME spnav SUFFIX ".so.0"
   LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/stubs)
 foreach(script calibrate servo servo_adaptor servo_drill servo_pushed servo_udp)
 add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
-set_tests_properties(program.${script} PROPERTIES TIMEOUT 300
+set_tests_properties(program.${script} PROPERTIES TIMEOUT 1800
   ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case;STUB=$<TARGET_FILE:adaptor_stub>;PAD_STUB=$<TARGET_FILE:gamepad_stub>;SPNAV_STUB=$<TARGET_FILE:spnav_stub>")
 endforeach()
 add_test(NAME program.flags_sim COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/flags.sh)
-set_tests_properties(program.flags_sim PROPERTIES TIMEOUT 300
+set_tests_properties(program.flags_sim PROPERTIES TIMEOUT 1800
   ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;SOURCE=${PROJECT_SOURCE_DIR}")
 endif()

@@ -165,6 +165,7 @@ class Executor {
     NodeResult& result = results_[i];
     result.data = std::move(*data);
     result.state = NodeResult::State::cached;
+    result.kept = true;
     result.seconds = seconds_since(start);
     tasks_[i].started = tasks_[i].done = true;
     finish_output(i, "cached");
@@ -254,12 +255,12 @@ class Executor {
   }
 
   // The cache only saves time: a case does not fail because the cache's disk is full.
-  void store(const Node& node, const NodeResult& result) {
+  void store(const Node& node, NodeResult& result) {
     if (!options_.cache) return;
     into_cache([&] {
-      options_.cache->store(node.key, node.output,
-                            worth_storing(result.data, result.seconds) ? result.data : StageData{}, result.report,
-                            result.seconds);
+      const bool worth = worth_storing(result.data, result.seconds);
+      options_.cache->store(node.key, node.output, worth ? result.data : StageData{}, result.report, result.seconds);
+      result.kept = worth;
     });
   }
 

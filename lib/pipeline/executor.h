@@ -34,6 +34,7 @@ struct NodeResult {
   StageData data;  ///< only for wanted nodes; the data of others is dropped after the last reader
   Report report;
   double seconds = 0;
+  bool kept = false;  ///< computed or cached, and in the cache: the next run need not compute it
 };
 
 struct ExecuteOptions {

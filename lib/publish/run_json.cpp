@@ -60,6 +60,7 @@ std::string run_json(const Graph& graph, const std::vector<NodeResult>& results,
     Json& stage = json["stages"][graph.nodes[i].name];
     stage["state"] = to_text(results[i].state);
     stage["seconds"] = results[i].seconds;
+    if (results[i].state == NodeResult::State::computed) stage["kept"] = results[i].kept;
     stage["report"] = Json::parse(report_json(results[i].report));
   }
   json["warnings"] = warnings;

@@ -40,6 +40,7 @@ struct ForceParams {
   double max_force_n = 3.3, max_force_rate_n_per_s = 1000;
   double ramp_s = 0.5, velocity_cutoff_hz = 100;
   double max_torque_n_mm = 180, turn_stiffness_n_mm_per_rad = 200;
+  double max_step_s = 1;
   template <class V>
   static void describe(V& v) {
     using P = ForceParams;
@@ -53,6 +54,8 @@ struct ForceParams {
              "Largest torque that a device with torques is asked for; 0: none.");
     v.number(&P::turn_stiffness_n_mm_per_rad, "turn_stiffness_n_mm_per_rad", Range{0, 1e5},
              "Torque for each radian by which surfaces or a lock keep the tool from turning with the device.");
+    v.number(&P::max_step_s, "max_step_s", Range{0.001, 3600},
+             "A tick that stands for more time than this is a fault: the loop stood still, and the force stays zero.");
   }
 };
 

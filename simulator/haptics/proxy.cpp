@@ -56,7 +56,7 @@ const HapticState& Proxy::update(const HapticInput& given) {
   HapticInput in = given;
   state_.events = 0;
   if (!usable(in.tip_mm) || !usable(in.axis) || !usable(in.extra_n)) latch(haptic_fault::pose);
-  if (!(in.dt_s > 0 && in.dt_s <= 1)) latch(haptic_fault::time_step);
+  if (!(in.dt_s > 0 && in.dt_s <= force_.max_step_s)) latch(haptic_fault::time_step);
   if (state_.faults != 0) {
     state_.force_n = state_.torque_n_mm = {};
     return state_;

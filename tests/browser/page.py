@@ -9,6 +9,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 
 from webdriver import Browser, Checks
 
@@ -19,9 +20,10 @@ const x = t.getContext('2d', {willReadFrequently: true}); x.drawImage(c, 0, 0, 2
 
 
 def wait(browser):
-    for _ in range(300):
+    for _ in range(6000):
         if browser.js("return document.documentElement.dataset.ready === '1' || !document.getElementById('problem').hidden"):
             return
+        time.sleep(0.1)
     raise RuntimeError("the page never became ready")
 
 

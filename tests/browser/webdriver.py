@@ -31,7 +31,7 @@ class Browser:
         self.driver = subprocess.Popen(["chromedriver", f"--port={port}"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.session = None
         root = f"http://127.0.0.1:{port}"
-        for _ in range(300):
+        for _ in range(3000):
             try:
                 urllib.request.urlopen(root + "/status", timeout=5)
                 break
@@ -55,7 +55,7 @@ class Browser:
         request = urllib.request.Request(url, data=data, method=method or ("GET" if body is None else "POST"),
                                          headers={"Content-Type": "application/json"})
         try:
-            with urllib.request.urlopen(request, timeout=180) as answer:
+            with urllib.request.urlopen(request, timeout=900) as answer:
                 return json.load(answer)["value"]
         except urllib.error.HTTPError as e:
             raise RuntimeError(json.load(e)["value"]["message"].split("\n")[0]) from None

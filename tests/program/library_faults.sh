@@ -167,8 +167,12 @@ for ((i = 0; i < kills; ++i)); do
   wait $pid 2>/dev/null || true
   for c in a b; do case_digest "$work/out/$c" >/dev/null || fail "kill $i: case $c is torn"; done
 done
-for try in {1..50}; do
-  left=$(pgrep -f "library job case\.[ab]\$|$work/out" || true)
+# In this test's own folder: beside it others build cases of the same names.
+for try in {1..3000}; do
+  left=
+  for pid in $(pgrep -f "library job case\.[ab]\$|$work/out" || true); do
+    [[ $(readlink /proc/$pid/cwd 2>/dev/null) != "$work"* ]] || left+=" $pid"
+  done
   [[ -n $left ]] || break
   sleep 0.1
 done

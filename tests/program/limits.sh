@@ -32,9 +32,11 @@ done
 # Stopped while the program is being made ready: 130, or done. Nothing else.
 python3 - "$TREPHINE" <<'PY'
 import signal, subprocess, sys, time
-early = 0
 for number in (signal.SIGINT, signal.SIGTERM):
-    for _ in range(20):
+    early = 0
+    for n in range(500):
+        if n >= 20 and early > 0:
+            break  # a busy machine rarely sends it in time
         p = subprocess.Popen([sys.argv[1], "help"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         while p.poll() is None:
             try:
@@ -47,7 +49,7 @@ for number in (signal.SIGINT, signal.SIGTERM):
         code = p.wait()
         assert code in (0, 130), (number, code)
         early += code == 130
-assert early > 0, "never met it early"
+    assert early > 0, "never met it early"
 PY
 
 # What needs more memory than there is is refused before anything is taken.
@@ -63,12 +65,12 @@ with open("wide.ply", "w") as f:
     f.write("ply\nformat ascii 1.0\nelement vertex 1\n" + "".join(f"property float p{i}\n" for i in range(100000)) +
             "element face 0\nproperty list uchar int vertex_indices\nend_header\n" + "0 " * 100000 + "\n")
 PY
-expect 70 'needs about [0-9.]+ GB, [0-9.]+ GB are available' timeout 20 "$TREPHINE" contour huge.nrrd --output s.vtp --quiet
+expect 70 'needs about [0-9.]+ GB, [0-9.]+ GB are available' timeout 600 "$TREPHINE" contour huge.nrrd --output s.vtp --quiet
 rm huge.nrrd
-code=0; timeout 30 "$TREPHINE" run keys.yaml --out out >said 2>&1 || code=$?
+code=0; timeout 600 "$TREPHINE" run keys.yaml --out out >said 2>&1 || code=$?
 [[ $code == 78 && $(wc -l <said) == 21 ]] || { head -c 3000 said; fail "70,000 unknown keys: $code, $(wc -l <said) lines"; }
 grep -q 'more faults are not listed' said || fail "does not say how many more"
-expect 65 'property: [0-9]+( or more)?, at most 1000' timeout 20 "$TREPHINE" repair wide.ply --output s.vtp --quiet
+expect 65 'property: [0-9]+( or more)?, at most 1000' timeout 600 "$TREPHINE" repair wide.ply --output s.vtp --quiet
 
 # A soup that takes long hears of a request to stop, and of its limit.
 python3 - <<'PY'
@@ -88,8 +90,8 @@ with open("soup.obj", "w") as f:
 PY
 interrupted "$TREPHINE" repair soup.obj --output s.vtp --recontour-voxels-count 900 --quiet
 [[ $code == 130 ]] || { cat "$work/said"; fail "Ctrl-C of a repair: $code"; }
-expect 70 'total_limit_s' timeout 60 "$TREPHINE" repair soup.obj --output s.vtp --recontour-voxels-count 900 --total-limit-s 1 --quiet
-expect 70 'total_limit_s' timeout 60 "$TREPHINE" measure soup.obj --reference soup.obj --sample-count 100000000 --total-limit-s 1 --quiet
+expect 70 'total_limit_s' timeout 600 "$TREPHINE" repair soup.obj --output s.vtp --recontour-voxels-count 900 --total-limit-s 1 --quiet
+expect 70 'total_limit_s' timeout 600 "$TREPHINE" measure soup.obj --reference soup.obj --sample-count 100000000 --total-limit-s 1 --quiet
 
 # Memory is asked for before it is taken, and the message says how much there would have to be.
 "$TREPHINE" import plain --output m.nrrd --quiet

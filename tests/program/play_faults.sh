@@ -4,14 +4,14 @@
 . "$(dirname "$0")/common.sh"
 . "$(dirname "$0")/window.sh"
 "$WRITE_CASE" "$work/sample" play
-play=("$TREPHINE" play "$work/sample" --window-width 320 --window-height 240 --no-realtime --no-panels --tool ball)
+play=("$TREPHINE" play "$work/sample" --max-step-s 3600 --window-width 320 --window-height 240 --no-realtime --no-panels --tool ball)
 replayed() { "$TREPHINE" replay "$work/sample" "$1" >"$work/text" 2>&1 && grep -q '^replayed bit for bit$' "$work/text" || { cat "$work/text"; fail "$1 does not replay"; }; }
 ends_by_itself() { code=0; "$@" >"$work/said" 2>"$work/fault" || code=$?; }
 # quit: the session is told to end; its exit code into `code`.
 quit() { ask quit; ended; }
 
 # The graphics driver loses its context: one line, and the recording is whole.
-ends_by_itself env "LD_PRELOAD=$RESET_STUB" "${play[@]}" --seconds 60 --record "$work/reset.servo"
+ends_by_itself env "LD_PRELOAD=$RESET_STUB" "${play[@]}" --seconds 600 --record "$work/reset.servo"
 [[ $code == 74 ]] || { cat "$work/said" "$work/fault"; fail "a driver that was reset ends with $code"; }
 [[ $(wc -l <"$work/fault") == 1 ]] && grep -q 'the graphics driver was reset' "$work/fault" || { cat "$work/fault"; fail "not its one line"; }
 replayed "$work/reset.servo"
@@ -32,7 +32,7 @@ cat >"$work/feed.py" <<'PY'
 import struct, sys, time
 def event(kind, code, value): sys.stdout.buffer.write(struct.pack("llHHi", 0, 0, kind, code, value))
 event(3, 0, 32767); event(0, 0, 0); sys.stdout.buffer.flush()
-time.sleep(30)
+time.sleep(900)  # it is ended before
 PY
 open_window env "LD_PRELOAD=$PAD_STUB" "${play[@]}" --device gamepad --gamepad "$work/pipe" --no-places --push-mm-per-s 10
 ask 'view left'
@@ -40,7 +40,8 @@ ask state
 read -r x0 y0 z0 <<<"$(triple tool_at)"
 python3 "$work/feed.py" >"$work/pipe" & feeder=$!
 moved=
-for try in {1..100}; do
+end=$((SECONDS + longest_s))
+while ((SECONDS < end)); do
   ask state
   read -r x y z <<<"$(triple tool_at)"
   moved=$(python3 -c "

@@ -15,33 +15,21 @@ done
 # begin CASE ARGUMENTS...: opens a window on a lesson.
 begin() {
   open_window "$TREPHINE" play "$work/$1" --lesson "$lesson" --rubric "$work/$lesson.json" --participant r-01 --no-realtime \
-    --window-width 480 --window-height 360 --no-panels "${@:2}"
+    --max-step-s 3600 --window-width 480 --window-height 360 --no-panels "${@:2}"
 }
 # until_lesson PATTERN: waits until the lesson is there.
 until_lesson() {
-  for try in {1..300}; do
-    ask lesson
-    [[ $answer =~ $1 ]] && return 0
-    [[ $answer != *'device lost'* ]] || fail "the servo stood still for a second, which ends a lesson: $answer"
-    sleep 0.1
-  done
-  fail "the lesson never matches $1: $answer"
+  until_is lesson "$1"
 }
-# catheter MM: from where it was put, W and then short moves lead it to the foramen of the right until it is that near.
+# catheter MM: from where it was put, W and then steps lead it to the foramen of the right until it is that near.
 catheter() {
-  local most
-  for most in 18 "$1"; do
-    [[ $most == "$1" ]] || xdotool keydown w
-    for try in {1..200}; do
-      [[ $most != "$1" ]] || ok 'move 0.28 0.14 -0.74'
-      ask state
-      read -r x y z <<<"$(triple tip)"
-      awk -v x="$x" -v y="$y" -v z="$z" -v m="$most" 'BEGIN { exit (x + 3) ^ 2 + (y + 5) ^ 2 + (z - 22) ^ 2 > m * m }' && break
-      sleep 0.05
-    done
-    xdotool keyup w
-    ((try < 200)) || fail "the catheter never comes there: $answer"
+  press_on w
+  for try in {1..400}; do
+    step 0.56 0.28 -1.48
+    read -r x y z <<<"$(triple tip)"
+    awk -v x="$x" -v y="$y" -v z="$z" -v m="$1" 'BEGIN { exit (x + 3) ^ 2 + (y + 5) ^ 2 + (z - 22) ^ 2 > m * m }' && return
   done
+  fail "the catheter never comes there: $answer"
 }
 # judged RECORDING: `score` says of it what the window said.
 judged() {
@@ -60,7 +48,7 @@ for barred in 'hide skin' 'opacity skin 0.3' aim 'cut tool' 'places on' 'slices 
 done
 ask incise
 [[ $answer == 'error: the marker has not touched yet' ]] || fail "an incision without a mark: $answer"
-ok 'place -28.8 -18.2 89.7 -0.351 -0.179 0.920'
+moves ok 'place -28.8 -18.2 89.7 -0.351 -0.179 0.920'
 catheter 4
 xdotool key Return
 sleep 0.3
@@ -89,11 +77,10 @@ PY
 "$WRITE_CASE" "$work/chest" chest
 lesson=subclavian
 begin chest --out "$work/out" --advance-mm-per-s 6
-ok 'place -79.7 -60.2 -5.7 -0.645 -0.753 -0.129'
-xdotool keydown w
-for try in {1..600}; do ask state; [[ $answer == *' in vein '* ]] && break; sleep 0.05; done
-xdotool keyup w
-((try < 600)) || fail "the needle never comes to the vein: $answer"
+moves ok 'place -79.7 -60.2 -5.7 -0.645 -0.753 -0.129'
+press_on w
+for try in {1..400}; do [[ $answer == *' in vein '* ]] && break; step 0.323 0.377 0.065; done
+((try < 400)) || fail "the needle never comes to the vein: $answer"
 ask lesson
 [[ $answer != *green* && $answer == *'syringe -'* ]] || fail "blood without aspiration: $answer"
 xdotool key a
@@ -133,7 +120,7 @@ xdotool key BackSpace
 until_lesson 'tool marker step 1'
 xdotool key 2
 until_lesson 'tool burr'
-ok 'place -26.2 -17 83.4 -0.2945 -0.1905 0.9365'
+moves ok 'place -26.2 -17 83.4 -0.2945 -0.1905 0.9365'
 xdotool keydown space keydown w
 until_lesson 'hole through'
 xdotool keyup w keyup space key p
@@ -146,7 +133,7 @@ until_lesson paused
 xdotool key p key 3
 until_lesson 'tool catheter step 5'
 [[ $answer != *paused* ]] || fail "it does not go on"
-ok 'place -28.8 -18.2 89.7 -0.351 -0.179 0.920'
+moves ok 'place -28.8 -18.2 89.7 -0.351 -0.179 0.920'
 catheter 4
 ok finish
 until_lesson 'end finished points [0-9]+ of 30'
@@ -167,7 +154,7 @@ grep -q '^ventriculostomy removed .*skull' "$work/said" || { cat "$work/said"; f
 
 # A window that is closed leaves a lesson that nobody finished.
 begin head_drilled --out "$work/out" --advance-mm-per-s 12
-ok 'place -28.8 -18.2 89.7 -0.351 -0.179 0.920'
+moves ok 'place -28.8 -18.2 89.7 -0.351 -0.179 0.920'
 catheter 17
 xdotool key Escape
 finish 0

@@ -4,7 +4,7 @@
 # replays. PLAY_S says for how long (an hour in the long suites).
 . "$(dirname "$0")/common.sh"
 . "$(dirname "$0")/window.sh"
-answer_s=60
+longest_s=60
 : "${PLAY_S:=3600}" "${PLAY_SEED:=1}"
 RANDOM=$PLAY_SEED
 "$WRITE_CASE" "$work/sample" play

@@ -13,7 +13,7 @@ done
 # begin LESSON: opens a window on it.
 begin() {
   open_window "$TREPHINE" play "$work/spine" --lesson "$1" --rubric "$work/$1.json" --participant r-01 --out "$work/out" \
-    --no-realtime --window-width 480 --window-height 360 --no-panels --shots "$work/shots" --advance-mm-per-s 20
+    --no-realtime --max-step-s 3600 --window-width 480 --window-height 360 --no-panels --shots "$work/shots" --advance-mm-per-s 20
 }
 # in_picture FILE: the needle's tip is where the window says, bright beside what is beyond it.
 in_picture() {
@@ -40,16 +40,26 @@ PY
 }
 
 # The point of the ideal axis of a pedicle that lies so far before its entry, and the tool's axis, from the tip to its end.
-read -r point axis target <<<"$(python3 - "$work/spine/case.json" <<'PY'
+read -r point axis target along <<<"$(python3 - "$work/spine/case.json" <<'PY'
 import json, sys
 at = {l["name"]: l["position_mm"] for l in json.load(open(sys.argv[1]))["landmarks"]}
 e, t = at["pedicle_2_left_entry"], at["pedicle_2_left_target"]
 n = sum((a - b) ** 2 for a, b in zip(e, t)) ** 0.5
 axis = [(a - b) / n for a, b in zip(e, t)]
 text = lambda v: ",".join("%.3f" % x for x in v)
-print(text([a + 60 * b for a, b in zip(e, axis)]), text(axis), text(t))
+print(text([a + 60 * b for a, b in zip(e, axis)]), text(axis), text(t), " ".join("%.3f" % (-2 * x) for x in axis))
 PY
 )"
+
+# next_picture: the needle, which has moved, is seen so.
+next_picture() {
+  local end=$((SECONDS + longest_s))
+  while ask xray && (($(field pictures) <= last)); do
+    ((SECONDS < end)) || fail "the needle is not seen to move: $answer"
+    sleep 0.05
+  done
+  last=$(field pictures)
+}
 
 begin spine_needle
 # No picture before the pedal; the arm goes where its keys say, and X-rays count only while the pedal is down.
@@ -64,8 +74,7 @@ xdotool key Prior
 until_is xray 'view free orbit_deg 50 tilt_deg 5'
 xdotool key f
 until_is xray 'view ap orbit_deg 0 tilt_deg 0'
-ok "place ${point//,/ } ${axis//,/ }"
-sleep 1
+moves ok "place ${point//,/ } ${axis//,/ }"
 xdotool keydown space
 until_is xray '^on .* size_px 512 .* tip_px '
 xdotool keyup space
@@ -82,25 +91,20 @@ in_picture "$work/shots/picture-001-xray.png"
 # The needle is pushed under lateral X-rays, and seen to move while they are on.
 xdotool key l
 until_is xray 'view lateral'
-sleep 1
 xdotool keydown space
 until_is xray '^on .* shots_count 2 .* size_px 512 .* tip_px '
-begun=$(field pictures)
-xdotool keydown w
-for try in {1..600}; do
-  ask state
+press_on w
+ask xray
+last=$(field pictures)
+for try in {1..400}; do
+  step $along
   read -r x y z <<<"$(triple tip)"
   awk -v a="$x,$y,$z" -v b="$target" 'BEGIN { split(a, p, ","); split(b, t, ","); exit (p[1]-t[1])^2 + (p[2]-t[2])^2 + (p[3]-t[3])^2 > 9 }' && break
-  sleep 0.03
+  ((try % 20)) || next_picture
 done
-xdotool keyup w
-((try < 600)) || fail "the needle never comes to the target: $answer"
+((try < 400)) || fail "the needle never comes to the target: $answer"
+next_picture
 until_is xray '^on .* size_px 512 '
-sleep 0.3
-ask xray
-moved=$(field pictures)
-((moved > begun + 5)) || fail "the needle is not seen to move: $begun, $moved pictures"
-awk -v w="$(field waited_s)" 'BEGIN { exit w > 1 }' || fail "the needle is seen too late: $answer"
 xdotool keyup space
 until_is xray '^off '
 xdotool key F12
@@ -115,12 +119,12 @@ ask 'arm lateral'
 until_is xray '^review shot 2 of 2 .* view lateral .* size_px 512 tip_px '
 second_s=$(sed -E 's/.* begin_s ([^ ]+) .*/\1/' <<<"$answer")
 ok shot
-for try in {1..100}; do [[ -s $work/shots/picture-003-xray.png ]] && break; sleep 0.1; done
+until_file "$work/shots/picture-003-xray.png"
 in_picture "$work/shots/picture-003-xray.png"
 ok "go_to $(awk -v s="$second_s" 'BEGIN { print s - 0.05 }')"
 until_is xray '^review shot 1 of 2 .* view ap .* size_px 512 tip_px '
 ok shot
-for try in {1..100}; do [[ -s $work/shots/picture-004-xray.png ]] && break; sleep 0.1; done
+until_file "$work/shots/picture-004-xray.png"
 in_picture "$work/shots/picture-004-xray.png"
 cmp -s "$work/shots/picture-003-xray.png" "$work/shots/picture-004-xray.png" && fail "both moments show one picture"
 ok 'go_to 0'

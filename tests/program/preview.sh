@@ -6,10 +6,7 @@ config=$SOURCE/configs/sample.yaml
 preview() { "$TREPHINE" preview "$@" --quiet 2>"$work/stderr" || { cat "$work/stderr"; fail "preview $*"; }; }
 size_of() { python3 -c 'import struct, sys; d = open(sys.argv[1], "rb").read(); assert d[:8] == b"\x89PNG\r\n\x1a\n"; print(*struct.unpack(">2I", d[16:24]))' "$1"; }
 
-start=$(date +%s%N)
 preview "$config" --stage skull.segment --cache "$work/cache" --output "$work/skull.png"
-took_ms=$((($(date +%s%N) - start) / 1000000))
-((took_ms < 60000)) || fail "took $took_ms ms"  # 1.5 s alone; ten helpers may build beside it
 [[ $(size_of "$work/skull.png") == "972 972" ]] || fail "the picture is $(size_of "$work/skull.png")"
 # Only what it needs was computed: nothing of the brain.
 ls "$work/cache" | grep -c '\.index$' >"$work/count"

@@ -3,7 +3,7 @@
 # A device behind a shared library, with a stub for the vendor's: it is found, held, felt, and lost.
 . "$(dirname "$0")/common.sh"
 "$WRITE_CASE" "$work/sample" drill
-servo=("$TREPHINE" servo "$work/sample" --device adaptor --adaptor "$STUB" --no-realtime)
+servo=("$TREPHINE" servo "$work/sample" --device adaptor --adaptor "$STUB" --no-realtime --max-step-s 3600)
 
 TREPHINE_STUB=tells "${servo[@]}" --seconds 1.5 --json "$work/a.json" >"$work/text" 2>"$work/stub" || { cat "$work/text"; fail "does not run"; }
 grep -q '^holding stub 0$' "$work/text" || { cat "$work/text"; fail "does not say what it holds"; }

@@ -16,7 +16,7 @@ done
 python3 - "$work/json" "$work/sample" <<'PY'
 import json, os, sys
 said = json.load(open(sys.argv[1]))
-assert said["triangles"] == 216 and said["files"] == 4 and 0 < said["seconds"] < 10, said
+assert said["triangles"] == 216 and said["files"] == 4 and said["seconds"] > 0, said
 assert [a["name"] for a in said["anatomies"]] == ["outer", "inner"], said
 low, high = said["anatomies"][0]["min_mm"], said["anatomies"][0]["max_mm"]
 assert all(150 < h - l < 170 for l, h in zip(low, high)), said
