@@ -35,6 +35,10 @@ const Remedy wrong_shape{
     "look there in the pictures: where the shape is wrong, paint it and bring it back by the stage `labels`, or take a "
     "series of a smoother kernel or thinner slices"};
 
+/// Where the scan's field cuts the skin off, bone and skin end together at its edge.
+const Remedy wrong_or_cut_skin{
+    wrong_shape.text + "; where the scan's field of view cuts the skin off there, take a series with a larger one"};
+
 struct Gate {
   const HeadFields& fields;
   const AnatomyGateParams& params;
@@ -72,7 +76,8 @@ struct Gate {
           std::string("the surfaces of ") + name + " and " + other_name + " are only " + fixed(c.gap_mm, 2) +
               " mm apart at " + at_text(c.gap_at_mm) + ", and over " + fixed(c.near_mm2, 0) + " mm2 nearer than the " +
               fixed(gap_mm, 2) + " mm asked for",
-          wrong_shape, {{"max_near_mm2", std::ceil(c.near_mm2) + 1}}, c.gap_at_mm, name, other_name);
+          std::string(other_name) == "skin" ? wrong_or_cut_skin : wrong_shape,
+          {{"max_near_mm2", std::ceil(c.near_mm2) + 1}}, c.gap_at_mm, name, other_name);
     }
   }
 
