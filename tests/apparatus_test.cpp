@@ -255,6 +255,20 @@ TEST(HeadRegion, WhatTheScanDoesNotShowIsSaid) {
   EXPECT_NE(report.warnings[1].find("cuts the head on its left side"), std::string::npos) << report.warnings[1];
 }
 
+TEST(HeadRegion, AScanThatEndsInTheScalpIsSaid) {
+  int top = 0;
+  for (int k = 0; k < head().size[2]; ++k)
+    for (int j = 0; j < head().size[1]; ++j)
+      for (int i = 0; i < head().size[0]; ++i)
+        if (inside_mm().at(i, j, k) > 0) top = k;
+  Box box = whole_box(head());
+  box.end[2] = top - 2;  // 3 to 4.5 mm below the vertex
+  Report report;
+  head_region(crop(head(), box), {}, report);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("the skin of the vertex is missing"), std::string::npos) << report.warnings[0];
+}
+
 TEST(HeadRegion, AScanWithoutACraniumStaysAndIsSaid) {
   const Volume water(head(), 20);
   Report report;

@@ -148,8 +148,17 @@ TEST(SegmentPlace, AStreakAcrossTheVentriclesIsNoPartOfThem) {
         const double t = std::clamp(dot(p - from, to - from) / dot(to - from, to - from), 0.0, 1.0);
         if (norm(p - on(t)) < 2) s.soft.at(i, j, k) = 6;
       }
-  BitMask others;
-  const BitMask found = deep_csf(s.soft, s.envelope, straight(), -15, 18.5, {}, &others);
+  BitMask others, cut_off;
+  const BitMask found = deep_csf(s.soft, s.envelope, straight(), -15, 18.5, {}, &others, &cut_off);
+  // Its stubs in the ventricles are said.
+  Report report;
+  warn_of_stubs(cut_off, found, report);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("a thin dark streak was cut off"), std::string::npos) << report.warnings[0];
+  const Scene whole;
+  const BitMask sound = deep_csf(whole.soft, whole.envelope, straight(), -15, 18.5, {}, nullptr, &cut_off);
+  warn_of_stubs(cut_off, sound, report);
+  EXPECT_EQ(report.warnings.size(), 1u);
   for (const double side : {-1.0, 1.0})
     for (const Vec3 p : {Vec3{10, -38, 58}, Vec3{7, -13, 61}, Vec3{24, 34, 55}, Vec3{23, 50, 49}, Vec3{33, -5, 27}})
       EXPECT_TRUE(holds(found, {side * p.x, p.y, p.z})) << side * p.x << " " << p.y;

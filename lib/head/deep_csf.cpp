@@ -216,7 +216,7 @@ BitMask wide_csf(const Grid<float>& soft, const BitMask& envelope, double lower_
 }
 
 BitMask deep_csf(const Grid<float>& soft, const BitMask& envelope, const HeadPlace& place, double lower_hu,
-                 double upper_hu, const Progress& progress, BitMask* others) {
+                 double upper_hu, const Progress& progress, BitMask* others, BitMask* cut_off) {
   const Lattice& l = soft;
   const auto fluid = [&](double below) {
     BitMask mask = make_mask(l, [&](int j, int k, std::uint8_t* row) {
@@ -252,6 +252,7 @@ BitMask deep_csf(const Grid<float>& soft, const BitMask& envelope, const HeadPla
   apart |= strange;
   free.remove(apart);
   if (others) *others = std::move(apart);
+  if (cut_off) *cut_off = std::move(strange);
   return grown_within(mine, free, regrow_mm, progress);
 }
 

@@ -15,12 +15,12 @@ BitMask wide_csf(const Grid<float>& soft, const BitMask& envelope, double lower_
 /// The ventricles in tissue as soft_tissue() gives it, within the brain's envelope (sulci filled): CSF between
 /// `lower_hu` and `upper_hu` deep inside, which a seeded watershed separates from cisterns, the fourth ventricle and
 /// sulci at the narrowest places. Empty where there are none. `others` gets the CSF from which the ventricles are
-/// separated.
+/// separated; `cut_off` the thin streaks that were cut off the ventricles because they lead far away from them.
 ///
 /// Cores of the ventricles and of the other spaces are told apart by where they lie in the template. Where `place` is
 /// not sure, boxes about the envelope's centre stand in for it, which hold for heads that lie straight to about 15
 /// degrees.
 BitMask deep_csf(const Grid<float>& soft, const BitMask& envelope, const HeadPlace& place, double lower_hu,
-                 double upper_hu, const Progress& progress, BitMask* others = nullptr);
+                 double upper_hu, const Progress& progress, BitMask* others = nullptr, BitMask* cut_off = nullptr);
 
 }  // namespace trephine::segmentation

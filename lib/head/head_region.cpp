@@ -91,6 +91,9 @@ HuVolume head_region(const HuVolume& volume, const HeadRegionParams& p, Report& 
     report.warn("the scan ends below in the cranial cavity: the base of the skull is missing");
   if (area[at_height(n - 1)] > cut_cavity_mm2)
     report.warn("the scan ends above in the cranial cavity: the vertex is missing");
+  else if (const std::vector<double> slices = areas_mm2(tissue, up.axis); slices[at_height(n - 1)] > cut_side_mm2)
+    report.warn(
+        "the scan ends above in the skull or the scalp: the skin of the vertex is missing, and closed by a plane");
 
   const int lowest = std::max(0, foramen - int(std::ceil(p.below_mm / c.spacing_mm[up.axis])));
   Box box = whole_box(c);

@@ -28,9 +28,10 @@ struct HeadRegionParams {
 /// between on all sides, each with margin_mm. Up is the volume's axis that is nearest to the patient's (LPS z).
 ///
 /// The report: cranial_cavity_ml, foramen_z_mm (the level, LPS), region_ml, and warnings for what the scan does not
-/// show: the vertex or the base of the skull (the cavity reaches the volume's end), or a side of the head that the
-/// field of view cuts. Where no space enclosed by bone is found, the volume stays as it is and a warning says so.
-/// Throws Error 65 where a voxel is not finite; Cancelled. The result has the same bits whatever the thread count.
+/// show: the vertex or the base of the skull (the cavity reaches the volume's end), the skin of the vertex (tissue
+/// reaches it), or a side of the head that the field of view cuts. Where no space enclosed by bone is found, the volume
+/// stays as it is and a warning says so. Throws Error 65 where a voxel is not finite; Cancelled. The result has the
+/// same bits whatever the thread count.
 HuVolume head_region(const HuVolume& volume, const HeadRegionParams& params, Report& report,
                      const Progress& progress = {});
 

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double sure_ml = 0.3, least_ml = 0.1, near_mm = 3, near_share = 0.6;
 constexpr double there_ml = 0.08;  ///< a part that holds less is missing
+constexpr double streak_ml = 0.15;
 constexpr double compressed_ratio = 0.25, compressed_ml = 0.6;
 
 /// Calls with the template's coordinates of each voxel and its component.
@@ -38,6 +39,17 @@ BitMask believable_pieces(const BitMask& found, const HeadPlace& place) {
     keep.push_back(ml >= sure_ml || (ml >= least_ml && (!place.sure || near[c] >= near_share * voxels)));
   }
   return select(pieces, keep);
+}
+
+void warn_of_stubs(const BitMask& cut_off, const BitMask& ventricles, Report& report) {
+  BitMask border = at_least_ml(components(cut_off, true), streak_ml);
+  border &= dilated_6(ventricles);
+  if (!border.any()) return;
+  const Vec3 at = largest(components(border, true)).centre_mm();
+  report.warn(
+      fmt::format("a thin dark streak was cut off the ventricles at ({:.0f}, {:.0f}, {:.0f}) mm, as of a catheter or a "
+                  "clip; what of it runs across them may be left as a stub: look there",
+                  at.x, at.y, at.z));
 }
 
 void report_parts(const BitMask& found, const HeadPlace& place, Report& report) {

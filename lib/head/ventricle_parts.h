@@ -17,4 +17,7 @@ BitMask believable_pieces(const BitMask& found, const HeadPlace& place);
 /// missing, and of one that holds less than a quarter of its other side's.
 void report_parts(const BitMask& found, const HeadPlace& place, Report& report);
 
+/// Warns where a thin streak of at least 0.15 ml was cut off `ventricles`: what of it runs across them is still there.
+void warn_of_stubs(const BitMask& cut_off, const BitMask& ventricles, Report& report);
+
 }  // namespace trephine::segmentation

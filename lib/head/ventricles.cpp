@@ -195,17 +195,18 @@ Field ventricles_in(const HuView& hu, const VentriclesMasks& masks, const Ventri
   const double lower = p.lower_hu;
   double upper = p.upper_hu;
   envelope &= allowed;
-  BitMask others;
+  BitMask others, cut_off;
   const BitMask wide = wide_csf(soft, envelope, lower, upper, progress);
   const HeadPlace place = place_head(envelope, &wide, hu.lattice(), progress);
   report_place(place, report);
-  BitMask shape = deep_csf(soft, envelope, place, lower, upper, progress, &others);
+  BitMask shape = deep_csf(soft, envelope, place, lower, upper, progress, &others, &cut_off);
   progress.report(0.6);
   if (p.edge == SegmentEdge::half_maximum && shape.any()) {
     upper = half_of_both_sides(soft, shape, brain, upper, progress);
-    shape = deep_csf(soft, envelope, place, lower, upper, progress, &others);
+    shape = deep_csf(soft, envelope, place, lower, upper, progress, &others, &cut_off);
   }
   report.add("upper_hu", upper);
+  warn_of_stubs(cut_off, shape, report);
   if (p.close_mm > 0) shape = closed(shape, p.close_mm, progress);
   shape |= holes(shape, {p.fill_close_mm, 5, false}, progress);  // choroid plexus, calcified or not
   shape &= brain;
