@@ -300,7 +300,7 @@ TEST(LoadCase, L3ANewerMinorVersionLoadsWithoutWhatIsUnknown) {
 TEST(LoadCase, L3ANewerMajorVersionIsRefusedWithBothVersions) {
   MemoryCase c = case_samples::minimal_case();
   c.manifest.version_major = case_version_major + 1;
-  c.manifest.version_minor = 3;
+  c.manifest.version_minor = 4;
   c.seal();
   try {
     load_case_through(c.reader());
@@ -308,7 +308,7 @@ TEST(LoadCase, L3ANewerMajorVersionIsRefusedWithBothVersions) {
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
     EXPECT_EQ(e.file(), "case.json");
-    EXPECT_EQ(std::string(e.what()), "version 2.3, this program reads version 1.3");
+    EXPECT_EQ(std::string(e.what()), "version 2.4, this program reads version 1.4");
   }
 }
 

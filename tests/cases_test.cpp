@@ -16,7 +16,7 @@ namespace {
 
 using cases_test::sample_manifest;
 
-// With everything that a case of 1.3 can hold.
+// With everything that a case of 1.4 can hold.
 CaseManifest full_manifest() {
   CaseManifest m = sample_manifest();
   CaseShape skin, skull;
@@ -51,6 +51,7 @@ CaseManifest full_manifest() {
   m.haptic.spacing_mm = {0.5, 0.5, 1};
   m.haptic.shapes = {skin, skull};
   m.burr_holes[0].cut = {"skull", "skin"};
+  m.missing = {{"brainstem", "where it lies is not sure"}};
   return m;
 }
 
@@ -76,6 +77,9 @@ TEST(CaseJson, TheHapticPartRoundTripsExactly) {
   const std::string json = to_json(m);
   const CaseManifest back = parse_case_json(json);
   EXPECT_EQ(to_json(back), json);
+  ASSERT_EQ(back.missing.size(), 1u);
+  EXPECT_EQ(back.missing[0].anatomy, "brainstem");
+  EXPECT_EQ(back.missing[0].why, "where it lies is not sure");
   EXPECT_EQ(back.haptic.file, m.haptic.file);
   EXPECT_EQ(back.haptic.hardness_file, m.haptic.hardness_file);
   EXPECT_EQ(back.haptic.size, m.haptic.size);
@@ -131,8 +135,8 @@ TEST(CaseJson, Versions) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ExitCode::bad_input);
-    EXPECT_NE(std::string(e.what()).find("version 2.4"), std::string::npos);
-    EXPECT_NE(std::string(e.what()).find("version 1.3"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("version 2.5"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("version 1.4"), std::string::npos);
   }
 }
 

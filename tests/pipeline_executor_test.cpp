@@ -136,6 +136,40 @@ TEST(Executor, AnErrorNamesItsStageAndStopsTheOthers) {
   set_thread_count(0);
 }
 
+// What the scene can do without is refused: all that does not read it is made, and is not made again without it.
+TEST(Executor, WhatMayBeMissingStopsNothing) {
+  for (const int threads : {1, 2}) {
+    set_thread_count(threads);
+    Fixture f;
+    const int fails = f.add("fails", {}), reader = f.add("reader", {fails}), a = f.add("a", {}), b = f.add("b", {a}),
+              last = f.add("last", {b, reader});
+    for (const int n : {fails, reader}) f.graph.nodes[std::size_t(n)].may_be_missing = true;
+    std::vector<NodeResult> made;
+    ExecuteOptions options;
+    options.made = &made;
+    Silent silent;
+    try {
+      execute(f.graph, {last}, options, silent);
+      FAIL() << "no error";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.field(), "fails");
+    }
+    EXPECT_EQ(silent.log, (std::map<std::string, std::string>{{"a", "computed"}, {"b", "computed"}}));
+    ASSERT_EQ(made.size(), f.graph.nodes.size());
+
+    Fixture without;
+    const int a2 = without.add("a", {}, f.graph.nodes[std::size_t(a)].key),
+              b2 = without.add("b", {a2}, f.graph.nodes[std::size_t(b)].key), last2 = without.add("last", {b2});
+    for (const int n : {a, b}) options.known[f.graph.nodes[std::size_t(n)].key] = made[std::size_t(n)];
+    Silent again;
+    const auto results = execute(without.graph, {last2}, options, again);
+    EXPECT_EQ(again.log, (std::map<std::string, std::string>{{"last", "computed"}}));
+    EXPECT_EQ(x_of(results[std::size_t(last2)]), (3 + 4) + 3);  // a and b have the values of the first graph
+    EXPECT_EQ(results[std::size_t(a2)].state, NodeResult::State::computed);
+  }
+  set_thread_count(0);
+}
+
 TEST(Executor, StopsWhenTheUserCancels) {
   Fixture f;
   const int waits = f.add("waits", {});

@@ -129,6 +129,25 @@ TEST(HapticScene, WindowsOfRawHu) {
   EXPECT_EQ(g.nodes[g.haptic].sources, (std::map<std::string, int>{{"volume", 0}}));
 }
 
+TEST(Scene, DoesWithoutWhatMayBeMissing) {
+  const std::string scene =
+      with(live, "anatomies: {skin: {max_triangles: 90000}}",
+           "anatomies: {skin: {max_triangles: 90000}, skull: {max_triangles: 80000, may_be_missing: true}}");
+  CaseConfig c = read(head, scene);
+  const Graph whole = make_graph(c, "input");
+  EXPECT_TRUE(whole.nodes[std::size_t(whole.find("skull.contour"))].may_be_missing);
+  EXPECT_FALSE(whole.nodes[std::size_t(whole.find("skin.contour"))].may_be_missing);
+  c.leave_out("skull");
+  EXPECT_FALSE(c.is_shown("skull"));
+  const Graph rest = make_graph(c, "input");
+  EXPECT_LT(rest.find("skull.contour"), 0);
+  EXPECT_GE(rest.find("skull.segment"), 0) << "the brain is made from it";
+  EXPECT_FALSE(rest.nodes[std::size_t(rest.find("skull.segment"))].may_be_missing) << "and cannot do without";
+  ASSERT_EQ(stage_of(c).shapes.size(), 1u);
+  EXPECT_EQ(stage_of(c).shapes[0].first, "skin");
+  EXPECT_EQ(rest.nodes[std::size_t(rest.haptic)].sources.count("shape.skull"), 0u);
+}
+
 TEST(BurrHoles, AreTheScenesAndTheCases) {
   EXPECT_TRUE(has(fault(head, drilled), "burr_holes: is missing: the scene cuts them"));
   EXPECT_TRUE(has(fault(head + with(one_hole, "side: left", "side: up"), drilled), "burr_holes[0].side: up"));

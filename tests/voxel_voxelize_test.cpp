@@ -122,6 +122,38 @@ TEST(Voxelize, RefusesWhatItCannotFill) {
   EXPECT_EQ(code_of([&] { voxelize(l, {{"none", &none}}, r); }), ExitCode::bad_input);
 }
 
+// A membrane: what lies deeper than its thickness belongs to the shapes after it, and it is no wall to a clearance.
+TEST(Voxelize, AShellOfAShape) {
+  std::mt19937_64 rng(14);
+  const Solid dura = shapes::ball(12, {}, 0, rng), brain = shapes::ball(8, {}, 0, rng);
+  const Solid skin = shapes::ball(17, {}, 0, rng);
+  std::vector<VoxelizeShape> list{{"dura", &dura.mesh}, {"brain", &brain.mesh}, {"skin", &skin.mesh, &brain.mesh, 6}};
+  list[0].shell_mm = 2;
+  Report report;
+  const HapticVolume volume = voxelize(shapes::lattice_around(bounds_of(skin.mesh), {0.7, 0.7, 0.7}), list, report);
+  const HapticDecoder decoder(volume);
+  std::vector<shapes::SurfacePoint> outer, inner;
+  for (int n = 0; n < 2000; ++n) {
+    const Vec3 u = shapes::unit_vector(rng);
+    ASSERT_GT(decoder.trilinear(1, u * 11), 0.7);
+    ASSERT_LT(decoder.trilinear(1, u * 8.5), 0.05);
+    ASSERT_GT(decoder.trilinear(2, u * 6.5), 0.9);
+    ASSERT_EQ(decoder.trilinear(3, u * 9), 0);
+    ASSERT_LT(decoder.trilinear(3, u * 12.9), 0.1);  // within 6 mm of the brain, and behind the membrane only
+    ASSERT_GT(decoder.trilinear(3, u * 15.5), 0.9);
+    outer.push_back({u * 12, u});
+    inner.push_back({u * 10, -u});
+  }
+  for (const auto& points : {outer, inner}) {
+    const Offsets o = offsets_of(points, 0.6, [&](Vec3 p) { return decoder.trilinear(1, p); });
+    EXPECT_EQ(o.missed, 0);
+    EXPECT_LT(std::abs(o.bias), 0.1 * 0.7);
+    EXPECT_LT(o.rms, 0.2 * 0.7);
+  }
+  const double shell_mm3 = 4.0 / 3 * M_PI * (12 * 12 * 12 - 10 * 10 * 10);
+  EXPECT_NEAR(shape_volume_mm3(volume, 1), shell_mm3, 0.02 * shell_mm3);
+}
+
 // A shape that has only slivers of voxels fills 0 ml and would be felt nowhere.
 TEST(Voxelize, RefusesAShapeThatHasNoHalfOfAnyVoxel) {
   std::mt19937_64 rng(13);

@@ -17,7 +17,7 @@ namespace trephine {
 /// The case package: a folder with case.json and what it names; docs/case-package.md specifies it for other programs.
 /// Positions are DICOM patient LPS, mm.
 
-constexpr int case_version_major = 1, case_version_minor = 3;
+constexpr int case_version_major = 1, case_version_minor = 4;
 
 /// Figures by name, in the order of insertion; numbers are finite.
 using CaseValues = std::vector<std::pair<std::string, ParameterValue>>;
@@ -114,6 +114,12 @@ struct CaseCt {
   Vec3 spacing_mm{1, 1, 1};
 };
 
+/// An anatomy that the scene asked for and could do without; since 1.4.
+struct CaseMissing {
+  std::string anatomy;
+  std::string why;  ///< what refused it
+};
+
 struct CaseFile {
   std::string name;    ///< relative, "meshes/skull-0123456789abcdef.glb"
   std::string sha256;  ///< 64 lower-case digits
@@ -125,6 +131,7 @@ struct CaseManifest {
   std::string case_token;
   Vec3 center_mm;  ///< origin of GLB positions
   std::vector<CaseAnatomy> anatomies;
+  std::vector<CaseMissing> missing;
   std::vector<CaseLandmark> landmarks;
   std::vector<CaseTarget> targets;
   std::vector<CaseBurrHole> burr_holes;

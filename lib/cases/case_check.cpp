@@ -105,6 +105,12 @@ void check_anatomies(const CaseManifest& m, const std::set<std::string>& files) 
   }
 }
 
+void check_missing(const CaseManifest& m) {
+  std::set<std::string> names;
+  for (const auto& a : m.anatomies) names.insert(a.name);
+  for (const auto& a : m.missing) check_unique(names, a.anatomy, "missing");
+}
+
 void check_material(const CaseMaterial& m, const std::string& at) {
   if (m.name.empty()) contradiction(at + ".name", "is empty");
   const std::string fault = fault_of(m);
@@ -213,6 +219,7 @@ void check_manifest(const CaseManifest& m) {
   const std::set<std::string> files = check_files(m);
   check_point(m.center_mm, "center_mm");
   check_anatomies(m, files);
+  check_missing(m);
   check_haptic(m, files);
   check_ct(m, files);
   check_places(m);

@@ -156,6 +156,8 @@ CaseManifest read_manifest(std::string_view json) {
   if (v["unit"].text() != "mm") v["unit"].refuse("must be mm");
   m.center_mm = to_vec3(v["center_mm"]);
   for (const JsonAt& a : v["anatomies"].items()) m.anatomies.push_back(to_anatomy(a));
+  if (const auto missing = v.optional("missing"))
+    for (const JsonAt& a : missing->items()) m.missing.push_back({a["anatomy"].text(), a["why"].text()});
   if (const auto haptic = v.optional("haptic")) m.haptic = to_haptic(*haptic);
   if (const auto ct = v.optional("ct")) m.ct = to_ct(*ct);
   for (const JsonAt& l : v["landmarks"].items())

@@ -140,6 +140,7 @@ Json to_document(const CaseManifest& m) {
   out["center_mm"] = to_list(m.center_mm, "center_mm");
   out["anatomies"] = Json::array();
   for (const auto& a : m.anatomies) out["anatomies"].push_back(to_anatomy(a));
+  for (const auto& a : m.missing) out["missing"].push_back({{"anatomy", a.anatomy}, {"why", a.why}});
   if (!m.haptic.file.empty()) out["haptic"] = to_haptic(m.haptic);
   if (!m.ct.file.empty()) out["ct"] = to_ct(m.ct);
   out["landmarks"] = Json::array();

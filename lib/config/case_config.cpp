@@ -77,6 +77,21 @@ bool CaseConfig::is_shown(const std::string& anatomy) const {
                      [&](const SceneShape& s) { return s.name == anatomy; });
 }
 
+void CaseConfig::leave_out(const std::string& anatomy) {
+  const auto erase = [&](auto& list, const auto& name_of) {
+    list.erase(std::remove_if(list.begin(), list.end(), [&](const auto& item) { return name_of(item) == anatomy; }),
+               list.end());
+  };
+  erase(scene, [](const SceneAnatomy& a) { return a.name; });
+  erase(drilled, [](const SceneDrill& d) { return d.anatomy; });
+  erase(haptic.shapes, [](const SceneShape& s) { return s.name; });
+  // A copy: the values that are shown refer to what was read.
+  auto params = haptic.params.as<VoxelizeStageParams>();
+  erase(params.shapes, [](const auto& s) { return s.first; });
+  erase(params.drill, [](const auto& d) { return d.first; });
+  haptic.params = AnyParams::make(params);
+}
+
 std::string CaseConfig::target_in(const std::string& landmark) const {
   const SaidAnatomy* anatomy = find_item(roles.targets, landmark);
   return anatomy ? anatomy->name : "";

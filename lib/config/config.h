@@ -107,6 +107,8 @@ struct CaseConfig {
   const RecipeStep* find_scan_step(StageRole role) const;
   /// Whether the scene shows the anatomy by its surface or by the haptic volume.
   bool is_shown(const std::string& anatomy) const;
+  /// Takes an anatomy that may be missing out of the scene: what is shown, felt and drilled of it.
+  void leave_out(const std::string& anatomy);
   /// The anatomy in which the landmark lies as a target of the recipe; empty where it is no target.
   std::string target_in(const std::string& landmark) const;
 };

@@ -16,6 +16,7 @@ namespace trephine {
 struct SceneAnatomyParams {
   double max_deviation_mm = 0;
   std::int64_t max_triangles = 0;
+  bool may_be_missing = false;
   template <class V>
   static void describe(V& v) {
     using P = SceneAnatomyParams;
@@ -24,6 +25,8 @@ struct SceneAnatomyParams {
         .none_at_zero();
     v.integer(&P::max_triangles, "max_triangles", Range{4, 1e8}, "How many triangles the surface may have.")
         .none_at_zero();
+    v.flag(&P::may_be_missing, "may_be_missing",
+           "Where the anatomy is refused (80), the case is made without it, and says so; otherwise there is no case.");
   }
 };
 

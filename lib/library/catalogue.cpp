@@ -220,6 +220,7 @@ std::string library_json(const std::vector<CaseRow>& rows) {
                                      {"area_cm2", a.area_cm2},
                                      {"deviation_max_mm", a.deviation.max_mm},
                                      {"deviation_p99_mm", a.deviation.p99_mm}};
+      for (const CaseMissing& a : row.manifest.missing) json["missing"][a.anatomy] = a.why;
       for (const CaseShape& s : row.manifest.haptic.shapes)
         json["haptic"][s.name] = {{"volume_ml", s.volume_ml}, {"mismatch_p99_mm", s.mismatch.p99_mm}};
       json["burr_holes_count"] = row.manifest.burr_holes.size();
@@ -250,6 +251,7 @@ std::string case_text(const CaseRow& row) {
     out += fmt::format("  {:<14} {:>9} triangles  {:>8.1f} ml  {:>7.1f} cm2  max {:.3f}  p99 {:.3f} mm\n", a.name,
                        grouped_text(static_cast<long long>(a.triangles)), a.volume_ml, a.area_cm2, a.deviation.max_mm,
                        a.deviation.p99_mm);
+  for (const CaseMissing& a : m.missing) out += fmt::format("  {:<14} is missing: {}\n", a.anatomy, a.why);
   for (const CaseShape& s : m.haptic.shapes)
     out +=
         fmt::format("  felt {:<14} {:>8.1f} ml{}{}\n", s.name, s.volume_ml, s.cuttable ? "  cuttable" : "",

@@ -57,6 +57,10 @@ class Executor {
         tasks_(graph.nodes.size()) {
     // The report of every node is wanted, so a node whose report is not in the cache runs again.
     for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+      if (const auto made = options_.known.find(graph.nodes[i].key); made != options_.known.end()) {
+        results_[i] = made->second;
+        continue;
+      }
       auto known = options_.cache ? options_.cache->load_outcome(graph.nodes[i].key) : StageCache::Outcome{};
       if (known.refusal) throw known.refusal->in_field(graph.nodes[i].name);
       tasks_[i].unknown = !known.report;
@@ -69,7 +73,7 @@ class Executor {
     // Starts with the last node: when a node's turn comes, all its readers have been counted, and a node without
     // readers is dropped.
     for (std::size_t i = tasks_.size(); i-- > 0;) {
-      const bool kept = !options_.keep.empty() && graph.nodes[i].output != DataKind::nothing;
+      const bool kept = !options_.keep.empty() && graph.nodes[i].output != DataKind::nothing && !is_known(i);
       if (tasks_[i].unknown || kept) demand(static_cast<int>(i));
       if (tasks_[i].readers == 0) results_[i].data = {};
     }
@@ -87,17 +91,18 @@ class Executor {
       const auto count = std::min(static_cast<std::size_t>(std::max(1, thread_count())), tasks_.size());
       for (std::size_t i = 0; i < count; ++i) workers.threads.emplace_back([this] { work(); });
       std::unique_lock<std::mutex> lock(mutex_);
-      while (!all_done() && !(stop_ && running_ == 0)) {
+      while (!(running_ == 0 && (stop_ || next_ready() < 0))) {
         wake_.wait_for(lock, std::chrono::milliseconds(100));
         if (options_.cancel && *options_.cancel) stop_ = true;
       }
       finished_ = true;
     }
-    for (const Task& t : tasks_)
-      if (t.error) {
-        if (options_.made) *options_.made = std::move(results_);
-        std::rethrow_exception(t.error);
-      }
+    for (const bool may_be_missing : {false, true})
+      for (std::size_t i = 0; i < tasks_.size(); ++i)
+        if (tasks_[i].error && graph_.nodes[i].may_be_missing == may_be_missing) {
+          if (options_.made) *options_.made = std::move(results_);
+          std::rethrow_exception(tasks_[i].error);
+        }
     if (stop_) throw Cancelled{};
     return std::move(results_);
   }
@@ -144,10 +149,16 @@ class Executor {
     observer_.planned(expected_s);
   }
 
+  bool is_known(std::size_t i) const { return options_.known.count(graph_.nodes[i].key) > 0; }
+
   void demand(int i) {
     Task& task = tasks_[i];
     if (task.needed) return;
     task.needed = true;
+    if (is_known(i) && (results_[i].data.index() != 0 || graph_.nodes[i].output == DataKind::nothing)) {
+      task.started = task.done = true;
+      return;
+    }
     if (load_cached(i)) return;
     for (const auto& [port, source] : graph_.nodes[i].sources) {
       demand(source);
@@ -170,10 +181,6 @@ class Executor {
     tasks_[i].started = tasks_[i].done = true;
     finish_output(i, "cached");
     return true;
-  }
-
-  bool all_done() const {
-    return std::all_of(tasks_.begin(), tasks_.end(), [](const Task& t) { return !t.needed || t.done; });
   }
 
   int next_ready() const {
@@ -219,6 +226,10 @@ class Executor {
       try {
         std::rethrow_exception(error);
       } catch (const Cancelled&) {
+      } catch (const Error& e) {
+        tasks_[i].error = error;
+        // What reads it is never ready; the rest goes on.
+        if (graph_.nodes[i].may_be_missing && e.code() == ExitCode::quality) return;
       } catch (...) {
         tasks_[i].error = error;
       }

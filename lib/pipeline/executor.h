@@ -45,7 +45,9 @@ struct ExecuteOptions {
   /// Seconds that nodes took in an earlier run, by name; others are expected to take their stage's typical_s.
   std::map<std::string, double> seconds_before;
   std::vector<NodeResult>* made = nullptr;  ///< where an error ends the run, what is in memory then comes here
-  bool allow_external = false;              ///< nodes may run programs that the configuration names
+  /// What an earlier run of nodes with the same keys made, by key: it is not made again.
+  std::map<std::string, NodeResult> known;
+  bool allow_external = false;  ///< nodes may run programs that the configuration names
 };
 
 /// Computes one node: runs its stage on these inputs. Throws what the stage throws, and Error 65 where a series is no
@@ -56,7 +58,8 @@ StageData compute_node(const Node& node, StageInputs inputs, Report& report, con
 /// to thread_count() threads. A stage whose refusal (80) is in the cache is not run again: before anything is computed
 /// the same error is thrown, and `options.made` is left empty. The results, one for each node, are the same whatever
 /// the thread count. If nodes fail, the others are stopped and the error of the first one in the graph's order is
-/// thrown, with its field naming the node.
+/// thrown, with its field naming the node. Where a node that may be missing is refused (80), what does not read it is
+/// made first, so that a run without it has only the rest to do.
 std::vector<NodeResult> execute(const Graph& graph, const std::vector<int>& wanted, const ExecuteOptions& options,
                                 RunObserver& observer);
 

@@ -135,11 +135,17 @@ class Builder {
     if (const int known = graph_.find(name); known >= 0) return known;
     const int scan = step.scan.empty() || step.scan == first_scan ? ct : scan_named(step.scan, name);
     Node node = node_of_step(step, name);
+    node.may_be_missing = may_be_missing(anatomy.name);
     if (step.type->find_port(first_scan)) node.sources[first_scan] = ct;
     node.sources[step.type->ports[0].name] = index == 0 ? scan : node_of(anatomy, index - 1, before);
     for (const auto& [port, source] : step.ports) node.sources[port] = node_named(source, before);
     give_scan(node, scan);
     return add(std::move(node));
+  }
+
+  bool may_be_missing(const std::string& anatomy) const {
+    return std::any_of(config_.scene.begin(), config_.scene.end(),
+                       [&](const SceneAnatomy& a) { return a.name == anatomy && a.may_be_missing; });
   }
 
   int node_named(const std::string& path, bool before = false) {

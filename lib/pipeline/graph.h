@@ -21,6 +21,7 @@ struct Node {
       file_sha256;  ///< for parameters that name files: the hash of the content stands for the path
   std::string key;  ///< SHA-256 of what the output depends on: stage, version, parameters, sources' keys
   DataKind output = DataKind::volume;
+  bool may_be_missing = false;  ///< it belongs to an anatomy that the scene can do without
   /// The parameters that a case records, nested ones by their path: their values, or a file's hash. Of a stage that
   /// runs somebody else's program, the absolute paths without their folders.
   std::vector<std::pair<std::string, ParameterValue>> recorded() const;

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/refusal.h"
+#include "mask/coarse.h"
 #include "mask/filters.h"
 #include "mask/surface_field.h"
 #include "place/place_head.h"
@@ -18,29 +19,59 @@ using namespace segmentation;
 
 constexpr double cut_sigma_mm = 1, inside_hu = 200, margin_mm = 3;
 constexpr double third_reach_mm = 6;  ///< from the template's third ventricle; a wide one reaches farther to the side
+constexpr double third_wide_mm = 9;   ///< fluid that goes on beyond this from the midline is a lateral ventricle's,
+constexpr double third_near_mm = 3;   ///< and so is what does not come as near to it as this
+constexpr double third_cut_mm = 1;    ///< its border to them is smoothed by this
 // Of the template, mm: the sinus runs over the vault from the frontal crest to the inner occipital protuberance.
 constexpr double crest_y = -75, crest_z = 45, protuberance_y = 75, protuberance_z = 20;
 
-/// The cavity's signed distance, positive inside, on a box around it.
-Field cavity_mm(const BitMask& cavity, const Field* skull, const Progress& progress) {
-  const Lattice& all = cavity.lattice();
-  const double least = std::min({all.spacing_mm.x, all.spacing_mm.y, all.spacing_mm.z});
-  const Box box = grown(cavity.bounds(), static_cast<int>(std::ceil(margin_mm / least)), all);
-  const BitMask part = crop(cavity, box);
-  const Lattice& l = part.lattice();
-  Field edge(l);
+/// The part of a grid's values that falls into each cell, as their mean.
+Field mean_of_cells(const Field& fine, const CoarseRaster& raster) {
+  Field out(raster.cells);
+  parallel_for(0, out.size[2], 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < out.size[1]; ++j)
+        for (int i = 0; i < out.size[0]; ++i) {
+          const int begin[3] = {i * raster.factor[0], j * raster.factor[1], k * raster.factor[2]};
+          int end[3];
+          for (int a = 0; a < 3; ++a) end[a] = std::min(begin[a] + raster.factor[a], fine.size[a]);
+          double sum = 0;
+          for (int z = begin[2]; z < end[2]; ++z)
+            for (int y = begin[1]; y < end[1]; ++y)
+              for (int x = begin[0]; x < end[0]; ++x) sum += fine.at(x, y, z);
+          out.at(i, j, k) = float(sum / ((end[0] - begin[0]) * (end[1] - begin[1]) * double(end[2] - begin[2])));
+        }
+  });
+  return out;
+}
+
+/// The cavity's signed distance, positive inside, on a box of it, on cells where `cell_mm` is above 0.
+Field cavity_mm(const BitMask& cavity, const Box& box, const Field* skull, double cell_mm, const Progress& progress) {
+  BitMask part = crop(cavity, box);
+  Field edge(part.lattice());
   if (skull) {
     // Outside of bone the field of the skull is negative: the cavity is where its opposite is positive.
     constexpr float far = -1e4f;
-    edge = fit(*skull, l, far);
+    edge = fit(*skull, part.lattice(), far);
     for (float& v : edge.voxels) v = static_cast<float>(std::clamp(-double(v), -inside_hu, inside_hu));
   } else {
-    for (int k = 0; k < l.size[2]; ++k)
-      for (int j = 0; j < l.size[1]; ++j)
-        for (int i = 0; i < l.size[0]; ++i) edge.at(i, j, k) = part.get(i, j, k) ? 1.0f : -1.0f;
+    for (int k = 0; k < edge.size[2]; ++k)
+      for (int j = 0; j < edge.size[1]; ++j)
+        for (int i = 0; i < edge.size[0]; ++i) edge.at(i, j, k) = part.get(i, j, k) ? 1.0f : -1.0f;
+  }
+  if (cell_mm > 0) {
+    const CoarseRaster raster = coarse_raster(part.lattice(), cell_mm);
+    edge = mean_of_cells(edge, raster);
+    part = coarse_mask(part, raster, 0.5);
   }
   place_surface(edge, part, cut_sigma_mm, inside_hu, progress);
   return signed_distance_mm(edge, progress);
+}
+
+Box box_around(const BitMask& cavity) {
+  const Lattice& all = cavity.lattice();
+  const double least = std::min({all.spacing_mm.x, all.spacing_mm.y, all.spacing_mm.z});
+  return grown(cavity.bounds(), static_cast<int>(std::ceil(margin_mm / least)), all);
 }
 
 double stem_mm(Vec3 p) {
@@ -53,9 +84,84 @@ double stem_mm(Vec3 p) {
   return std::min(capsule({0, 6, 30}, {0, 16, 4}, 11.5, 12), capsule({0, 16, 4}, {0, 27, -26}, 9, 6));
 }
 
-double sinus_mm(Vec3 t, double side_mm, double wall_mm, const ZoneParams& params) {
-  const double above = t.z - (crest_z + (protuberance_z - crest_z) * (t.y - crest_y) / (protuberance_y - crest_y));
-  return std::min({params.sinus_half_width_mm - side_mm, params.sinus_depth_mm - wall_mm, wall_mm, above});
+/// Keeps of the fluid's distances what is narrow from side to side. The template's border alone lets the third
+/// ventricle bulge into lateral ventricles that are wider than the template's.
+void cut_off_lateral(Field& fluid_mm, const HeadPlace& place, const Progress& progress) {
+  const Vec3 sideways = normalized(place.axes.column[0]);
+  const double step_mm = 0.5 * std::min({fluid_mm.spacing_mm.x, fluid_mm.spacing_mm.y, fluid_mm.spacing_mm.z});
+  const auto side_mm = [&](Vec3 p) { return std::abs(place.to_template(p).x) * place.scale.x; };
+  const auto is_fluid = [&](Vec3 p) {
+    const Vec3 at = fluid_mm.to_index(p);
+    const int i = int(std::lround(at.x)), j = int(std::lround(at.y)), k = int(std::lround(at.z));
+    return fluid_mm.contains(i, j, k) && fluid_mm.at(i, j, k) > 0;
+  };
+  Field narrow(Lattice(fluid_mm), 1.0f);
+  parallel_for(0, narrow.size[2], 1, [&](std::int64_t from, std::int64_t to) {
+    progress.check();
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < narrow.size[1]; ++j)
+        for (int i = 0; i < narrow.size[0]; ++i) {
+          if (!(fluid_mm.at(i, j, k) > 0)) continue;
+          const Vec3 p = narrow.to_world_mm({double(i), double(j), double(k)});
+          double least_mm = third_wide_mm, most_mm = 0;
+          for (const double way : {step_mm, -step_mm})
+            for (Vec3 q = p; is_fluid(q) && most_mm <= third_wide_mm; q = q + sideways * way) {
+              least_mm = std::min(least_mm, side_mm(q));
+              most_mm = std::max(most_mm, side_mm(q));
+            }
+          if (most_mm > third_wide_mm || least_mm > third_near_mm) narrow.at(i, j, k) = -1;
+        }
+  });
+  gaussian(narrow, third_cut_mm);
+  for (std::size_t n = 0; n < narrow.voxels.size(); ++n)
+    fluid_mm.voxels[n] = std::min(fluid_mm.voxels[n], static_cast<float>(2 * third_cut_mm) * narrow.voxels[n]);
+}
+
+/// How far a place of the template lies within the zone as far as the template says it, mm.
+double template_mm(Vec3 t, double side_mm, const ZoneParams& params) {
+  switch (params.what) {
+    case Zone::dura:
+      return 1e3;
+    case Zone::midline:
+      return params.half_width_mm - side_mm;
+    case Zone::sagittal_sinus: {
+      const double above = t.z - (crest_z + (protuberance_z - crest_z) * (t.y - crest_y) / (protuberance_y - crest_y));
+      return std::min(params.sinus_half_width_mm - side_mm, above);
+    }
+    case Zone::third_ventricle: {
+      const double third = place_mm(Place::third, t);
+      const double lateral = std::min(place_mm(Place::lateral_left, t), place_mm(Place::lateral_right, t));
+      return std::min(lateral - third, third_reach_mm - third);
+    }
+    case Zone::brainstem:
+      return -stem_mm(t);
+  }
+  return -1e3;
+}
+
+/// The part of the box in which the template has something of the zone, with room for distances around it.
+Box box_of_template(const Lattice& l, const Box& box, const HeadPlace& place, const ZoneParams& params) {
+  constexpr int step = 4;
+  constexpr double room_mm = 12;
+  Box out{box.end, box.begin};
+  for (int k = box.begin[2]; k < box.end[2]; k += step)
+    for (int j = box.begin[1]; j < box.end[1]; j += step)
+      for (int i = box.begin[0]; i < box.end[0]; i += step) {
+        const Vec3 t = place.to_template(l.to_world_mm({double(i), double(j), double(k)}));
+        if (template_mm(t, std::abs(t.x) * place.scale.x, params) < -room_mm) continue;
+        const int at[3] = {i, j, k};
+        for (std::size_t a = 0; a < 3; ++a) {
+          out.begin[a] = std::min(out.begin[a], at[a]);
+          out.end[a] = std::max(out.end[a], at[a] + 1);
+        }
+      }
+  if (out.begin[0] >= out.end[0]) return box;  // nothing: the zone is then refused
+  Box roomy = grown(out, step, l);
+  for (std::size_t a = 0; a < 3; ++a) {
+    roomy.begin[a] = std::max(roomy.begin[a], box.begin[a]);
+    roomy.end[a] = std::min(roomy.end[a], box.end[a]);
+  }
+  return roomy;
 }
 
 /// The smallest box around what is positive, with room for the surface.
@@ -96,25 +202,38 @@ const char* name_of(Zone zone) {
   return "";
 }
 
+/// Half of the slab's width: at least a voxel across it, or none would hold it. Thick slices do not matter to it.
+double slab_mm(const Lattice& l, const ZoneParams& params) {
+  std::size_t across = 0;
+  for (std::size_t a = 1; a < 3; ++a)
+    if (std::abs(l.direction.column[a].x) > std::abs(l.direction.column[across].x)) across = a;
+  return std::max({params.half_width_mm, l.spacing_mm[int(across)], params.cell_mm});
+}
+
 void check(const Lattice& l, const ZoneShapes& shapes, const ZoneParams& params) {
-  const double coarsest = std::max({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z});
+  const double coarsest = std::max({l.spacing_mm.x, l.spacing_mm.y, l.spacing_mm.z, params.cell_mm});
   if (params.what == Zone::dura && params.thickness_mm > 0 && params.thickness_mm < 2 * coarsest)
     throw Error(ExitCode::usage, "", "thickness_mm",
                 "is less than two voxels, which cannot hold a shell: give more, or 0 for all that the dura encloses");
-  if (params.what == Zone::midline && params.half_width_mm < coarsest)
-    throw Error(ExitCode::usage, "", "half_width_mm", "is less than a voxel, which cannot hold a slab: give more");
   if (params.what == Zone::third_ventricle && !shapes.ventricles)
     throw Error(ExitCode::usage, "", "ventricles", "must be given: the third ventricle is a part of them");
 }
 
 }  // namespace
 
-Field find_zone(const BitMask& cavity, const ZoneShapes& shapes, const ZoneParams& params, Report& report,
+Field find_zone(const BitMask& cavity, const ZoneShapes& shapes, const ZoneParams& said, Report& report,
                 const Progress& progress) {
-  check(cavity.lattice(), shapes, params);
-  Field wall = cavity_mm(cavity, shapes.skull, progress.part(0, 0.4));
-  const Lattice lattice = wall;
+  check(cavity.lattice(), shapes, said);
+  ZoneParams params = said;
+  params.half_width_mm = slab_mm(cavity.lattice(), said);
+  const Box whole = box_around(cavity);
   if (params.what == Zone::dura) {
+    Field wall = cavity_mm(cavity, whole, shapes.skull, params.cell_mm, progress);
+    if (params.smooth_mm > 0) {
+      gaussian(wall, params.smooth_mm);
+      for (float& v : wall.voxels)
+        if (v == 0) v = -1e-6f;
+    }
     if (params.thickness_mm > 0)
       for (float& v : wall.voxels) v = std::min(v, static_cast<float>(params.thickness_mm) - v);
     return trimmed(wall, report, name_of(params.what));
@@ -122,17 +241,23 @@ Field find_zone(const BitMask& cavity, const ZoneShapes& shapes, const ZoneParam
   BitMask fluid;
   if (shapes.ventricles) fluid = positive(*shapes.ventricles, cavity.lattice());
   const HeadPlace place =
-      place_head(cavity, shapes.ventricles ? &fluid : nullptr, cavity.lattice(), progress.part(0.4, 0.8));
+      place_head(cavity, shapes.ventricles ? &fluid : nullptr, cavity.lattice(), progress.part(0, 0.4));
   report_place(place, report);
   if (!place.sure)
     throw refusal("", std::string("where the ") + name_of(params.what) + " lies is not sure: the template fits badly",
                   {"take the zone out of the scene, or bring it as labels by the stage `labels`"});
-  Field ventricles;
+  // What the scan itself shows: the inner table, or of the third ventricle the ventricles' walls.
+  const Box box = box_of_template(cavity.lattice(), whole, place, params);
+  Field seen;
   if (params.what == Zone::third_ventricle) {
     constexpr float far = -1e3f;
-    ventricles = fit(signed_distance_mm(*shapes.ventricles, progress), lattice, far);
+    seen = signed_distance_mm(fit(*shapes.ventricles, cropped(cavity.lattice(), box), far), progress);
+    cut_off_lateral(seen, place, progress);
+  } else {
+    seen = cavity_mm(cavity, box, shapes.skull, params.what == Zone::midline ? params.cell_mm : 0,
+                     progress.part(0.4, 0.8));
   }
-  Field zone(lattice);
+  Field zone{Lattice(seen)};
   parallel_for(0, zone.size[2], 1, [&](std::int64_t from, std::int64_t to) {
     for (int k = static_cast<int>(from); k < to; ++k) {
       progress.part(0.8, 1).report(double(k) / zone.size[2]);
@@ -140,27 +265,9 @@ Field find_zone(const BitMask& cavity, const ZoneShapes& shapes, const ZoneParam
         for (int i = 0; i < zone.size[0]; ++i) {
           const Vec3 t = place.to_template(zone.to_world_mm({double(i), double(j), double(k)}));
           const std::size_t n = zone.index(i, j, k);
-          const double side_mm = std::abs(t.x) * place.scale.x, in_mm = wall.voxels[n];
-          double mm = -1e3;
-          switch (params.what) {
-            case Zone::dura:
-              break;
-            case Zone::midline:
-              mm = std::min(params.half_width_mm - side_mm, in_mm);
-              break;
-            case Zone::sagittal_sinus:
-              mm = sinus_mm(t, side_mm, in_mm, params);
-              break;
-            case Zone::third_ventricle: {
-              const double third = place_mm(Place::third, t);
-              const double lateral = std::min(place_mm(Place::lateral_left, t), place_mm(Place::lateral_right, t));
-              mm = std::min({double(ventricles.voxels[n]), lateral - third, third_reach_mm - third});
-              break;
-            }
-            case Zone::brainstem:
-              mm = std::min({-stem_mm(t), in_mm, 1e3});
-              break;
-          }
+          const double in_mm = seen.voxels[n];
+          double mm = std::min(template_mm(t, std::abs(t.x) * place.scale.x, params), in_mm);
+          if (params.what == Zone::sagittal_sinus) mm = std::min(mm, params.sinus_depth_mm - in_mm);
           // No voxel is 0, and the field is the same far away: it holds a surface and nothing else.
           zone.voxels[n] = static_cast<float>(std::clamp(mm == 0 ? -1e-6 : mm, -10.0, 10.0));
         }

@@ -16,6 +16,7 @@ struct ZoneParams {
   double thickness_mm = 0;
   double half_width_mm = 2;
   double sinus_half_width_mm = 5, sinus_depth_mm = 8;
+  double cell_mm = 0, smooth_mm = 0;
 
   template <class V>
   static void describe(V& v) {
@@ -31,10 +32,16 @@ struct ZoneParams {
     v.number(&P::thickness_mm, "thickness_mm", Range{0, 10},
              "dura: a shell of this thickness inside of the inner table; 0: all that the dura encloses, which in a "
              "haptic volume stands after brain and ventricles.");
-    v.number(&P::half_width_mm, "half_width_mm", Range{0.2, 20}, "midline: half of the slab's width.");
+    v.number(&P::half_width_mm, "half_width_mm", Range{0.2, 20},
+             "midline: half of the slab's width; at least a voxel.");
     v.number(&P::sinus_half_width_mm, "sinus_half_width_mm", Range{1, 30},
              "sagittal_sinus: how far it and its lacunae reach to each side of the midline.");
     v.number(&P::sinus_depth_mm, "sinus_depth_mm", Range{1, 30}, "sagittal_sinus: how far below the inner table.");
+    v.number(&P::cell_mm, "cell_mm", Range{0, 5},
+             "dura and midline: they are found on cells of about this size, each a box of whole voxels; 0: on voxels. "
+             "Coarse cells save time and triangles, and such a zone lies on no raster of the scan.");
+    v.number(&P::smooth_mm, "smooth_mm", Range{0, 10},
+             "dura: the standard deviation by which its surface is smoothed, so that it spans pits of the bone.");
   }
 };
 
@@ -44,17 +51,18 @@ struct ZoneShapes {
   const Field* ventricles = nullptr;  ///< third_ventricle needs it; others lie better with it
 };
 
-/// The zone as a field in mm (positive inside) on the part of the cavity's lattice where it lies.
+/// The zone as a field in mm (positive inside) on the part of the cavity's lattice, or of its cells, where it lies.
 ///
 /// A template of a head is registered to the cranial cavity and to the ventricles (place_head.h); midline, sinus,
 /// brainstem and the border between third and lateral ventricles are its. What a CT shows itself is taken from it: the
 /// inner table (to a fraction of a voxel), the ventricles' walls. The sinus is the cavity's part under the vault within
 /// sinus_half_width_mm of the midline and sinus_depth_mm of the inner table, from above the frontal sinuses to above
 /// the inner occipital protuberance: larger than the vessel, which a plain CT does not show. The brainstem is the
-/// template's.
+/// template's. Of the ventricles near the template's third one, what goes on from side to side beyond 9 mm of the
+/// midline is lateral.
 ///
-/// Reports volume_ml, and how well the template fits. Throws Error 64 where a shell or a slab is thinner than two
-/// voxels or the third ventricle has no ventricles; 65 where a field is on another raster; 80 where the template is not
+/// Reports volume_ml, and how well the template fits. Throws Error 64 where a shell is thinner than two voxels
+/// or the third ventricle has no ventricles; 65 where a field is on another raster; 80 where the template is not
 /// sure to fit, and where nothing of the zone lies in the scan. The same bits whatever the thread count.
 Field find_zone(const segmentation::BitMask& cavity, const ZoneShapes& shapes, const ZoneParams& params, Report& report,
                 const Progress& progress = {});

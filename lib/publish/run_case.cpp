@@ -20,6 +20,7 @@
 #include "page/page_notes.h"
 #include "publish/case_content.h"
 #include "publish/case_lock.h"
+#include "publish/left_out.h"
 #include "publish/page_files.h"
 #include "publish/refused.h"
 #include "publish/run_json.h"
@@ -122,9 +123,12 @@ struct Run {
   CaseConfig config;
   Graph graph;
   std::vector<NodeResult> results;
+  std::string input_sha256;
+  std::map<std::string, std::string> scans_sha256;
   std::map<std::string, Report> folders;    // other content of the folders of series, by the node that imports each
   std::vector<std::string> about_patients;  // whether all scans are of one
   std::vector<std::string> warnings;
+  std::vector<CaseMissing> missing;  // what was refused and left out
 };
 
 std::string hash_input(Run& run, const Progress& cancelled) {
@@ -136,13 +140,15 @@ std::string hash_input(Run& run, const Progress& cancelled) {
   }
 }
 
-// Returns the hash of the series' content.
-std::string make_graph_of(Run& run, const Progress& cancelled) {
-  const std::string input_sha256 = hash_input(run, cancelled);
-  run.graph = make_graph(run.config, input_sha256, [&](const std::string& name, const SeriesChoice& scan) {
-    return hash_of_series_input(scan.folder_or_file, scan.params, cancelled, &run.folders[name + ".import"]);
+// Every series is hashed once, though an anatomy that is left out needs another graph.
+void make_graph_of(Run& run, const Progress& cancelled) {
+  if (run.input_sha256.empty()) run.input_sha256 = hash_input(run, cancelled);
+  run.graph = make_graph(run.config, run.input_sha256, [&](const std::string& name, const SeriesChoice& scan) {
+    std::string& sha256 = run.scans_sha256[name];
+    if (sha256.empty())
+      sha256 = hash_of_series_input(scan.folder_or_file, scan.params, cancelled, &run.folders[name + ".import"]);
+    return sha256;
   });
-  return input_sha256;
 }
 
 // Logs the warnings of every stage that the case needs, published or not. This happens before anything is refused,
@@ -151,6 +157,7 @@ void tell_warnings(Run& run) {
   run.warnings.insert(run.warnings.end(), run.about_patients.begin(), run.about_patients.end());
   for (const auto& [import, folder] : run.folders)
     for (const std::string& w : folder.warnings) run.warnings.push_back(import + ": " + w);
+  for (const CaseMissing& m : run.missing) run.warnings.push_back(m.anatomy + ": left out: " + m.why);
   for (std::size_t i = 0; i < run.graph.nodes.size(); ++i)
     for (const std::string& w : run.results[i].report.warnings)
       run.warnings.push_back(run.graph.nodes[i].name + ": " + w);
@@ -315,7 +322,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
 
     const Progress cancelled({}, &cancel_requested());
     ExecuteOptions execution;
-    const std::string input_sha256 = make_graph_of(run, cancelled);
+    make_graph_of(run, cancelled);
     execution.keep = request.keep;
     execution.cache = &cache;
     execution.cancel = &cancel_requested();
@@ -328,15 +335,26 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     CaseContent content;
     try {
       execution.made = &run.results;
-      run.results =
-          execute(run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page), execution, early);
+      for (bool complete = false; !complete;) try {
+          run.results = execute(run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page),
+                                execution, early);
+          require_modalities(run.config, run.graph,
+                             [&](int node) -> const Report& { return run.results[std::size_t(node)].report; });
+          publishing_began = Clock::now();
+          observer.publishing();
+          content = make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version,
+                                      run.input_sha256, request.params.pictures, cancelled);
+          complete = true;
+        } catch (const Error& e) {
+          const std::string anatomy = refused_anatomy(run.config, e);
+          if (anatomy.empty()) throw;
+          run.missing.push_back({anatomy, e.what()});
+          run.config.leave_out(anatomy);
+          keep_made(run.graph, run.results, execution.known);
+          make_graph_of(run, cancelled);
+        }
+      content.manifest.missing = run.missing;
       tell_warnings(run);
-      require_modalities(run.config, run.graph,
-                         [&](int node) -> const Report& { return run.results[std::size_t(node)].report; });
-      publishing_began = Clock::now();
-      observer.publishing();
-      content = make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version,
-                                  input_sha256, request.params.pictures, cancelled);
     } catch (const Error& e) {
       if (run.warnings.empty() && !run.results.empty()) tell_warnings(run);
       show_refusal(run, cache, e, observer);

@@ -10,7 +10,7 @@ namespace trephine {
 /// What a scene says of one shape of its haptic volume.
 struct HapticShapeParams {
   std::string clear_of;
-  double clear_mm = 0;
+  double clear_mm = 0, shell_mm = 0;
   std::array<double, 2> window_hu{0, 0};
 
   template <class V>
@@ -19,6 +19,9 @@ struct HapticShapeParams {
     v.text(&P::clear_of, "clear_of", "Another anatomy: this shape keeps clear_mm away from its surface.")
         .names("anatomy");
     v.number(&P::clear_mm, "clear_mm", Range{0.1, 100}, "How far the shape keeps away from clear_of.").none_at_zero();
+    v.number(&P::shell_mm, "shell_mm", Range{0.1, 100},
+             "Only what lies at most so deep below the surface belongs to the shape: a membrane, such as the dura.")
+        .none_at_zero();
     v.numbers(&P::window_hu, "window_hu", Range{-32768, 32767},
               "With encoding hu: the shape is all voxels of the scan within these HU, both included.");
   }

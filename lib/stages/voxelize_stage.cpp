@@ -71,6 +71,7 @@ HapticVolume make_volume(const VoxelizeStageParams& params, const Lattice& latti
     shape.name = name;
     shape.surface = in.get<TriMesh>("shape." + name);
     if (!shape.surface) throw Error(ExitCode::usage, "", "shape", name + ", has no surface");
+    shape.shell_mm = s.shell_mm;
     if (!s.clear_of.empty()) {
       shape.clear_of = in.get<TriMesh>("shape." + s.clear_of);
       if (!shape.clear_of) shape.clear_of = in.get<TriMesh>("clear." + s.clear_of);
@@ -103,6 +104,8 @@ void check_shapes(const VoxelizeStageParams& params) {
       throw Error(ExitCode::usage, "", "shapes." + name + ".window_hu", "is missing: the encoding is hu");
     if (hu && !s.clear_of.empty())
       throw Error(ExitCode::usage, "", "shapes." + name + ".clear_of", "needs surfaces, and encoding hu has none");
+    if (hu && s.shell_mm > 0)
+      throw Error(ExitCode::usage, "", "shapes." + name + ".shell_mm", "needs surfaces, and encoding hu has none");
   }
   for (const auto& [name, drill] : params.drill)
     if (!find_item(params.shapes, name))

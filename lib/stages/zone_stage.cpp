@@ -9,7 +9,7 @@ namespace trephine {
 StageType zone_stage() {
   StageType s;
   s.name = "zone";
-  s.version = 1;
+  s.version = 2;
   s.typical_s = 5;
   s.summary = "makes a zone of a head that no tool should enter";
   s.description =

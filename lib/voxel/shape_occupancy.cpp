@@ -238,6 +238,31 @@ Grid<std::uint8_t> solid_occupancy(const TriMesh& mesh, const Lattice& lattice, 
   return occupancy;
 }
 
+void keep_shell(const TriMesh& mesh, double shell_mm, Grid<std::uint8_t>& solid, const Progress& progress) {
+  const double reach = largest_ramp_mm(solid), enough = shell_mm + reach;
+  const Mask near = cells_near(mesh, solid, enough);
+  const Bvh tree(mesh, progress);
+  const Grid<std::uint8_t> whole = solid;  // a voxel's side of the surface is told by what it was
+  for_each_voxel(whole, progress, [&](int i, int j, int k, RowState& state) {
+    std::uint8_t& share = solid.at(i, j, k);
+    if (!near.at(i / cell_voxels, j / cell_voxels, k / cell_voxels)) {
+      share = 0;
+      return;
+    }
+    if (i < state.known_to) {
+      share = 0;
+      return;
+    }
+    const Vec3 local = solid.to_world_mm({double(i), double(j), double(k)}) - mesh.origin_mm;
+    const ClosestPoint c = tree.nearest(local, state.seed, 0, state.seed);
+    const double d = std::sqrt(c.squared_mm2), depth = whole.at(i, j, k) > 127 ? d : -d;
+    const double ramp = ramp_mm(solid, direction_from(mesh, state.seed, local - c.point));
+    share = std::min(share, std::uint8_t(share_at(depth - shell_mm, ramp > 0 ? ramp : 1e-9)));
+    // A depth changes by a step at most from voxel to voxel.
+    if (depth > enough) state.known_to = i + 1 + int(std::min((depth - enough) / solid.spacing_mm.x, 1e6));
+  });
+}
+
 Clearance clear_occupancy(const TriMesh& mesh, double clear_mm, const Grid<std::uint8_t>& wanted,
                           const Progress& progress) {
   check_mesh(mesh);

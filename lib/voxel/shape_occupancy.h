@@ -31,6 +31,10 @@ inline int share_at(double distance_mm, double ramp) {
 /// The solid within a closed surface, 0 to 255 for each voxel. Throws Error 65 where it is not closed.
 Grid<std::uint8_t> solid_occupancy(const TriMesh& mesh, const Lattice& lattice, const Progress& progress);
 
+/// Takes from a solid what lies deeper than `shell_mm` below its own surface. The inner face has a ramp as the outer
+/// one.
+void keep_shell(const TriMesh& mesh, double shell_mm, Grid<std::uint8_t>& solid, const Progress& progress);
+
 /// The occupancy of what lies farther than `clear_mm` from the solid, for the voxels whose `wanted` is not 0; the
 /// others may have any value.
 struct Clearance {

@@ -18,12 +18,14 @@ namespace {
 
 constexpr std::int64_t voxels_a_piece = 1 << 16;
 
-// The shares of a voxel that the shapes so far have, of 255: the two largest ones, and their sum.
+// The shares of a voxel that the shapes so far have, of 255: the two largest ones, their sum, and what of it solids
+// have, which are no shells.
 struct Shares {
-  std::uint8_t first = 0, first_share = 0, second = 0, second_share = 0, sum = 0;
+  std::uint8_t first = 0, first_share = 0, second = 0, second_share = 0, sum = 0, solid = 0;
 
-  void add(int number, int share) {
+  void add(int number, int share, bool shell) {
     sum = std::uint8_t(sum + share);
+    if (!shell) solid = std::uint8_t(solid + share);
     if (share > first_share) {
       second = first;
       second_share = first_share;
@@ -51,7 +53,7 @@ void for_each_piece(std::size_t count, const Progress& progress, const Each& eac
 }
 
 // Adds a shape to the shares, after those before it; returns the sum of what they had taken already, of 255 each.
-std::int64_t add_shape(std::vector<Shares>& shares, int number, const Grid<std::uint8_t>& occupancy,
+std::int64_t add_shape(std::vector<Shares>& shares, int number, bool shell, const Grid<std::uint8_t>& occupancy,
                        const Progress& progress) {
   std::vector<std::int64_t> taken((shares.size() + voxels_a_piece - 1) / voxels_a_piece, 0);
   for_each_piece(shares.size(), progress, [&](std::size_t from, std::size_t to, std::size_t piece) {
@@ -60,7 +62,7 @@ std::int64_t add_shape(std::vector<Shares>& shares, int number, const Grid<std::
       if (asked == 0) continue;
       const int share = std::min(asked, haptic_full - shares[i].sum);
       taken[piece] += asked - share;
-      if (share > 0) shares[i].add(number, share);
+      if (share > 0) shares[i].add(number, share, shell);
     }
   });
   return std::accumulate(taken.begin(), taken.end(), std::int64_t{0});
@@ -80,11 +82,11 @@ void for_each_neighbour(const Lattice& l, std::size_t at, bool corners, const Ea
 
 // Undoes the clearing behind a wall: what cannot be reached from the solid through cleared voxels that earlier shapes
 // fill to less than half stays (the scalp outside a thin temporal bone). Walls are cleared on the side that was
-// reached.
+// reached. A membrane is no wall: what lies between dura and bone is no scalp.
 void keep_behind_walls(detail::Clearance& clear, const Grid<std::uint8_t>& wanted, const std::vector<Shares>& shares,
                        const Progress& progress) {
   const auto open = [&](std::size_t at) {
-    return wanted.voxels[at] && clear.left.voxels[at] < haptic_full && shares[at].sum <= haptic_full / 2;
+    return wanted.voxels[at] && clear.left.voxels[at] < haptic_full && shares[at].solid <= haptic_full / 2;
   };
   Grid<std::uint8_t> reached(wanted, 0);
   std::vector<std::size_t> front;
@@ -109,7 +111,7 @@ void keep_behind_walls(detail::Clearance& clear, const Grid<std::uint8_t>& wante
     for (std::size_t at = from; at < to; ++at) {
       if (!wanted.voxels[at] || clear.left.voxels[at] == haptic_full) continue;
       bool cleared = reached.voxels[at];
-      if (!cleared && shares[at].sum > haptic_full / 2)
+      if (!cleared && shares[at].solid > haptic_full / 2)
         for_each_neighbour(wanted, at, true, [&](std::size_t n) { cleared = cleared || reached.voxels[n]; });
       if (!cleared) clear.left.voxels[at] = haptic_full;
     }
@@ -121,6 +123,7 @@ Grid<std::uint8_t> occupancy_of(const VoxelizeShape& shape, const Lattice& latti
                                 int& largest, const Progress& progress) {
   const bool clear = shape.clear_of != nullptr;
   Grid<std::uint8_t> own = detail::solid_occupancy(*shape.surface, lattice, progress.part(0, clear ? 0.6 : 1));
+  if (shape.shell_mm > 0) detail::keep_shell(*shape.surface, shape.shell_mm, own, progress);
   largest = own.voxels.empty() ? 0 : *std::max_element(own.voxels.begin(), own.voxels.end());
   if (!clear) return own;
   // The distance to the other surface is needed only where the shape would get something.
@@ -206,7 +209,8 @@ HapticVolume voxelize(const Lattice& lattice, const std::vector<VoxelizeShape>& 
           progress.part(0.9 * double(n) / double(shapes.size()), 0.9 * double(n + 1) / double(shapes.size()));
       with_field("haptic." + shapes[n].name, [&] {
         const Grid<std::uint8_t> occupancy = occupancy_of(shapes[n], lattice, shares, largest[n], part);
-        overlap_ml.push_back(double(add_shape(shares, int(n + 1), occupancy, part)) / haptic_full * ml);
+        overlap_ml.push_back(double(add_shape(shares, int(n + 1), shapes[n].shell_mm > 0, occupancy, part)) /
+                             haptic_full * ml);
       });
       volume.shapes.push_back(occupancy_shape(shapes[n].name, int(n + 1)));
     }

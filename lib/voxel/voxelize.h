@@ -18,10 +18,12 @@ namespace trephine {
 struct VoxelizeShape {
   std::string name;
   const TriMesh* surface = nullptr;  ///< closed: the undecimated surface of the shape's field
-  /// Nothing of this shape lies within clear_mm of the solid `clear_of`, except behind or within an earlier shape: the
+  /// Nothing of this shape lies within clear_mm of the solid `clear_of`, except behind or within an earlier solid: the
   /// fluid between brain and skull does not become scalp, and the scalp outside a thin bone stays. Null: no such rule.
   const TriMesh* clear_of = nullptr;
   double clear_mm = 0;
+  /// Above 0, only what lies at most so deep below the surface belongs to the shape: a membrane around what is within.
+  double shell_mm = 0;
 };
 
 struct VoxelizeParams {
