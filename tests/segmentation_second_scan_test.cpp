@@ -305,6 +305,26 @@ void check_zones(const std::vector<int>& seeds) {
     EXPECT_LT(lateral_in, 0.02 * lateral_all);
     EXPECT_GT(within_in, 0.97 * within);  // the rest are voxels at the inner table
     EXPECT_GT(slab_in, 0.98 * slab);
+    // Lateral ventricles that are wider than the template's, by 4 mm all around, are none of the third.
+    Field wide = Field(ventricles, 0.0f);
+    wide.voxels = segmentation::signed_distance_mm(ventricles).voxels;
+    for (float& v : wide.voxels) v = std::clamp(v + 4, -10.0f, 10.0f);
+    ZoneParams params;
+    params.what = Zone::third_ventricle;
+    Report report;
+    const Field of_wide = find_zone(ct.cavity, {nullptr, &wide}, params, report);
+    double zone_all = 0, zone_lateral = 0;
+    for (int k = 0; k < of_wide.size[2]; ++k)
+      for (int j = 0; j < of_wide.size[1]; ++j)
+        for (int i = 0; i < of_wide.size[0]; ++i)
+          if (of_wide.at(i, j, k) > 0) {
+            const Vec3 p = of_wide.to_world_mm({double(i), double(j), double(k)});
+            ++zone_all;
+            zone_lateral += std::abs(p.x) > 7 || p.z > 54;
+          }
+    std::printf("of wide ventricles: %.0f voxels, lateral %.4f\n", zone_all, zone_lateral / zone_all);
+    EXPECT_GT(zone_all, 500);
+    EXPECT_LT(zone_lateral, 0.013 * zone_all);  // by the template's border alone 0.019
     // The shell lies along the inner table and holds nothing of the middle.
     EXPECT_FALSE(holds(shell, {0, 0, 60}));
     EXPECT_TRUE(holds(dura, {0, 0, 60}));
