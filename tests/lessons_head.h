@@ -9,7 +9,8 @@ namespace lessons {
 
 class Head : public LessonCase {
  public:
-  explicit Head(Kind kind, double suture_confidence = 1) : LessonCase(head_case(kind, suture_confidence)) {}
+  explicit Head(Kind kind, double suture_confidence = 1, bool dura = false)
+      : LessonCase(head_case(kind, suture_confidence, dura)) {}
   using Done = Scored<VentriculostomyFacts>;
   Done run(const std::string& steps, double rate_hz = 500, std::int64_t seed = 1, double noise_mm = 0) {
     Done d;

@@ -38,7 +38,8 @@ inline double in_ventricles(Vec3 p) {
 
 enum class Kind { whole, drilled };
 
-inline HapticVolume volume_of(Kind kind) {
+/// `dura`: what lies between brain and bone is a fifth shape; else it is nothing.
+inline HapticVolume volume_of(Kind kind, bool dura = false) {
   constexpr double side = 0.9;
   constexpr int n = 216;
   HapticVolume v;
@@ -49,6 +50,7 @@ inline HapticVolume volume_of(Kind kind) {
   v.voxels = Grid<std::int16_t>(l);
   v.shapes = {occupancy_shape("ventricles", 1), occupancy_shape("brain", 2), occupancy_shape("skull", 3),
               occupancy_shape("skin", 4)};
+  if (dura) v.shapes.push_back(occupancy_shape("dura", 5));
   const Vec3 axis = normalized(kocher());
   parallel_for(0, n, 1, [&](std::int64_t k, std::int64_t) {
     for (int j = 0; j < n; ++j)
@@ -60,17 +62,18 @@ inline HapticVolume volume_of(Kind kind) {
         const bool above = dot(p, axis) > 0;
         const double bone_hole = kind == Kind::drilled && above ? 7 - off : -1e3;
         const double skin_hole = kind == Kind::drilled && above ? 13 - off : -1e3;
-        const std::array<double, 4> depth = {in_ventricles(p), std::min(brain_mm - r, -in_ventricles(p)),
+        const std::array<double, 5> depth = {in_ventricles(p), std::min(brain_mm - r, -in_ventricles(p)),
                                              std::min({outer_mm - r, r - inner_mm, -bone_hole}),
-                                             std::min({skin_mm - r, r - outer_mm, -skin_hole})};
+                                             std::min({skin_mm - r, r - outer_mm, -skin_hole}),
+                                             dura ? std::min(inner_mm - r, r - brain_mm) : -1e3};
         v.voxels.at(i, j, int(k)) = voxel_of(depth, side);
       }
   });
   return v;
 }
 
-inline case_samples::MemoryCase head_case(Kind kind, double suture_confidence = 1) {
-  const HapticVolume volume = volume_of(kind);
+inline case_samples::MemoryCase head_case(Kind kind, double suture_confidence = 1, bool dura = false) {
+  const HapticVolume volume = volume_of(kind, dura);
   case_samples::MemoryCase c = case_of(kind == Kind::drilled ? "head-drilled" : "head", volume);
   CaseManifest& m = c.manifest;
   m.figures = {{"class", std::string("normal")}};
@@ -82,6 +85,8 @@ inline case_samples::MemoryCase head_case(Kind kind, double suture_confidence = 
   add_shape(m, volume.shapes[2], {"bone", {}, bone, bone, 0, 0, 0.1}, kind == Kind::whole);
   add_shape(m, volume.shapes[3], {"skin", {}, {true, 0.3, 0.0003, 0.35, 0.3, 2}, none, 0.01, 0.01, 0},
             kind == Kind::whole);
+  if (dura)
+    add_shape(m, volume.shapes[4], {"dura", {}, {true, 0.35, 0.0002, 0.3, 0.25, 1}, none, 0.01, 0.01, 0}, false);
   const auto landmark = [&](const char* name, Vec3 p, double confidence = 1) {
     m.landmarks.push_back({name, p, confidence, "truth"});
   };

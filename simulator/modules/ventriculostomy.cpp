@@ -57,7 +57,8 @@ Ventriculostomy::Ventriculostomy(const CaseManifest& manifest, const HapticVolum
       before_(before),
       now_(now),
       frame_(head_frame_of(manifest)),
-      shapes_(head_shapes_of(manifest)) {
+      shapes_(head_shapes_of(manifest)),
+      dura_(manifest, facts_.dura) {
   facts_.hole = find_case_hole(manifest, {});
   facts_.drilled_beforehand = facts_.hole.has_value();
 }
@@ -77,6 +78,7 @@ void Ventriculostomy::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal
   const BeltToolParams& tool = belt.tools()[std::size_t(belt.in_hand())];
   draw(f, pedal && tool.marks);
   drill(f, belt, pedal && tool.cuts);
+  dura_.tick(f, pedal && tool.cuts, facts_.dura);
   const bool catheter = !tool.marks && !tool.cuts;
   if (catheter && !belt.paused())
     pass(f);

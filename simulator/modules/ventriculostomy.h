@@ -6,6 +6,7 @@
 
 #include "cases/load_case.h"
 #include "modules/drilled_hole.h"
+#include "modules/dura_watch.h"
 #include "modules/head_frame.h"
 #include "modules/lesson.h"
 
@@ -61,6 +62,7 @@ struct VentriculostomyFacts : LessonFacts {
   double through_s = -1;         ///< when a ball as wide as the catheter first passed; -1: never
   std::optional<BoneHole> hole;  ///< the drilled one, or the case's
   std::vector<CatheterPass> passes;
+  std::optional<DuraFacts> dura;  ///< none where the case has no dura to be felt
 };
 
 enum class LessonPhase { marking, drilling, catheter, review };
@@ -107,6 +109,7 @@ class Ventriculostomy : public Lesson {
   HeadFrame frame_;
   HeadShapes shapes_;
   VentriculostomyFacts facts_;
+  DuraWatch dura_;
   double catheter_mm_ = 2.5;
   bool drawing_ = false, drilling_ = false, in_brain_ = false;
   double last_touch_s_ = 0, looked_s_ = 0;

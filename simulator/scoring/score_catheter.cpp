@@ -228,6 +228,13 @@ LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const CaseM
                    {"first_pass", first_pass},
                    {"contralateral", contralateral},
                    {"third_ventricle", third_ventricle}};
+  const auto of_dura = [&](const char* name, auto value) {
+    score.figures.push_back({name, std::monostate{}});
+    if (facts.dura) score.figures.back().value = value(*facts.dura);
+  };
+  of_dura("dura_passed", [](const DuraFacts& d) { return !d.pops.empty(); });
+  of_dura("dura_breached", [](const DuraFacts& d) { return d.breached; });
+  of_dura("burr_on_dura_n", [](const DuraFacts& d) { return d.burr_n; });
   return score;
 }
 

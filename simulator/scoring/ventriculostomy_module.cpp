@@ -42,6 +42,16 @@ Json json_of(const VentriculostomyFacts& f) {
               {"through_s", moment(f.through_s)},
               {"hole", nullptr},
               {"passes", passes}};
+  if (f.dura) {
+    Json pops = Json::array();
+    for (const DuraPop& p : f.dura->pops)
+      pops.push_back({{"time_s", p.time_s}, {"at_mm", list_of(p.at_mm)}, {"force_n", p.force_n}});
+    out["dura"] = {{"pops", pops},
+                   {"burr_first_s", moment(f.dura->burr_first_s)},
+                   {"burr_s", f.dura->burr_s},
+                   {"burr_n", f.dura->burr_n},
+                   {"breached", f.dura->breached}};
+  }
   if (f.hole)
     out["hole"] = {{"outer_mm", list_of(f.hole->outer_mm)},
                    {"inner_mm", list_of(f.hole->inner_mm)},
@@ -109,6 +119,12 @@ std::vector<LessonStatus> status_of(const VentriculostomyFacts& f) {
             : f.hole         ? "not through"
                              : "-"}};
   }
+  if (f.dura)
+    all.push_back({"dura", "Dura",
+                   f.dura->breached            ? "breached by the burr"
+                   : !f.dura->pops.empty()     ? "passed"
+                   : f.dura->burr_first_s >= 0 ? "touched by the burr"
+                                               : "-"});
   all.push_back({"passes_count", "Passes", std::to_string(f.passes.size())});
   return all;
 }
@@ -146,6 +162,9 @@ LessonModule ventriculostomy_module() {
   m.columns.push_back({"passes_count", "how often the catheter entered the brain", ""});
   for (const char* name : {"in_ventricle", "first_pass", "contralateral", "third_ventricle"})
     m.columns.push_back({name, "1 or 0, of the catheter's last place", ""});
+  m.columns.push_back({"dura_passed", "1 or 0: a catheter gave way through the dura; empty where none is felt", ""});
+  m.columns.push_back({"dura_breached", "1 or 0: the burr pressed on the dura with more than it bears", ""});
+  m.columns.push_back({"burr_on_dura_n", "the largest force of the running burr while it touched the dura", ""});
   m.steps = with_common_steps({script_step<TraceStep>("trace", "Draws a line on the skin with the pedal down."),
                                script_step("erase", "Takes the lines away."),
                                script_step("incise", "Cuts the skin around the last point of the marker."),

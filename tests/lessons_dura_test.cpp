@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A dura that is felt: a catheter pops through it, a burr presses on it.
+#include <gtest/gtest.h>
+
+#include "lessons_head.h"
+
+using namespace lessons;
+
+namespace {
+
+const LessonFigure& figure(const Head::Done& d, const char* name) { return d.score.figure(name); }
+
+}  // namespace
+
+TEST(LessonsDura, ACatheterPopsThroughAndABurrStaysOutside) {
+  Head head(Kind::whole, 1, true);
+  const Head::Done d = head.run(
+      std::string(perfect_marks) + "," + perfect_hole +
+      R"(, {"take": {"tool": "catheter"}}, {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 1}}, "finish")");
+  ASSERT_TRUE(d.facts.dura.has_value());
+  ASSERT_EQ(d.facts.dura->pops.size(), 1u);
+  const DuraPop& pop = d.facts.dura->pops[0];
+  EXPECT_NEAR(norm(pop.at_mm), inner_mm, 1) << "it was held at the dura's outer surface";
+  EXPECT_GT(pop.force_n, 0.9);
+  ASSERT_EQ(d.facts.passes.size(), 1u);
+  EXPECT_LE(pop.time_s, d.facts.passes[0].begin_s);
+  EXPECT_GT(d.facts.dura->burr_s, 0);
+  EXPECT_GT(d.facts.dura->burr_n, 0);
+  EXPECT_LT(d.facts.dura->burr_first_s, pop.time_s);
+  EXPECT_TRUE(std::get<bool>(figure(d, "dura_passed").value));
+  EXPECT_EQ(std::get<double>(figure(d, "burr_on_dura_n").value), d.facts.dura->burr_n);
+  EXPECT_EQ(std::get<bool>(figure(d, "dura_breached").value), d.facts.dura->breached);
+  for (const char* row : {"landmarks", "burr_hole", "trajectory", "depth", "tip", "time"})
+    EXPECT_EQ(d.points(row), 5) << row << ": " << d.row(row).why;
+}
+
+TEST(LessonsDura, ACaseWithoutOneSaysNothingOfIt) {
+  Head head(Kind::drilled);
+  const Head::Done d = head.run(
+      R"({"take": {"tool": "catheter"}}, {"insert": {"toward": {"at": "monro_right"}, "short_of_mm": 4}}, "finish")");
+  EXPECT_FALSE(d.facts.dura.has_value());
+  EXPECT_FALSE(d.score.known("dura_passed"));
+  EXPECT_FALSE(d.score.known("burr_on_dura_n"));
+}
+
+// What the watch makes of single frames.
+TEST(LessonsDura, ABreachIsMoreThanTheDuraBears) {
+  const CaseManifest m = head_case(Kind::drilled, 1, true).manifest;
+  std::optional<DuraFacts> facts;
+  DuraWatch watch(m, facts);
+  ASSERT_TRUE(facts.has_value());
+  ServoFrame f;
+  f.dt_s = 0.5;
+  f.touched = 5;
+  f.force_n[2] = 0.9;
+  watch.tick(f, true, facts);
+  EXPECT_FALSE(facts->breached);
+  f.force_n[2] = 1.1;
+  watch.tick(f, false, facts);
+  EXPECT_FALSE(facts->breached) << "the burr stood still";
+  watch.tick(f, true, facts);
+  EXPECT_TRUE(facts->breached);
+  EXPECT_DOUBLE_EQ(facts->burr_s, 1);
+  EXPECT_DOUBLE_EQ(facts->burr_n, 1.1);
+  f.touched = 2;
+  watch.tick(f, false, facts);
+  f.events = haptic_event::popped;  // through the brain's surface
+  watch.tick(f, false, facts);
+  EXPECT_TRUE(facts->pops.empty());
+}
