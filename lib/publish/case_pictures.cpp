@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -176,6 +177,11 @@ std::vector<CasePicture> make_case_pictures(const HuVolume* volume, const std::v
 
   std::vector<SurfaceView> solid;
   for (const PictureAnatomy& a : anatomies) solid.push_back({a.surface, a.colour_rgb, 1});
+  // On the cut face what comes later covers what came before: what is enclosed comes after what encloses it.
+  std::map<const TriMesh*, double> sizes;
+  for (const SurfaceView& s : solid) sizes[s.mesh] = std::abs(volume_mm3(*s.mesh));
+  std::stable_sort(solid.begin(), solid.end(),
+                   [&](const SurfaceView& a, const SurfaceView& b) { return sizes.at(a.mesh) > sizes.at(b.mesh); });
   if (anatomies.size() > 1)  // with one anatomy it is that anatomy's own picture
     overview.cells.push_back(
         sheets.image([&] { return shaded(see_through(anatomies), View::oblique_left, "all", frame, progress); }));
