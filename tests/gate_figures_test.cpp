@@ -92,6 +92,22 @@ TEST(HeadFigures, AScanTooNoisyOrTooSmoothIsUncertain) {
   EXPECT_EQ(class_with(1.1, 0.8, 10), HeadClass::normal);  // not known
 }
 
+TEST(HeadFigures, ASideWithoutItsTrigoneIsUncertain) {
+  Simple s;
+  s.make();
+  Field& f = s.ventricles;
+  for (int k = 0; k < f.size[2]; ++k)
+    for (int j = 0; j < f.size[1]; ++j)
+      for (int i = 0; i < f.size[0]; ++i) {
+        const Vec3 p = f.to_world_mm({double(i), double(j), double(k)}) - s.centre;
+        if (p.x < -1 && p.y > 10) f.at(i, j, k) = -5;
+      }
+  Report report;
+  EXPECT_EQ(measure_head(s.fields(), &s.landmarks, {}, report).head_class, HeadClass::uncertain);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("the right lateral ventricle ends"), std::string::npos) << report.warnings[0];
+}
+
 TEST(HeadFigures, ShiftAgainstPlaneAndAgainstTheInnerSkull) {
   Simple s;
   s.middle = 7;

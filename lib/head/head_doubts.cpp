@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "mask/bits.h"
 #include "mask/filters.h"
@@ -33,17 +34,20 @@ const char* to_text(HeadClass c) {
 namespace segmentation {
 namespace {
 
-constexpr double least_piece_ml = 0.1, slab_mm = 2, behind_horn_mm = 4, least_horn_length_mm = 6;
+constexpr double least_piece_ml = 0.1, slab_mm = 2, behind_horn_mm = 4, least_horn_length_mm = 6,
+                 least_behind_ratio = 0.6;  ///< the third ventricle alone reaches 20 to 25 of 45 to 75 mm
 
 /// The voxels of the ventricles told apart by side, those of the frontal horns by coronal slab too.
 struct Sides {
   double ml[2] = {0, 0};              ///< left, right
   std::map<int, double> slab_mm2[2];  ///< of the frontal horn
+  std::set<int> behind[2];            ///< slabs behind the foramina: body, trigone and occipital horn
   float horn_mm2(int side) const {
     std::vector<float> areas;
     for (const auto& s : slab_mm2[side]) areas.push_back(float(s.second));
     return median(areas, 0);
   }
+  double behind_mm(int side) const { return slab_mm * double(behind[side].size()); }
   double horn_length_mm(int side) const { return slab_mm * double(slab_mm2[side].size()); }
 };
 
@@ -58,6 +62,7 @@ Sides sides_of(const Field& f, const VentricleAxes& axes) {
         const int side = dot(p, axes.left) >= axes.middle_mm ? 0 : 1;
         const double ahead_mm = axes.monro_mm - dot(p, axes.back);
         s.ml[side] += voxel_mm3 / 1000;
+        if (ahead_mm < 0) s.behind[side].insert(int(-ahead_mm / slab_mm));
         if (ahead_mm > behind_horn_mm) s.slab_mm2[side][int(ahead_mm / slab_mm)] += voxel_mm3 / slab_mm;
       }
   return s;
@@ -107,6 +112,10 @@ std::vector<std::string> ventricle_doubts(const Field& ventricles, const Ventric
                           : fmt::format("the {} frontal horn is a thread of {:.0f} mm2, at least {:.0f} are plausible",
                                         name, area, least_mm2));
   }
+  for (int side = 0; side < 2; ++side)
+    if (sides.behind_mm(side) < least_behind_ratio * sides.behind_mm(1 - side))
+      out.push_back(fmt::format("the {} lateral ventricle ends {:.0f} mm behind the foramina, the other one {:.0f} mm",
+                                side == 0 ? "left" : "right", sides.behind_mm(side), sides.behind_mm(1 - side)));
   bool looked_for = false, seen = false;
   if (landmarks)
     for (const CaseLandmark& l : landmarks->landmarks) {

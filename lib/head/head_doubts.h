@@ -21,6 +21,7 @@ struct VentricleAxes {
 ///   than 6 mm, and a thread where the median of its cross-sections in coronal slabs of 2 mm is below
 ///   least_horn_mm2 or below least_horns_ratio of the other one's; `horns_whole` is then false, and no width across
 ///   both means anything.
+/// - A side that reaches less than 0.6 times as far behind the foramina as the other one has lost its trigone.
 /// - The foramina are judged where other landmarks were looked for: there is no way from a third ventricle into the
 ///   lateral ones where both are missing or doubtful.
 /// - Volume, index and shift have to be those of a living person.

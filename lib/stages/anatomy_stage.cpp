@@ -7,7 +7,7 @@ namespace trephine {
 StageType anatomy_stage() {
   StageType s;
   s.name = "anatomy";
-  s.version = 3;
+  s.version = 4;
   s.typical_s = 3;
   s.place = StagePlace::scan;
   s.role = StageRole::check;
