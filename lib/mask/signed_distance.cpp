@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "mask/filters.h"
@@ -14,38 +15,48 @@ struct Sweeper {
   std::vector<std::int32_t> closest;  ///< index for each voxel, -1 unknown
   Grid<float> distance;
 
-  double to_point(int i, int j, int k, std::int32_t p) const {
-    return norm(points[p] - Vec3{i * l.spacing_mm.x, j * l.spacing_mm.y, k * l.spacing_mm.z});
-  }
-  void offer(std::size_t v, int i, int j, int k, std::int32_t p) {
-    if (p < 0) return;
-    const float d = float(to_point(i, j, k, p));
+  void offer(std::size_t v, Vec3 voxel_mm, std::int32_t p) {
+    const Vec3 way = points[std::size_t(p)] - voxel_mm;
+    // Most points are further: told by the square, with room for what floats round.
+    const double is = distance.voxels[v], squared = dot(way, way);
+    if (squared > 1.000001 * is * is) return;
+    const float d = float(norm(way));
     if (d < distance.voxels[v]) {
       distance.voxels[v] = d;
       closest[v] = p;
     }
   }
-  void from_neighbour(int i, int j, int k, int di, int dj, int dk) {
-    if (l.contains(i + di, j + dj, k + dk)) offer(l.index(i, j, k), i, j, k, closest[l.index(i + di, j + dj, k + dk)]);
+  void from_neighbour(std::size_t v, std::ptrdiff_t offset, Vec3 voxel_mm) {
+    const std::int32_t p = closest[std::size_t(std::ptrdiff_t(v) + offset)];
+    if (p >= 0 && p != closest[v]) offer(v, voxel_mm, p);
   }
   void sweep(int ks, const Progress& progress) {
     const int nx = l.size[0], ny = l.size[1], nz = l.size[2];
+    const Vec3 s = l.spacing_mm;
+    const std::ptrdiff_t slice = -ks * std::ptrdiff_t(nx) * ny;
     for (int kk = 0; kk < nz; ++kk) {
       progress.check();
       const int k = ks > 0 ? kk : nz - 1 - kk;
+      const bool below = kk > 0;
       for (int js : {1, -1})
         for (int jj = 0; jj < ny; ++jj) {
           const int j = js > 0 ? jj : ny - 1 - jj;
+          const bool before = jj > 0;
+          const std::ptrdiff_t row = -js * std::ptrdiff_t(nx);
+          const std::size_t first = l.index(0, j, k);
+          const auto at = [&](int i) { return Vec3{i * s.x, j * s.y, k * s.z}; };
           for (int i = 0; i < nx; ++i) {
-            from_neighbour(i, j, k, 0, 0, -ks);
-            from_neighbour(i, j, k, 0, -js, 0);
-            from_neighbour(i, j, k, 0, -js, -ks);
-            from_neighbour(i, j, k, -1, 0, 0);
-            from_neighbour(i, j, k, -1, -js, 0);
+            const std::size_t v = first + std::size_t(i);
+            if (below) from_neighbour(v, slice, at(i));
+            if (before) from_neighbour(v, row, at(i));
+            if (before && below) from_neighbour(v, row + slice, at(i));
+            if (i > 0) from_neighbour(v, -1, at(i));
+            if (i > 0 && before) from_neighbour(v, row - 1, at(i));
           }
-          for (int i = nx - 1; i >= 0; --i) {
-            from_neighbour(i, j, k, 1, 0, 0);
-            from_neighbour(i, j, k, 1, -js, 0);
+          for (int i = nx - 2; i >= 0; --i) {
+            const std::size_t v = first + std::size_t(i);
+            from_neighbour(v, 1, at(i));
+            if (before) from_neighbour(v, row + 1, at(i));
           }
         }
     }
@@ -66,12 +77,16 @@ Grid<float> signed_distance_mm(const Field& field, const Progress& progress) {
     const std::int32_t id = std::int32_t(w.points.size() - 1);
     for (int corner = 0; corner < 8; ++corner) {
       const int i = int(p.x) + (corner & 1), j = int(p.y) + (corner >> 1 & 1), k = int(p.z) + (corner >> 2);
-      if (l.contains(i, j, k)) w.offer(l.index(i, j, k), i, j, k, id);
+      if (l.contains(i, j, k)) w.offer(l.index(i, j, k), {i * s.x, j * s.y, k * s.z}, id);
     }
   };
   for (int k = 0; k + 1 < l.size[2]; ++k)
     for (int j = 0; j + 1 < l.size[1]; ++j)
       for (int i = 0; i + 1 < l.size[0]; ++i) {
+        int inside = 0;
+        for (int corner = 0; corner < 8; ++corner)
+          inside += field.at(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2)) > 0;
+        if (inside == 0 || inside == 8) continue;
         Vec3 crossing[12], middle;
         int n = 0;
         for (int axis = 0; axis < 3; ++axis)
