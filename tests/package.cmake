@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 if(TARGET manual)
-add_test(NAME program.deb COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/deb.sh)
-set_tests_properties(program.deb PROPERTIES TIMEOUT 900 SKIP_RETURN_CODE 77
-  ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};BUILD=${PROJECT_BINARY_DIR}")
+foreach(which deb:0 Long_deb:1)
+string(REPLACE ":" ";" which ${which})
+list(GET which 0 name)
+list(GET which 1 long)
+add_test(NAME program.${name} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/deb.sh)
+set_tests_properties(program.${name} PROPERTIES TIMEOUT 1800 SKIP_RETURN_CODE 77
+  ENVIRONMENT "LONG=${long};TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};BUILD=${PROJECT_BINARY_DIR}")
+endforeach()
 endif()

@@ -60,12 +60,12 @@ done
 chmod -R a-w "$root"
 cd "$work"
 clean=(env -i "PATH=$root/usr/bin:/usr/bin:/bin" "HOME=$work")
-"${clean[@]}" trephine run "$root/usr/share/trephine/configs/sample.yaml" --out "$work/library" --no-pictures --quiet
+"${clean[@]}" trephine run "$root/usr/share/trephine/configs/sample.yaml" --out "$work/library" --no-pictures --quiet "${coarse[@]}"
 "${clean[@]}" trephine-sim check "$work/library/sample" >"$work/said" || fail "trephine-sim check"
 grep -q ventricles "$work/said" || { cat "$work/said"; fail "the sample's ventricles are missing"; }
 # A user's own case; the sample's stages are in the library's cache.
 "${clean[@]}" trephine run "$root/usr/share/trephine/configs/ct_head.yaml" --series "$root/usr/share/trephine/sample_dicom" \
-  --case own --out "$work/library" --no-pictures --quiet
+  --case own --out "$work/library" --no-pictures --quiet "${coarse[@]}"
 "${clean[@]}" trephine-sim check "$work/library/own" >"$work/said" || fail "trephine-sim check"
 cmp <(cd "$work/library/sample" && ls meshes haptic*) <(cd "$work/library/own" && ls meshes haptic*) || fail "own case"
 

@@ -6,5 +6,5 @@ set -euo pipefail
 : "${TREPHINE:?}"
 rm -rf "$1"
 "$TREPHINE" phantom "$1" --level clinical --seed 5 --columns-count 120 --rows-count 120 --field-of-view-mm 240 --slices-count 90 \
-  --slice-step-mm 2 --slice-thickness-mm 2 --mesh-step-mm 0 --no-labels --encoding none --second-scan mr --second-voxel-mm 2 \
+  --slice-step-mm 2 --slice-thickness-mm 2 --mesh-step-mm 0 --subvoxel-mm 1 --no-labels --encoding none --second-scan mr --second-voxel-mm 2 \
   --second-turn-deg=12,-8,15 --second-shift-mm=20,-12,18 --second-noise-ratio 0.04 --quiet

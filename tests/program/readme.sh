@@ -6,7 +6,7 @@
 PATH=$(dirname "$TREPHINE"):$PATH
 cp -r "$SOURCE/configs" "$SOURCE/pipelines" "$SOURCE/sample_dicom" "$SOURCE/trephine.root" "$work"
 # LONG=1: on the scan's own voxels.
-((LONG)) || printf '\nset: {resample.spacing_mm: [2.5, 2.5, 2.5]}\n' >>"$work/configs/ct_head.yaml"
+((LONG)) || printf '\nset: {resample.spacing_mm: [3, 3, 3]}\n' >>"$work/configs/ct_head.yaml"
 mkdir -p "$work/build/release"
 ln -s "$(dirname "$TREPHINE")" "$work/build/release/bin"
 cd "$work"
@@ -26,7 +26,7 @@ case_digest library/head-01 >/dev/null
 # Commands within the text. A small head: that the command works is what counts here.
 sed '/^```sh$/,/^```$/d' "${pages[@]}" | tr '\n' ' ' | grep -oE '`[^`]*trephine [a-zA-Z][^`]*`' | tr -d '`' |
   sort -u >inline.txt
-small=(--columns-count 64 --rows-count 64 --slices-count 40 --pixel-mm 4 --slice-step-mm 5)
+small=(--columns-count 64 --rows-count 64 --slices-count 40 --pixel-mm 4 --slice-step-mm 5 --subvoxel-mm 2)
 seen=0
 while read -r line; do
   case $line in

@@ -4,7 +4,8 @@
 # chain of single tools in docs/single-tools.md gives the surfaces of `run`, bit for bit. LONG=1: on the scan's own voxels.
 . "$(dirname "$0")/common.sh"
 config=$SOURCE/configs/sample_drilled.yaml
-coarse+=(--set "haptic.spacing_mm=[1.6,1.6,1.6]")
+felt_mm=$( ((LONG)) && echo 1.6,1.6,1.6 || echo 2,2,2)
+coarse+=(--set "haptic.spacing_mm=[$felt_mm]")
 
 "$TREPHINE" run "$config" --out "$work/one" --threads 1 --no-use-cache --quiet --keep "$work/kept" "${coarse[@]}"
 mkdir -p "$work/a folder/ünder"
@@ -32,7 +33,7 @@ cmp skull.vtp kept/skull.normals.vtp || fail "the chain's skull differs from run
 cmp drilled.vtp kept/skull.boolean.vtp || fail "the chain's drilled skull differs from run's"
 shapes=()
 for a in ventricles brain skull skin; do shapes+=(--shape "$a=kept/$a.contour.vtp"); done
-"$TREPHINE" voxelize head.nrrd "${shapes[@]}" --shapes skin:clear_of=brain,clear_mm=5 --region-of brain --margin-mm 25 --spacing-mm 1.6,1.6,1.6 \
+"$TREPHINE" voxelize head.nrrd "${shapes[@]}" --shapes skin:clear_of=brain,clear_mm=5 --region-of brain --margin-mm 25 --spacing-mm $felt_mm \
   --cutters hole.json --drill skull --drill skin:widen_mm=6 --output felt.nrrd --quiet
 cmp felt.nrrd kept/haptic.voxelize.nrrd || fail "voxelize alone gives another haptic volume than run"
 "$TREPHINE" boolean felt.nrrd --cutters hole.json --shape skull --output twice.nrrd --quiet
