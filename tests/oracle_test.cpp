@@ -20,6 +20,7 @@
 #include "itk/registration.h"
 #include "mask/bits.h"
 #include "mask/filters.h"
+#include "oracle_image_io.h"
 #include "scratch_folder.h"
 
 using namespace trephine;
@@ -214,22 +215,6 @@ TEST(Oracle, ItkReadsOurNrrd) {
   for (const NrrdEncoding encoding : {NrrdEncoding::raw, NrrdEncoding::gzip}) {
     const auto file = folder.path() / "f.nrrd";
     write_nrrd(file, Field(g), {}, encoding);
-    auto io = itk::NrrdImageIO::New();
-    io->SetFileName(file.string());
-    ASSERT_TRUE(io->CanReadFile(file.c_str()));
-    io->ReadImageInformation();
-    itk::ImageIORegion region(3);
-    for (unsigned a = 0; a < 3; ++a) {
-      region.SetSize(a, io->GetDimensions(a));
-      EXPECT_EQ(io->GetDimensions(a), static_cast<unsigned>(g.size[a]));
-      EXPECT_NEAR(io->GetSpacing(a), g.spacing_mm[static_cast<int>(a)], 1e-12);
-      EXPECT_NEAR(io->GetOrigin(a), g.origin_mm[static_cast<int>(a)], 1e-12);
-      for (unsigned b = 0; b < 3; ++b)
-        EXPECT_NEAR(io->GetDirection(a)[b], g.direction.column[a][static_cast<int>(b)], 1e-12);
-    }
-    io->SetIORegion(region);
-    std::vector<float> voxels(g.voxels.size());
-    io->Read(voxels.data());
-    EXPECT_EQ(voxels, g.voxels);
+    expect_itk_reads<itk::NrrdImageIO>(file, g, 1e-12);
   }
 }

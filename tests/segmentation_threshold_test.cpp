@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "field_deviation.h"
 #include "segmentation_samples.h"
 
 namespace trephine {
@@ -22,42 +23,6 @@ double blurred_ball(double r, double R, double sigma) {
              (std::exp(-(R - r) * (R - r) / (a * a)) - std::exp(-(R + r) * (R + r) / (a * a)));
 }
 
-/// Calls f(world position) for each crossing of the field along its lattice's edges.
-template <class F>
-void for_crossings(const Field& field, F&& f) {
-  for (int k = 0; k < field.size[2]; ++k)
-    for (int j = 0; j < field.size[1]; ++j)
-      for (int i = 0; i < field.size[0]; ++i)
-        for (int a = 0; a < 3; ++a) {
-          const int n[3] = {i + (a == 0), j + (a == 1), k + (a == 2)};
-          if (!field.contains(n[0], n[1], n[2])) continue;
-          const double u = field.at(i, j, k), v = field.at(n[0], n[1], n[2]);
-          if ((u > 0) == (v > 0)) continue;
-          Vec3 p{double(i), double(j), double(k)};
-          p[a] += u / (u - v);
-          f(field.to_world_mm(p));
-        }
-}
-struct Deviation {
-  double mean = 0, rms = 0, max = 0;
-  int count = 0;
-};
-
-template <class Distance>
-Deviation deviation(const Field& field, Distance&& distance) {
-  Deviation d;
-  for_crossings(field, [&](Vec3 p) {
-    const double e = distance(p);
-    d.mean += e;
-    d.rms += e * e;
-    d.max = std::max(d.max, std::abs(e));
-    ++d.count;
-  });
-  d.mean /= d.count;
-  d.rms = std::sqrt(d.rms / d.count);
-  return d;
-}
-
 TEST(SegmentThreshold, ABlurredSphereLiesWherePartialVolumeSays) {
   const double R = 9.3, sigma = 0.5;
   const Vec3 centre{0.13, -0.21, 0.37};
@@ -66,8 +31,8 @@ TEST(SegmentThreshold, ABlurredSphereLiesWherePartialVolumeSays) {
   p.lower_hu = -480;
   // Where a ball's blurred image is at half its height: within it by sigma^2 / R.
   const double radius = R - sigma * sigma / R;
-  const auto d =
-      deviation(run(rounded(sampled(lattice(60, 60, 32), hu)), p), [&](Vec3 x) { return norm(x - centre) - radius; });
+  const auto d = field_deviation(run(rounded(sampled(lattice(60, 60, 32), hu)), p),
+                                 [&](Vec3 x) { return norm(x - centre) - radius; });
   EXPECT_LT(std::abs(d.mean), 0.01);  // a twentieth of the smaller voxel side
   EXPECT_LT(d.rms, 0.05);
   EXPECT_LT(d.max, 0.15);
@@ -83,9 +48,9 @@ TEST(SegmentThreshold, HalfMaximumUndoesTheBiasOfALowThresholdAndKeepsThinBone) 
   p.lower_hu = 226;
   const HuVolume volume = rounded(sampled(lattice(76, 76, 38), thick));
   const auto off = [](Vec3 x) { return std::abs(norm(x) - 12) - 2; };
-  const auto fixed = deviation(run(volume, p), off);
+  const auto fixed = field_deviation(run(volume, p), off);
   p.edge = SegmentEdge::half_maximum;
-  const auto half = deviation(run(volume, p), off);
+  const auto half = field_deviation(run(volume, p), off);
   EXPECT_GT(fixed.mean, 0.3) << "what the half maximum is for";
   EXPECT_LT(std::abs(half.mean), 0.05);
   EXPECT_LT(half.rms, 0.08);
@@ -147,7 +112,8 @@ TEST(SegmentThreshold, FilledBoneKeepsItsOuterSurface) {
   p.edge = SegmentEdge::half_maximum;
   p.fill = SegmentFill::cavities;
   p.fill_close_mm = 2;
-  const auto d = deviation(run(rounded(sampled(lattice(70, 70, 36), hu)), p), [&](Vec3 x) { return norm(x) - 13; });
+  const auto d =
+      field_deviation(run(rounded(sampled(lattice(70, 70, 36), hu)), p), [&](Vec3 x) { return norm(x) - 13; });
   EXPECT_LT(std::abs(d.mean), 0.08);
   EXPECT_LT(d.max, 0.4) << "no crossing inside";
 }
@@ -215,7 +181,7 @@ TEST(SegmentThreshold, GrowMovesTheSurfaceByMillimetres) {
   const HuVolume volume = sampled(lattice(64, 64, 32), hu);
   for (double grow : {-2.0, 1.5, 3.0}) {
     p.grow_mm = grow;
-    const auto d = deviation(run(volume, p), [&](Vec3 x) { return norm(x) - 8 - grow; });
+    const auto d = field_deviation(run(volume, p), [&](Vec3 x) { return norm(x) - 8 - grow; });
     EXPECT_LT(std::abs(d.mean), 0.1) << grow;
     EXPECT_LT(d.max, 0.25) << grow;
   }
@@ -235,7 +201,7 @@ TEST(SegmentThreshold, SmoothingTakesNoiseAway) {
   p.lower_hu = 19;
   p.components = SegmentComponents::largest;
   p.smoothing_sigma_mm = 1;
-  const auto d = deviation(run(sampled(lattice(60, 60, 30), hu), p), [](Vec3 x) { return norm(x) - 8; });
+  const auto d = field_deviation(run(sampled(lattice(60, 60, 30), hu), p), [](Vec3 x) { return norm(x) - 8; });
   EXPECT_LT(std::abs(d.mean), 0.15);
   EXPECT_LT(d.rms, 0.4);
 }

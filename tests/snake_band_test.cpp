@@ -26,7 +26,7 @@ TEST(SnakeBand, TheStartBecomesADistanceAndStaysInPlace) {
   none.max_iterations_count = 0;
   const BandRun run = evolve_band(phi, phi, none, {});
   EXPECT_EQ(run.iterations, 0);
-  const Deviation d = deviation(phi, [](Vec3 p) { return norm(p) - 10; });
+  const FieldDeviation d = field_deviation(phi, [](Vec3 p) { return norm(p) - 10; });
   EXPECT_LT(d.max, 0.06);
   double worst = 0;
   for (int k = 0; k < l.size[2]; ++k)
@@ -51,7 +51,7 @@ TEST(SnakeBand, AFrontMovesAtItsSpeed) {
       p.max_iterations_count = 24;
       const BandRun run = evolve_band(g, phi, p, {});
       const double radius = 8 + speed * run.time;
-      const Deviation d = deviation(phi, [&](Vec3 x) { return norm(x - centre) - radius; });
+      const FieldDeviation d = field_deviation(phi, [&](Vec3 x) { return norm(x - centre) - radius; });
       // First order upwind: some per cent of the way, less on the way out.
       EXPECT_LT(std::abs(d.mean), (speed > 0 ? 0.025 : 0.06) * std::abs(speed) * run.time) << speed << " " << spacing.z;
       EXPECT_LT(d.max, 0.4 * spacing.z) << speed;
@@ -78,7 +78,7 @@ TEST(SnakeBand, CurvatureFlowFollowsTheLawOfABall) {
       phi = ball(l, 9);
       const BandRun run = evolve_band(phi, phi, p, {});
       const double radius = std::sqrt(81 - 4 * weight * run.time);
-      const Deviation d = deviation(phi, [&](Vec3 x) { return norm(x - centre) - radius; });
+      const FieldDeviation d = field_deviation(phi, [&](Vec3 x) { return norm(x - centre) - radius; });
       EXPECT_LT(std::abs(d.mean), c.share * (9 - radius)) << c.spacing.z << " " << weight;
     }
 }

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/report.h"
+#include "field_deviation.h"
 #include "grid/grid.h"
 #include "random.h"
 #include "sampled_grid.h"
@@ -32,35 +33,6 @@ class Noise {
  private:
   Random random_;
 };
-
-struct Deviation {
-  double mean = 0, rms = 0, max = 0;
-  int count = 0;
-};
-/// distance(world) at each crossing of the field along its lattice's edges.
-template <class Distance>
-Deviation deviation(const Field& field, Distance&& distance) {
-  Deviation d;
-  for (int k = 0; k < field.size[2]; ++k)
-    for (int j = 0; j < field.size[1]; ++j)
-      for (int i = 0; i < field.size[0]; ++i)
-        for (int a = 0; a < 3; ++a) {
-          const int n[3] = {i + (a == 0), j + (a == 1), k + (a == 2)};
-          if (!field.contains(n[0], n[1], n[2])) continue;
-          const double u = field.at(i, j, k), v = field.at(n[0], n[1], n[2]);
-          if ((u > 0) == (v > 0)) continue;
-          Vec3 p{double(i), double(j), double(k)};
-          p[a] += u / (u - v);
-          const double e = distance(field.to_world_mm(p));
-          d.mean += e;
-          d.rms += e * e;
-          d.max = std::max(d.max, std::abs(e));
-          ++d.count;
-        }
-  d.mean /= d.count;
-  d.rms = std::sqrt(d.rms / d.count);
-  return d;
-}
 
 inline std::size_t inside(const Field& f) {
   return std::size_t(std::count_if(f.voxels.begin(), f.voxels.end(), [](float v) { return v > 0; }));

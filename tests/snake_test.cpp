@@ -22,7 +22,7 @@ TEST(Snake, ABubbleGrowsToTheEdgeOfABall) {
     p.curvature = 0;
     const Evolved r = run(ball_speed(lattice({40, 40, 50}, spacing), radius), p);
     EXPECT_EQ(stopped_by(r), "converged");
-    const Deviation d = deviation(r.field, [&](Vec3 x) { return norm(x - centre) - radius; });
+    const FieldDeviation d = field_deviation(r.field, [&](Vec3 x) { return norm(x - centre) - radius; });
     // Between slices 5 mm apart the speed itself knows no better.
     const double slack = spacing.z == 5 ? 0.15 : 0.05;
     EXPECT_LT(std::abs(d.mean), slack * spacing.x + (spacing.z == 5 ? 0.02 : 0));
@@ -41,7 +41,7 @@ TEST(Snake, CurvatureDrawsABallInByTheBalanceOfForces) {
   p.curvature = weight;
   p.min_change_mm = 0.0002;
   const Evolved r = run(ball_speed(lattice({26, 26, 26}, {0.5, 0.5, 0.5}), radius), p);
-  const Deviation d = deviation(r.field, [&](Vec3 x) { return norm(x - centre) - rest; });
+  const FieldDeviation d = field_deviation(r.field, [&](Vec3 x) { return norm(x - centre) - rest; });
   EXPECT_LT(std::abs(d.mean), 0.02) << rest;
   EXPECT_LT(d.max, 0.06);
 }
@@ -67,7 +67,7 @@ TEST(Snake, NoiseAndBlurLeaveAnEllipsoidAndACapsuleWithinAFractionOfAVoxel) {
         l, [&](Vec3 x) { return 20 - 12 * std::erf(distance(x) / (std::sqrt(2.0) * 0.6)) + 8 * noise.gaussian(); });
     Report report;
     const Evolved r = run(presegment(volume, {}, window, report), p);
-    const Deviation d = deviation(r.field, [&](Vec3 x) { return -distance(x); });
+    const FieldDeviation d = field_deviation(r.field, [&](Vec3 x) { return -distance(x); });
     EXPECT_LT(std::abs(d.mean), bias);
     EXPECT_LT(d.rms, rms);
     EXPECT_LT(d.max, 1.8) << "no piece elsewhere";
@@ -100,7 +100,7 @@ TEST(Snake, AGeodesicSnakeRestsWhereItsForcesBalance) {
     for (const char* bubble : {"0,0,0,5", "1,0,0,7"}) {
       p.bubbles = bubble;
       const Evolved r = run(speed, p);
-      const Deviation d = deviation(r.field, [&](Vec3 x) { return norm(x - centre) - rest; });
+      const FieldDeviation d = field_deviation(r.field, [&](Vec3 x) { return norm(x - centre) - rest; });
       EXPECT_LT(std::abs(d.mean), 0.15) << bubble << " " << kappa << " " << rest;
       EXPECT_LT(d.rms, 0.2) << bubble << " " << kappa;
     }
@@ -142,7 +142,7 @@ TEST(Snake, StaysWithinAndWithoutToAFractionOfAVoxel) {
   p.bubbles = "0,0,0,4";
   const Evolved r = run(speed, p, {nullptr, &within, &without});
   double most_x = 0, most_y = -100;
-  deviation(r.field, [&](Vec3 x) {
+  field_deviation(r.field, [&](Vec3 x) {
     most_x = std::max(most_x, std::abs(x.x));
     most_y = std::max(most_y, x.y);
     return 0;
@@ -163,7 +163,7 @@ TEST(Snake, BubblesArePlacedWhereThereIsRoom) {
   SnakeParams p;
   p.bubbles_count = 2;
   const Evolved both = run(speed, p);
-  const Deviation d = deviation(both.field, [&](Vec3 x) { return -two(x); });
+  const FieldDeviation d = field_deviation(both.field, [&](Vec3 x) { return -two(x); });
   EXPECT_LT(std::abs(d.mean), 0.1);
   // Where they were placed can be given again; the balls do not touch.
   const auto again = parse_bubbles(std::get<std::string>(*both.report.find("bubbles")));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "segmentation/segment.h"
+#include "head/tissue_params.h"
 
 namespace trephine {
 
@@ -20,18 +20,11 @@ struct VentriclesParams {
     using P = VentriclesParams;
     v.number(&P::lower_hu, "lower_hu", Range{-100000, 100000}, "Lowest HU of CSF.");
     v.number(&P::upper_hu, "upper_hu", Range{-100000, 100000}, "The edge between CSF and white matter, HU.");
-    v.choice(&P::edge, "edge", {{"fixed", SegmentEdge::fixed}, {"half_maximum", SegmentEdge::half_maximum}},
-             "Where the surface lies. fixed: at the given HU. half_maximum: the given HU are for a scan whose brain is "
-             "at 30, and are shifted with this scan's brain.");
-    v.number(&P::smoothing_sigma_mm, "smoothing_sigma_mm", Range{0, 5},
-             "Sigma of a Gaussian against noise, in addition to the denoising that is always done.");
-    v.numbers(&P::roi_min_mm, "roi_min_mm", Range{-1e6, 1e6}, "Lower corner of the region of interest, LPS.");
-    v.numbers(&P::roi_max_mm, "roi_max_mm", Range{-1e6, 1e6}, "Upper corner of the region of interest, LPS.");
+    describe_tissue<P>(v);
     v.number(&P::close_mm, "close_mm", Range{0, 30}, "Gaps narrower than twice this are closed.");
     v.number(&P::fill_close_mm, "fill_close_mm", Range{0, 30},
              "Also fill cavities (choroid plexus) whose outlets are narrower than twice this.");
-    v.number(&P::grow_mm, "grow_mm", Range{-20, 20},
-             "Moves the surface outwards (inwards, if negative) by this distance at the end; the field is then in mm.");
+    describe_grow<P>(v);
   }
 };
 

@@ -294,7 +294,7 @@ Preview preview_stage(const PreviewRequest& request, RunObserver& observer) {
   options.cancel = &cancel_requested();
   options.allow_external = request.params.allow_external;
   const std::vector<NodeResult> results = execute(graph, wanted, options, observer);
-  require_modalities(config, graph, [&](int node) -> const Report& { return results[std::size_t(node)].report; });
+  require_modalities(config, graph, results);
   const NodeResult &drawn = results[std::size_t(wanted[0])], &scan = results[std::size_t(wanted[1])];
   Preview out = draw_preview(request.params.stage, drawn.data,
                              std::get<std::shared_ptr<const HuVolume>>(scan.data).get(), request.params, cancelled);

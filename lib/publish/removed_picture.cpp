@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "mask/inside_box.h"
 #include "picture/slice.h"
 #include "publish/case_pictures.h"
 
@@ -37,21 +38,6 @@ Field lost(const HuVolume& before, const HuVolume& after) {
   return out;
 }
 
-Box box_of_positive(const Field& field) {
-  Box box{field.size, {0, 0, 0}};
-  for (int k = 0; k < field.size[2]; ++k)
-    for (int j = 0; j < field.size[1]; ++j)
-      for (int i = 0; i < field.size[0]; ++i) {
-        if (!(field.at(i, j, k) > 0)) continue;
-        const int at[3] = {i, j, k};
-        for (int a = 0; a < 3; ++a) {
-          box.begin[a] = std::min(box.begin[a], at[a]);
-          box.end[a] = std::max(box.end[a], at[a] + 1);
-        }
-      }
-  return box;
-}
-
 }  // namespace
 
 std::optional<CasePicture> make_removed_picture(const HuVolume& before, const HuVolume& after, const std::string& name,
@@ -61,7 +47,7 @@ std::optional<CasePicture> make_removed_picture(const HuVolume& before, const Hu
   const Field missing = lost(before, after);
   const auto count = std::count_if(missing.voxels.begin(), missing.voxels.end(), [](float v) { return v > 0; });
   if (double(count) * missing.voxel_volume_mm3() / 1000 < least_ml) return {};
-  const Box box = box_of_positive(missing);
+  const Box box = inside_box(missing);
   std::vector<Image> images(cells);
   parallel_for(0, cells, 1, [&](std::int64_t from, std::int64_t to) {
     for (auto i = from; i < to; ++i) {

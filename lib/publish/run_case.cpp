@@ -338,8 +338,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
       for (bool complete = false; !complete;) try {
           run.results = execute(run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page),
                                 execution, early);
-          require_modalities(run.config, run.graph,
-                             [&](int node) -> const Report& { return run.results[std::size_t(node)].report; });
+          require_modalities(run.config, run.graph, run.results);
           publishing_began = Clock::now();
           observer.publishing();
           content = make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version,

@@ -60,4 +60,8 @@ void require_modalities(const CaseConfig& config, const Graph& graph,
   }
 }
 
+void require_modalities(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results) {
+  require_modalities(config, graph, [&](int node) -> const Report& { return results[std::size_t(node)].report; });
+}
+
 }  // namespace trephine

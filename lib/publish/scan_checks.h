@@ -23,5 +23,7 @@ std::vector<std::string> require_one_patient(const CaseConfig& config, const std
 /// every scan that the graph reads. Throws Error 65.
 void require_modalities(const CaseConfig& config, const Graph& graph,
                         const std::function<const Report&(int node)>& report_of);
+/// The reports are those of the graph's nodes.
+void require_modalities(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results);
 
 }  // namespace trephine

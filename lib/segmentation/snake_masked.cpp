@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "base/refusal.h"
 #include "mask/bits.h"
+#include "mask/inside_box.h"
 #include "segmentation/bubbles.h"
 #include "segmentation/snake.h"
 #include "segmentation/snake_band.h"
@@ -130,25 +131,13 @@ Field snake(const Field& speed, const SnakeMasks& masks, const SnakeParams& para
   Field field = evolve_snake(held, start, params, evolved, progress.part(0.1, 0.95));
   for_allowed(field, masks, [&](std::size_t v, float depth) { field.voxels[v] = std::min(field.voxels[v], depth); });
 
-  std::size_t inside = 0;
-  Box box{field.size, {0, 0, 0}};
-  for (int k = 0; k < field.size[2]; ++k)
-    for (int j = 0; j < field.size[1]; ++j)
-      for (int i = 0; i < field.size[0]; ++i) {
-        if (!(field.at(i, j, k) > 0)) continue;
-        const int at[3] = {i, j, k};
-        for (int a = 0; a < 3; ++a) {
-          box.begin[a] = std::min(box.begin[a], at[a]);
-          box.end[a] = std::max(box.end[a], at[a] + 1);
-        }
-        ++inside;
-      }
+  const InsideBox box = inside_box(field);
   for (auto& [name, value] : evolved.figures) {
-    if (name == "volume_ml") value = double(inside) * speed.voxel_volume_mm3() / 1000;
+    if (name == "volume_ml") value = double(box.count) * speed.voxel_volume_mm3() / 1000;
     report.figures.emplace_back(name, value);
   }
   for (const std::string& w : evolved.warnings) report.warn(w);
-  if (inside == 0)
+  if (box.count == 0)
     throw refusal("within, without", "nothing of the surface lies where they allow",
                   {"give a larger `within` or a smaller `without`, or begin elsewhere with `start` or `bubbles`"});
   field = crop(field, grown(box, 2, field));

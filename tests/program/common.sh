@@ -24,6 +24,14 @@ expect() {
   grep -Eq -- "$pattern" "$work/stderr" || { cat "$work/stderr" >&2; fail "stderr does not match '$pattern': $*"; }
 }
 
+# refuses CODE PATTERN COMMAND...: as expect, where warnings precede the line. What it says is in ./said.
+refuses() {
+  local code=$1 pattern=$2 got=0
+  shift 2
+  "$@" >/dev/null 2>said || got=$?
+  [[ $got == "$code" ]] && tail -n 1 said | grep -Eq -- "$pattern" || fail "exit code $got of $*: $(cat said)"
+}
+
 # interrupted COMMAND...: Ctrl-C while it runs, into `code`; stdout and stderr go to $work/said. It is sent once the program listens
 # for it (a background process of a shell ignores it before) and has run a little; a command that ends before that is tried again.
 interrupted() {

@@ -43,14 +43,6 @@ for file, least in zip(sys.argv[1::2], sys.argv[2::2]):
     assert dice > float(least), (file, dice)
 PY
 
-# refused CODE PATTERN COMMAND...: as expect, where warnings precede the line.
-refused() {
-  local code=$1 pattern=$2 got=0
-  shift 2
-  "$@" >/dev/null 2>said || got=$?
-  [[ $got == "$code" ]] && tail -n 1 said | grep -Eq -- "$pattern" || fail "exit code $got of $*: $(cat said)"
-}
-
 # Only what the scene needs: of a skull the MR is neither read nor registered, so it need not be there.
 sed 's/scene: .*/scene: scenes\/skull.yaml/; s/case: .*/case: bone/' root/configs/both.yaml >root/configs/bone.yaml
 "$TREPHINE" run root/configs/bone.yaml --series head/dicom --out out --explain >said || fail "explain"
@@ -72,7 +64,7 @@ grep -q 'mr.register: the transform was given' said || fail "not said: $(cat sai
 grep -q '"mr.register.given": "sha256 ' out/given/case.json || fail "not recorded"
 # One that leads out of the scan is refused.
 sed 's/^Parameters: .*/Parameters: 1 0 0 0 1 0 0 0 1 0 0 400/' head/second/truth.tfm >root/configs/truth.tfm
-refused 80 'the registration is doubtful: 0.00 of the CT' "$TREPHINE" run root/configs/given.yaml --series head/dicom \
+refuses 80 'the registration is doubtful: 0.00 of the CT' "$TREPHINE" run root/configs/given.yaml --series head/dicom \
   --scan mr=head/second/scan.nrrd --out out2 --quiet --no-pictures --no-page
 
 # The face of a further scan is not taken off, so its skin is not published.
@@ -87,7 +79,7 @@ print("trephine: 1\ncase: mr-skin\npipeline: ../pipelines/mr_skin.yaml\nscene: m
 print("scans:\n  mr: {modality: mr, register: {given: truth.tfm}}")
 print("landmarks:", json.dumps({name: marks[name] for name in ("nasion", "tragus_left", "tragus_right")}))
 PY
-refused 81 'mr_skin: shows the patient.s face' "$TREPHINE" run root/configs/mr_skin.yaml --series head/dicom \
+refuses 81 'mr_skin: shows the patient.s face' "$TREPHINE" run root/configs/mr_skin.yaml --series head/dicom \
   --scan mr=head/second/scan.nrrd --out out3 --quiet --no-pictures --no-page
 
 # What is wrong is told where it stands.
@@ -113,9 +105,9 @@ hole=("$TREPHINE" burrhole skull.vtp "${points[@]}" --zone zone=zone.vtp --outpu
 "${hole[@]}" --avoid zone=10 --report hole.r.json 2>said || fail "burrhole: $(cat said)"
 grep -q '"clear_of_zone_mm": [1-9][0-9]' hole.r.json || fail "no distance: $(cat hole.r.json)"
 rm hole.json
-refused 80 'avoid.zone: the trajectory enters the zone by .*move the hole' "${hole[@]}" --toward monro_right --avoid zone=1
+refuses 80 'avoid.zone: the trajectory enters the zone by .*move the hole' "${hole[@]}" --toward monro_right --avoid zone=1
 [[ ! -e hole.json ]] || fail "a refused hole was written"
-refused 64 'avoid: sinus, no zone of that name is given' "${hole[@]}" --avoid sinus=1
+refuses 64 'avoid: sinus, no zone of that name is given' "${hole[@]}" --avoid sinus=1
 
 # A CT is no MR with T1's contrast.
 "$TREPHINE" import head/dicom --output ct.nrrd --quiet
@@ -125,7 +117,7 @@ expect 80 'the contrast is not that of T1|lies outside of the MR' "$TREPHINE" t1
 # A CT series that is said to be an MR; before that its registration would have to pass, so the transform is given.
 printf '#Insight Transform File V1.0\nTransform: AffineTransform_double_3_3\nParameters: 1 0 0 0 1 0 0 0 1 0 0 0\nFixedParameters: 0 0 0\n' \
   >root/configs/truth.tfm
-refused 65 'scans.mr.modality: is mr, and the series is CT' "$TREPHINE" run root/configs/given.yaml --series head/dicom \
+refuses 65 'scans.mr.modality: is mr, and the series is CT' "$TREPHINE" run root/configs/given.yaml --series head/dicom \
   --scan mr=head/dicom --out out4 --quiet --no-pictures --no-page
 
 # Another patient's scan: their PatientID differs, and it appears nowhere.
@@ -140,14 +132,14 @@ for name in sys.argv[1:]:
 PY
 sed 's/modality: mr,/modality: ct,/; s/case: .*/case: both/' root/configs/given.yaml >root/configs/patients.yaml
 patients() { "$TREPHINE" run root/configs/patients.yaml --series head/dicom --scan mr=other --out out5 --quiet --no-pictures --no-page; }
-refused 65 'scans.mr: has another PatientID' patients
+refuses 65 'scans.mr: has another PatientID' patients
 ! grep -q SOMEONE said || fail "the PatientID is told: $(cat said)"
-refused 65 'scans.mr: has another PatientID' "$TREPHINE" preview root/configs/patients.yaml --series head/dicom --scan mr=other \
+refuses 65 'scans.mr: has another PatientID' "$TREPHINE" preview root/configs/patients.yaml --series head/dicom --scan mr=other \
   --stage bone.segment --output p.png --quiet
 printf 'trephine: 1\nfinest: {"*.decimate.target_triangles_count": 0}\nsweeps: {a: {values: {"*.decimate.max_deviation_mm": [0.3]}}}\n' \
   >root/configs/plan.yaml
 sed 's/modality: ct,/modality: ct, series: ..\/..\/other,/' root/configs/patients.yaml >root/configs/patients2.yaml
-refused 65 'scans.mr: has another PatientID' "$TREPHINE" trade root/configs/patients2.yaml --root . --series head/dicom \
+refuses 65 'scans.mr: has another PatientID' "$TREPHINE" trade root/configs/patients2.yaml --root . --series head/dicom \
   --plan root/configs/plan.yaml --out swept --quiet
 [[ ! -e p.png ]] || fail "a picture of two patients"
 # With a reason it is used; the reason is recorded, and no ID.
