@@ -51,6 +51,13 @@ std::string descending_limit(const std::vector<std::pair<const char*, double>>& 
   return "";
 }
 
+std::string TimeRubric::fault() const {
+  return descending_limit({{"ideal_s", ideal_s.limit},
+                           {"good_s", good_s.limit},
+                           {"acceptable_s", acceptable_s.limit},
+                           {"allotted_s", allotted_s.limit}});
+}
+
 const RubricType& rubric_type(const std::string& module) {
   std::string known;
   for (const RubricType& t : rubric_types()) {

@@ -32,6 +32,20 @@ struct RubricLimit {
   }
 };
 
+/// "Time to complete procedure".
+struct TimeRubric {
+  RubricLimit ideal_s, good_s, acceptable_s, allotted_s;
+  template <class V>
+  static void describe(V& v) {
+    using P = TimeRubric;
+    v.group(&P::ideal_s, "ideal_s", "Less than this scores 5.").is_required();
+    v.group(&P::good_s, "good_s", "Less than this scores 4.").is_required();
+    v.group(&P::acceptable_s, "acceptable_s", "Up to this scores 3.").is_required();
+    v.group(&P::allotted_s, "allotted_s", "Up to this scores 2, beyond it 1.").is_required();
+  }
+  std::string fault() const;
+};
+
 /// The name of the first limit that is below the one before it, as a struct's fault() says it; "" where they ascend.
 std::string descending_limit(const std::vector<std::pair<const char*, double>>& limits);
 

@@ -15,13 +15,6 @@ std::string PassesRubric::fault() const {
   return descending_limit(
       {{"ideal_count", ideal_count.limit}, {"good_count", good_count.limit}, {"most_count", most_count.limit}});
 }
-std::string LineTimeRubric::fault() const {
-  return descending_limit({{"ideal_s", ideal_s.limit},
-                           {"good_s", good_s.limit},
-                           {"acceptable_s", acceptable_s.limit},
-                           {"allotted_s", allotted_s.limit}});
-}
-
 RubricType subclavian_rubric() {
   return {"subclavian", [] { return AnyParams::make<SubclavianRubric>(); }};
 }

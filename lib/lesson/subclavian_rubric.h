@@ -43,20 +43,6 @@ struct PassesRubric {
   std::string fault() const;
 };
 
-/// "Time to complete procedure".
-struct LineTimeRubric {
-  RubricLimit ideal_s, good_s, acceptable_s, allotted_s;
-  template <class V>
-  static void describe(V& v) {
-    using P = LineTimeRubric;
-    v.group(&P::ideal_s, "ideal_s", "Less than this scores 5.").is_required();
-    v.group(&P::good_s, "good_s", "Less than this scores 4.").is_required();
-    v.group(&P::acceptable_s, "acceptable_s", "Up to this scores 3.").is_required();
-    v.group(&P::allotted_s, "allotted_s", "Up to this scores 2; beyond it 1, and the needle is red.").is_required();
-  }
-  std::string fault() const;
-};
-
 /// The subclavian central line [Rizzi, chapter 7.3]. The rows vein, artery, and pleura and lung have no limits: blood
 /// was drawn or not, a structure was entered or not.
 struct SubclavianRubric {
@@ -64,7 +50,7 @@ struct SubclavianRubric {
   PunctureRubric puncture;
   NotchRubric direction;
   PassesRubric passes;
-  LineTimeRubric time;
+  TimeRubric time;
   template <class V>
   static void describe(V& v) {
     using P = SubclavianRubric;
@@ -72,7 +58,7 @@ struct SubclavianRubric {
     v.group(&P::puncture, "puncture", "Puncture of the skin.").is_required();
     v.group(&P::direction, "direction", "Direction of the needle.").is_required();
     v.group(&P::passes, "passes", "Needle passes.").is_required();
-    v.group(&P::time, "time", "Time to complete procedure.").is_required();
+    v.group(&P::time, "time", "Time to complete procedure; beyond the time allotted the needle is red.").is_required();
   }
 };
 

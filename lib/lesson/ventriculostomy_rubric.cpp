@@ -27,13 +27,6 @@ std::string DepthRubric::fault() const {
 std::string TipRubric::fault() const {
   return descending_limit({{"foramen_mm", foramen_mm.limit}, {"near_mm", near_mm.limit}});
 }
-std::string TimeRubric::fault() const {
-  return descending_limit({{"ideal_s", ideal_s.limit},
-                           {"good_s", good_s.limit},
-                           {"acceptable_s", acceptable_s.limit},
-                           {"allotted_s", allotted_s.limit}});
-}
-
 RubricType ventriculostomy_rubric() {
   return {"ventriculostomy", [] { return AnyParams::make<VentriculostomyRubric>(); }};
 }

@@ -112,20 +112,6 @@ struct TipRubric {
   std::string fault() const;
 };
 
-/// "Time to complete procedure".
-struct TimeRubric {
-  RubricLimit ideal_s, good_s, acceptable_s, allotted_s;
-  template <class V>
-  static void describe(V& v) {
-    using P = TimeRubric;
-    v.group(&P::ideal_s, "ideal_s", "Less than this scores 5.").is_required();
-    v.group(&P::good_s, "good_s", "Less than this scores 4.").is_required();
-    v.group(&P::acceptable_s, "acceptable_s", "Up to this scores 3.").is_required();
-    v.group(&P::allotted_s, "allotted_s", "Up to this scores 2, beyond it 1.").is_required();
-  }
-  std::string fault() const;
-};
-
 /// Table XIII of the dissertation.
 struct VentriculostomyRubric {
   std::string module;

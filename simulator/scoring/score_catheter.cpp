@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scoring/score_parts.h"
+#include "scoring/time_row.h"
 #include "voxel/decode.h"
 
 namespace trephine::detail {
@@ -185,23 +186,7 @@ ScoreRow score_tip(const Scoring& s) {
 }
 
 ScoreRow score_time(const Scoring& s) {
-  const TimeRubric& r = s.rubric.time;
-  const double time = s.facts.procedure_s();
-  ScoreRow row{"time", "Time to complete procedure", 1, "", {{"procedure_s", time}}, {}, s.facts.end_s};
-  if (s.facts.paused_s > 0) row.measured.emplace_back("paused_s", s.facts.paused_s);
-  row.limits = {
-      {"ideal_s", r.ideal_s}, {"good_s", r.good_s}, {"acceptable_s", r.acceptable_s}, {"allotted_s", r.allotted_s}};
-  if (s.facts.end != LessonEnd::finished) {
-    row.why = std::string("not completed: ") + name_of(s.facts.end);
-    return row;
-  }
-  row.score = time < r.ideal_s.limit         ? 5
-              : time < r.good_s.limit        ? 4
-              : time <= r.acceptable_s.limit ? 3
-              : time <= r.allotted_s.limit   ? 2
-                                             : 1;
-  row.why = *row.score == 1 ? "not completed in the allotted time" : "completed";
-  return row;
+  return time_row(s.facts, s.rubric.time, s.facts.end == LessonEnd::finished ? "" : name_of(s.facts.end));
 }
 
 }  // namespace trephine::detail

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "scoring/time_row.h"
+
 namespace trephine {
 namespace {
 
@@ -85,22 +87,9 @@ ScoreRow score_passes(const SubclavianFacts& f, const PassesRubric& r) {
   return row;
 }
 
-ScoreRow score_time(const SubclavianFacts& f, const LineTimeRubric& r) {
-  const double time = f.procedure_s();
-  ScoreRow row{"time", "Time to complete procedure", 1, "", {{"procedure_s", time}}, {}, f.end_s};
-  row.limits = {
-      {"ideal_s", r.ideal_s}, {"good_s", r.good_s}, {"acceptable_s", r.acceptable_s}, {"allotted_s", r.allotted_s}};
-  if (f.end != LessonEnd::finished || f.passes.empty()) {
-    row.why = std::string("not completed: ") + (f.passes.empty() ? "the needle entered nothing" : name_of(f.end));
-    return row;
-  }
-  row.score = time < r.ideal_s.limit         ? 5
-              : time < r.good_s.limit        ? 4
-              : time <= r.acceptable_s.limit ? 3
-              : time <= r.allotted_s.limit   ? 2
-                                             : 1;
-  row.why = *row.score == 1 ? "not completed in the allotted time" : "completed";
-  return row;
+ScoreRow score_time(const SubclavianFacts& f, const TimeRubric& r) {
+  if (f.passes.empty()) return time_row(f, r, "the needle entered nothing");
+  return time_row(f, r, f.end == LessonEnd::finished ? "" : name_of(f.end));
 }
 
 double earlier(double a, double b) { return a < 0 ? b : b < 0 ? a : std::min(a, b); }
