@@ -34,21 +34,21 @@ std::string Scoring::critical_at(const CatheterPass& pass, const PassPoint& p) c
     if (shape.number == p.inside)
       for (const char* name : critical_names)
         if (shape.name == name) return name;
-  // Of the third ventricle only its liquor counts: its walls are brain like all else.
-  const bool in_liquor = p.inside == shapes.ventricles;
+  // Of the third ventricle only its liquor counts: its walls are brain like all else. Nor does what lies at the
+  // foramen, to which the catheter goes: a zone's border there is known to some millimetres.
+  const CriticalRubric& r = rubric.critical;
+  const std::optional<Vec3> target = foramen();
+  const bool sure = target && foramen_doubt().empty();
+  const double below = sure ? dot(*target - p.tip_mm, frame.upwards) : r.third_ventricle_below_mm.limit;
+  const bool in_liquor = p.inside == shapes.ventricles && below >= r.third_ventricle_below_mm.limit;
   if (zones.holds("sagittal_sinus", pass.entry_mm) || zones.holds("sagittal_sinus", p.tip_mm)) return "sagittal_sinus";
   if (in_liquor && zones.holds("third_ventricle", p.tip_mm)) return "third_ventricle";
   if (zones.holds("brainstem", p.tip_mm)) return "brainstem";
-  const CriticalRubric& r = rubric.critical;
   if (!zones.has("sagittal_sinus") && std::abs(frame.left_of_midline_mm(pass.entry_mm)) <= r.sinus_mm.limit)
     return "sagittal_sinus";
-  const std::optional<Vec3> target = foramen();
-  if (!target || !foramen_doubt().empty()) return "";  // what is measured from it would be a guess
+  if (!sure) return "";  // what is measured from the foramen would be a guess
   const double side = std::abs(frame.left_of_midline_mm(p.tip_mm));
-  const double below = dot(*target - p.tip_mm, frame.upwards);
-  if (!zones.has("third_ventricle") && in_liquor && side <= r.third_ventricle_mm.limit &&
-      below >= r.third_ventricle_below_mm.limit)
-    return "third_ventricle";
+  if (!zones.has("third_ventricle") && in_liquor && side <= r.third_ventricle_mm.limit) return "third_ventricle";
   if (zones.has("brainstem")) return "";
   return side <= r.brainstem_mm.limit && below >= r.brainstem_below_mm.limit ? "brainstem" : "";
 }
