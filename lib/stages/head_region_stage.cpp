@@ -8,7 +8,7 @@ namespace trephine {
 StageType head_region_stage() {
   StageType s;
   s.name = "head_region";
-  s.version = 1;
+  s.version = 2;
   s.place = StagePlace::scan;
   s.role = StageRole::prepare;
   s.summary = "cuts a scan to the region of the head";

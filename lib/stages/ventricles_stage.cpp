@@ -8,7 +8,7 @@ namespace trephine {
 StageType ventricles_stage() {
   StageType s;
   s.name = "ventricles";
-  s.version = 3;
+  s.version = 4;
   s.typical_s = 5;
   s.summary = "finds the ventricles inside the brain";
   s.description =
