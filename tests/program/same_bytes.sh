@@ -32,8 +32,8 @@ PATH=$(dirname "$TREPHINE"):$PATH bash -euo pipefail chain.sh
 cmp skull.vtp kept/skull.normals.vtp || fail "the chain's skull differs from run's"
 cmp drilled.vtp kept/skull.boolean.vtp || fail "the chain's drilled skull differs from run's"
 shapes=()
-for a in ventricles brain skull skin; do shapes+=(--shape "$a=kept/$a.contour.vtp"); done
-"$TREPHINE" voxelize head.nrrd "${shapes[@]}" --shapes skin:clear_of=brain,clear_mm=5 --region-of brain --margin-mm 25 --spacing-mm $felt_mm \
+for a in ventricles skull dura brain skin; do shapes+=(--shape "$a=kept/$a.contour.vtp"); done
+"$TREPHINE" voxelize head.nrrd "${shapes[@]}" --shapes skin:clear_of=brain,clear_mm=5 --shapes dura:shell_mm=1.6 --region-of brain --margin-mm 25 --spacing-mm $felt_mm \
   --cutters hole.json --drill skull --drill skin:widen_mm=6 --output felt.nrrd --quiet
 cmp felt.nrrd kept/haptic.voxelize.nrrd || fail "voxelize alone gives another haptic volume than run"
 "$TREPHINE" boolean felt.nrrd --cutters hole.json --shape skull --output twice.nrrd --quiet
