@@ -202,6 +202,8 @@ TEST(HapticsTorque, EarlierRecordingsAreRead) {
   blank("max_torque_n_mm");
   blank("turn_stiffness_n_mm_per_rad");
   EXPECT_EQ(read_recording(file).header.force.max_torque_n_mm, ForceParams().max_torque_n_mm);
+  blank("max_step_s");
+  EXPECT_EQ(read_recording(file).header.force.max_step_s, 1);
   blank("clearance_voxels");
   EXPECT_EQ(read_recording(file).header.drilling.clearance_voxels, 0) << "tools were felt as wide as they cut";
   blank("ramp_s");

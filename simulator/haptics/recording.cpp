@@ -26,7 +26,7 @@ constexpr std::size_t fixed_bytes = 16, header_bytes = 8192;
 // Fields that were added later: recordings without them were made before there was such a thing.
 bool is_newer(const std::string& name) {
   for (const char* newer : {"max_torque_n_mm", "turn_stiffness_n_mm_per_rad", "tool_points", "tool_points_sha256",
-                            "pierce_n", "clearance_voxels"})
+                            "pierce_n", "clearance_voxels", "max_step_s"})
     if (name == newer) return true;
   return false;
 }

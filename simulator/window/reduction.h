@@ -13,7 +13,7 @@ namespace trephine {
 /// least: smooth edges and the darkening of creases; grain; triangles far from the tool, which become larger from step
 /// to step (coarse_sizes_mm), or at once where pictures take much too long; the tool's shadow and half of the pixels.
 /// No surface is ever left out. Where pictures are then much quicker than they need to be, the last step is taken back,
-/// at most three times.
+/// at most twice.
 class Reduction {
  public:
   /// `target_ms` 0: nothing is ever left out. `whole`: the view as it is wanted; its coarse_mm, if there is one, is the
