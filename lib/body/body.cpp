@@ -37,17 +37,6 @@ constexpr double most_cavity_ml = 1000;
 
 double ml_of(const BitMask& mask) { return mask.count() * mask.lattice().voxel_volume_mm3() / 1000; }
 
-/// The voxels of the cells that are set.
-BitMask fine_of(const BitMask& cells, const CoarseRaster& raster) {
-  const auto& factor = raster.factor;
-  return make_mask(raster.fine, [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0, c = 0; i < raster.fine.size[0]; ++c) {
-      const std::uint8_t set = cells.get(c, j / factor[1], k / factor[2]);
-      for (const int end = std::min(i + factor[0], raster.fine.size[0]); i < end; ++i) row[i] = set;
-    }
-  });
-}
-
 /// The body's inside, the insides of thick apparatus, and the body with its hollows (eyes, nose and cheek) filled.
 struct Cores {
   BitMask body, others, hull, near;
@@ -64,15 +53,12 @@ Cores cores_of(const BitMask& tissue, const BodyParams& p, const Progress& progr
   others = dilated(others, p.core_mm, progress);
   others &= cells;
   others.remove(body);
-  Cores out{fine_of(body, raster), fine_of(others, raster), fine_of(closed(body, hollow_mm, progress), raster),
-            fine_of(dilated(body, p.reach_mm, progress), raster)};
+  Cores out{fine_mask(body, raster), fine_mask(others, raster), fine_mask(closed(body, hollow_mm, progress), raster),
+            fine_mask(dilated(body, p.reach_mm, progress), raster)};
   out.body &= tissue;
   out.others &= tissue;
   return out;
 }
-
-BitMask without(BitMask a, const BitMask& b) { return a.remove(b); }
-BitMask both(BitMask a, const BitMask& b) { return a &= b; }
 
 /// What of `piece` (apparatus that touches the body) is the body's: what is left of it beside the apparatus' own dense
 /// or thick parts, touches the body, and is as small as an ear; and what lies in the body's hollows. How thick a plate

@@ -26,8 +26,6 @@ constexpr double thick_rise_mm = 2.2;  ///< unless the webs of a mask are wide: 
 constexpr double bone_hu = 250, least_bone_ml = 1, over_bone_mm = 2.5;
 constexpr double rim_mm = 1;  ///< the blurred edge of a strand
 
-BitMask without(BitMask a, const BitMask& b) { return a.remove(b); }
-BitMask both(BitMask a, const BitMask& b) { return a &= b; }
 BitMask opened(const BitMask& mask, double radius_mm, const Progress& progress) {
   return dilated(eroded(mask, radius_mm, progress), radius_mm, progress);
 }
@@ -35,11 +33,7 @@ BitMask opened(const BitMask& mask, double radius_mm, const Progress& progress) 
 /// What lies within reach of the body, to the cell.
 BitMask about(const BitMask& body, const Progress& progress) {
   const CoarseRaster raster = coarse_raster(body.lattice(), reach_mm / 4);
-  const BitMask cells = dilated(coarse_mask(body, raster, 0), reach_mm, progress);
-  return make_mask(body.lattice(), [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < body.lattice().size[0]; ++i)
-      row[i] = cells.get(i / raster.factor[0], j / raster.factor[1], k / raster.factor[2]);
-  });
+  return fine_mask(dilated(coarse_mask(body, raster, 0), reach_mm, progress), raster);
 }
 
 struct Perforated {
@@ -91,10 +85,7 @@ Perforated perforated(const BitMask& sheet, const BitMask& inside, const Progres
 BitMask near_cells(const Perforated& p) {
   BitMask cells = p.cells;
   for (int step = 0; step < cells_reach; ++step) cells = dilated_6(cells);
-  return make_mask(p.raster.fine, [&](int j, int k, std::uint8_t* row) {
-    for (int i = 0; i < p.raster.fine.size[0]; ++i)
-      row[i] = cells.get(i / p.raster.factor[0], j / p.raster.factor[1], k / p.raster.factor[2]);
-  });
+  return fine_mask(cells, p.raster);
 }
 
 }  // namespace

@@ -45,6 +45,10 @@ class BitMask {
   std::vector<std::uint64_t> bits_;
 };
 
+/// The voxels of one that are not, and that are, in the other; both on one lattice.
+inline BitMask without(BitMask a, const BitMask& b) { return a.remove(b); }
+inline BitMask both(BitMask a, const BitMask& b) { return a &= b; }
+
 /// Calls test(j, k, row of flags), which fills one byte for each voxel. It is called in parallel, once for each row.
 BitMask make_mask(const Lattice& lattice, const std::function<void(int j, int k, std::uint8_t* row)>& test);
 /// The voxels where the field is above 0, placed on `lattice` (of the same raster, else Error 65).

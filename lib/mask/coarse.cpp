@@ -47,6 +47,16 @@ CoarseRaster coarse_raster(const Lattice& fine, double cell_mm, bool at_most) {
   return r;
 }
 
+BitMask fine_mask(const BitMask& cells, const CoarseRaster& raster) {
+  const auto& factor = raster.factor;
+  return make_mask(raster.fine, [&](int j, int k, std::uint8_t* row) {
+    for (int i = 0, c = 0; i < raster.fine.size[0]; ++c) {
+      const std::uint8_t set = cells.get(c, j / factor[1], k / factor[2]);
+      for (const int end = std::min(i + factor[0], raster.fine.size[0]); i < end; ++i) row[i] = set;
+    }
+  });
+}
+
 BitMask coarse_mask(const BitMask& fine, const CoarseRaster& r, double share) {
   const Lattice& l = r.fine;
   const int fx = r.factor[0];

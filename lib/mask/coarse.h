@@ -20,6 +20,9 @@ CoarseRaster coarse_raster(const Lattice& fine, double cell_mm, bool at_most = f
 /// The cells of which at least `share` of the voxels are in the mask (0: any voxel).
 BitMask coarse_mask(const BitMask& fine, const CoarseRaster& raster, double share);
 
+/// The voxels of the cells that are set.
+BitMask fine_mask(const BitMask& cells, const CoarseRaster& raster);
+
 /// The mean HU of each cell's voxels in `known` (on raster.fine, which lies in the volume's raster); `nowhere` where
 /// there are none.
 Grid<float> coarse_mean(const HuView& hu, const BitMask& known, const CoarseRaster& raster, float nowhere);

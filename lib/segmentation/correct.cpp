@@ -20,8 +20,6 @@ using segmentation::BitMask;
 constexpr int added = 1, removed = 2;
 constexpr double reach_voxels = 2;  ///< around what changed, the field follows the new mask
 
-BitMask without(BitMask a, const BitMask& b) { return a.remove(b); }
-
 void include(Box& box, const Box& other) {
   for (int a = 0; a < 3; ++a) {
     box.begin[a] = std::min(box.begin[a], other.begin[a]);
