@@ -12,8 +12,8 @@
 #include "base/refusal.h"
 #include "craniometry/coronal_suture.h"
 #include "craniometry/plausible.h"
+#include "craniometry/symmetry.h"
 #include "head/landmarks_parts.h"
-#include "head/symmetry.h"
 #include "mask/filters.h"
 #include "mask/hu_view.h"
 

@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "base/report.h"
+#include "craniometry/near_distance.h"
+#include "craniometry/skin_arc.h"
 #include "head/head_landmarks.h"
-#include "head/skin_arc.h"
 
 namespace trephine::segmentation {
 
@@ -55,11 +56,6 @@ void judge_together(HeadLandmarks& all, const std::set<std::string>& given, Reas
 /// doubtful one, with the reason and how to give it.
 void leave_out_what_is_none(HeadLandmarks& all, const std::set<std::string>& given, const Reasons& reasons,
                             Report& report);
-
-/// Signed distance in mm to the field's zero crossing (positive inside): the distance to the nearest of its crossings
-/// between voxels, up to `reach` voxels, and that limit beyond. The spacing must be the same along all axes. Much
-/// faster than signed_distance_mm where only the surroundings of the surface matter.
-Grid<float> near_distance_mm(const Field& field, int reach);
 
 /// The skin of the midline from the vertex down over the face, or over the back of the head: smoothed points every 0.5
 /// mm.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "head/skin_arc.h"
+#include "craniometry/skin_arc.h"
 
 #include <algorithm>
 #include <cmath>

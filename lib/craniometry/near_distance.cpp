@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
+#include "craniometry/near_distance.h"
 
-#include "head/landmarks_parts.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
 
 namespace trephine::segmentation {
 

@@ -2,7 +2,7 @@
 #pragma once
 // The plane about which a head is most symmetric.
 #include "base/progress.h"
-#include "head/skin_arc.h"
+#include "craniometry/skin_arc.h"
 
 namespace trephine::segmentation {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "head/symmetry.h"
+#include "craniometry/symmetry.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "base/parallel.h"
-#include "head/landmarks_parts.h"
+#include "craniometry/near_distance.h"
 #include "mask/filters.h"
 #include "surface/bounds.h"
 
