@@ -102,6 +102,27 @@ TEST(SegmentHead, BrainAndVentriclesOfNestedEllipsoids) {
   }
 }
 
+// A holder's streaks in a few slices look like horns.
+TEST(SegmentHead, StreaksBesideTheVentriclesAreNoneOfThem) {
+  auto streaked = head(6);
+  const head_recipe::Fields sound = segment_head(streaked);
+  for (int k = 0; k < streaked.size[2]; ++k)
+    for (int j = 0; j < streaked.size[1]; ++j)
+      for (int i = 0; i < streaked.size[0]; ++i) {
+        const Vec3 p = streaked.to_world_mm({double(i), double(j), double(k)});
+        const double across = 0.94 * p.y - 0.34 * p.x;
+        if (p.z > 3 && p.z < 10 && in_brain(p))
+          streaked.at(i, j, k) += std::int16_t(std::lround(18 * std::sin(across / 3.5 + std::sin(across / 15))));
+      }
+  Report report;
+  const Field found = find_ventricles(streaked, {&sound.brain, nullptr}, {}, report);
+  const auto truth = [](Vec3 p) { return in_ventricles(p); };
+  EXPECT_GT(dice(found, streaked, truth), 0.9) << dice(sound.ventricles, streaked, truth) << " without streaks";
+  int said = 0;
+  for (const std::string& w : report.warnings) said += w.rfind("streaks of", 0) == 0;
+  EXPECT_EQ(said, 1);
+}
+
 TEST(SegmentHead, WithoutASkullItFindsBoneItself) {
   const auto volume = head(6);
   BrainParams p;

@@ -52,6 +52,28 @@ void warn_of_stubs(const BitMask& cut_off, const BitMask& ventricles, Report& re
                   at.x, at.y, at.z));
 }
 
+void warn_of_streaks(const std::vector<StreakedSlice>& slices, const Lattice& lattice, const BitMask& ventricles,
+                     Report& report) {
+  report.add("streaked_slices_count", slices.size());
+  const Box box = ventricles.bounds();
+  const int first = int(std::lround(lattice.to_index(ventricles.lattice().to_world_mm({0, 0, 0})).z)) + box.begin[2];
+  double worst_hu = 0, from_mm = 0, to_mm = 0;
+  for (const StreakedSlice& s : slices) {
+    if (s.slice < first - 1 || s.slice > first + box.end[2] - box.begin[2]) continue;
+    const double z = lattice.to_world_mm({0, 0, double(s.slice)}).z;
+    from_mm = worst_hu > 0 ? std::min(from_mm, z) : z;
+    to_mm = worst_hu > 0 ? std::max(to_mm, z) : z;
+    worst_hu = std::max(worst_hu, s.rms_hu);
+  }
+  if (worst_hu > 0)
+    report.warn(fmt::format(
+        "streaks of {:.0f} HU cross the slices at z {:.0f} to {:.0f} mm, as of a holder or fillings; they were taken "
+        "off "
+        "before the ventricles were sought, but what lies there is doubtful: look there, or choose a series without "
+        "them",
+        worst_hu, from_mm, to_mm));
+}
+
 void report_parts(const BitMask& found, const HeadPlace& place, Report& report) {
   const Components pieces = components(found);
   report.add("pieces_count", pieces.list.size());

@@ -2,6 +2,7 @@
 #pragma once
 #include "base/report.h"
 #include "mask/bits.h"
+#include "mask/streaks.h"
 #include "place/place_head.h"
 
 namespace trephine::segmentation {
@@ -19,5 +20,10 @@ void report_parts(const BitMask& found, const HeadPlace& place, Report& report);
 
 /// Warns where a thin streak of at least 0.15 ml was cut off `ventricles`: what of it runs across them is still there.
 void warn_of_stubs(const BitMask& cut_off, const BitMask& ventricles, Report& report);
+
+/// Adds "streaked_slices_count", and warns where `ventricles` lie in or next to `slices` (of `lattice`) from which
+/// streaks were taken off: what is found there may be wrong.
+void warn_of_streaks(const std::vector<StreakedSlice>& slices, const Lattice& lattice, const BitMask& ventricles,
+                     Report& report);
 
 }  // namespace trephine::segmentation

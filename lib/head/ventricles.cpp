@@ -14,6 +14,7 @@
 #include "head/ventricle_parts.h"
 #include "head/ventricles_fit.h"
 #include "mask/filters.h"
+#include "mask/streaks.h"
 #include "mask/surface_field.h"
 #include "segmentation/finish.h"
 
@@ -188,6 +189,7 @@ Field ventricles_in(const HuView& hu, const VentriclesMasks& masks, const Ventri
   }
   known &= soft_alone();
   if (p.edge == SegmentEdge::half_maximum) level_tissue(raw, known, report, progress);
+  const std::vector<StreakedSlice> streaks = remove_streaks(raw, known, progress);
   Field soft = soft_tissue(raw, known, false, strength_ratio, 1000, report, progress);
   const double noise = tissue_noise(raw, known, progress);
   check_noise(noise, raw, p.smoothing_sigma_mm);
@@ -267,6 +269,7 @@ Field ventricles_in(const HuView& hu, const VentriclesMasks& masks, const Ventri
       place_surface(field, found, cut_sigma_mm, fitted ? cut_scale_mm : cut_scale_hu, progress);
   report.add("cut_voxels_count", cut_count);
   report_parts(found, place, report);
+  warn_of_streaks(streaks, l, found, report);
   const double ml = double(found.count()) * whole.voxel_volume_mm3() / 1000;
   if (ml < 3 || ml > 200) report.warn("the ventricles found are not of the size of an adult's");
   return field;

@@ -38,7 +38,8 @@ struct VentriclesMasks {
 /// seeded watershed separates from cisterns, fourth ventricle and sulci at the narrowest places. With edge
 /// half_maximum, temporal and occipital horns that noise separates from the rest are traced as tubes. The surface is
 /// then fitted between the voxels: a model of what the scanner would show of it (CSF and the tissue beside it, blurred,
-/// averaged over the slice) is fitted to the scan (voxels finer than a millimetre are merged before).
+/// averaged over the slice) is fitted to the scan (voxels finer than a millimetre are merged before). Straight streaks
+/// across whole slices are taken off before (mask/streaks.h), and said where ventricles lie in them.
 ///
 /// Which CSF is ventricle follows from its place in a template that is registered to the brain (place/place_head.h);
 /// the third ventricle is also sought as a slit that no voxel lies in wholly. The report says how well the template

@@ -8,7 +8,7 @@ namespace trephine {
 StageType ventricles_stage() {
   StageType s;
   s.name = "ventricles";
-  s.version = 4;
+  s.version = 5;
   s.typical_s = 5;
   s.summary = "finds the ventricles inside the brain";
   s.description =
