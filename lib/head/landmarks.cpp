@@ -86,7 +86,7 @@ class Finder {
     find_bregma(skin, skull);
     find_kocher(skin, skull);
     if (in_.ventricles) {
-      const auto monro = find_monro(FieldView(*in_.ventricles, lattice_), head_);
+      const auto monro = find_monro(FieldView(*in_.ventricles, lattice_), volume_, head_);
       for (int s = 0; s < 2; ++s) {
         const char* name = s == 0 ? "monro_left" : "monro_right";
         if (!out_.find(name))

@@ -3,12 +3,14 @@
 // narrowest place of the way between them.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <queue>
 
 #include "base/parallel.h"
 #include "head/landmarks_parts.h"
 #include "mask/filters.h"
+#include "mask/hu_view.h"
 #include "surface/bounds.h"
 
 namespace trephine::segmentation {
@@ -19,6 +21,8 @@ constexpr double step_mm = 0.7, half_width_mm = 22;
 constexpr double most_outside_mm = 3.0;
 /// A foramen of this radius is seen in any noise; its narrowest part is so short, and hardly as long as the longest.
 constexpr double wide_mm = 1.3, short_mm = 4, longest_mm = 16;
+/// What the scan itself shows of a foramen is smoothed, and fluid and tissue in it have to be this far apart.
+constexpr double smooth_mm = 1, least_contrast_hu = 8;
 
 /// Signed distance to the ventricles' surface, positive inside, on a raster along the head's axes: x to the left, y to
 /// the back, z up.
@@ -52,6 +56,46 @@ Local local_distance(const FieldView& view, const HeadFrame& head) {
         for (int i = 0; i < f.size[0]; ++i) f.at(i, j, k) = float(view(out.to_world(out.in_head(i, j, k))));
   });
   out.distance = near_distance_mm(f, 9);
+  return out;
+}
+
+/// How dark the scan is at each voxel of the raster, smoothed: 0 as tissue beside the ventricles, 1 as they are.
+/// Empty where the two are hardly apart.
+Grid<float> darkness(const Local& local, const HuVolume& volume) {
+  const HuView hu(volume);
+  const Lattice& l = hu.lattice();
+  const Grid<float>& d = local.distance;
+  Vec3 low{1e30, 1e30, 1e30}, high = -low;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto at = [&](int axis) { return corner >> axis & 1 ? d.size[axis] - 1 : 0; };
+    const Vec3 p = l.to_index(local.to_world(local.in_head(at(0), at(1), at(2))));
+    for (int a = 0; a < 3; ++a) low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
+  }
+  Box box;
+  for (int a = 0; a < 3; ++a) {
+    const int margin = int(std::ceil(3 * smooth_mm / l.spacing_mm[a]));
+    box.begin[a] = std::clamp(int(std::floor(low[a])) - margin, 0, l.size[a] - 1);
+    box.end[a] = std::clamp(int(std::ceil(high[a])) + margin + 1, box.begin[a] + 1, l.size[a]);
+  }
+  Field smooth = crop(hu, box);
+  for (float& v : smooth.voxels) v = std::clamp(v, -20.f, 60.f);  // calcified plexus must not hide what is beside it
+  gaussian(smooth, smooth_mm);
+  const FieldView view(smooth, l);
+  Grid<float> out(d);
+  parallel_for(0, d.size[2], 1, [&](std::int64_t from, std::int64_t to) {
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < d.size[1]; ++j)
+        for (int i = 0; i < d.size[0]; ++i) out.at(i, j, k) = float(view(local.to_world(local.in_head(i, j, k))));
+  });
+  std::vector<float> fluid, tissue;
+  for (std::size_t v = 0; v < d.voxels.size(); ++v)
+    if (d.voxels[v] > 1.2f)
+      fluid.push_back(out.voxels[v]);
+    else if (d.voxels[v] < -2.5f && d.voxels[v] > -5)
+      tissue.push_back(out.voxels[v]);
+  const float dark = median(fluid, 0), bright = median(tissue, 0);
+  if (bright - dark < least_contrast_hu) return {};
+  for (float& v : out.voxels) v = std::clamp((bright - v) / (bright - dark), 0.f, 1.f);
   return out;
 }
 
@@ -150,9 +194,10 @@ Third third_ventricle(const Grid<float>& d, double column) {
   return best;
 }
 
-/// The cheapest way from `seeds` to a voxel of `ends`, costly where it is narrow; empty where there is none.
+/// The cheapest way from `seeds` to a voxel of `ends`, costly where `room` (above 0) is small; empty where there is
+/// none.
 std::vector<std::size_t> way(const Grid<float>& d, const std::vector<char>& seeds, const std::vector<char>& ends,
-                             const std::vector<char>& allowed) {
+                             const std::vector<char>& allowed, const std::function<double(std::size_t)>& room_at) {
   const std::array<std::array<int, 3>, 6> next{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
   std::vector<float> cost(d.count(), std::numeric_limits<float>::infinity());
   std::vector<std::int32_t> before(d.count(), -1);
@@ -174,7 +219,7 @@ std::vector<std::size_t> way(const Grid<float>& d, const std::vector<char>& seed
       if (!d.contains(i + n[0], j + n[1], k + n[2])) continue;
       const std::size_t w = d.index(i + n[0], j + n[1], k + n[2]);
       if (!allowed[w]) continue;
-      const double room = double(d.voxels[w]) + most_outside_mm + 0.3;
+      const double room = room_at(w);
       const float there = c + float(1 / (room * room * room));
       if (there < cost[w]) cost[w] = there, before[w] = std::int32_t(v), queue.push({there, w});
     }
@@ -206,6 +251,39 @@ void check_pair(std::array<std::optional<FoundPoint>, 2>& found, const HeadFrame
   }
   for (auto& p : found)
     if (p) p->confidence *= 0.5;
+}
+
+/// The brightest place of a way through the dark: the middle of what is hardly darker. None where it is as bright as
+/// what a wall of 2.5 mm between two ventricles looks like.
+std::optional<Vec3> brightest_place(const Local& local, const Grid<float>& dark, const std::vector<std::size_t>& path) {
+  constexpr float least_dark = 0.3f, hardly_darker = 0.12f;
+  if (path.size() < 3) return {};
+  const auto at = [&](std::size_t i) { return dark.voxels[path[i]]; };
+  std::size_t narrow = 0;
+  for (std::size_t i = 1; i < path.size(); ++i)
+    if (at(i) < at(narrow)) narrow = i;
+  if (at(narrow) < least_dark) return {};
+  std::size_t from = narrow, to = narrow;
+  while (from > 0 && at(from - 1) < at(narrow) + hardly_darker) --from;
+  while (to + 1 < path.size() && at(to + 1) < at(narrow) + hardly_darker) ++to;
+  Vec3 sum;
+  for (std::size_t i = from; i <= to; ++i) {
+    const std::size_t v = path[i];
+    sum += local.in_head(int(v % dark.size[0]), int(v / dark.size[0] % dark.size[1]),
+                         int(v / dark.size[0] / dark.size[1]));
+  }
+  return local.to_world(sum / double(to - from + 1));
+}
+
+/// The segmentation moves a foramen by a millimetre or two, and so does noise in the scan: their middle is nearer to it
+/// than either. Where the two are far apart, the first stays and is half as sure.
+void meet(FoundPoint& p, const std::optional<Vec3>& seen) {
+  constexpr double most_apart_mm = 5;
+  if (!seen) return;
+  if (norm(*seen - p.position_mm) > most_apart_mm)
+    p.confidence *= 0.5;
+  else
+    p.position_mm = (p.position_mm + *seen) * 0.5;
 }
 
 /// Where the passage runs between two places of the way: their middle, moved into the middle of the passage's cross
@@ -249,8 +327,10 @@ Vec3 middle_of_passage(const Local& local, const std::vector<std::size_t>& path,
 
 }  // namespace
 
-std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles, const HeadFrame& head) {
+std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles, const HuVolume& volume,
+                                                    const HeadFrame& head) {
   const Local local = local_distance(ventricles, head);
+  const Grid<float> dark = darkness(local, volume);
   const Grid<float>& d = local.distance;
   const auto column = septum_column(d);
   if (!column) return {};
@@ -285,7 +365,8 @@ std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles,
       if (d.voxels[v] < 0.7f * third_mm) seeds[v] = 0;
       if (d.voxels[v] < 0.7f * lateral_mm) ends[v] = 0;
     }
-    const auto path = way(d, seeds, ends, allowed);
+    const auto path =
+        way(d, seeds, ends, allowed, [&](std::size_t v) { return double(d.voxels[v]) + most_outside_mm + 0.3; });
     if (path.size() < 3) continue;
     std::size_t narrow = 0;
     for (std::size_t i = 1; i < path.size(); ++i)
@@ -304,6 +385,10 @@ std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles,
     p.confidence = radius_mm > 0 ? std::min(0.8 + 0.2 * ramp(radius_mm, 0, wide_mm),
                                             ramp(double(to - from) * step_mm, longest_mm, short_mm))
                                  : ramp(radius_mm, -most_outside_mm, 0) * 0.8;
+    if (!dark.voxels.empty())
+      meet(p, brightest_place(local, dark, way(d, seeds, ends, allowed, [&](std::size_t v) {
+                                return double(dark.voxels[v]) + 0.1;
+                              })));
     found[s] = p;
   }
   check_pair(found, head, local.corner_mm.x + *column * step_mm);

@@ -89,7 +89,9 @@ double soft_tissue_mm(const FieldView& skull, Vec3 on_skin_mm, Vec3 inwards);
 /// [Stephan2008].
 double scalp_ratio(double soft_mm);
 
-/// The foramina of Monro, left and right.
-std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles, const HeadFrame& head);
+/// The foramina of Monro, left and right: the middle between the narrowest place of the ventricles there, and the
+/// brightest place of the darkest way from the third to the lateral one in the smoothed scan, where it shows one.
+std::array<std::optional<FoundPoint>, 2> find_monro(const FieldView& ventricles, const HuVolume& volume,
+                                                    const HeadFrame& head);
 
 }  // namespace trephine::segmentation

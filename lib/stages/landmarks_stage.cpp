@@ -8,7 +8,7 @@ namespace trephine {
 StageType landmarks_stage() {
   StageType s;
   s.name = "landmarks";
-  s.version = 7;
+  s.version = 8;
   s.typical_s = 1.5;
   s.place = StagePlace::scan;
   s.role = StageRole::landmarks;
