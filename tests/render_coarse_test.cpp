@@ -133,8 +133,7 @@ TEST_F(RenderCoarsePicture, NoneOfThemIsLeftOutWrongly) {
   scene.surfaces = {front, ball};
   RenderQuality quality{1, false, 9, false, true, 0, {within_mm, 0}};
   Renderer beside(scene, quality);
-  beside.set_quality(quality);
-  ASSERT_TRUE(beside.coarse_facts()[1]);
+  ASSERT_TRUE(make_coarse(beside, 1, within_mm));
   scene.surfaces[1] = coarse_surface(ball, within_mm);
   Renderer alone(scene, {1, false, 9, false, false, 0, {}});
   SceneState state;
@@ -167,9 +166,8 @@ TEST_F(RenderCoarsePicture, WhatIsCoarseAlreadyStaysAsItIs) {
   scene.surfaces = {surface_of(case_samples::ball(40, 80), "fine", {1, 1, 1}),
                     surface_of(case_samples::ball(30, 20), "coarse", {1, 1, 1})};
   Renderer renderer(scene, {1, false, 9, false, false, 0, {}});
-  renderer.set_quality({1, false, 9, false, false, 0, {5, 0}});
-  EXPECT_TRUE(renderer.coarse_facts()[0]);
-  EXPECT_FALSE(renderer.coarse_facts()[1]);
+  EXPECT_TRUE(make_coarse(renderer, 0, 5));
+  EXPECT_FALSE(make_coarse(renderer, 1, 5));
 }
 
 // Where a smooth surface turns away from the viewer its normals lean over the edge first, on triangles that are still

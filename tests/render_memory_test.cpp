@@ -160,11 +160,13 @@ TEST_F(RenderMemory, CoarserTrianglesKeepToTheBudget) {
   const OrbitCamera camera = camera_of(view_, loaded_.manifest, roomy.scene());
   const trephine::Picture whole = shot(roomy, camera);
   roomy.set_quality(view_, 1, {1.5, 10});
+  roomy.wait_for_coarse();
   EXPECT_GT(roomy.renderer().scene_bytes(), all - picture_bytes(1920, 1080, 1));
   EXPECT_EQ(all_notes(roomy).find("beyond 10 mm of the tool scalp is shown coarse: "), 0u) << all_notes(roomy);
   view_.graphics_budget_mb = 1e-6 * double(all);
   Stage tight(loaded_, view_);
   tight.set_quality(view_, 1, {1.5, 10});
+  tight.wait_for_coarse();
   EXPECT_LE(double(tight.renderer().scene_bytes() + picture_bytes(1920, 1080, 1)), view_.graphics_budget_mb * 1e6);
   EXPECT_EQ(all_notes(tight).find("scalp is shown coarse: "), 0u) << all_notes(tight);
   EXPECT_NE(shot(tight, camera).rgb, whole.rgb);

@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -75,6 +76,17 @@ inline trephine::Picture drawn(Renderer& renderer, const EyeView& eye, const Sce
   out.bind();
   renderer.present(0, 0, width, height);
   return out.read();
+}
+
+/// Makes coarser triangles beside a surface's own, all at once; false where they are not worth it.
+inline bool make_coarse(Renderer& renderer, int surface, double within_mm) {
+  std::optional<CoarseParts> made =
+      coarse_parts(*renderer.parts(surface), within_mm, std::numeric_limits<std::size_t>::max());
+  const bool any = made.has_value();
+  renderer.set_coarse(surface, std::move(made));
+  while (renderer.upload_coarse(1000)) {
+  }
+  return any;
 }
 
 /// With the case that a window's tests play: a scalp that an incision cuts, a live skull, a brain.

@@ -30,6 +30,7 @@ TEST_F(RenderSpare, NextToTheToolSurfacesStayWhole) {
   const std::size_t all = renderer.drawn_triangles();
   quality.coarse = {6, 15};
   renderer.set_quality(quality);
+  ASSERT_TRUE(make_coarse(renderer, 0, 6));
   const trephine::Picture coarse = drawn(renderer, eye, state);
   EXPECT_LT(renderer.drawn_triangles(), all * 2 / 3);
   EXPECT_NE(coarse.rgb, whole.rgb);
@@ -66,6 +67,7 @@ TEST_F(RenderSpare, WhatIsCutIsNotCoarse) {
   OrbitCamera camera;
   camera.look(ViewPreset::front, stage.scene().bounds, {}, {});
   stage.set_quality(view_, 1, {5, 10});
+  stage.wait_for_coarse();
   const trephine::Picture before = shot(stage, camera);
   const std::size_t coarse = stage.renderer().drawn_triangles();
   stage.set_quality(view_, 1);
@@ -73,6 +75,7 @@ TEST_F(RenderSpare, WhatIsCutIsNotCoarse) {
   EXPECT_LT(coarse, stage.renderer().drawn_triangles() / 2);
   // A hole of 8 mm in the skull's front, while it is coarse.
   stage.set_quality(view_, 1, {5, 10});
+  stage.wait_for_coarse();
   HapticVolume& v = loaded_.haptic;
   const Bounds& b = stage.scene().bounds;
   const Vec3 at{(b.min_mm.x + b.max_mm.x) / 2, (b.min_mm.y + b.max_mm.y) / 2 - 35, (b.min_mm.z + b.max_mm.z) / 2};

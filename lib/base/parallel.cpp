@@ -4,6 +4,7 @@
 #ifndef TREPHINE_HEADLESS
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 #endif
 
 #include <algorithm>
@@ -46,6 +47,14 @@ void parallel_for(std::int64_t begin, std::int64_t end, std::int64_t grain,
   for (std::int64_t i = 0; i < pieces; ++i) piece(i);
 #else
   tbb::parallel_for(std::int64_t{0}, pieces, piece);
+#endif
+}
+
+void on_one_thread(const std::function<void()>& body) {
+#ifdef TREPHINE_HEADLESS
+  body();
+#else
+  tbb::task_arena(1).execute(body);
 #endif
 }
 

@@ -18,6 +18,10 @@ int thread_count();
 void parallel_for(std::int64_t begin, std::int64_t end, std::int64_t grain,
                   const std::function<void(std::int64_t from, std::int64_t to)>& body);
 
+/// Runs that in this thread; what of it would run in parallel runs here as well, one piece after the other. For a
+/// thread that gives way to others, which the threads of a pool would not.
+void on_one_thread(const std::function<void()>& body);
+
 /// Runs the tasks in parallel, in no particular order. Exceptions are handled as in parallel_for.
 inline void parallel_do(const std::vector<std::function<void()>>& tasks) {
   parallel_for(0, static_cast<std::int64_t>(tasks.size()), 1, [&](std::int64_t from, std::int64_t to) {

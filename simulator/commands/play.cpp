@@ -107,8 +107,10 @@ ExitCode run_play(const ParsedCommand& given) {
                                                                      << std::flush; });
   std::cout << r.score;
   if (!r.score.empty()) std::cout << "report " << o.lesson->report.page.string() << "\n";
-  std::cout << fmt::format("{} pictures in {:.1f} s, {:.1f} ms each (median), {:.0f} MB of graphics memory\n",
-                           r.pictures, r.seconds, r.picture_ms, r.graphics_mb);
+  std::cout << fmt::format(
+      "{} pictures in {:.1f} s, {:.1f} ms each (median), {:.0f} ms the longest, {:.0f} MB of "
+      "graphics memory\n",
+      r.pictures, r.seconds, r.picture_ms, r.longest_ms, r.graphics_mb);
   Progress({}, &cancel_requested()).check();
   if (r.faults != 0)
     throw Error(ExitCode::io, "", "device", fault_names(r.faults) + ": the force was zero from then on");

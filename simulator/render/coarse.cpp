@@ -12,6 +12,7 @@ namespace trephine {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffff;
+constexpr std::size_t check_every = 1 << 16;  // vertices
 
 struct Cell {
   double sum[3] = {0, 0, 0};
@@ -31,7 +32,8 @@ double away_from_mean(const SceneVertex& v, const Cell& c) {
 Vec3 place_of(const SceneVertex& v) { return {v.position_mm[0], v.position_mm[1], v.position_mm[2]}; }
 
 CoarseFacts facts_of(const std::vector<SceneVertex>& places, std::size_t whole_triangles,
-                     const std::vector<SceneVertex>& vertices, const std::vector<std::uint32_t>& indices) {
+                     const std::vector<SceneVertex>& vertices, const std::vector<std::uint32_t>& indices,
+                     const Progress& progress) {
   TriMesh coarse;
   std::vector<std::uint32_t> number(vertices.size(), none);
   for (std::size_t t = 0; t + 2 < indices.size(); t += 3) {
@@ -49,20 +51,21 @@ CoarseFacts facts_of(const std::vector<SceneVertex>& places, std::size_t whole_t
   std::vector<Vec3> all;
   all.reserve(places.size());
   for (const SceneVertex& v : places) all.push_back(place_of(v));
-  const double worst_mm = PointToMesh(coarse).largest_distance_mm(all, 0);
+  const double worst_mm = PointToMesh(coarse, progress).largest_distance_mm(all, 0, progress);
   return {whole_triangles, indices.size() / 3, places.size(), worst_mm, 0};
 }
 
 }  // namespace
 
 CoarseTriangles coarse_triangles(const std::vector<SceneVertex>& vertices, const std::vector<std::uint32_t>& indices,
-                                 double within_mm) {
+                                 double within_mm, const Progress& progress) {
   const double side = within_mm / std::sqrt(3.0);  // two places in a cell are no further apart than within_mm
   std::unordered_map<std::uint64_t, std::uint32_t> numbers;
   numbers.reserve(vertices.size() / 4);
   std::vector<Cell> cells;
   std::vector<std::uint32_t> cell_of(vertices.size());
   for (std::size_t n = 0; n < vertices.size(); ++n) {
+    if (n % check_every == 0) progress.check();
     std::uint64_t key = 0;
     for (int a = 0; a < 3; ++a)
       key = key << 21 | (std::uint64_t(std::floor(vertices[n].position_mm[a] / side) + (1 << 20)) & 0x1fffff);
@@ -73,6 +76,7 @@ CoarseTriangles coarse_triangles(const std::vector<SceneVertex>& vertices, const
     for (int a = 0; a < 3; ++a) cell.sum[a] += vertices[n].position_mm[a];
     ++cell.count;
   }
+  progress.check();
   for (std::size_t n = 0; n < vertices.size(); ++n) {
     Cell& cell = cells[cell_of[n]];
     const double away = away_from_mean(vertices[n], cell);
@@ -80,6 +84,7 @@ CoarseTriangles coarse_triangles(const std::vector<SceneVertex>& vertices, const
     cell.nearest = std::uint32_t(n);
     cell.away = away;
   }
+  progress.check();
   CoarseTriangles out;
   for (std::size_t t = 0; t + 2 < indices.size(); t += 3) {
     const std::uint32_t a = cell_of[indices[t]], b = cell_of[indices[t + 1]], c = cell_of[indices[t + 2]];
@@ -90,12 +95,10 @@ CoarseTriangles coarse_triangles(const std::vector<SceneVertex>& vertices, const
   return out;
 }
 
-SceneSurface coarse_surface(const SceneSurface& whole, double within_mm) {
-  const CoarseTriangles coarse = coarse_triangles(whole.vertices, whole.indices, within_mm);
+SceneSurface coarse_surface(const SceneSurface& whole, double within_mm, const Progress& progress) {
+  const CoarseTriangles coarse = coarse_triangles(whole.vertices, whole.indices, within_mm, progress);
   if (coarse.indices.empty()) return whole;
-  SceneSurface out = whole;
-  out.vertices.clear();
-  out.indices.clear();
+  SceneSurface out{whole.name, whole.colour_rgb, whole.opacity, whole.shape, whole.live, whole.incised, {}, {}};
   std::vector<std::uint32_t> number(whole.vertices.size(), none);
   for (const std::uint32_t v : coarse.indices) {
     if (number[v] == none) {
@@ -107,13 +110,13 @@ SceneSurface coarse_surface(const SceneSurface& whole, double within_mm) {
   return out;
 }
 
-CoarseFacts coarse_facts(const SceneSurface& whole, const SceneSurface& coarse) {
-  return facts_of(whole.vertices, whole.indices.size() / 3, coarse.vertices, coarse.indices);
+CoarseFacts coarse_facts(const SceneSurface& whole, const SceneSurface& coarse, const Progress& progress) {
+  return facts_of(whole.vertices, whole.indices.size() / 3, coarse.vertices, coarse.indices, progress);
 }
 
 CoarseFacts coarse_facts(const std::vector<SceneVertex>& vertices, std::size_t whole_triangles,
-                         const std::vector<std::uint32_t>& coarse_indices) {
-  CoarseFacts facts = facts_of(vertices, whole_triangles, vertices, coarse_indices);
+                         const std::vector<std::uint32_t>& coarse_indices, const Progress& progress) {
+  CoarseFacts facts = facts_of(vertices, whole_triangles, vertices, coarse_indices, progress);
   facts.bytes = coarse_indices.size() * sizeof(std::uint32_t);
   return facts;
 }

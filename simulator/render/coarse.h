@@ -2,10 +2,10 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "base/progress.h"
 #include "scene/scene.h"
 
 namespace trephine {
@@ -17,8 +17,6 @@ constexpr double coarse_sizes_mm[] = {0.5, 1, 1.5, 2.5};
 struct Coarseness {
   double within_mm = 0;  ///< how far a vertex may go; 0: nothing is made coarser
   double fine_mm = 30;   ///< around the tool's tip surfaces stay as they are
-  /// What the coarser triangles of all surfaces may take of the graphics memory, beside those that they stand for.
-  std::size_t most_bytes = std::numeric_limits<std::size_t>::max();
 };
 
 struct CoarseTriangles {
@@ -29,11 +27,11 @@ struct CoarseTriangles {
 /// Triangles between fewer of the same vertices, by a grid of cells [Rossignac1993]: all vertices of a cell become the
 /// one that lies nearest to their mean, so none goes further than `within_mm`; triangles that lose their area vanish. A
 /// closed surface stays closed, vertices at the same place count as one. It may fold over itself and lose thin parts:
-/// it is to be looked at, and nothing else.
+/// it is to be looked at, and nothing else. Throws Cancelled, as all that takes a Progress here does.
 CoarseTriangles coarse_triangles(const std::vector<SceneVertex>& vertices, const std::vector<std::uint32_t>& indices,
-                                 double within_mm);
+                                 double within_mm, const Progress& progress = {});
 /// The surface of such triangles, with the vertices that they use; the whole one where no triangle would be left.
-SceneSurface coarse_surface(const SceneSurface& whole, double within_mm);
+SceneSurface coarse_surface(const SceneSurface& whole, double within_mm, const Progress& progress = {});
 
 /// Coarser triangles are worth what they are off where at most this share of the triangles is left.
 constexpr double worth_ratio = 2.0 / 3;
@@ -49,8 +47,8 @@ struct CoarseFacts {
 };
 /// Measures every vertex of the whole surface, exactly; a thin part that vanished counts as far as it is then off. The
 /// coarser one has a triangle at least.
-CoarseFacts coarse_facts(const SceneSurface& whole, const SceneSurface& coarse);
+CoarseFacts coarse_facts(const SceneSurface& whole, const SceneSurface& coarse, const Progress& progress = {});
 CoarseFacts coarse_facts(const std::vector<SceneVertex>& vertices, std::size_t whole_triangles,
-                         const std::vector<std::uint32_t>& coarse_indices);
+                         const std::vector<std::uint32_t>& coarse_indices, const Progress& progress = {});
 
 }  // namespace trephine

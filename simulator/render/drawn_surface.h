@@ -1,29 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "render/chunks.h"
-#include "render/coarse.h"
+#include "render/surface_parts.h"
 #include "scene/mat4.h"
 #include "scene/scene.h"
 
 namespace trephine {
 
-/// What one call draws of a surface: ranges of its indices, or of its commands where the graphics card wrote these.
+/// What one call draws of a surface: ranges of its indices, or of its commands where the graphics card wrote these; and
+/// of the indices of its coarser triangles.
 class DrawList {
  public:
   struct Range {
     std::uint32_t first, count;
   };
-  void clear() { ranges_.clear(); }
+  void clear() {
+    ranges_.clear();
+    coarse_.clear();
+  }
   /// Ranges that follow each other become one.
-  void add(std::uint32_t first, std::uint32_t count);
+  void add(std::uint32_t first, std::uint32_t count) { add_to(ranges_, first, count); }
+  void add_coarse(std::uint32_t first, std::uint32_t count) { add_to(coarse_, first, count); }
   const std::vector<Range>& ranges() const { return ranges_; }
+  const std::vector<Range>& coarse() const { return coarse_; }
 
  private:
-  std::vector<Range> ranges_;
+  static void add_to(std::vector<Range>& ranges, std::uint32_t first, std::uint32_t count);
+  std::vector<Range> ranges_, coarse_;
 };
 
 /// Where a surface lies, relative to the scene's centre, and its parts.
@@ -49,10 +57,16 @@ class DrawnSurface {
   /// `seen` (by chunk; may be null): 0 where something hides the chunk.
   virtual void list(const Sight& scene, const std::vector<std::uint8_t>* seen, DrawList& out) const = 0;
   virtual void draw(const DrawList& list) const = 0;
-  /// Makes coarser triangles beside its own (render/coarse.h), or removes them (0). Returns what they are; none where
-  /// it has none: they would take more bytes than that, are too many to be worth it (is_worth_it) or none, or the
-  /// graphics card makes it.
-  virtual std::optional<CoarseFacts> make_coarse(double /*within_mm*/, std::size_t /*most_bytes*/) { return {}; }
+  /// Of what coarser triangles can be made; another object where the surface was made anew, and null where the graphics
+  /// card makes it.
+  virtual std::shared_ptr<const SurfaceParts> parts() const { return nullptr; }
+  /// Draws these where Sight::coarse says so, as soon as upload_coarse() has uploaded all of them; those before stay
+  /// until then, or go at once. They are of parts(); what was cut since stays whole. None: all stays whole.
+  virtual void set_coarse(std::optional<CoarseParts> /*coarse*/, bool /*keep_those_before*/) {}
+  /// Uploads no more than so many bytes of them, and takes what it did from `most_bytes`. Returns whether some are
+  /// left.
+  virtual bool upload_coarse(std::size_t& /*most_bytes*/) { return false; }
+  virtual std::size_t coarse_bytes() const { return 0; }  ///< of bytes()
   /// That the list draws. May wait for the graphics card.
   virtual std::size_t triangles(const DrawList& list) const = 0;
   virtual std::size_t bytes() const = 0;

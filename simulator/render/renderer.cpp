@@ -52,15 +52,9 @@ Renderer::Impl::Impl(const SceneData& scene, const RenderQuality& q)
   radius_mm = norm(b.max_mm - b.min_mm) / 2 + norm((b.max_mm + b.min_mm) / 2 - centre_mm);
   samples = std::clamp(q.samples, 1, driver_facts().most_samples);
   for (const SceneSurface& s : scene.surfaces) {
-    Item item{{float(s.colour_rgb[0]), float(s.colour_rgb[1]), float(s.colour_rgb[2])},
-              s.live,
-              s.incised,
-              true,
-              {},
-              {},
-              {},
-              {}};
-    if (!s.live) item.buffer = std::make_unique<SurfaceBuffer>(s);
+    Item item{
+        {float(s.colour_rgb[0]), float(s.colour_rgb[1]), float(s.colour_rgb[2])}, s.live, s.incised, {}, {}, {}, {}};
+    if (!s.live) item.buffer = std::make_unique<SurfaceBuffer>(std::make_shared<const SurfaceParts>(parts_of(s)));
     items.push_back(std::move(item));
   }
   ball = SolidBuffer(ball_solid(1, {1, 1, 1}, 16), false);
@@ -162,26 +156,32 @@ void Renderer::set_quality(const RenderQuality& quality) {
   const int samples = std::clamp(quality.samples, 1, driver_facts().most_samples);
   if (samples != impl_->samples) impl_->width = 0;
   impl_->samples = samples;
-  impl_->make_coarse();
 }
 
-// The outermost surfaces come first: they are seen.
-void Renderer::Impl::make_coarse() {
-  std::size_t room = quality.coarse.most_bytes;
-  coarse_facts.assign(items.size(), {});
-  for (std::size_t n = 0; n < items.size(); ++n) {
-    if (!items[n].buffer || !items[n].whole) continue;
-    coarse_facts[n] = items[n].buffer->make_coarse(quality.coarse.within_mm, room);
-    if (coarse_facts[n]) room -= coarse_facts[n]->bytes;
-  }
+void Renderer::set_surface(int n, std::shared_ptr<const SurfaceParts> shown) {
+  impl_->items[std::size_t(n)].buffer = std::make_unique<SurfaceBuffer>(std::move(shown));
 }
 
-const std::vector<std::optional<CoarseFacts>>& Renderer::coarse_facts() const { return impl_->coarse_facts; }
+std::shared_ptr<const SurfaceParts> Renderer::parts(int n) const {
+  const Impl::Item& item = impl_->items[std::size_t(n)];
+  return item.buffer ? item.buffer->parts() : nullptr;
+}
 
-void Renderer::set_surface(int n, const SceneSurface& shown, bool whole) {
-  Impl::Item& item = impl_->items[std::size_t(n)];
-  item.buffer = std::make_unique<SurfaceBuffer>(shown);
-  item.whole = whole;
+void Renderer::set_coarse(int n, std::optional<CoarseParts> coarse, bool keep_those_before) {
+  if (const auto& buffer = impl_->items[std::size_t(n)].buffer)
+    buffer->set_coarse(std::move(coarse), keep_those_before);
+}
+
+bool Renderer::upload_coarse(std::size_t most_bytes) {
+  for (const Impl::Item& item : impl_->items)
+    if (item.buffer && item.buffer->upload_coarse(most_bytes)) return true;
+  return false;
+}
+
+std::size_t Renderer::coarse_bytes() const {
+  std::size_t n = 0;
+  for (const Impl::Item& item : impl_->items) n += item.buffer ? item.buffer->coarse_bytes() : 0;
+  return n;
 }
 
 std::string Renderer::set_live(int n, const HapticVolume& volume, int shape, ViewParams::SurfaceBy by) {

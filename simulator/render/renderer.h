@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "render/coarse.h"
 #include "render/context.h"
+#include "render/surface_parts.h"
 #include "scene/png.h"
 #include "scene/scene.h"
 #include "scene/tool_solid.h"
@@ -54,11 +54,15 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   void set_quality(const RenderQuality& quality);
-  /// By surface, what the coarser triangles of the quality are; none where there are none (DrawnSurface::make_coarse).
-  const std::vector<std::optional<CoarseFacts>>& coarse_facts() const;
-  /// Draws that in place of a surface that is not live. `whole`: false where it was made coarser already, so that it
-  /// has no coarser triangles beside it.
-  void set_surface(int surface, const SceneSurface& shown, bool whole);
+  /// Draws that in place of a surface that is not live.
+  void set_surface(int surface, std::shared_ptr<const SurfaceParts> shown);
+  /// Coarser triangles beside a surface's own, for RenderQuality::coarse: DrawnSurface says of what they are made, and
+  /// which are drawn when.
+  std::shared_ptr<const SurfaceParts> parts(int surface) const;
+  void set_coarse(int surface, std::optional<CoarseParts> coarse, bool keep_those_before = false);
+  /// Uploads at most so many bytes of them; returns whether some are left.
+  bool upload_coarse(std::size_t most_bytes);
+  std::size_t coarse_bytes() const;  ///< of scene_bytes()
   /// Draws a live surface as the shape of the volume, which must outlive the renderer. Throws Error 74 where the
   /// graphics card is to make it (SurfaceBy::graphics) and cannot. Returns who makes it.
   std::string set_live(int surface, const HapticVolume& volume, int shape, ViewParams::SurfaceBy by);

@@ -17,7 +17,6 @@ struct Renderer::Impl {
   static bool copies_bytes();
   void make_targets(int width, int height);
   void make_noise();
-  void make_coarse();
   void upload_ct(const Grid<std::int16_t>& ct);
 
   // renderer_shadow.cpp
@@ -52,7 +51,7 @@ struct Renderer::Impl {
 
   struct Item {
     std::array<float, 3> colour_rgb;
-    bool live, incised, whole;
+    bool live, incised;
     std::unique_ptr<DrawnSurface> buffer;
     SurfaceMaker* maker;          // the same, where it is cut
     std::vector<GLuint> queries;  // by chunk
@@ -63,7 +62,6 @@ struct Renderer::Impl {
   RenderQuality quality;
   int samples = 1;
   std::vector<Item> items;
-  std::vector<std::optional<CoarseFacts>> coarse_facts;  // by item
   SolidBuffer tool, ball, dot_solid;
   GlProgram surfaces[shaders::all_parts + 1];  ///< made where they are first needed
   std::uint32_t made = 0, begun = 0;           ///< bit n: of surfaces[n]

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <functional>
+#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "render/coarse_worker.h"
 #include "render/renderer.h"
 #include "scene/view_params.h"
 #include "session/playback.h"
@@ -24,8 +26,16 @@ class Stage {
   void set_view(const ViewParams& params);
   const ViewParams& view() const { return params_; }
   /// How good pictures are from now on, without another view; `scale` below 1: so many pixels less in each direction.
-  /// The notes say of each surface that becomes coarser by how much.
+  /// Coarser triangles are made in a thread of their own; until follow_coarse() has taken them, surfaces are drawn as
+  /// they were.
   void set_quality(const ViewParams& params, double scale, const Coarseness& coarse = {});
+  /// Takes what was made of coarser triangles, and uploads a part that holds no picture up. The notes say of each
+  /// surface that becomes coarser by how much. Throws what making them threw. To be called for each picture.
+  void follow_coarse();
+  /// Whether more of them is to come. While pictures are drawn with what there is, they say nothing of the quality.
+  bool coarse_comes() const { return worker_.busy() || uploading_; }
+  /// Until all of them are there.
+  void wait_for_coarse();
   /// `colour_rgb`: of all of it, in place of its own.
   void set_tool(const ToolParams& own_tool, const std::optional<std::array<float, 3>>& colour_rgb = {});
   /// Makes the live surfaces follow the marked bricks; returns how many were made anew.
@@ -61,8 +71,10 @@ class Stage {
   // stage_memory.cpp
   void fit_memory();
   void show_ct(int halvings);
+  // stage_coarse.cpp
+  void begin_coarse();
   void put_back();
-  void show_coarse();
+  void show_coarse(CoarseMade made);
   void fit_incisions(std::size_t of_newest);
   double picture_scale(int width, int height);
   std::size_t room() const;  ///< for a picture
@@ -87,9 +99,14 @@ class Stage {
   std::pair<int, int> told_picture_{0, 0};
   /// By surface, how coarse it is everywhere: at least, for want of memory, and now. 0: it is whole.
   std::vector<double> needed_mm_, shown_mm_;
+  /// By surface, what is drawn where nothing is coarse for the sake of time, and what the worker was given.
+  std::vector<std::shared_ptr<const SurfaceParts>> needed_, given_;
   double scale_ = 1;
   int samples_ = 1;  ///< of the pictures that are drawn now
   Coarseness coarse_;
+  bool uploading_ = false;
+  std::map<std::string, std::string> told_coarse_;  ///< by surface the last note of it
+  CoarseWorker worker_;                             // reads scene_: it ends first
 };
 
 }  // namespace trephine

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a stage shows of a case where the graphics memory does not hold all of it, or pictures take too long.
+// What a stage shows of a case where the graphics memory does not hold all of it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -118,10 +118,12 @@ void Stage::fit_memory() {
     }
   }
   shown_mm_ = needed_mm_;
+  needed_.assign(scene_.surfaces.size(), nullptr);
   for (std::size_t n = 0; n < scene_.surfaces.size(); ++n) {
     if (scene_.surfaces[n].live) continue;
     const SceneSurface& shown = coarse.of(n, shown_mm_[n]);
-    renderer_->set_surface(int(n), shown, !(shown_mm_[n] > 0));
+    needed_[n] = std::make_shared<const SurfaceParts>(parts_of(shown));
+    renderer_->set_surface(int(n), needed_[n]);
     if (shown_mm_[n] > 0)
       notes_.push_back(fmt::format("graphics memory: {} shown coarse: {}", scene_.surfaces[n].name,
                                    coarse_facts(scene_.surfaces[n], shown).text()));
@@ -143,51 +145,6 @@ void Stage::show_ct(int halvings) {
   for (int n = 1; n < halvings; ++n) less = halved(less);
   notes_.push_back(fmt::format("graphics memory: the CT in voxels of {:.1f} mm", less.spacing_mm.x));
   renderer_->set_ct(less);
-}
-
-void Stage::set_quality(const ViewParams& params, double scale, const Coarseness& coarse) {
-  const bool other = coarse.within_mm != coarse_.within_mm;
-  coarse_ = coarse;
-  scale_ = scale;
-  samples_ = samples_of(params);
-  if (other) put_back();
-  if (budget_bytes_ > 0) {
-    std::size_t used = renderer_->scene_bytes() + room();
-    for (const auto& facts : renderer_->coarse_facts())
-      if (facts) used -= facts->bytes;
-    coarse_.most_bytes = budget_bytes_ > used ? budget_bytes_ - used : 0;
-  }
-  renderer_->set_quality(quality_of(params));
-  if (other) show_coarse();
-}
-
-// Surfaces that are coarse everywhere because pictures took too long: as the memory lets them be.
-void Stage::put_back() {
-  for (std::size_t n = 0; n < shown_mm_.size(); ++n) {
-    if (shown_mm_[n] == needed_mm_[n]) continue;
-    shown_mm_[n] = needed_mm_[n];
-    renderer_->set_surface(int(n),
-                           shown_mm_[n] > 0 ? coarse_surface(scene_.surfaces[n], shown_mm_[n]) : scene_.surfaces[n],
-                           !(shown_mm_[n] > 0));
-  }
-}
-
-// Where the memory does not hold coarser triangles beside the whole ones, they are drawn in their place.
-void Stage::show_coarse() {
-  if (!(coarse_.within_mm > 0)) return;
-  for (std::size_t n = 0; n < scene_.surfaces.size(); ++n) {
-    const SceneSurface& whole = scene_.surfaces[n];
-    if (const auto& facts = renderer_->coarse_facts()[n]) {
-      notes_.push_back(fmt::format("beyond {:.0f} mm of the tool {} is shown coarse: {}", coarse_.fine_mm, whole.name,
-                                   facts->text()));
-    } else if (!whole.live && coarse_.within_mm > shown_mm_[n]) {
-      const SceneSurface less = coarse_surface(whole, coarse_.within_mm);
-      if (!is_worth_it(less.indices.size(), whole.indices.size())) continue;
-      shown_mm_[n] = coarse_.within_mm;
-      renderer_->set_surface(int(n), less, false);
-      notes_.push_back(fmt::format("{} is shown coarse: {}", whole.name, coarse_facts(whole, less).text()));
-    }
-  }
 }
 
 // The newest incision is what somebody looks at: older ones go for it.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "render/drawn_surface.h"
@@ -29,7 +29,7 @@ class SolidBuffer {
 /// Vertices and triangles of an anatomy that the processor made.
 class SurfaceBuffer : public DrawnSurface {
  public:
-  explicit SurfaceBuffer(const SceneSurface& surface);
+  explicit SurfaceBuffer(std::shared_ptr<const SurfaceParts> parts);
   /// The bricks of a live surface, along the lattice's axes; its first voxel lies at `offset_mm` from the scene's
   /// centre. A brick that is made anew leaves its chunk (its triangles there lose their area) and goes to a place
   /// behind all chunks, which it keeps.
@@ -40,40 +40,47 @@ class SurfaceBuffer : public DrawnSurface {
   const PlacedChunks& placed() const override { return placed_; }
   void list(const Sight& scene, const std::vector<std::uint8_t>* seen, DrawList& out) const override;
   void draw(const DrawList& list) const override;
-  /// Of what the processor made from a file.
-  std::optional<CoarseFacts> make_coarse(double within_mm, std::size_t most_bytes) override;
-  /// Of bricks.
-  std::optional<CoarseFacts> make_coarse(const LiveSurface& surface, double within_mm, std::size_t most_bytes);
+  std::shared_ptr<const SurfaceParts> parts() const override { return parts_; }
+  void set_coarse(std::optional<CoarseParts> coarse, bool keep_those_before) override;
+  bool upload_coarse(std::size_t& most_bytes) override;
   std::size_t triangles(const DrawList& list) const override;
   std::size_t bytes() const override {
-    return vertex_room_ * sizeof(SceneVertex) + index_room_ * sizeof(std::uint32_t);
+    return vertex_room_ * sizeof(SceneVertex) + index_room_ * sizeof(std::uint32_t) + coarse_bytes();
   }
+  std::size_t coarse_bytes() const override;
 
  private:
   struct Place {
     std::uint32_t first_vertex = 0, vertex_room = 0, first_index = 0, index_room = 0;
   };
+  /// Coarser triangles of the same vertices.
+  struct Coarse {
+    GlObject array, indices;
+    std::vector<Chunk> chunks;  ///< empty: there are none
+    std::size_t bytes = 0;
+  };
+  /// Those that are being uploaded.
+  struct Coming {
+    CoarseParts parts;
+    Coarse made;
+    std::size_t uploaded = 0;
+  };
   void upload_bricks(const LiveSurface& surface);
-  void keep_boxes();
-  void add_coarse();
   void upload(std::size_t spare_vertices, std::size_t spare_indices);
+  GlObject make_array(const GlObject& indices) const;
+  void show_coarse(Coarse coarse);
   void leave_chunk(std::size_t brick);
   void put(const BrickMesh& mesh, const Place& place);
-  void append(const BrickMesh& mesh, std::uint32_t first_vertex);
+  void draw_ranges(const GlObject& array, const std::vector<DrawList::Range>& ranges) const;
 
   GlObject array_, vertices_, indices_;
+  std::shared_ptr<const SurfaceParts> parts_;  ///< as they were uploaded; bricks that were cut since have left them
   PlacedChunks placed_;
-  double coarse_mm_ = 0;
-  std::size_t coarse_most_ = 0;  ///< bytes of them
-  std::optional<CoarseFacts> coarse_facts_;
-  std::vector<Chunk> coarse_;                 ///< by chunk; empty: there are no coarser triangles
-  std::vector<std::pair<Vec3, Vec3>> boxes_;  ///< by chunk, of its own triangles
-  std::vector<std::uint8_t> cut_;             ///< by chunk: bricks have left it, so its coarser triangles are wrong
-  std::vector<std::uint32_t> chunk_of_;       ///< by brick
-  std::size_t fine_end_ = 0;                  ///< of indices; behind it lie the coarser triangles
-  std::size_t chunk_end_ = 0;                 ///< of indices; behind it lie bricks that were cut
-  std::vector<Place> places_;                 ///< by brick, behind the chunks; without room: it is in its chunk
-  std::vector<std::uint32_t> brick_first_, where_;  ///< by brick its first triangle; by triangle its indices' place
+  Coarse coarse_;
+  std::optional<Coming> coming_;
+  std::vector<std::uint8_t> cut_;  ///< by chunk: bricks have left it, so its coarser triangles are wrong
+  BrickPlaces bricks_;
+  std::vector<Place> places_;  ///< by brick, behind the chunks; without room: it is in its chunk
   std::size_t vertex_end_ = 0, index_end_ = 0, vertex_room_ = 0, index_room_ = 0;
   std::vector<SceneVertex> vertex_work_;
   std::vector<std::uint32_t> index_work_;
@@ -83,7 +90,5 @@ class SurfaceBuffer : public DrawnSurface {
 
 /// Of a colour's part, as the shaders take it.
 float linear_of(float srgb);
-/// A vertex as it is drawn: its normal in steps of 1/127.
-SceneVertex packed(const LiveVertex& vertex);
 
 }  // namespace trephine

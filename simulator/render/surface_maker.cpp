@@ -41,9 +41,12 @@ class ProcessorSurface : public SurfaceMaker {
     buffer_.list(scene, seen, out);
   }
   void draw(const DrawList& list) const override { buffer_.draw(list); }
-  std::optional<CoarseFacts> make_coarse(double within_mm, std::size_t most_bytes) override {
-    return buffer_.make_coarse(live_, within_mm, most_bytes);
+  std::shared_ptr<const SurfaceParts> parts() const override { return buffer_.parts(); }
+  void set_coarse(std::optional<CoarseParts> coarse, bool keep_those_before) override {
+    buffer_.set_coarse(std::move(coarse), keep_those_before);
   }
+  bool upload_coarse(std::size_t& most_bytes) override { return buffer_.upload_coarse(most_bytes); }
+  std::size_t coarse_bytes() const override { return buffer_.coarse_bytes(); }
   std::size_t triangles(const DrawList& list) const override { return buffer_.triangles(list); }
   std::size_t bytes() const override { return buffer_.bytes(); }
 

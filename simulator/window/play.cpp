@@ -23,6 +23,7 @@ using Clock = std::chrono::steady_clock;
 double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
 constexpr std::size_t kept_times = 200;
+constexpr std::uint64_t first_pictures = 3;  // that compile shaders
 
 double median(std::deque<double> values) {
   if (values.empty()) return 0;
@@ -65,21 +66,37 @@ class Loop {
     if (times_.size() > kept_times) times_.pop_front();
     shown_.ms = ms;
     shown_.per_s = wall_s > 0 ? 0.9 * shown_.per_s + 0.1 / std::max(wall_s, ms / 1000) : 0;
-    // The first pictures compile shaders.
-    if (++pictures_ > 3 && reduction_.look(ms)) reduce();
+    ++pictures_;
+    adapt(ms);
+    if (pictures_ > first_pictures) longest_ms_ = std::max(longest_ms_, 1000 * since(begin));
     return !window_.closed() && !player_.quits();
   }
 
   double typical_ms() const { return median(times_); }
   double last_ms() const { return times_.empty() ? 0 : times_.back(); }
   std::uint64_t pictures() const { return pictures_; }
-  std::string reduced() const { return reduction_.text(Language::english); }
+  double longest_ms() const { return longest_ms_; }
+  const std::string& reduced() const { return reduced_; }
 
  private:
   void reduce() {
     stages_ = player_.stages();
     player_.stage().set_quality(reduction_.view(), reduction_.scale(), reduction_.coarse());
+    told_reduced_ = false;
+    if (!player_.stage().coarse_comes()) tell_reduced();
+  }
+
+  // While coarser triangles come, pictures say nothing of what is reduced.
+  void adapt(double ms) {
+    if (player_.stage().coarse_comes()) return;
+    tell_reduced();
+    if (pictures_ > first_pictures && reduction_.look(ms)) reduce();
+  }
+
+  void tell_reduced() {
+    if (std::exchange(told_reduced_, true)) return;
     shown_.reduced = reduction_.text(params_.language);
+    reduced_ = reduction_.text(Language::english);
   }
 
   void picture(int width, int height) {
@@ -106,6 +123,9 @@ class Loop {
   Reduction reduction_;
   PictureTimes shown_;
   std::deque<double> times_;
+  double longest_ms_ = 0;
+  std::string reduced_;
+  bool told_reduced_ = false;
   std::uint64_t pictures_ = 0;
   int stages_ = 0;
   Clock::time_point last_ = Clock::now();
@@ -176,6 +196,7 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
   outcome.faults = player->faults();
   outcome.graphics_mb = 1e-6 * double(player->stage().renderer().graphics_bytes());
   outcome.picture_ms = loop.typical_ms();
+  outcome.longest_ms = loop.longest_ms();
   if (player->desk() && player->desk()->scored())
     outcome.score =
         score_text(player->desk()->scored()->head, *player->desk()->scored()->facts, player->desk()->scored()->score);

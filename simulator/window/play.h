@@ -38,6 +38,7 @@ struct WindowParams {
 
 struct PlayOutcome {
   double first_picture_s = 0, seconds = 0, picture_ms = 0;  ///< picture_ms: the median of the last 200
+  double longest_ms = 0;                                    ///< of all but the first three pictures
   std::uint64_t pictures = 0;
   double graphics_mb = 0;    ///< at the end
   std::uint32_t faults = 0;  ///< of sessions (haptic_fault)

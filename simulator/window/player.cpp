@@ -238,6 +238,7 @@ void Player::step(double wall_s) {
     if (desk_ && desk_->judging() && desk_->take_judged(false)) begin_review();
   }
   stage_->follow(patient_->marks);
+  stage_->follow_coarse();
   for (; told_notes_ < stage_->notes().size(); ++told_notes_) notes_.push_back(stage_->notes()[told_notes_]);
   for (CtPlane& plane : stage_->state.ct_planes) plane.point_mm = vec(frame_.proxy_mm);
   measure();
