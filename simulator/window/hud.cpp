@@ -20,6 +20,7 @@ using namespace hud;
 namespace {
 
 constexpr float letter_px = 13;
+constexpr float lines_of_notes = 7;
 
 }  // namespace
 
@@ -161,10 +162,35 @@ void Hud::status_panel(Player& player, const Controls& controls, const PictureTi
       has_mouse() || working ? "" : player.under(controls.cursor_x, controls.cursor_y, width, height);
   if (!working) line(say(Text::under_cursor), under.empty() ? "-" : under);
   if (!controls.said.empty()) ImGui::TextColored(orange, "%s", controls.said.c_str());
-  ImGui::PushTextWrapPos(0);
-  if (!player.notes().empty()) ImGui::TextColored(grey, "%s", player.notes().back().c_str());
-  ImGui::PopTextWrapPos();
+  note_list(player, height);
   ImGui::End();
+}
+
+// The newest first, and as bright as it is new; the others are reached by scrolling. However large the letters are, the
+// list keeps within the window.
+void Hud::note_list(const Player& player, int height) {
+  const std::deque<Note>& notes = player.notes().kept();
+  if (notes.empty()) return;
+  ImGui::Separator();
+  ImGui::TextColored(sky, "%s (%d)", say(Text::notes), int(player.notes().count()));
+  const float letter = ImGui::GetTextLineHeightWithSpacing(), across = ImGui::GetContentRegionAvail().x;
+  const float left = float(height) - 8 - ImGui::GetCursorScreenPos().y - ImGui::GetStyle().WindowPadding.y;
+  const float most = std::clamp(left, 2 * letter, lines_of_notes * letter);
+  std::vector<std::string> lines;
+  float high = 0;
+  for (std::size_t n = notes.size(); n-- > 0;) {
+    lines.push_back(clock_text(notes[n].at_s) + "  " + translated_note(language_, notes[n].text));
+    high += ImGui::CalcTextSize(lines.back().c_str(), nullptr, false, across).y + ImGui::GetStyle().ItemSpacing.y;
+  }
+  ImGui::BeginChild("##notes", {0, std::min(high, most)});
+  const double now_s = player.now_s();
+  ImGui::PushTextWrapPos(0);
+  for (std::size_t n = 0; n < lines.size(); ++n) {
+    const float share = float(freshness(notes[notes.size() - 1 - n], now_s));
+    ImGui::TextColored({share, share, share, 1}, "%s", lines[n].c_str());
+  }
+  ImGui::PopTextWrapPos();
+  ImGui::EndChild();
 }
 
 void Hud::playback_panel(Player& player, int width, int height) {

@@ -33,6 +33,7 @@ class Hud {
  private:
   void patient_panel(Player& player, int height);
   void status_panel(Player& player, const Controls& controls, const PictureTimes& times, int width, int height);
+  void note_list(const Player& player, int height);
   void lesson_panel(Player& player, Controls& controls);
   void score_panel(const Player& player, int width, int height);
   void xray_panel(Player& player, Controls& controls, int width, int height);

@@ -23,6 +23,7 @@ using Clock = std::chrono::steady_clock;
 double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
 constexpr std::size_t kept_times = 200;
+constexpr std::size_t answered_notes = 8;
 constexpr std::uint64_t first_pictures = 3;  // that compile shaders
 
 double median(std::deque<double> values) {
@@ -54,7 +55,7 @@ class Loop {
     window_.width_height(width, height);
     controls_.apply(events, player_, width, height, hud_.has_mouse(), hud_.has_keys());
     controls_.hold(wall_s, player_, width, height);
-    if (remote) remote->poll([&](const std::string& line) { return player_.command(line); });
+    if (remote) remote->poll([&](const std::string& line) { return answer(line); });
     if (head) head->poll(player_.head_mm);
     player_.step(wall_s);
     if (player_.stages() != stages_) reduce();
@@ -84,6 +85,15 @@ class Loop {
     player_.stage().set_quality(reduction_.view(), reduction_.scale(), reduction_.coarse());
     told_reduced_ = false;
     if (!player_.stage().coarse_comes()) tell_reduced();
+  }
+
+  // What the panels show is answered here: in their language, or in the one that is asked for.
+  std::string answer(const std::string& line) const {
+    if (line == "notes") return notes_line(player_.notes(), answered_notes, params_.language);
+    for (const auto& [name, language] : languages())
+      if (line == "notes " + name) return notes_line(player_.notes(), answered_notes, language);
+    if (line.rfind("notes ", 0) == 0) return "error: notes: the window has no language of that name";
+    return player_.command(line);
   }
 
   // While coarser triangles come, pictures say nothing of what is reduced.
@@ -178,7 +188,7 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
         outcome.first_picture_s = since(begun);
         say(fmt::format("first picture after {:.2f} s, drawn by {}", outcome.first_picture_s, outcome.driver));
       }
-      for (; told < player->notes().size(); ++told) say(player->notes()[told]);
+      for (const Note& note : player->notes().since(told)) say(note.text);
       if (std::string now = loop.reduced(); now != reduced) {
         reduced = std::move(now);
         say(reduced.empty() ? "reduced: nothing any more" : "reduced: " + reduced);
@@ -190,7 +200,7 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
     throw;
   }
   player->finish();
-  for (; told < player->notes().size(); ++told) say(player->notes()[told]);
+  for (const Note& note : player->notes().since(told)) say(note.text);
   outcome.seconds = since(begun);
   outcome.pictures = loop.pictures();
   outcome.faults = player->faults();

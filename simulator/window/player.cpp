@@ -150,7 +150,7 @@ void Player::begin_session() {
 void Player::meet_session() {
   {
     const std::lock_guard<std::mutex> lock(said_mutex_);
-    notes_.insert(notes_.end(), said_.begin(), said_.end());
+    for (const std::string& line : said_) note(line);
     said_.clear();
   }
   if (!coming_.valid() || coming_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout) return;
@@ -184,20 +184,18 @@ void Player::end_session() {
   screen_hand_ = nullptr;
   const ServoStatistics& t = r.statistics;
   told_faults_ |= t.faults;
-  notes_.push_back(fmt::format(
+  note(fmt::format(
       "{}: {} ticks, tick time p50 {:.1f}, p99 {:.1f} us, woken late p50 {:.3f}, p99 {:.3f} ms, {} overruns{}",
       desk_ ? r.header.lesson : r.header.tool.tool, t.ticks, t.busy.quantile_ns(0.5) / 1e3,
       t.busy.quantile_ns(0.99) / 1e3, t.late.quantile_ns(0.5) / 1e6, t.late.quantile_ns(0.99) / 1e6, t.overruns,
       t.faults != 0 ? ", faults " + fault_names(t.faults) : ""));
-  if (r.frames_lost > 0)
-    notes_.push_back(fmt::format("{} frames were not recorded: the disk is too slow", r.frames_lost));
+  if (r.frames_lost > 0) note(fmt::format("{} frames were not recorded: the disk is too slow", r.frames_lost));
   if (!r.outcome) return;
   std::string removed;
   for (const auto& [name, mm3] : r.outcome->removed_mm3)
     removed += fmt::format("{}{} {:.1f} mm3", removed.empty() ? "" : ", ", name, mm3);
   if (!removed.empty()) begins_sha256_ = r.outcome->volume_sha256;
-  if (!removed.empty())
-    notes_.push_back(fmt::format("{} removed {}", desk_ ? r.header.lesson : r.header.tool.tool, removed));
+  if (!removed.empty()) note(fmt::format("{} removed {}", desk_ ? r.header.lesson : r.header.tool.tool, removed));
 }
 
 void Player::finish() {
@@ -239,7 +237,7 @@ void Player::step(double wall_s) {
   }
   stage_->follow(patient_->marks);
   stage_->follow_coarse();
-  for (; told_notes_ < stage_->notes().size(); ++told_notes_) notes_.push_back(stage_->notes()[told_notes_]);
+  for (; told_notes_ < stage_->notes().size(); ++told_notes_) note(stage_->notes()[told_notes_]);
   for (CtPlane& plane : stage_->state.ct_planes) plane.point_mm = vec(frame_.proxy_mm);
   measure();
 }
@@ -263,13 +261,12 @@ void Player::follow_session() {
     told_faults_ |= frame_.faults;
     if (const std::uint32_t faults = frame_.faults & ~session_faults_; faults != 0) {
       session_faults_ |= faults;
-      notes_.push_back("fault: " + fault_names(faults) + ": the force is zero from now on");
+      note("fault: " + fault_names(faults) + ": the force is zero from now on");
     }
   }
   if (incisions_.size() > Renderer::most_incisions && !many_incisions_) {
     many_incisions_ = true;
-    notes_.push_back(
-        fmt::format("more than {} incisions: the oldest look closed, and are not", Renderer::most_incisions));
+    note(fmt::format("more than {} incisions: the oldest look closed, and are not", Renderer::most_incisions));
   }
   stage_->show_incisions(incisions_, incisions_.size());
   if (wall_s_ - rate_wall_s_ > 0.5) {

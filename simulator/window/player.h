@@ -16,6 +16,7 @@
 #include "render/stage.h"
 #include "session/session.h"
 #include "window/lesson_desk.h"
+#include "window/notes.h"
 #include "window/screen_hand.h"
 
 namespace trephine {
@@ -115,7 +116,8 @@ class Player {
   double servo_hz() const { return servo_hz_; }
   double late_us() const { return late_us_; }            ///< the worst since the last picture
   std::uint32_t faults() const { return told_faults_; }  ///< of any session so far
-  const std::vector<std::string>& notes() const { return notes_; }
+  const Notes& notes() const { return notes_; }
+  double now_s() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count(); }
   bool quits() const { return quit_; }
   bool takes_shot() { return std::exchange(shot_, false); }
   void ask_shot() { shot_ = true; }
@@ -139,6 +141,7 @@ class Player {
   std::string barred() const;
   std::string lesson_state() const;
   void look_at(const ServoFrame& frame);
+  void note(const std::string& text) { notes_.add(now_s(), text); }
   void measure();
   void aim();
   double start_depth_mm() const;
@@ -187,7 +190,8 @@ class Player {
   bool pedal_ = false, judged_ = false, recorded_ = false;
   bool paused_ = false, tracing_ = false, quit_ = false, shot_ = false, many_incisions_ = false;
   std::size_t told_notes_ = 0;  // of the stage
-  std::vector<std::string> notes_;
+  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+  Notes notes_;
 };
 
 }  // namespace trephine

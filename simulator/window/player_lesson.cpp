@@ -114,8 +114,8 @@ void Player::begin_review() {
   paused_ = true;
   show_lesson_tool();
   const ScoreSum sum = sum_of(desk_->scored()->score);
-  notes_.push_back(fmt::format("the lesson is judged: {} of {} points{}", sum.points, sum.most,
-                               desk_->lesson().report.page.empty() ? "" : ", " + desk_->lesson().report.page.string()));
+  note(fmt::format("the lesson is judged: {} of {} points{}", sum.points, sum.most,
+                   desk_->lesson().report.page.empty() ? "" : ", " + desk_->lesson().report.page.string()));
 }
 
 std::string Player::lesson_state() const {

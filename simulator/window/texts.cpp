@@ -111,6 +111,7 @@ constexpr Row table[] = {
     {Text::arm_turned, {"turned", "gedreht"}},
     {Text::arm_tilted, {"tilted", "gekippt"}},
     {Text::arm_keys, {"Comma, period: turn   Page up, down: tilt", "Komma, Punkt: drehen   Bild auf, ab: kippen"}},
+    {Text::notes, {"Notes", "Meldungen"}},
 };
 
 constexpr bool complete() {

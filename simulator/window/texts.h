@@ -89,6 +89,7 @@ enum class Text {
   arm_turned,
   arm_tilted,
   arm_keys,
+  notes,
   count
 };
 enum class Language { english, german };
@@ -96,5 +97,7 @@ const std::vector<std::pair<std::string, Language>>& languages();
 const char* text_of(Language language, Text text);
 /// The word in that language for a lesson's step or figure, which has an English name; the name where there is none.
 std::string translated(Language language, const std::string& english);
+/// A note of the window in that language, with its names and figures; the note where there is none.
+std::string translated_note(Language language, const std::string& english);
 
 }  // namespace trephine

@@ -41,9 +41,12 @@ xdotool keydown ctrl click 4 click 4 keyup ctrl key x key bracketright key x key
 until_file "$work/shots/picture-001.png"
 xdotool key 3
 until_state 'tool catheter'
+# What became of the burr is a note, in either language.
+until_is notes '[0-9]:[0-9][0-9] burr: [0-9]+ ticks'
+until_is 'notes de' '[0-9]:[0-9][0-9] burr hat entfernt: .*skull .* \| [0-9]:[0-9][0-9] burr: [0-9]+ Takte'
 ok 'view left'; ok 'opacity scalp 0.3'; ok 'hide brain'; ok 'show brain'; ok 'cut coronal'; ok 'move_cut 2'; ok 'cut none'
 ok 'orbit 10 -5'; ok 'zoom 0.9'; ok 'pedal on'; ok 'pedal off'; ok 'aim'; ok 'trace on'; ok 'slices on'; ok 'places off'; ok 'insets on'; ok 'head 20 -10 30'
-for wrong in 'tool hammer' 'view inside' 'opacity hair 1' 'opacity scalp 2' 'opacity scalp' 'cut along' 'move 1 2' 'pedal maybe' 'zoom 0' nonsense; do
+for wrong in 'tool hammer' 'view inside' 'opacity hair 1' 'opacity scalp 2' 'opacity scalp' 'cut along' 'move 1 2' 'pedal maybe' 'zoom 0' 'notes fr' nonsense; do
   ask "$wrong"
   [[ $answer == error:* ]] || fail "$wrong: $answer"
 done

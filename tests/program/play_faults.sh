@@ -21,6 +21,7 @@ open_window "${play[@]}" --device adaptor --adaptor "$STUB" --adaptor-index 1 --
 until_said '^fault: device lost: the force is zero'
 ask state
 [[ $answer == *" force 0.000 "* && $answer == *" faults 8 "* ]] || fail "a lost device: $answer"
+until_is 'notes de' 'Fehler: Gerät verloren: die Kraft ist ab jetzt null'
 quit
 [[ $code == 74 ]] || fail "a lost device ends with $code"
 [[ $(wc -l <"$work/fault") == 1 ]] && grep -q 'device: device lost' "$work/fault" || { cat "$work/fault"; fail "not its one line"; }
