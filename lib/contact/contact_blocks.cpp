@@ -20,7 +20,7 @@ void ContactVolume::settle(const Box& box) {
           const std::int16_t raw = detail::load_voxel(voxel);
           if (raw == haptic_empty || (table_[std::uint16_t(raw)] & contact_pure)) continue;
           const detail::RawVoxel r = detail::split(raw);
-          if (r.number == 0 || r.bare || detail::other_shape(v, r.number, i, j, k) != 0) continue;
+          if (r.number == 0 || r.bare || detail::beside_other_shape(v, r.number, i, j, k)) continue;
           std::int16_t was = raw;  // a voxel that was lowered meanwhile keeps its new value
           __atomic_compare_exchange_n(&voxel, &was, detail::join(r.number, r.share, true), false, __ATOMIC_RELAXED,
                                       __ATOMIC_RELAXED);

@@ -19,6 +19,22 @@ const std::uint8_t* first_corner(const ShadowVolume& shadow, const std::array<in
   return shadow.data() + shadow.index(side * place[0] - 1, side * place[1] - 1, side * place[2] - 1);
 }
 
+constexpr std::uint16_t neighbours_say = haptic_full + 1;
+
+// By raw value, the share of a shape in a voxel where the value alone says it.
+std::vector<std::uint16_t> known_shares(int number) {
+  std::vector<std::uint16_t> known(65536, 0);
+  for (int raw = haptic_base_step; raw <= 32767; ++raw) {
+    const detail::RawVoxel v = detail::split(std::int16_t(raw));
+    if (v.number == 0) continue;
+    if (v.number == number)
+      known[std::size_t(raw)] = std::uint16_t(v.share);
+    else if (!v.bare && v.share < haptic_full)
+      known[std::size_t(raw)] = neighbours_say;
+  }
+  return known;
+}
+
 }  // namespace
 
 ShadowVolume::ShadowVolume(const HapticVolume& volume, int number)
@@ -27,13 +43,16 @@ ShadowVolume::ShadowVolume(const HapticVolume& volume, int number)
   values_.assign(size_[0] * size_[1] * size_[2], 0);
   reads_it_.assign(layout_.count(), 0);
   const Grid<std::int16_t>& v = volume.voxels;
+  const std::vector<std::uint16_t> known = known_shares(number);
   parallel_for(0, v.size[2], 4, [&](std::int64_t from, std::int64_t to) {
     for (int k = int(from); k < int(to); ++k)
       for (int j = 0; j < v.size[1]; ++j) {
         const std::int16_t* row = v.voxels.data() + v.index(0, j, k);
         std::uint8_t* out = values_.data() + index(0, j, k);
-        for (int i = 0; i < v.size[0]; ++i)
-          if (detail::load_voxel(row[i]) != haptic_empty) out[i] = std::uint8_t(detail::share_of(v, number_, i, j, k));
+        for (int i = 0; i < v.size[0]; ++i) {
+          const std::uint16_t share = known[std::uint16_t(detail::load_voxel(row[i]))];
+          out[i] = std::uint8_t(share <= haptic_full ? int(share) : detail::share_of(v, number_, i, j, k));
+        }
       }
   });
 }

@@ -91,6 +91,24 @@ inline int other_shape(const Grid<std::int16_t>& voxels, int own, int i, int j, 
   return int(std::max_element(sums.begin(), sums.end()) - sums.begin());
 }
 
+/// Whether other_shape is not 0, which is sooner known than what it is.
+inline bool beside_other_shape(const Grid<std::int16_t>& voxels, int own, int i, int j, int k) {
+  const int own_base = haptic_base_step * own;
+  const int i0 = std::max(0, i - 1), i1 = std::min(voxels.size[0] - 1, i + 1);
+  const int j0 = std::max(0, j - 1), j1 = std::min(voxels.size[1] - 1, j + 1);
+  const int k0 = std::max(0, k - 1), k1 = std::min(voxels.size[2] - 1, k + 1);
+  for (int z = k0; z <= k1; ++z)
+    for (int y = j0; y <= j1; ++y) {
+      const std::int16_t* row = voxels.voxels.data() + voxels.index(0, y, z);
+      for (int x = i0; x <= i1; ++x) {
+        const int raw = load_voxel(row[x]);
+        if (raw == haptic_empty || unsigned(raw - own_base) < unsigned(haptic_base_step)) continue;
+        if (split(std::int16_t(raw)).number != 0) return true;
+      }
+    }
+  return false;
+}
+
 /// The share (of 255) of shape `number` in the voxel.
 inline int share_of(const Grid<std::int16_t>& voxels, int number, int i, int j, int k) {
   const RawVoxel v = split(load_voxel(voxels.voxels[voxels.index(i, j, k)]));

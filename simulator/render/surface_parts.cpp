@@ -69,6 +69,12 @@ SurfaceParts parts_of(const LiveSurface& surface, bool mirrored, BrickPlaces& pl
   places.chunk_of.assign(count, 0);
   places.first.assign(count + 1, 0);
   std::vector<std::uint32_t> box_of;
+  std::size_t vertices = 0;
+  for (std::size_t b = 0; b < count; ++b) vertices += surface.brick(b).vertices.size();
+  const std::size_t triangles = surface.triangles();
+  out.vertices.reserve(vertices);
+  out.indices.reserve(3 * triangles);
+  box_of.reserve(triangles);
   for (std::size_t b = 0; b < count; ++b) {
     append(surface.brick(b), mirrored, std::uint32_t(out.vertices.size()), out.vertices, out.indices);
     places.first[b + 1] = std::uint32_t(out.indices.size() / 3);
