@@ -7,7 +7,9 @@
 #include <cmath>
 
 #include "haptics/proxy.h"
+#include "haptics/tool.h"
 #include "render/coarse.h"
+#include "scene/view_params.h"
 
 using namespace trephine;
 
@@ -78,8 +80,23 @@ TEST(Notes, EachIsSaidInTheOtherLanguage) {
     EXPECT_EQ(translated_note(Language::english, english), english);
     EXPECT_EQ(translated_note(Language::german, english), german);
   }
+  EXPECT_EQ(translated_note(Language::german, "nothing is there"), "da ist nichts");
   for (const char* other : {"", "something new", "graphics memory: ", " removed ", "{} removed {}x{}"}) {
     const std::string said = translated_note(Language::german, other);
     EXPECT_TRUE(said == other || said == "{} hat entfernt: {}x{}") << said;
   }
+}
+
+// Of each button that the panels show, whatever becomes a tool or a view.
+TEST(Notes, EveryToolAndViewHasANameInTheOtherLanguage) {
+  std::vector<std::string> all{"none", "tool"};
+  for (const ToolKind& kind : all_tool_kinds()) all.push_back(kind.name);
+  for (const auto& [name, value] : view_presets()) all.push_back(name);
+  ASSERT_GT(all.size(), 15u);
+  for (const std::string& name : all) {
+    EXPECT_EQ(translated_name(Language::english, name), name);
+    if (name == "jamshidi") continue;
+    EXPECT_NE(translated_name(Language::german, name), name);
+  }
+  EXPECT_EQ(translated_name(Language::german, "axial"), "axial");
 }

@@ -41,13 +41,17 @@ bool button(const char* label) {
   return pressed;
 }
 
-void tool_buttons(Player& player, int a_line) {
+bool name_button(Language language, const std::string& name) {
+  return button((translated_name(language, name) + "##" + name).c_str());
+}
+
+void tool_buttons(Language language, Player& player, int a_line) {
   int on_line = 0;
   for (const std::string& name : player.tools()) {
     if (on_line++ % a_line != 0) ImGui::SameLine();
     const bool held = player.tool() == name;
     if (held) ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.1f, 0.45f, 0.65f, 1));
-    if (button(name.c_str())) player.take_tool(name);
+    if (name_button(language, name)) player.take_tool(name);
     if (held) ImGui::PopStyleColor();
   }
 }
@@ -97,7 +101,7 @@ void Hud::patient_panel(Player& player, int height) {
   int on_line = 0;
   for (const auto& [name, value] : view_presets()) {
     if (on_line++ % 4 != 0) ImGui::SameLine();
-    if (button(name.c_str())) player.set_view(name);
+    if (name_button(language_, name)) player.set_view(name);
   }
   bool places = !stage.state.markers.empty();
   if (ImGui::Checkbox(say(Text::places), &places)) player.set_places(places);
@@ -108,7 +112,7 @@ void Hud::patient_panel(Player& player, int height) {
   ImGui::TextColored(sky, "%s", say(Text::cut_away));
   for (const char* how : {"none", "tool", "axial", "coronal", "sagittal"}) {
     if (how[0] != 'n') ImGui::SameLine();
-    if (button(how)) player.cut(how);
+    if (name_button(language_, how)) player.cut(how);
   }
   if (stage.state.cut) {
     float moved = 0;
@@ -118,7 +122,7 @@ void Hud::patient_panel(Player& player, int height) {
   if (player.live()) {
     ImGui::TextColored(sky, "%s", say(Text::tool));
     on_line = 0;
-    tool_buttons(player, 3);
+    tool_buttons(language_, player, 3);
   }
   if (ImGui::CollapsingHeader(say(Text::keys))) ImGui::TextUnformatted(say(Text::keys_help));
   ImGui::PopItemWidth();
@@ -127,14 +131,17 @@ void Hud::patient_panel(Player& player, int height) {
 
 void Hud::status_panel(Player& player, const Controls& controls, const PictureTimes& times, int width, int height) {
   ImGui::SetNextWindowPos({float(width) - 8, 8}, ImGuiCond_Always, {1, 0});
-  ImGui::SetNextWindowSize({ImGui::GetFontSize() * 27, 0}, ImGuiCond_Always);
+  // With large letters it leaves the other half to the other panel.
+  ImGui::SetNextWindowSize({std::min(ImGui::GetFontSize() * 27, 0.5f * float(width) - 12), 0}, ImGuiCond_Always);
   ImGui::Begin("##status", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoFocusOnAppearing);
   const ServoFrame& f = player.frame();
   const bool working = player.desk() && player.live();
   if (!working) line(say(Text::time), fmt::format("{:.2f} s", f.time_s));
-  line(say(Text::tool), player.tool() + (f.buttons & Drilling::pedal ? fmt::format(" [{}]", say(Text::pedal)) : ""),
+  line(say(Text::tool),
+       translated_name(language_, player.tool()) +
+           (f.buttons & Drilling::pedal ? fmt::format(" [{}]", say(Text::pedal)) : ""),
        f.buttons & Drilling::pedal ? orange : ImVec4(1, 1, 1, 1));
   line(say(Text::inside), f.inside ? player.shape_name(f.inside) : say(Text::nothing));
   line(say(Text::depth), fmt::format("{:.1f} mm", player.depth_mm()));
@@ -161,7 +168,9 @@ void Hud::status_panel(Player& player, const Controls& controls, const PictureTi
   const std::string under =
       has_mouse() || working ? "" : player.under(controls.cursor_x, controls.cursor_y, width, height);
   if (!working) line(say(Text::under_cursor), under.empty() ? "-" : under);
-  if (!controls.said.empty()) ImGui::TextColored(orange, "%s", controls.said.c_str());
+  ImGui::PushTextWrapPos(0);
+  if (!controls.said.empty()) ImGui::TextColored(orange, "%s", translated_note(language_, controls.said).c_str());
+  ImGui::PopTextWrapPos();
   note_list(player, height);
   ImGui::End();
 }

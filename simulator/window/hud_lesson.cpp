@@ -32,7 +32,7 @@ void Hud::lesson_panel(Player& player, Controls& controls) {
   line(say(Text::time), fmt::format("{:.1f} s", f.procedure_s()));
   for (const LessonStatus& s : desk.status())
     line(translated(language_, s.label).c_str(), translated(language_, s.value), sky);
-  tool_buttons(player, 3);
+  tool_buttons(language_, player, 3);
   const auto command = [&](Text text, const char* name, bool on_line) {
     if (on_line) ImGui::SameLine();
     if (button(say(text))) controls.said = player.lesson_command(name);

@@ -17,7 +17,9 @@ inline const ImVec4 sky{0.34f, 0.71f, 0.91f, 1}, orange{0.90f, 0.62f, 0.00f, 1},
 void line(const char* what, const std::string& value, const ImVec4& colour = {1, 1, 1, 1});
 /// A low button, with room for all of the letters. Returns whether it was pressed.
 bool button(const char* label);
+/// The same for what has a name (translated_name).
+bool name_button(Language language, const std::string& name);
 /// The tools that may be taken, so many a line.
-void tool_buttons(Player& player, int a_line);
+void tool_buttons(Language language, Player& player, int a_line);
 
 }  // namespace trephine::hud

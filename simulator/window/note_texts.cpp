@@ -49,7 +49,50 @@ constexpr Row table[] = {
       "{}: {} Takte, Dauer p50 {}, p99 {} us, verspätet p50 {}, p99 {} ms, {} zu lange, Fehler: {}"}},
     {{"{}: {} ticks, tick time p50 {}, p99 {} us, woken late p50 {}, p99 {} ms, {} overruns",
       "{}: {} Takte, Dauer p50 {}, p99 {} us, verspätet p50 {}, p99 {} ms, {} zu lange"}},
+    {{"a picture could not be written: {}", "ein Bild konnte nicht geschrieben werden: {}"}},
     {{"{} removed {}", "{} hat entfernt: {}"}},
+    // Answers to keys.
+    {{"nothing is there", "da ist nichts"}},
+    {{"this is no lesson", "das ist keine Lektion"}},
+    {{"this lesson has no C-arm", "diese Lektion hat keinen C-Bogen"}},
+    {{"the case has no target", "der Fall hat kein Ziel"}},
+    {{"not before the lesson's end", "nicht vor dem Ende der Lektion"}},
+    {{"Enter again: the lesson ends", "noch einmal Eingabe: die Lektion endet"}},
+    {{"only the end is left: press Enter twice", "es bleibt nur das Ende: zweimal Eingabe"}},
+    {{"the lesson is paused: go on first", "die Lektion ist angehalten: erst weiter"}},
+    {{"the marker has not touched yet", "der Stift hat noch nichts berührt"}},
+    {{"this is the last step", "das ist der letzte Schritt"}},
+    {{"this is the first step", "das ist der erste Schritt"}},
+    {{"not now: the lesson waits for its device, or has ended",
+      "nicht jetzt: die Lektion wartet auf ihr Gerät oder ist zu Ende"}},
+};
+
+constexpr Row names[] = {
+    {{"surgeon", "Chirurg"}},
+    {{"front", "vorn"}},
+    {{"back", "hinten"}},
+    {{"left", "links"}},
+    {{"right", "rechts"}},
+    {{"top", "oben"}},
+    {{"bottom", "unten"}},
+    {{"oblique", "schräg"}},
+    {{"none", "keine"}},
+    {{"tool", "Instrument"}},
+    {{"axial", "axial"}},
+    {{"coronal", "koronal"}},
+    {{"sagittal", "sagittal"}},
+    {{"point", "Spitze"}},
+    {{"needle", "Nadel"}},
+    {{"catheter", "Katheter"}},
+    {{"burr", "Bohrer"}},
+    {{"ball", "Kugel"}},
+    {{"round_burr", "Rundbohrer"}},
+    {{"rod", "Stab"}},
+    {{"craniotome", "Kraniotom"}},
+    {{"jamshidi", "Jamshidi"}},
+    {{"points", "Punkte"}},
+    {{"marker", "Stift"}},
+    {{"scalpel", "Skalpell"}},
 };
 
 // What of the text stands for each {} of the form; none where it has another form. Each is as short as it can be, but
@@ -78,6 +121,12 @@ std::optional<std::vector<std::string>> parts_of(const std::string& text, const 
 }
 
 }  // namespace
+
+std::string translated_name(Language language, const std::string& english) {
+  for (const Row& row : names)
+    if (english == row.in[0]) return row.in[std::size_t(language)];
+  return english;
+}
 
 std::string translated_note(Language language, const std::string& english) {
   if (language == Language::english) return english;

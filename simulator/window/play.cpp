@@ -68,7 +68,7 @@ class Loop {
     shown_.ms = ms;
     shown_.per_s = wall_s > 0 ? 0.9 * shown_.per_s + 0.1 / std::max(wall_s, ms / 1000) : 0;
     ++pictures_;
-    adapt(ms);
+    if (width > 0 && height > 0) adapt(ms);  // a window that shows nothing is quick for no reason
     if (pictures_ > first_pictures) longest_ms_ = std::max(longest_ms_, 1000 * since(begin));
     return !window_.closed() && !player_.quits();
   }
@@ -112,17 +112,25 @@ class Loop {
   void picture(int width, int height) {
     player_.stage().draw(
         player_.camera, width, height, [](Eye eye) { bind_screen(eye); }, player_.head_mm);
-    if (player_.takes_shot()) {
-      const std::filesystem::path file = player_.next_shot();
+    if (player_.takes_shot()) take_shot(width, height);
+    const ViewParams::Stereo stereo = player_.stage().view().stereo;
+    if (stereo != ViewParams::Stereo::side_by_side && stereo != ViewParams::Stereo::top_bottom)
+      hud_.draw(player_, controls_, shown_, width, height);
+  }
+
+  // A folder that cannot be written is no reason to end somebody's session.
+  void take_shot(int width, int height) {
+    const std::filesystem::path file = player_.next_shot();
+    try {
       write_file(file, png_of(read_picture(width, height)));
       if (const MadeFluoro* xray = player_.xray(); xray && (player_.has_xray() || player_.shot_shown() >= 0))
         write_file(file.parent_path() / (file.stem().string() + "-xray.png"),
                    grey_png(xray->picture.size, xray->picture.size, xray->picture.grey));
       controls_.said = file.string();
+    } catch (const Error& e) {
+      if (e.file().empty()) throw;  // what the driver said
+      player_.note("a picture could not be written: " + e.file() + ": " + e.what());
     }
-    const ViewParams::Stereo stereo = player_.stage().view().stereo;
-    if (stereo != ViewParams::Stereo::side_by_side && stereo != ViewParams::Stereo::top_bottom)
-      hud_.draw(player_, controls_, shown_, width, height);
   }
 
   Player& player_;

@@ -117,6 +117,7 @@ class Player {
   double late_us() const { return late_us_; }            ///< the worst since the last picture
   std::uint32_t faults() const { return told_faults_; }  ///< of any session so far
   const Notes& notes() const { return notes_; }
+  void note(const std::string& text) { notes_.add(now_s(), text); }
   double now_s() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count(); }
   bool quits() const { return quit_; }
   bool takes_shot() { return std::exchange(shot_, false); }
@@ -141,7 +142,6 @@ class Player {
   std::string barred() const;
   std::string lesson_state() const;
   void look_at(const ServoFrame& frame);
-  void note(const std::string& text) { notes_.add(now_s(), text); }
   void measure();
   void aim();
   double start_depth_mm() const;

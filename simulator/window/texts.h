@@ -97,7 +97,10 @@ const std::vector<std::pair<std::string, Language>>& languages();
 const char* text_of(Language language, Text text);
 /// The word in that language for a lesson's step or figure, which has an English name; the name where there is none.
 std::string translated(Language language, const std::string& english);
-/// A note of the window in that language, with its names and figures; the note where there is none.
+/// The name of a tool, a view or a cut as the panels show it; the remote takes the English one.
+std::string translated_name(Language language, const std::string& english);
+/// A note of the window, or its answer to a key, in that language, with its names and figures; the note where there is
+/// none.
 std::string translated_note(Language language, const std::string& english);
 
 }  // namespace trephine

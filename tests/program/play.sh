@@ -39,6 +39,10 @@ xdotool keyup w keyup space
 xdotool mousemove 240 180 mousedown 3 mousemove 300 200 mouseup 3 mousedown 2 mousemove 280 190 mouseup 2
 xdotool keydown ctrl click 4 click 4 keyup ctrl key x key bracketright key x key F7 key F1 key c key c key k key F12
 until_file "$work/shots/picture-001.png"
+# A picture that cannot be written is told, and nothing else happens.
+rm -r "$work/shots"
+ok shot
+until_is 'notes en' 'a picture could not be written: .*shots'
 xdotool key 3
 until_state 'tool catheter'
 # What became of the burr is a note, in either language.
