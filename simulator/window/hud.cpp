@@ -41,6 +41,12 @@ bool button(const char* label) {
   return pressed;
 }
 
+void flow_on(const std::string& label) {
+  const float across = ImGui::CalcTextSize(label.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x;
+  const float end = ImGui::GetItemRectMax().x + ImGui::GetStyle().ItemSpacing.x + across;
+  if (end <= ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x) ImGui::SameLine();
+}
+
 bool name_button(Language language, const std::string& name) {
   return button((translated_name(language, name) + "##" + name).c_str());
 }
@@ -111,7 +117,7 @@ void Hud::patient_panel(Player& player, int height) {
   }
   ImGui::TextColored(sky, "%s", say(Text::cut_away));
   for (const char* how : {"none", "tool", "axial", "coronal", "sagittal"}) {
-    if (how[0] != 'n') ImGui::SameLine();
+    if (how[0] != 'n') flow_on(translated_name(language_, how));
     if (name_button(language_, how)) player.cut(how);
   }
   if (stage.state.cut) {
@@ -182,21 +188,21 @@ void Hud::note_list(const Player& player, int height) {
   if (notes.empty()) return;
   ImGui::Separator();
   ImGui::TextColored(sky, "%s (%d)", say(Text::notes), int(player.notes().count()));
+  for (const Note& note : player.notes().since(notes_seen_))
+    note_lines_.push_back(clock_text(note.at_s) + "  " + translated_note(language_, note.text));
+  while (note_lines_.size() > notes.size()) note_lines_.pop_front();
   const float letter = ImGui::GetTextLineHeightWithSpacing(), across = ImGui::GetContentRegionAvail().x;
   const float left = float(height) - 8 - ImGui::GetCursorScreenPos().y - ImGui::GetStyle().WindowPadding.y;
   const float most = std::clamp(left, 2 * letter, lines_of_notes * letter);
-  std::vector<std::string> lines;
   float high = 0;
-  for (std::size_t n = notes.size(); n-- > 0;) {
-    lines.push_back(clock_text(notes[n].at_s) + "  " + translated_note(language_, notes[n].text));
-    high += ImGui::CalcTextSize(lines.back().c_str(), nullptr, false, across).y + ImGui::GetStyle().ItemSpacing.y;
-  }
+  for (std::size_t n = notes.size(); n-- > 0 && high < most;)
+    high += ImGui::CalcTextSize(note_lines_[n].c_str(), nullptr, false, across).y + ImGui::GetStyle().ItemSpacing.y;
   ImGui::BeginChild("##notes", {0, std::min(high, most)});
   const double now_s = player.now_s();
   ImGui::PushTextWrapPos(0);
-  for (std::size_t n = 0; n < lines.size(); ++n) {
-    const float share = float(freshness(notes[notes.size() - 1 - n], now_s));
-    ImGui::TextColored({share, share, share, 1}, "%s", lines[n].c_str());
+  for (std::size_t n = notes.size(); n-- > 0;) {
+    const float share = float(freshness(notes[n], now_s));
+    ImGui::TextColored({share, share, share, 1}, "%s", note_lines_[n].c_str());
   }
   ImGui::PopTextWrapPos();
   ImGui::EndChild();

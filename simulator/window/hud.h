@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <deque>
 #include <memory>
 #include <string>
 
@@ -43,6 +44,8 @@ class Hud {
   const char* say(Text text) const { return text_of(language_, text); }
   double scale_;
   Language language_;
+  std::deque<std::string> note_lines_;  // of the notes that are kept, as they are shown
+  std::size_t notes_seen_ = 0;
   unsigned texture_ = 0;          // of the fluoroscopic picture; 0 before the first
   std::uint64_t in_texture_ = 0;  // Player::xrays_made of what it holds
 };

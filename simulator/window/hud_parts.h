@@ -19,6 +19,8 @@ void line(const char* what, const std::string& value, const ImVec4& colour = {1,
 bool button(const char* label);
 /// The same for what has a name (translated_name).
 bool name_button(Language language, const std::string& name);
+/// The next button follows on the line where its label has room there.
+void flow_on(const std::string& label);
 /// The tools that may be taken, so many a line.
 void tool_buttons(Language language, Player& player, int a_line);
 
