@@ -2,6 +2,14 @@
 # Pictures of the simulator, drawn without a display by Mesa's llvmpipe with one thread.
 if(TARGET trephine_render)
 trephine_test(render render picture)
+add_library(fence_stub MODULE fence_stub.c)
+target_link_libraries(fence_stub PRIVATE ${CMAKE_DL_LIBS})
+set_target_properties(fence_stub PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
+add_executable(draw_passes draw_passes.cpp)
+target_link_libraries(draw_passes PRIVATE trephine_render ${TREPHINE_EPOXY})
+add_test(NAME program.fences COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/fences.sh)
+set_tests_properties(program.fences PROPERTIES TIMEOUT 1800 SKIP_RETURN_CODE 77
+  ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine-sim>;SOURCE=${PROJECT_SOURCE_DIR};DRAW_PASSES=$<TARGET_FILE:draw_passes>;FENCE_STUB=$<TARGET_FILE:fence_stub>")
 endif()
 if(TARGET trephine_window)
 trephine_test(window window)

@@ -47,7 +47,8 @@ Renderer::Impl::Impl(const SceneData& scene, const RenderQuality& q)
       smoothing(shaders::screen_vertex, shaders::smooth_fragment),
       darkening(shaders::screen_vertex, shaders::darken_fragment),
       presenting(shaders::screen_vertex, shaders::present_fragment),
-      shadow(shaders::shadow_vertex, shaders::box_fragment) {
+      shadow(shaders::shadow_vertex, shaders::box_fragment),
+      kept(driver_facts().software) {
   const Bounds& b = scene.bounds;
   radius_mm = norm(b.max_mm - b.min_mm) / 2 + norm((b.max_mm + b.min_mm) / 2 - centre_mm);
   samples = std::clamp(q.samples, 1, driver_facts().most_samples);
@@ -238,6 +239,7 @@ void Renderer::add_incision(const IncisionWall& w) {
 }
 
 void Renderer::draw(const EyeView& eye, const SceneState& state, int width, int height) {
+  impl_->kept.new_picture();
   impl_->make_targets(width, height);
   impl_->draw(eye, state, width, height);
   check_gl("a picture");

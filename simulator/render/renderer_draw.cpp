@@ -133,6 +133,7 @@ void Renderer::Impl::ask_hidden(std::size_t n, const EyeView& eye) {
     glDrawArrays(GL_TRIANGLES, 0, 36);
     glEndQuery(GL_ANY_SAMPLES_PASSED);
   }
+  kept.after_pass();  // reading a result ends one
   for (const std::size_t c : asked) {
     GLuint any = 1;
     glGetQueryObjectuiv(item.queries[c], GL_QUERY_RESULT, &any);
@@ -265,10 +266,12 @@ void Renderer::Impl::draw_transparent(const SceneState& state) {
 }
 
 void Renderer::Impl::darken(const EyeView& eye) {
+  kept.after_pass();
   if (samples > 1) {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, many);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, one);
     glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+    kept.after_pass();
   }
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_CLIP_DISTANCE0);
@@ -285,12 +288,14 @@ void Renderer::Impl::darken(const EyeView& eye) {
   glBindVertexArray(empty_array);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 
+  kept.after_pass();
   glBindFramebuffer(GL_FRAMEBUFFER, half_too);
   smoothing.use();
   glBindTexture(GL_TEXTURE_2D, half_open);
   smoothing.set("open", 0);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 
+  kept.after_pass();
   glBindFramebuffer(GL_FRAMEBUFFER, samples > 1 ? many : one);
   glViewport(0, 0, width, height);
   glEnable(GL_BLEND);
@@ -313,6 +318,7 @@ void Renderer::Impl::draw(const EyeView& eye, const SceneState& state, int w, in
   glDisable(GL_STENCIL_TEST);
   glDisable(GL_CLIP_DISTANCE0);
   cast_shadow(eye, state);
+  if (casts) kept.after_pass();
   glBindFramebuffer(GL_FRAMEBUFFER, samples > 1 ? many : one);
   glViewport(0, 0, w, h);
   glEnable(GL_FRAMEBUFFER_SRGB);
@@ -348,10 +354,12 @@ void Renderer::Impl::draw(const EyeView& eye, const SceneState& state, int w, in
   glDisable(GL_CLIP_DISTANCE0);
   begin_surface(eye, state, false);
   draw_ghost(state);
+  kept.after_pass();
   if (samples > 1) {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, many);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, one);
     glBlitFramebuffer(0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    kept.after_pass();
     glBindFramebuffer(GL_FRAMEBUFFER, one);
   }
   glDisable(GL_FRAMEBUFFER_SRGB);

@@ -2,6 +2,7 @@
 #pragma once
 #include <map>
 
+#include "render/kept_fences.h"
 #include "render/renderer.h"
 #include "render/shaders.h"
 #include "render/surface_buffer.h"
@@ -93,6 +94,7 @@ struct Renderer::Impl {
   std::array<float, 3> background{0.012f, 0.016f, 0.022f};
 
   // Of the picture that is drawn.
+  KeptFences kept;
   Sight sight;
   std::vector<std::pair<std::size_t, DrawList>> lists;  // by item
 
