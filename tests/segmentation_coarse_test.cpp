@@ -96,6 +96,28 @@ TEST(CoarseSegment, CellsAtTheExtremes) {
   EXPECT_NEAR(norm(whole.cells.origin_mm - l.to_world_mm({45, 0.5, 0})), 0, 1e-9);
 }
 
+TEST(CoarseMean, IsThatOfTheKnownVoxelsOfEachCell) {
+  Lattice l;
+  l.size = {7, 4, 3};
+  Grid<float> hu(l);
+  for (int k = 0; k < 3; ++k)
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 7; ++i) hu.at(i, j, k) = float(i + 10 * j + 100 * k);
+  const auto cells = segmentation::coarse_raster(l, std::array<int, 3>{3, 2, 2});
+  EXPECT_EQ(cells.cells.size, (std::array<int, 3>{3, 2, 2}));
+  const Field all = segmentation::coarse_mean(hu, cells);
+  EXPECT_EQ(all.at(0, 0, 0), 56);   // of 12 voxels
+  EXPECT_EQ(all.at(2, 1, 1), 231);  // of the 2 that the last cell has
+  segmentation::BitMask known(l);
+  known.set(1, 0, 0);
+  known.set(2, 1, 1);
+  known.set(6, 3, 2);
+  const Grid<float> some = segmentation::coarse_mean(segmentation::HuView(hu), known, cells, -1);
+  EXPECT_EQ(some.at(0, 0, 0), 56.5f);
+  EXPECT_EQ(some.at(2, 1, 1), 236);
+  EXPECT_EQ(some.at(1, 0, 0), -1);
+}
+
 // One layer of cells is a single slice, which is refused as one of voxels is.
 TEST(CoarseSegment, OfAVolumeThinnerThanACell) {
   const auto whole = std::get<Grid<std::int16_t>>(scan());

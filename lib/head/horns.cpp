@@ -9,6 +9,7 @@
 #include <queue>
 
 #include "head/soft_tissue.h"
+#include "mask/coarse.h"
 #include "mask/filters.h"
 
 namespace trephine::segmentation {
@@ -56,52 +57,22 @@ struct Place {
 };
 constexpr Place temporal{{18, -25, -36}, {45, 35, 5}}, occipital{{10, 15, -18}, {40, 70, 15}};
 
-/// Merges factor[0] x factor[1] x factor[2] voxels into one: the mean of the known ones.
-struct Coarse {
-  Lattice lattice;
-  std::array<int, 3> factor;
-  explicit Coarse(const Lattice& l) : lattice(l) {
-    double* spacing[3] = {&lattice.spacing_mm.x, &lattice.spacing_mm.y, &lattice.spacing_mm.z};
-    Vec3 first;
-    double* at[3] = {&first.x, &first.y, &first.z};
+/// The cells of the voxels of one lattice on which paths are searched. Voxels that fill no cell are left out.
+struct Cells {
+  Box whole;
+  CoarseRaster raster;
+  explicit Cells(const Lattice& l) {
+    std::array<int, 3> factor;
     for (int a = 0; a < 3; ++a) {
-      factor[a] = std::max(1, std::min(l.size[a], int(raster_mm / *spacing[a])));
-      *at[a] = 0.5 * (factor[a] - 1);
-      *spacing[a] *= factor[a];
-      lattice.size[a] = l.size[a] / factor[a];
+      factor[a] = std::max(1, std::min(l.size[a], int(raster_mm / l.spacing_mm[a])));
+      whole.end[a] = l.size[a] - l.size[a] % factor[a];
     }
-    lattice.origin_mm = l.to_world_mm(first);
-  }
-  template <class F>
-  void each(int i, int j, int k, F&& f) const {
-    for (int c = 0; c < factor[2]; ++c)
-      for (int b = 0; b < factor[1]; ++b)
-        for (int a = 0; a < factor[0]; ++a) f(i * factor[0] + a, j * factor[1] + b, k * factor[2] + c);
+    raster = coarse_raster(cropped(l, whole), factor);
   }
   /// Set where at least half of the voxels are set.
-  BitMask of(const BitMask& m) const {
-    const int all = factor[0] * factor[1] * factor[2];
-    return make_mask(lattice, [&](int j, int k, std::uint8_t* row) {
-      for (int i = 0; i < lattice.size[0]; ++i) {
-        int n = 0;
-        each(i, j, k, [&](int a, int b, int c) { n += m.get(a, b, c); });
-        row[i] = 2 * n >= all;
-      }
-    });
-  }
+  BitMask of(const BitMask& m) const { return coarse_mask(crop(m, whole), raster, 0.5); }
   Grid<float> of(const Grid<float>& hu, const BitMask& known) const {
-    Grid<float> out(lattice);
-    for (int k = 0; k < lattice.size[2]; ++k)
-      for (int j = 0; j < lattice.size[1]; ++j)
-        for (int i = 0; i < lattice.size[0]; ++i) {
-          float sum = 0;
-          int n = 0;
-          each(i, j, k, [&](int a, int b, int c) {
-            if (known.get(a, b, c)) sum += hu.at(a, b, c), ++n;
-          });
-          out.at(i, j, k) = n ? sum / float(n) : 0.f;
-        }
-    return out;
+    return coarse_mean(HuView(hu), crop(known, whole), raster, 0);
   }
 };
 
@@ -317,12 +288,12 @@ Grid<float> find_horns(const Grid<float>& hu, const BitMask& known, const BitMas
                        const Progress& progress) {
   Grid<float> out(hu, float(-far_mm));
   count = 0;
-  const Coarse coarse(hu);
-  const Lattice& l = coarse.lattice;
-  const BitMask core = coarse.of(shape), sound = coarse.of(known);
-  BitMask free = eroded(coarse.of(envelope), depth_mm, progress);
-  free.remove(dilated(coarse.of(others), clear_mm, progress));
-  const Grid<float> values = coarse.of(hu, known);
+  const Cells cells(hu);
+  const Lattice& l = cells.raster.cells;
+  const BitMask core = cells.of(shape), sound = cells.of(known);
+  BitMask free = eroded(cells.of(envelope), depth_mm, progress);
+  free.remove(dilated(cells.of(others), clear_mm, progress));
+  const Grid<float> values = cells.of(hu, known);
   std::vector<float> inside;
   const BitMask inner = eroded(core, 1.0, progress);
   for (int k = 0; k < l.size[2]; ++k)

@@ -28,20 +28,52 @@ Between between(const CoarseRaster& r, int axis) {
   return b;
 }
 
+/// The mean of each cell, `nowhere` where it is of nothing. `row(y, z, add)` calls add(x, value) for what counts in the
+/// fine raster's row, in the order of x. A cell's values are added as Sum, in the order of z, y and x.
+template <class Sum, class Row>
+Grid<float> mean_of_cells(const CoarseRaster& r, float nowhere, const Row& row) {
+  Grid<float> mean(r.cells, nowhere);
+  parallel_for(0, r.cells.size[2], 2, [&](std::int64_t from, std::int64_t to) {
+    std::vector<Sum> sum(r.cells.size[0]);
+    std::vector<int> count(r.cells.size[0]);
+    const auto add = [&](int x, float value) {
+      sum[x / r.factor[0]] += value;
+      ++count[x / r.factor[0]];
+    };
+    for (int k = int(from); k < to; ++k)
+      for (int j = 0; j < r.cells.size[1]; ++j) {
+        std::fill(sum.begin(), sum.end(), Sum(0));
+        std::fill(count.begin(), count.end(), 0);
+        for (int z = k * r.factor[2]; z < std::min(r.fine.size[2], (k + 1) * r.factor[2]); ++z)
+          for (int y = j * r.factor[1]; y < std::min(r.fine.size[1], (j + 1) * r.factor[1]); ++y) row(y, z, add);
+        float* out = &mean.at(0, j, k);
+        for (int i = 0; i < r.cells.size[0]; ++i)
+          if (count[i]) out[i] = float(sum[i] / Sum(count[i]));
+      }
+  });
+  return mean;
+}
+
 }  // namespace
 
 CoarseRaster coarse_raster(const Lattice& fine, double cell_mm, bool at_most) {
-  CoarseRaster r;
-  r.fine = r.cells = fine;
-  Vec3 middle;
+  std::array<int, 3> factor;
   for (int a = 0; a < 3; ++a) {
     const double voxels = cell_mm / fine.spacing_mm[a];
     // Spacings that were rounded to float differ by at most 1e-7.
     const double whole = at_most ? std::floor(voxels + 1e-6) : std::round(voxels);
-    r.factor[a] = int(std::clamp(whole, 1.0, std::max(1.0, double(fine.size[a]))));
-    r.cells.size[a] = (fine.size[a] + r.factor[a] - 1) / r.factor[a];
-    r.cells.spacing_mm[a] = fine.spacing_mm[a] * r.factor[a];
-    middle[a] = (r.factor[a] - 1) / 2.0;
+    factor[a] = int(std::clamp(whole, 1.0, std::max(1.0, double(fine.size[a]))));
+  }
+  return coarse_raster(fine, factor);
+}
+
+CoarseRaster coarse_raster(const Lattice& fine, const std::array<int, 3>& factor) {
+  CoarseRaster r{fine, fine, factor};
+  Vec3 middle;
+  for (int a = 0; a < 3; ++a) {
+    r.cells.size[a] = (fine.size[a] + factor[a] - 1) / factor[a];
+    r.cells.spacing_mm[a] = fine.spacing_mm[a] * factor[a];
+    middle[a] = (factor[a] - 1) / 2.0;
   }
   r.cells.origin_mm = fine.to_world_mm(middle);
   return r;
@@ -87,33 +119,22 @@ BitMask coarse_mask(const BitMask& fine, const CoarseRaster& r, double share) {
 
 Grid<float> coarse_mean(const HuView& hu, const BitMask& known, const CoarseRaster& r, float nowhere) {
   const Box at = place_in(r.fine, hu.lattice());
-  const Lattice& l = r.fine;
-  const int fx = r.factor[0];
-  Grid<float> mean(r.cells, nowhere);
-  parallel_for(0, r.cells.size[2], 2, [&](std::int64_t from, std::int64_t to) {
-    std::vector<float> sum(r.cells.size[0]);
-    std::vector<int> count(r.cells.size[0]);
-    for (int k = int(from); k < to; ++k)
-      for (int j = 0; j < r.cells.size[1]; ++j) {
-        std::fill(sum.begin(), sum.end(), 0.f);
-        std::fill(count.begin(), count.end(), 0);
-        for (int z = k * r.factor[2]; z < std::min(l.size[2], (k + 1) * r.factor[2]); ++z)
-          for (int y = j * r.factor[1]; y < std::min(l.size[1], (j + 1) * r.factor[1]); ++y) {
-            const std::size_t start = hu.lattice().index(at.begin[0], at.begin[1] + y, at.begin[2] + z);
-            const std::uint64_t* row = known.row(y, z);
-            for (int w = 0; w < known.words(); ++w)
-              for (std::uint64_t bits = row[w]; bits; bits &= bits - 1) {
-                const int i = w * 64 + __builtin_ctzll(bits);
-                sum[i / fx] += hu(start + std::size_t(i));
-                ++count[i / fx];
-              }
-          }
-        float* out = &mean.at(0, j, k);
-        for (int i = 0; i < r.cells.size[0]; ++i)
-          if (count[i]) out[i] = sum[i] / float(count[i]);
+  return mean_of_cells<float>(r, nowhere, [&](int y, int z, const auto& add) {
+    const std::size_t start = hu.lattice().index(at.begin[0], at.begin[1] + y, at.begin[2] + z);
+    const std::uint64_t* row = known.row(y, z);
+    for (int w = 0; w < known.words(); ++w)
+      for (std::uint64_t bits = row[w]; bits; bits &= bits - 1) {
+        const int x = w * 64 + __builtin_ctzll(bits);
+        add(x, hu(start + std::size_t(x)));
       }
   });
-  return mean;
+}
+
+Field coarse_mean(const Field& field, const CoarseRaster& r) {
+  return mean_of_cells<double>(r, 0, [&](int y, int z, const auto& add) {
+    const float* row = &field.at(0, y, z);
+    for (int x = 0; x < field.size[0]; ++x) add(x, row[x]);
+  });
 }
 
 Field refined(const Field& cells, const CoarseRaster& r) {

@@ -17,6 +17,9 @@ struct CoarseRaster {
 /// never larger than the lattice or smaller than a voxel.
 CoarseRaster coarse_raster(const Lattice& fine, double cell_mm, bool at_most = false);
 
+/// Cells of these many voxels, each from 1 to the lattice's size.
+CoarseRaster coarse_raster(const Lattice& fine, const std::array<int, 3>& factor);
+
 /// The cells of which at least `share` of the voxels are in the mask (0: any voxel).
 BitMask coarse_mask(const BitMask& fine, const CoarseRaster& raster, double share);
 
@@ -26,6 +29,9 @@ BitMask fine_mask(const BitMask& cells, const CoarseRaster& raster);
 /// The mean HU of each cell's voxels in `known` (on raster.fine, which lies in the volume's raster); `nowhere` where
 /// there are none.
 Grid<float> coarse_mean(const HuView& hu, const BitMask& known, const CoarseRaster& raster, float nowhere);
+
+/// The mean of all values in each cell. The field lies on raster.fine.
+Field coarse_mean(const Field& field, const CoarseRaster& raster);
 
 /// The field on the fine voxels, interpolated linearly between the cells' centres.
 Field refined(const Field& cells, const CoarseRaster& raster);

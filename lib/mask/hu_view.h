@@ -12,6 +12,7 @@ class HuView {
  public:
   explicit HuView(const HuVolume& v)
       : i16_(std::get_if<Grid<std::int16_t>>(&v)), f32_(std::get_if<Grid<float>>(&v)), lattice_(lattice_of(v)) {}
+  explicit HuView(const Grid<float>& v) : i16_(nullptr), f32_(&v), lattice_(v) {}
   float operator()(std::size_t index) const { return i16_ ? float(i16_->voxels[index]) : f32_->voxels[index]; }
   float operator()(int i, int j, int k) const { return (*this)(lattice_.index(i, j, k)); }
   bool is_integer() const { return i16_ != nullptr; }

@@ -25,26 +25,6 @@ constexpr double third_cut_mm = 1;    ///< its border to them is smoothed by thi
 // Of the template, mm: the sinus runs over the vault from the frontal crest to the inner occipital protuberance.
 constexpr double crest_y = -75, crest_z = 45, protuberance_y = 75, protuberance_z = 20;
 
-/// The part of a grid's values that falls into each cell, as their mean.
-Field mean_of_cells(const Field& fine, const CoarseRaster& raster) {
-  Field out(raster.cells);
-  parallel_for(0, out.size[2], 1, [&](std::int64_t from, std::int64_t to) {
-    for (int k = int(from); k < to; ++k)
-      for (int j = 0; j < out.size[1]; ++j)
-        for (int i = 0; i < out.size[0]; ++i) {
-          const int begin[3] = {i * raster.factor[0], j * raster.factor[1], k * raster.factor[2]};
-          int end[3];
-          for (int a = 0; a < 3; ++a) end[a] = std::min(begin[a] + raster.factor[a], fine.size[a]);
-          double sum = 0;
-          for (int z = begin[2]; z < end[2]; ++z)
-            for (int y = begin[1]; y < end[1]; ++y)
-              for (int x = begin[0]; x < end[0]; ++x) sum += fine.at(x, y, z);
-          out.at(i, j, k) = float(sum / ((end[0] - begin[0]) * (end[1] - begin[1]) * double(end[2] - begin[2])));
-        }
-  });
-  return out;
-}
-
 /// The cavity's signed distance, positive inside, on a box of it, on cells where `cell_mm` is above 0.
 Field cavity_mm(const BitMask& cavity, const Box& box, const Field* skull, double cell_mm, const Progress& progress) {
   BitMask part = crop(cavity, box);
@@ -61,7 +41,7 @@ Field cavity_mm(const BitMask& cavity, const Box& box, const Field* skull, doubl
   }
   if (cell_mm > 0) {
     const CoarseRaster raster = coarse_raster(part.lattice(), cell_mm);
-    edge = mean_of_cells(edge, raster);
+    edge = coarse_mean(edge, raster);
     part = coarse_mask(part, raster, 0.5);
   }
   place_surface(edge, part, cut_sigma_mm, inside_hu, progress);
