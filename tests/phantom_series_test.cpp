@@ -218,6 +218,14 @@ TEST(PhantomTruth, WhatIsNoTruthIsRefused) {
 }
 
 // sample_dicom/ is what its preset makes, to the byte.
+TEST(PhantomSeries, AParameterThatCameLaterNamesASeriesOnlyWhereItIsSet) {
+  PhantomParams p = tiny(), other = tiny();
+  p.scan.subvoxel_mm = ScanParams().subvoxel_mm;
+  other.scan.subvoxel_mm = 1.5;
+  EXPECT_EQ(identity_of(p).find("subvoxel_mm"), std::string::npos);
+  EXPECT_NE(identity_of(other).find("subvoxel_mm=1.5\n"), std::string::npos);
+}
+
 TEST(PhantomSample, RegeneratesTheCommittedSeries) {
   ScratchFolder folder;
   const PhantomParams p = sample_phantom();

@@ -305,63 +305,6 @@ const StepChoice* Parameter::find_step(const std::string& step) const {
   return nullptr;
 }
 
-Parameter parameter_of_holder(Parameter p, const std::function<void*(void*)>& held) {
-  // Reading a value does not change its holder, so the one function serves both.
-  if (p.get) p.get = [get = p.get, held](const void* q) { return get(held(const_cast<void*>(q))); };
-  if (p.set) p.set = [set = p.set, held](void* q, const ParameterValue& v) { set(held(q), v); };
-  if (p.items) p.items = [items = p.items, held](void* q) { return items(held(q)); };
-  if (p.add) p.add = [add = p.add, held](void* q, const std::string& name) { return add(held(q), name); };
-  if (p.clear) p.clear = [clear = p.clear, held](void* q) { clear(held(q)); };
-  return p;
-}
-
-namespace detail {
-
-Parameter steps_parameter(const char* name, const char* help, std::vector<StepChoice> choices, const StepsOf& of) {
-  Parameter p;
-  p.name = name;
-  p.help = help;
-  p.kind = ParameterKind::steps;
-  p.items = [of](void* q) {
-    std::vector<ParameterItem> all;
-    for (auto& [step, params] : of(q)) all.push_back({step, params.object.get(), params.set});
-    return all;
-  };
-  p.add = [of, choices](void* q, const std::string& name) -> void* {
-    const auto step = std::find_if(choices.begin(), choices.end(), [&](const auto& c) { return c.name == name; });
-    return of(q).emplace_back(name, AnyParams{step->set, step->set->make()}).second.object.get();
-  };
-  p.clear = [of](void* q) { of(q).clear(); };
-  p.steps = std::move(choices);
-  return p;
-}
-
-Parameter step_parameter(const StepChoice& choice, const StepsOf& of) {
-  Parameter p = steps_parameter(choice.name.c_str(), choice.help.c_str(), {choice}, of);
-  p.kind = ParameterKind::group;
-  p.steps.clear();
-  p.item_set = [set = choice.set]() -> const ParameterSet& { return *set; };
-  const auto is_it = [name = choice.name](const auto& step) { return step.first == name; };
-  p.items = [of, is_it](void* q) {
-    std::vector<ParameterItem> all;
-    for (auto& step : of(q))
-      if (is_it(step)) all.push_back({"", step.second.object.get()});
-    return all;
-  };
-  p.add = [of, is_it, add = p.add, name = choice.name](void* q, const std::string&) -> void* {
-    Steps& all = of(q);
-    const auto known = std::find_if(all.begin(), all.end(), is_it);
-    return known == all.end() ? add(q, name) : known->second.object.get();
-  };
-  p.clear = [of, is_it](void* q) {
-    Steps& all = of(q);
-    all.erase(std::remove_if(all.begin(), all.end(), is_it), all.end());
-  };
-  return p;
-}
-
-}  // namespace detail
-
 bool ParameterSet::has_required() const {
   return std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.required; });
 }

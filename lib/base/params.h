@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -83,6 +84,7 @@ struct Parameter {
   std::size_t count = 0;             ///< for numbers: how many; for list and map: at most this many, 0 means any count
   bool required = false;             ///< a file without this key is refused
   bool zero_is_none = false;         ///< 0 is allowed even below the range and means no limit
+  bool came_later = false;           ///< an identity made of the values leaves this one out where it is at its default
   std::string source = "";  ///< for text and map, what the value names: "anatomy", "material", "landmark", "file"
   /// For numbers, integers, flags, choices and texts.
   std::function<ParameterValue(const void* params)> get;
@@ -102,6 +104,7 @@ struct Parameter {
   /// For chaining in a declaration: v.flag(...).is_required();
   Parameter& is_required() { return required = true, *this; }
   Parameter& none_at_zero() { return zero_is_none = true, *this; }
+  Parameter& is_later() { return came_later = true, *this; }
   Parameter& names(const char* what) { return source = what, *this; }
   Parameter& at_most(std::size_t n) { return count = n, *this; }
 };
@@ -148,50 +151,111 @@ struct HasFault : std::false_type {};
 template <class P>
 struct HasFault<P, std::void_t<decltype(std::declval<const P&>().fault())>> : std::true_type {};
 
+template <class T>
+T& member_at(void* object, std::size_t at) {
+  return *reinterpret_cast<T*>(static_cast<char*>(object) + at);
+}
+
+/// Adds parameters by the place of their member in its struct, in bytes. So little is compiled for each of the structs.
+class Declarer {
+ protected:
+  explicit Declarer(ParameterSet& out) : out_(out) {}
+
+  Parameter& number_at(std::size_t at, const char* name, Range range, const char* help);
+  Parameter& flag_at(std::size_t at, const char* name, const char* help);
+  Parameter& text_at(std::size_t at, const char* name, const char* help);
+  Parameter& numbers_at(std::size_t at, std::size_t count, const char* name, Range range, const char* help);
+  /// Of so many bytes; the values of a choice by their names.
+  Parameter& integer_at(std::size_t at, std::size_t bytes, bool is_signed, const char* name, Range range,
+                        const char* help);
+  Parameter& choice_at(std::size_t at, std::size_t bytes, const char* name, Named<std::int64_t> choices,
+                       const char* help);
+  Parameter& add(const char* name, const char* help, ParameterKind kind);
+  void add_all(const ParameterSet& set, std::size_t at);
+  static StepsOf steps_at(std::size_t at);
+
+  template <class T>
+  Parameter& group_at(std::size_t at, const char* name, const char* help) {
+    Parameter& p = add_items<T>(name, help, ParameterKind::group);
+    p.items = [at](void* q) { return std::vector<ParameterItem>{{"", &member_at<T>(q, at)}}; };
+    p.add = [at](void* q, const std::string&) -> void* { return &member_at<T>(q, at); };
+    p.clear = [at](void* q) { member_at<T>(q, at) = T(); };
+    return p;
+  }
+  template <class T>
+  Parameter& optional_at(std::size_t at, const char* name, const char* help) {
+    Parameter& p = add_items<T>(name, help, ParameterKind::group);
+    const auto of = [at](void* q) -> std::optional<T>& { return member_at<std::optional<T>>(q, at); };
+    p.items = [of](void* q) {
+      return of(q) ? std::vector<ParameterItem>{{"", &*of(q)}} : std::vector<ParameterItem>{};
+    };
+    p.add = [of](void* q, const std::string&) -> void* { return of(q) ? &*of(q) : &of(q).emplace(); };
+    p.clear = [of](void* q) { of(q).reset(); };
+    return p;
+  }
+  template <class T>
+  Parameter& list_at(std::size_t at, const char* name, const char* help) {
+    Parameter& p = add_items<T>(name, help, ParameterKind::list);
+    const auto of = [at](void* q) -> std::vector<T>& { return member_at<std::vector<T>>(q, at); };
+    p.items = [of](void* q) {
+      std::vector<ParameterItem> all;
+      for (T& item : of(q)) all.push_back({std::to_string(all.size()), &item});
+      return all;
+    };
+    p.add = [of](void* q, const std::string&) -> void* { return &of(q).emplace_back(); };
+    p.clear = [of](void* q) { of(q).clear(); };
+    return p;
+  }
+  template <class T>
+  Parameter& map_at(std::size_t at, const char* name, const char* help) {
+    Parameter& p = add_items<T>(name, help, ParameterKind::map);
+    const auto of = [at](void* q) -> Named<T>& { return member_at<Named<T>>(q, at); };
+    p.items = [of](void* q) {
+      std::vector<ParameterItem> all;
+      for (auto& item : of(q)) all.push_back({item.first, &item.second});
+      return all;
+    };
+    p.add = [of](void* q, const std::string& key) -> void* {
+      for (auto& item : of(q))
+        if (item.first == key) return &item.second;
+      return &of(q).emplace_back(key, T()).second;
+    };
+    p.clear = [of](void* q) { of(q).clear(); };
+    return p;
+  }
+
+  ParameterSet& out_;
+
+ private:
+  template <class T>
+  Parameter& add_items(const char* name, const char* help, ParameterKind kind) {
+    Parameter& p = add(name, help, kind);
+    p.item_set = &parameters_of<T>;
+    return p;
+  }
+};
+
 template <class P>
-class Collector {
+class Collector : Declarer {
  public:
-  explicit Collector(ParameterSet& out) : out_(out) {}
+  explicit Collector(ParameterSet& out) : Declarer(out) {}
 
   Parameter& number(double P::*m, const char* name, Range range, const char* help) {
-    return add(
-        name, help, ParameterKind::number, range, [m](const P& p) { return ParameterValue(p.*m); },
-        [m](P& p, const ParameterValue& v) { p.*m = std::get<double>(v); });
+    return number_at(place(m), name, range, help);
   }
   template <class I>
   Parameter& integer(I P::*m, const char* name, Range range, const char* help) {
     range.min = std::max(range.min, static_cast<double>(std::numeric_limits<I>::lowest()));
     range.max = std::min(range.max, static_cast<double>(std::numeric_limits<I>::max()));
-    return add(
-        name, help, ParameterKind::integer, range,
-        [m](const P& p) { return ParameterValue(static_cast<std::int64_t>(p.*m)); },
-        [m](P& p, const ParameterValue& v) { p.*m = static_cast<I>(std::get<std::int64_t>(v)); });
+    return integer_at(place(m), sizeof(I), std::is_signed_v<I>, name, range, help);
   }
-  Parameter& flag(bool P::*m, const char* name, const char* help) {
-    return add(
-        name, help, ParameterKind::flag, {}, [m](const P& p) { return ParameterValue(p.*m); },
-        [m](P& p, const ParameterValue& v) { p.*m = std::get<bool>(v); });
-  }
-  Parameter& text(std::string P::*m, const char* name, const char* help) {
-    return add(
-        name, help, ParameterKind::text, {}, [m](const P& p) { return ParameterValue(p.*m); },
-        [m](P& p, const ParameterValue& v) { p.*m = std::get<std::string>(v); });
-  }
-  template <class E>
-  Parameter& choice(E P::*m, const char* name, std::vector<std::pair<std::string, E>> choices, const char* help) {
-    auto& p = add(
-        name, help, ParameterKind::choice, {},
-        [m, choices](const P& p) {
-          for (const auto& c : choices)
-            if (c.second == p.*m) return ParameterValue(c.first);
-          return ParameterValue(std::string());
-        },
-        [m, choices](P& p, const ParameterValue& v) {
-          for (const auto& c : choices)
-            if (c.first == std::get<std::string>(v)) p.*m = c.second;
-        });
-    for (const auto& c : choices) p.choices.push_back(c.first);
-    return p;
+  Parameter& flag(bool P::*m, const char* name, const char* help) { return flag_at(place(m), name, help); }
+  Parameter& text(std::string P::*m, const char* name, const char* help) { return text_at(place(m), name, help); }
+  template <class E, class List = std::initializer_list<std::pair<const char*, E>>>
+  Parameter& choice(E P::*m, const char* name, const List& choices, const char* help) {
+    Named<std::int64_t> values;
+    for (const auto& c : choices) values.emplace_back(c.first, static_cast<std::int64_t>(c.second));
+    return choice_at(place(m), sizeof(E), name, std::move(values), help);
   }
   /// One of the words, or "" where none is given.
   Parameter& word(std::string P::*m, const char* name, std::vector<std::string> words, const char* help) {
@@ -202,51 +266,22 @@ class Collector {
   }
   template <std::size_t N>
   Parameter& numbers(std::array<double, N> P::*m, const char* name, Range range, const char* help) {
-    auto& p = add(
-        name, help, ParameterKind::numbers, range,
-        [m](const P& p) { return ParameterValue(std::vector<double>((p.*m).begin(), (p.*m).end())); },
-        [m](P& p, const ParameterValue& v) {
-          const auto& items = std::get<std::vector<double>>(v);
-          for (std::size_t i = 0; i < N; ++i) (p.*m)[i] = items[i];
-        });
-    p.count = N;
-    return p;
+    return numbers_at(place(m), N, name, range, help);
   }
 
   /// Declares a member that is itself a declared struct, under a key of its own.
   template <class T>
   Parameter& group(T P::*m, const char* name, const char* help) {
-    return add_items<T>(
-        name, help, ParameterKind::group,
-        [m](P& p) {
-          return std::vector<ParameterItem>{{"", &(p.*m)}};
-        },
-        [m](P& p, const std::string&) -> void* { return &(p.*m); }, [m](P& p) { p.*m = T(); });
+    return group_at<T>(place(m), name, help);
   }
   /// The same for a struct that may be absent.
   template <class T>
   Parameter& group(std::optional<T> P::*m, const char* name, const char* help) {
-    return add_items<T>(
-        name, help, ParameterKind::group,
-        [m](P& p) {
-          return (p.*m) ? std::vector<ParameterItem>{{"", &*(p.*m)}} : std::vector<ParameterItem>{};
-        },
-        [m](P& p, const std::string&) -> void* {
-          if (!(p.*m)) (p.*m).emplace();
-          return &*(p.*m);
-        },
-        [m](P& p) { (p.*m).reset(); });
+    return optional_at<T>(place(m), name, help);
   }
   template <class T>
   Parameter& list(std::vector<T> P::*m, const char* name, const char* help) {
-    return add_items<T>(
-        name, help, ParameterKind::list,
-        [m](P& p) {
-          std::vector<ParameterItem> all;
-          for (T& item : p.*m) all.push_back({std::to_string(all.size()), &item});
-          return all;
-        },
-        [m](P& p, const std::string&) -> void* { return &(p.*m).emplace_back(); }, [m](P& p) { (p.*m).clear(); });
+    return list_at<T>(place(m), name, help);
   }
   /// The same, where a new item begins as `first` makes it of the struct so far, instead of with the defaults.
   template <class T, class First>
@@ -260,73 +295,37 @@ class Collector {
   }
   template <class T>
   Parameter& map(Named<T> P::*m, const char* name, const char* help) {
-    return add_items<T>(
-        name, help, ParameterKind::map,
-        [m](P& p) {
-          std::vector<ParameterItem> all;
-          for (auto& item : p.*m) all.push_back({item.first, &item.second});
-          return all;
-        },
-        [m](P& p, const std::string& key) -> void* {
-          for (auto& item : p.*m)
-            if (item.first == key) return &item.second;
-          return &(p.*m).emplace_back(key, T()).second;
-        },
-        [m](P& p) { (p.*m).clear(); });
+    return map_at<T>(place(m), name, help);
   }
   /// Declares a list of steps, each of which is one of the choices. The items keep their names.
   Parameter& steps(Steps P::*m, const char* name, std::vector<StepChoice> choices, const char* help) {
-    const auto of = [m](void* q) -> Steps& { return static_cast<P*>(q)->*m; };
-    return out_.parameters.emplace_back(steps_parameter(name, help, std::move(choices), of));
+    return out_.parameters.emplace_back(steps_parameter(name, help, std::move(choices), steps_at(place(m))));
   }
   /// Declares one choice as a group under its own name, which may be absent; where it is given it stands in the list.
   Parameter& group(Steps P::*m, const StepChoice& choice) {
-    const auto of = [m](void* q) -> Steps& { return static_cast<P*>(q)->*m; };
-    return out_.parameters.emplace_back(step_parameter(choice, of));
+    return out_.parameters.emplace_back(step_parameter(choice, steps_at(place(m))));
   }
   /// Declares every parameter of a base of P.
   template <class B>
   void all_of() {
-    add_all<B>([](void* q) -> void* { return static_cast<B*>(static_cast<P*>(q)); });
+    add_all(parameters_of<B>(), place_of(static_cast<B&>(sample_)));
   }
   /// Declares every parameter of a member's struct as P's own.
   template <class M>
   void all_of(M P::*m) {
-    add_all<M>([m](void* q) -> void* { return &(static_cast<P*>(q)->*m); });
+    add_all(parameters_of<M>(), place(m));
   }
 
  private:
-  template <class B, class Held>
-  void add_all(Held held) {
-    for (const Parameter& p : parameters_of<B>().parameters) out_.parameters.push_back(parameter_of_holder(p, held));
+  template <class M>
+  std::size_t place(M P::*m) {
+    return place_of(sample_.*m);
   }
-
-  Parameter& add(const char* name, const char* help, ParameterKind kind) {
-    Parameter p;
-    p.name = name;
-    p.help = help;
-    p.kind = kind;
-    out_.parameters.push_back(std::move(p));
-    return out_.parameters.back();
+  template <class M>
+  std::size_t place_of(M& member) {
+    return static_cast<std::size_t>(reinterpret_cast<char*>(&member) - reinterpret_cast<char*>(&sample_));
   }
-  template <class Get, class Set>
-  Parameter& add(const char* name, const char* help, ParameterKind kind, Range range, Get get, Set set) {
-    Parameter& p = add(name, help, kind);
-    p.range = range;
-    p.get = [get](const void* q) { return get(*static_cast<const P*>(q)); };
-    p.set = [set](void* q, const ParameterValue& v) { set(*static_cast<P*>(q), v); };
-    return p;
-  }
-  template <class T, class Items, class Add, class Clear>
-  Parameter& add_items(const char* name, const char* help, ParameterKind kind, Items items, Add one_more, Clear clear) {
-    Parameter& p = add(name, help, kind);
-    p.item_set = &parameters_of<T>;
-    p.items = [items](void* q) { return items(*static_cast<P*>(q)); };
-    p.add = [one_more](void* q, const std::string& key) { return one_more(*static_cast<P*>(q), key); };
-    p.clear = [clear](void* q) { clear(*static_cast<P*>(q)); };
-    return p;
-  }
-  ParameterSet& out_;
+  P sample_;
 };
 
 }  // namespace detail

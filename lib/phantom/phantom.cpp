@@ -7,16 +7,12 @@
 namespace trephine::phantom {
 namespace {
 
+// A parameter that came later counts only where it is not at its default, so that older series keep their UIDs.
 template <class P>
 void append(std::string& text, const P& params) {
-  for (const Parameter& p : parameters_of<P>().parameters) text += p.name + "=" + to_text(p.get(&params)) + "\n";
-}
-
-// A parameter that came later counts only where it is not at its default, so that older series keep their UIDs.
-void append_scan(std::string& text, const ScanParams& scan) {
-  const ScanParams fresh;
-  for (const Parameter& p : parameters_of<ScanParams>().parameters)
-    if (p.name != "subvoxel_mm" || p.get(&scan) != p.get(&fresh)) text += p.name + "=" + to_text(p.get(&scan)) + "\n";
+  const P fresh;
+  for (const Parameter& p : parameters_of<P>().parameters)
+    if (!p.came_later || p.get(&params) != p.get(&fresh)) text += p.name + "=" + to_text(p.get(&params)) + "\n";
 }
 
 // Of the body alone that is scanned: what another body might be is nothing of its.
@@ -95,7 +91,7 @@ std::string identity_of(const PhantomParams& params) {
   std::string text;
   if (params.body.body != BodyParams::Body::head) append_body(text, params.body);
   append(text, params.head);
-  append_scan(text, params.scan);
+  append(text, params.scan);
   append(text, params.series);
   if (params.head.level == Level::hard) append(text, params.head.hard);
   return text;

@@ -46,7 +46,8 @@ struct ScanParams {
     v.number(&P::slice_thickness_mm, "slice_thickness_mm", Range{0.05, 20}, "Thickness over which a slice averages.");
     v.number(&P::subvoxel_mm, "subvoxel_mm", Range{0.1, 20},
              "A voxel with an edge in it is the average over pieces of at most this size, each with its edges as a "
-             "ramp. Larger ones take less time and show edges less exactly.");
+             "ramp. Larger ones take less time and show edges less exactly.")
+        .is_later();
     v.number(&P::jitter_mm, "jitter_mm", Range{0, 5},
              "Each slice lies off its place by up to this much along the feed; its position in the file says so.");
     v.numbers(&P::centre_mm, "centre_mm", Range{-500, 500},

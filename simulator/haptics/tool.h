@@ -9,8 +9,8 @@
 
 namespace trephine {
 
-/// The values of --tool with their help, from all_tool_kinds().
-std::vector<std::pair<std::string, std::string>> tool_choices();
+/// The values of --tool and their help, from all_tool_kinds().
+std::vector<std::string> tool_names();
 const char* tool_help();
 
 /// What the hand holds, as points on its outside [Rizzi, chapter 5]. 0 and `own` stand for the values of the tool's
@@ -29,7 +29,7 @@ struct ToolParams {
   template <class V>
   static void describe(V& v) {
     using P = ToolParams;
-    v.choice(&P::tool, "tool", tool_choices(), tool_help());
+    v.word(&P::tool, "tool", tool_names(), tool_help());
     v.choice(&P::tool_tip, "tool_tip",
              {{"own", Tip::own}, {"flat", Tip::flat}, {"round", Tip::round}, {"cone", Tip::cone}, {"ball", Tip::ball}},
              "Shape of the tool's tip; own: that of the tool's kind.");

@@ -30,10 +30,10 @@ const ToolKind& tool_kind(const std::string& name) {
   throw Error(ExitCode::bad_config, "", "tool", name + ": there is no such tool");
 }
 
-std::vector<std::pair<std::string, std::string>> tool_choices() {
-  std::vector<std::pair<std::string, std::string>> choices;
-  for (const ToolKind& kind : all_tool_kinds()) choices.emplace_back(kind.name, kind.name);
-  return choices;
+std::vector<std::string> tool_names() {
+  std::vector<std::string> names;
+  for (const ToolKind& kind : all_tool_kinds()) names.push_back(kind.name);
+  return names;
 }
 
 const char* tool_help() {
