@@ -154,6 +154,25 @@ TEST(Slice, MarksOfALowPictureStandBelowIt) {
   EXPECT_EQ(slice_overlay(high, p, named).height, slice_geometry(l, p).height);
 }
 
+TEST(Slice, ANoteStandsAboveThePositionAndNowhereElse) {
+  SliceParams p;
+  p.plane = SlicePlane::coronal;
+  p.position_mm = -7;
+  const HuVolume volume = block_volume(Mat3());
+  const Image without = slice_overlay(volume, p, {});
+  p.note = "through the middle of a ball";
+  const Image with = slice_overlay(volume, p, {});
+  ASSERT_EQ(with.height, without.height);
+  int first = with.height, last = -1;
+  for (int y = 0; y < with.height; ++y)
+    for (int x = 0; x < with.width; ++x)
+      if (!std::equal(with.at(x, y), with.at(x, y) + 3, without.at(x, y)))
+        first = std::min(first, y), last = std::max(last, y);
+  EXPECT_GT(first, 0.8 * with.height);
+  EXPECT_GT(last - first, 5);
+  EXPECT_LT(last, 0.96 * with.height);
+}
+
 TEST(Slice, WindowAndOutside) {
   Lattice l;
   l.size = {11, 11, 11};

@@ -145,13 +145,17 @@ TEST(OnlyWhatTheSceneRequires, ASkullAloneNeedsNoBrain) {
 TEST(OnlyWhatTheSceneRequires, ARunDoesWhatTheExplanationSays) {
   struct Recorder : RunObserver {
     void started(const std::string&) override {}
-    void progressed(const std::string&, double) override {}
+    void progressed(const std::string& node, double share) override {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (node == publishing_step) published.insert(share);
+    }
     void finished(const std::string& node, const std::string& how, double, const Report&) override {
       const std::lock_guard<std::mutex> lock(mutex);
       (how == "computed" ? computed : cached).insert(node);
     }
     std::mutex mutex;
     std::set<std::string> computed, cached;
+    std::set<double> published;  ///< how far publishing said to be
   };
   const ScratchFolder folder;
   RunRequest request;
@@ -192,6 +196,13 @@ TEST(OnlyWhatTheSceneRequires, ARunDoesWhatTheExplanationSays) {
   EXPECT_EQ(third.computed, changed);
   EXPECT_TRUE(changed.count("skull.smooth"));
   EXPECT_TRUE(changed.count("skull.measure"));
+
+  for (const Recorder* r : {&first, &second, &third}) {
+    EXPECT_GE(r->published.size(), 5u);
+    EXPECT_EQ(*r->published.rbegin(), 1);
+    for (auto at = r->published.begin(); std::next(at) != r->published.end(); ++at)
+      EXPECT_LT(*std::next(at) - *at, 0.8);
+  }
 }
 
 }  // namespace

@@ -23,6 +23,9 @@ class Progress {
   bool cancelled() const { return cancel_ && cancel_->load(std::memory_order_relaxed); }
   /// The part [from, to] of this progress, for a step of a longer function.
   Progress part(double from, double to) const;
+  /// Ends when this one does and reports nowhere: for a piece of work of which another part of the function keeps
+  /// count.
+  Progress silent() const { return Progress({}, cancel_); }
 
  private:
   Sink sink_;

@@ -174,7 +174,7 @@ void draw_marks(Image& image, const SliceGeometry& g, const SliceParams& p, cons
   const PlaneAxes& a = axes_of(p.plane);
   detail::draw_edge_letters(image, a.at_left, a.at_right, a.at_top, a.at_bottom, text_px * 1.25, ink, halo);
   const auto lines = std::count_if(shapes.begin(), shapes.end(), [](const auto& s) { return !s.name.empty(); });
-  const double needed = text_px * (1 + legend_step * double(lines) + 4);
+  const double needed = text_px * (1 + legend_step * double(lines) + (p.note.empty() ? 4 : 6));
   const int above = needed > image.height ? image.height : 0;
   if (above > 0) {  // too low: below it then
     Image taller(image.width, above + static_cast<int>(std::ceil(needed)), outside);
@@ -186,6 +186,7 @@ void draw_marks(Image& image, const SliceGeometry& g, const SliceParams& p, cons
   const std::string place = std::string(a.name) + "  " + a.letter + " = " + rounded_text(p.position_mm) + " mm";
   const std::string window = "C " + rounded_text(p.window_center_hu) + "  W " + rounded_text(p.window_width_hu) + " HU";
   const double small = text_px * 0.9, last = image.height - text_px - small;
+  draw_text(image, text_px, last - small * 3.6, p.note, small, ink, halo);
   draw_text(image, text_px, last - small * 1.8, place, small, ink, halo);
   draw_text(image, text_px, last, window, small, ink, halo);
 }

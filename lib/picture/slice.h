@@ -27,6 +27,7 @@ struct SliceParams {
   double line_width_px = 1.6;
   double fill_opacity = 0.08;  ///< of the shapes' cross-sections; 0: lines only
   bool marks = true;           ///< orientation letters, scale bar, position, legend
+  std::string note;            ///< stands with the marks, above the position
 };
 
 /// How world and picture belong together: continuous pixel coordinates, (0, 0) the upper left corner of the first

@@ -47,12 +47,13 @@ class Builder {
       : config_(config), graph_(graph), results_(results) {}
 
   CaseContent build(const std::string& program_version, const std::string& input_sha256, bool pictures,
-                    const Progress& cancelled) {
+                    const Progress& progress) {
+    const Progress surfaces = progress.part(0, pictures ? 0.3 : 0.8);
     manifest().center_mm = center();
     add_provenance(program_version, input_sha256);
     add_head_content(config_, graph_, results_, manifest());
     for (std::size_t i = 0; i < graph_.anatomies.size(); ++i) {
-      cancelled.check();
+      surfaces.report(double(i) / double(graph_.anatomies.size()));
       add_anatomy(graph_.anatomies[i], config_.scene[i]);
     }
     use_published_volumes();
@@ -60,7 +61,8 @@ class Builder {
     if (graph_.haptic >= 0) add_haptic();
     if (config_.ct) add_ct();
     for (const int hole : graph_.burr_holes) add_burr_hole(hole);
-    if (pictures) add_pictures(cancelled);
+    if (pictures) add_pictures(progress.part(0.4, 1));
+    progress.report(1);
     return std::move(out_);
   }
 
@@ -299,7 +301,7 @@ class Builder {
     return contour(shape_field(haptic(), number), params, ignored);
   }
 
-  void add_pictures(const Progress& cancelled) {
+  void add_pictures(const Progress& progress) {
     std::vector<PictureAnatomy> shown;
     for (const Graph::Anatomy& a : graph_.anatomies) {
       const RecipeAnatomy& recipe = *config_.find_anatomy(a.name);
@@ -310,15 +312,15 @@ class Builder {
     felt.reserve(manifest().haptic.shapes.size());
     for (const CaseShape& shape : manifest().haptic.shapes)
       if (shape.displayed == "haptic") {
-        cancelled.check();
+        progress.check();
         felt.push_back(felt_surface(shape.number));
         shown.push_back({shape.name, &felt.back(), shape.material.colour_rgb, 1});
       }
     const auto volume = [&](int node) { return std::get<std::shared_ptr<const HuVolume>>(at(node).data).get(); };
-    out_.pictures = make_case_pictures(volume(graph_.scan), shown, manifest().landmarks, cancelled);
+    out_.pictures = make_case_pictures(volume(graph_.scan), shown, manifest().landmarks, progress);
     for (const Graph::Removal& r : graph_.removals)
       if (auto picture =
-              make_removed_picture(*volume(r.before), *volume(r.after), graph_.nodes[r.after].name, cancelled))
+              make_removed_picture(*volume(r.before), *volume(r.after), graph_.nodes[r.after].name, progress))
         out_.pictures.push_back(std::move(*picture));
   }
 
@@ -349,8 +351,8 @@ std::vector<int> wanted_nodes(const Graph& graph, bool pictures, bool page) {
 
 CaseContent make_case_content(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results,
                               const std::string& program_version, const std::string& input_sha256, bool pictures,
-                              const Progress& cancelled) {
-  return Builder(config, graph, results).build(program_version, input_sha256, pictures, cancelled);
+                              const Progress& progress) {
+  return Builder(config, graph, results).build(program_version, input_sha256, pictures, progress);
 }
 
 }  // namespace trephine

@@ -32,6 +32,6 @@ std::vector<int> wanted_nodes(const Graph& graph, bool pictures, bool page = fal
 /// where a surface is not valid in float32, exceeds the scene's triangles or deviation, or a burr hole is not free.
 CaseContent make_case_content(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results,
                               const std::string& program_version, const std::string& input_sha256, bool pictures,
-                              const Progress& cancelled);
+                              const Progress& progress);
 
 }  // namespace trephine

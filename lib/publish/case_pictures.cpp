@@ -2,6 +2,7 @@
 #include "publish/case_pictures.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -64,13 +65,17 @@ std::array<double, 3> vivid(std::array<double, 3> rgb) {
 }
 
 // Where to cut: through the middle of the smallest shape, which is the innermost one.
-Vec3 point_of_interest(const std::vector<PictureAnatomy>& anatomies, const Bounds& frame) {
-  if (anatomies.empty()) return (frame.min_mm + frame.max_mm) / 2;
+struct Focus {
+  Vec3 at;
+  std::string note;  // says so in the picture
+};
+Focus point_of_interest(const std::vector<PictureAnatomy>& anatomies, const Bounds& frame) {
+  if (anatomies.empty()) return {(frame.min_mm + frame.max_mm) / 2, "through the middle"};
   const auto smallest = std::min_element(anatomies.begin(), anatomies.end(), [](const auto& a, const auto& b) {
     return std::abs(volume_mm3(*a.surface)) < std::abs(volume_mm3(*b.surface));
   });
   const Bounds b = bounds_of(*smallest->surface);
-  return (b.min_mm + b.max_mm) / 2;
+  return {(b.min_mm + b.max_mm) / 2, "through the middle of " + smallest->name};
 }
 
 constexpr double ball_radius_mm = 3;
@@ -103,16 +108,21 @@ class Sheets {
 
   std::vector<CasePicture> make(const Progress& progress) const {
     std::vector<Image> images(makers_.size());
+    std::atomic<std::size_t> made{0};
+    const auto one_more = [&] { progress.report(double(++made) / double(makers_.size() + sheets_.size())); };
     parallel_for(0, std::int64_t(images.size()), 1, [&](std::int64_t from, std::int64_t to) {
-      for (std::int64_t i = from; i < to; ++i) images[i] = makers_[i]();
+      for (std::int64_t i = from; i < to; ++i) {
+        images[i] = makers_[i]();
+        one_more();
+      }
     });
     std::vector<CasePicture> pictures(sheets_.size());
     parallel_for(0, std::int64_t(sheets_.size()), 1, [&](std::int64_t from, std::int64_t to) {
-      progress.check();
       for (std::int64_t i = from; i < to; ++i) {
         std::vector<Image> cells;
         for (const std::size_t c : sheets_[i].cells) cells.push_back(images[c]);
         pictures[i] = {sheets_[i].name, encode_png(contact_sheet(cells, 3))};
+        one_more();
       }
     });
     return pictures;
@@ -166,10 +176,11 @@ Sheet landmarks_sheet(Sheets& sheets, const HuVolume& volume, const std::vector<
 }  // namespace
 
 std::vector<CasePicture> make_case_pictures(const HuVolume* volume, const std::vector<PictureAnatomy>& anatomies,
-                                            const std::vector<CaseLandmark>& landmarks, const Progress& progress) {
+                                            const std::vector<CaseLandmark>& landmarks, const Progress& whole) {
   if (anatomies.empty() && !volume) return {};
+  const Progress progress = whole.silent();  // of an image; what is reported is how many of them are made
   const Bounds frame = bounds_of_all(volume, anatomies);
-  const Vec3 focus = point_of_interest(anatomies, frame);
+  const Focus focus = point_of_interest(anatomies, frame);
   Sheets sheets;
   if (volume && !landmarks.empty() && !anatomies.empty())
     sheets.add(landmarks_sheet(sheets, *volume, anatomies, landmarks, frame, progress));
@@ -188,7 +199,7 @@ std::vector<CasePicture> make_case_pictures(const HuVolume* volume, const std::v
   if (!anatomies.empty())
     overview.cells.push_back(sheets.image([&] {
       ClipPlane front_half;
-      front_half.point_mm = focus;
+      front_half.point_mm = focus.at;
       front_half.normal = {0, -1, 0};
       return shaded(solid, View::front, "cut", frame, progress, front_half);
     }));
@@ -228,12 +239,13 @@ std::vector<CasePicture> make_case_pictures(const HuVolume* volume, const std::v
       params.position_mm = from + (to - from) * (i + 1) / (slices + 1);
       sheet.cells.push_back(slice());
     }
-    params.position_mm = std::clamp(focus[axis], range[0], range[1]);
+    params.position_mm = std::clamp(focus.at[axis], range[0], range[1]);
+    params.note = focus.note;
     overview.cells.push_back(slice());
     sheets.add(std::move(sheet));
   }
   sheets.add(std::move(overview));
-  return sheets.make(progress);
+  return sheets.make(whole);
 }
 
 }  // namespace trephine

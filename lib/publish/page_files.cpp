@@ -66,19 +66,22 @@ LoadedCase loaded(const CaseContent& content) {
 
 std::vector<CasePicture> make_page_files(const CaseConfig& config, const Graph& graph,
                                          const std::vector<NodeResult>& results, const CaseContent& content,
-                                         const std::vector<std::string>& warnings, const Progress& cancelled) {
+                                         const std::vector<std::string>& warnings, const Progress& progress) {
+  const Progress cancelled = progress.silent();
   PageNotes notes;
   notes.warnings = warnings;
   notes.trade = trade_of(config.trade);
   std::vector<CasePicture> files;
   for (const Graph::Anatomy& nodes : graph.anatomies) {
-    cancelled.check();
+    progress.report(0.7 * double(notes.deviation_mm.size()) / double(graph.anatomies.size()));
     const CaseAnatomy& anatomy = *content.manifest.find_anatomy(nodes.name);
     std::vector<float>& deviation = notes.deviation_mm[nodes.name] = deviation_of(nodes, results, cancelled);
     files.push_back({deviation_file_name(content.manifest, anatomy), encode_deviation(deviation)});
   }
   files.push_back({page_notes_file, page_notes_json(notes)});
+  progress.report(0.7);
   files.push_back({page_file, make_case_page(loaded(content), notes, {}, cancelled)});
+  progress.report(1);
   return files;
 }
 

@@ -16,6 +16,6 @@ namespace trephine {
 /// bytes.
 std::vector<CasePicture> make_page_files(const CaseConfig& config, const Graph& graph,
                                          const std::vector<NodeResult>& results, const CaseContent& content,
-                                         const std::vector<std::string>& warnings, const Progress& cancelled);
+                                         const std::vector<std::string>& warnings, const Progress& progress);
 
 }  // namespace trephine

@@ -321,6 +321,8 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     const StageCache cache(cache_folder);
 
     const Progress cancelled({}, &cancel_requested());
+    const Progress publishing([&](double share) { observer.progressed(publishing_step, share); }, &cancel_requested());
+    const double content_share = request.params.page ? (request.params.pictures ? 0.5 : 0.2) : 0.9;
     ExecuteOptions execution;
     make_graph_of(run, cancelled);
     execution.keep = request.keep;
@@ -342,7 +344,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
           publishing_began = Clock::now();
           observer.publishing();
           content = make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version,
-                                      run.input_sha256, request.params.pictures, cancelled);
+                                      run.input_sha256, request.params.pictures, publishing.part(0, content_share));
           complete = true;
         } catch (const Error& e) {
           const std::string anatomy = refused_anatomy(run.config, e);
@@ -360,10 +362,12 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
       throw;
     }
     if (request.params.page)
-      for (CasePicture& file : make_page_files(run.config, run.graph, run.results, content, run.warnings, cancelled))
+      for (CasePicture& file : make_page_files(run.config, run.graph, run.results, content, run.warnings,
+                                               publishing.part(content_share, 0.95)))
         content.pictures.push_back(std::move(file));
     cancelled.check();
     publish(run, folder, content);
+    observer.progressed(publishing_step, 1);
     remove_refused(refused_folder(request.library, token));
     std::map<std::string, double> seconds_by_node = seconds_of(run);
     seconds_by_node[publishing_step] = std::chrono::duration<double>(Clock::now() - publishing_began).count();

@@ -196,9 +196,9 @@ class Sweep {
     for (std::size_t i = 0; i < results.size(); ++i) results[i].report = store_.find(p.graph.nodes[i].key)->report;
     for (const int node : wanted) results[std::size_t(node)].data = stages_.data(p.graph, node);
     return store_.keep(key, measure_work(repeats_, [&](Report& report, bool) {
-                         const CaseContent content =
-                             make_case_content(p.config, p.graph, results, "trephine " + request_.program_version,
-                                               p.input_sha256, false, Progress({}, &cancel_requested()));
+                         const CaseContent content = make_case_content(
+                             p.config, p.graph, results, "trephine " + request_.program_version, p.input_sha256, false,
+                             Progress([this](double done) { tell("publish", done); }, &cancel_requested()));
                          std::size_t bytes = 0;
                          for (const CaseContent::File& f : content.files) bytes += f.bytes.size();
                          report.add("bytes", bytes);
