@@ -80,7 +80,7 @@ addEventListener('DOMContentLoaded', () => {
       const v = c[column.key]
       if (column.key === 'case' && c.page) {
         const a = make('a', '', c.case)
-        a.href = link(c, 'report/view.html')
+        a.href = link(c, 'report/view.html') + '#library'
         row.append(a)
       } else row.append(make('span', column.digits === undefined ? column.key === 'state' ? 'bad' : '' : column.key === 'warned' && v ? 'number bad' : 'number', column.digits === undefined ? v : number(v, column.digits)))
     }

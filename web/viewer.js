@@ -55,7 +55,9 @@ async function start() {
   // ---- drawing
   const view = $('view'), solid = $('solid'), over = $('over'), root = document.documentElement
   const wanted = location.hash === '#processor' ? null : glPainter(solid, meshes), painter = wanted || softPainter(solid, meshes)
-  if (!wanted) $('mode').textContent = (location.hash ? '' : 'no WebGL2 here: ') + 'drawn by the processor'
+  if (!wanted) $('mode').textContent = (location.hash === '#processor' ? '' : 'no WebGL2 here: ') + 'drawn by the processor'
+  // A library's page leads here with this word. Whoever opens the page alone may have no library beside it.
+  $('library').hidden = location.hash !== '#library'
   let heat = null, scale = 1, moving = false
   const render = () => {
     const r = Math.min(2, devicePixelRatio || 1), w = Math.max(1, view.clientWidth * r | 0), h = Math.max(1, view.clientHeight * r | 0), t = performance.now()

@@ -63,7 +63,8 @@ def main():
         browser.js("document.querySelector('#all a').click()")
         check(comes("marked"), "the link leads to the case's page")
         wait(browser)
-        browser.js("document.querySelector('header a').click()")
+        check(browser.js("return document.getElementById('library').offsetParent !== null"), "the page has a link back")
+        browser.js("document.getElementById('library').click()")
         check(comes("Patient library"), "and back")
         errors = [e["message"] for e in browser.log("browser") if e["level"] == "SEVERE"]
         check(not errors, f"no error in the console: {errors}")

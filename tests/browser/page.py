@@ -108,6 +108,7 @@ class Page:
         self.check(self.b.js("return trephine.kind") == ("webgl2" if self.mode == "webgl2" else "processor"), "drawn by the right painter")
         self.check(self.b.js("return document.getElementById('problem').hidden"), "no problem is told")
         self.check(len(set(self.pixels()[::4])) > 40, "something is drawn")
+        self.check(self.b.js("return document.getElementById('library').offsetParent === null"), "no link to a library that may not be there")
 
     def controls(self):
         changes = [("on-0", None, "a surface off"), ("on-0", None, "and on again"), ("opacity-0", "0.9", "opacity"), ("opacity-0", "0.2", "opacity back"),
