@@ -1,12 +1,14 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""sizes.py [ROOT]: lines of C++ by room, file and function, as docs/architecture.md has them. Functions with a body, of one line or
-more, in namespaces and classes; a lambda belongs to the function around it."""
+"""sizes.py [ROOT] [--check PAGE]: lines of C++ by room, file and function, as docs/architecture.md has them. Functions with a body, of
+one line or more, in namespaces and classes; a lambda belongs to the function around it. With --check it fails where a figure of that
+table is more than a tenth off what is counted."""
 import re
 import sys
 from pathlib import Path
 
 ROOT = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
+PAGE = Path(sys.argv[3]) if sys.argv[2:3] == ["--check"] else None
 BARE = re.compile(r'R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'|//[^\n]*|/\*.*?\*/|^#(?:[^\n]*\\\n)*[^\n]*', re.S | re.M)
 SCOPE = re.compile(r"\b(namespace|class|struct|union|enum)\b|\bextern\s*$")
 
@@ -46,7 +48,13 @@ def functions_of(text):
 def row(name, lines):
     lines = sorted(lines)
     share = lambda q: lines[min(len(lines) - 1, int(q * len(lines)))]
-    print(f"| {name} | {len(lines):,} | {share(0.5):,} | {share(0.9):,} | {lines[-1]:,} |")
+    figures = [len(lines), share(0.5), share(0.9), lines[-1]]
+    print(f"| {name} | " + " | ".join(f"{v:,}" for v in figures) + " |")
+    if PAGE is None:
+        return True
+    told = re.search(rf"^\| {name} \|([0-9,| ]+)\|$", PAGE.read_text(), re.M)
+    old = [int(v.replace(",", "")) for v in told.group(1).split("|")] if told else []
+    return len(old) == 4 and all(abs(a - b) <= max(1, 0.1 * b) for a, b in zip(old, figures))
 
 
 rooms, files, functions = {}, [], []
@@ -60,7 +68,7 @@ for part in ("lib", "simulator"):
             rooms[room] = rooms.get(room, 0) + count
             files.append(count)
             functions += functions_of(text)
-print("| of `lib/` and `simulator/` | count | median lines | 90th percentile | most |\n|---|---|---|---|---|")
-row("rooms", rooms.values())
-row("files", files)
-row("functions", functions)
+print("| lines in `lib/` and `simulator/` | count | median | 90th percentile | most |\n|---|---|---|---|---|")
+same = [row("of a room", rooms.values()), row("of a file", files), row("of a function", functions)]
+if not all(same):
+    sys.exit(f"{PAGE} has other figures: put these into its table")

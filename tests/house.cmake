@@ -6,6 +6,8 @@ add_test(NAME house.include_directions_selftest
          COMMAND bash ${house}/include_directions_selftest.sh ${house}/include_directions.sh)
 add_test(NAME house.sizes COMMAND bash ${house}/sizes.sh ${PROJECT_SOURCE_DIR})
 add_test(NAME house.sizes_selftest COMMAND bash ${house}/sizes_selftest.sh ${house}/sizes.sh)
+add_test(NAME house.sizes_table
+         COMMAND python3 ${PROJECT_SOURCE_DIR}/bench/sizes.py ${PROJECT_SOURCE_DIR} --check ${PROJECT_SOURCE_DIR}/docs/architecture.md)
 add_test(NAME house.anatomies COMMAND bash ${house}/anatomies.sh ${PROJECT_SOURCE_DIR})
 add_test(NAME house.anatomies_selftest COMMAND bash ${house}/anatomies_selftest.sh ${house}/anatomies.sh)
 add_test(NAME house.spdx COMMAND bash ${house}/spdx.sh ${PROJECT_SOURCE_DIR})
