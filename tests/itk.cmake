@@ -10,12 +10,12 @@ if(NOT TREPHINE_SANITIZE)
   set_tests_properties(program.itk_apart PROPERTIES
     ENVIRONMENT "BIN=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
 endif()
-# A second scan as its user registers it, and a case of several. Both work in one head.
+# A second scan as its user registers it, and cases of several. All work in one head.
 set(head ${CMAKE_CURRENT_BINARY_DIR}/head_with_mr)
 add_test(NAME program.head_with_mr COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/head_with_mr.sh ${head})
 set_tests_properties(program.head_with_mr PROPERTIES FIXTURES_SETUP head_with_mr TIMEOUT 1800
   ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>")
-foreach(script second_scan several_scans)
+foreach(script second_scan several_scans given_scans)
   add_test(NAME program.${script} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
   set_tests_properties(program.${script} PROPERTIES FIXTURES_REQUIRED head_with_mr TIMEOUT 1800
     ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};HEAD=${head}")

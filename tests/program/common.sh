@@ -8,7 +8,9 @@ trap 'chmod -R u+w "$work" 2>/dev/null; rm -rf "$work"' EXIT
 # The default suites work on coarse voxels, the long ones (LONG=1) on the scan's own.
 : "${LONG:=0}"
 coarse=(--set "resample.spacing_mm=[2.5,2.5,2.5]")
-((LONG == 0)) || coarse=()
+# For what does not look at the shapes: coarser still, and so is what is felt. It needs a scene with a haptic volume.
+coarsest=(--set "resample.spacing_mm=[3.5,3.5,3.5]" --set "haptic.spacing_mm=[2,2,2]")
+((LONG == 0)) || coarse=() coarsest=()
 
 fail() { echo "FAILED: $*" >&2; exit 1; }
 # skip WHY: what the test needs is missing. In ./check, which installs it, that is a failure.

@@ -1,15 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The Debian packages of what was built, unpacked into an empty folder tree: the right files, the same bytes twice, and the
-# sample case made and checked by what lies there and nothing else.
+# The Debian packages of what was built, unpacked into an empty folder tree: the right files, the same bytes twice, a page for every
+# command, and completion. deb_case.sh works with what is in them.
 . "$(dirname "$0")/common.sh"
-for tool in cpack dpkg-deb dpkg-shlibdeps file readelf; do
-  command -v $tool >/dev/null || skip "no $tool"
-done
-
-pack() {  # FOLDER: from what the build holds; builds nothing. gzip is the quicker.
-  cpack --config "$BUILD/CPackConfig.cmake" -G DEB -D CPACK_DEBIAN_COMPRESSION_TYPE=gzip -B "$work/$1" >"$work/log" 2>&1 || { cat "$work/log"; fail "cpack"; }
-}
+. "$(dirname "$0")/deb_pack.sh"
 umask 077  # which must not show inside
 pack packages
 deb=$(echo "$work"/packages/trephine_*.deb)
@@ -56,18 +50,9 @@ for program in trephine trephine-sim trephine-itk; do
   ! grep -aoE "($SOURCE|$BUILD)[ -~]*" "$root/usr/bin/$program" || fail "$program knows where it was built"
 done
 
-# Only what was unpacked: an empty environment, another folder, a tree that nobody can write to.
 chmod -R a-w "$root"
 cd "$work"
 clean=(env -i "PATH=$root/usr/bin:/usr/bin:/bin" "HOME=$work")
-"${clean[@]}" trephine run "$root/usr/share/trephine/configs/sample.yaml" --out "$work/library" --no-pictures --quiet "${coarse[@]}"
-"${clean[@]}" trephine-sim check "$work/library/sample" >"$work/said" || fail "trephine-sim check"
-grep -q ventricles "$work/said" || { cat "$work/said"; fail "the sample's ventricles are missing"; }
-# A user's own case; the sample's stages are in the library's cache.
-"${clean[@]}" trephine run "$root/usr/share/trephine/configs/ct_head.yaml" --series "$root/usr/share/trephine/sample_dicom" \
-  --case own --out "$work/library" --no-pictures --quiet "${coarse[@]}"
-"${clean[@]}" trephine-sim check "$work/library/own" >"$work/said" || fail "trephine-sim check"
-cmp <(cd "$work/library/sample" && ls meshes haptic*) <(cd "$work/library/own" && ls meshes haptic*) || fail "own case"
 
 # A page for every command, which renders without a warning.
 for program in trephine trephine-sim; do

@@ -4,7 +4,14 @@
 # the threads, and what cannot be done is refused with its exit code and leaves nothing. LONG=1: on the scan's own voxels.
 . "$(dirname "$0")/common.sh"
 export_() { "$TREPHINE" export --quiet "$@"; }
-"$TREPHINE" run --quiet "$SOURCE/configs/sample.yaml" --out "$work/library" "${coarse[@]}" >"$work/run.log" 2>&1 ||
+# Three anatomies, each in every format; on the scan's own voxels all that the sample has.
+config=$SOURCE/configs/sample.yaml
+if ((LONG == 0)); then
+  printf 'trephine: 1\nanatomies: {skin: {}, brain: {}, ventricles: {}}\nface: {policy: keep, reason: a phantom}\n' >"$work/scene.yaml"
+  sed "s,^scene: .*,scene: scene.yaml,; s,: \.\./,: $SOURCE/," "$config" >"$work/small.yaml"
+  config=$work/small.yaml coarse=("${coarsest[@]:0:2}")  # without a haptic volume
+fi
+"$TREPHINE" run --quiet "$config" --root "$SOURCE" --out "$work/library" "${coarse[@]}" --no-pictures --no-page >"$work/run.log" 2>&1 ||
   { cat "$work/run.log" >&2; fail "no case to export"; }
 case=$work/library/sample
 
@@ -65,7 +72,7 @@ cmp "$work/back.seg.nrrd.nrrd" "$work/back.nii.gz.nrrd" || fail "the labels of s
 
 # Points as markups of 3D Slicer: given to a run again they stay where they are, and so does the case.
 export_ "$case" --format mrk.json --out "$work/points"
-"$TREPHINE" run --quiet "$SOURCE/configs/sample.yaml" --landmarks "$work/points/landmarks.mrk.json" --out "$work/again" \
+"$TREPHINE" run --quiet "$config" --root "$SOURCE" --landmarks "$work/points/landmarks.mrk.json" --out "$work/again" \
   "${coarse[@]}" --no-pictures --no-page --cache "$work/library/.trephine-cache" >"$work/run.log" 2>&1 || { cat "$work/run.log" >&2; fail "no case of given landmarks"; }
 "$TREPHINE" diff --quiet "$case" "$work/again/sample" --max-point-mm 1e-6 --max-deviation-mm 1e-6 --json "$work/diff.json"
 python3 - "$case" "$work/points" "$work/diff.json" <<'PY'

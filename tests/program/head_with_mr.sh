@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# head_with_mr.sh FOLDER: the synthetic head, as a CT and as an MR that lies elsewhere, in which second_scan.sh and several_scans.sh
-# work. CTest makes it once for both; a script that is run by itself makes its own.
+# head_with_mr.sh FOLDER: the synthetic head, as a CT and as an MR that lies elsewhere, in which second_scan.sh, several_scans.sh and
+# given_scans.sh work. CTest makes it once for all; a script that is run by itself makes its own.
 set -euo pipefail
 : "${TREPHINE:?}"
 rm -rf "$1"

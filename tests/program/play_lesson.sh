@@ -1,26 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Lessons done in the window: one that begins with a hole, with the catheter passed, finished by its key, judged and reviewed; and a
-# subclavian line. With LONG=1 also a whole one by mouse, keys and pedal (marked, erased, incised, drilled through), one that is
-# left and one that is cancelled. The recording is judged the same by `score`.
+# Lessons done in the window: one that begins with a hole, with the catheter passed, finished by its key, judged and reviewed. With
+# LONG=1 also a whole one by mouse, keys and pedal (marked, erased, incised, drilled through), one that is left and one that is
+# cancelled. The recording is judged the same by `score`.
 . "$(dirname "$0")/common.sh"
 . "$(dirname "$0")/window.sh"
-: "${OFFLINE:?}"
-for lesson in subclavian ventriculostomy; do
-  "$OFFLINE" rubric "$SOURCE/configs/rubrics/$lesson.yaml" --output "$work/$lesson.json" >/dev/null
-done
+lesson=ventriculostomy
+. "$(dirname "$0")/lesson_window.sh"
 [[ $LONG == 0 ]] || "$WRITE_CASE" "$work/head" head
 "$WRITE_CASE" "$work/head_drilled" head_drilled
 
-# begin CASE ARGUMENTS...: opens a window on a lesson.
-begin() {
-  open_window "$TREPHINE" play "$work/$1" --lesson "$lesson" --rubric "$work/$lesson.json" --participant r-01 --no-realtime \
-    --max-step-s 3600 --window-width 480 --window-height 360 --no-panels "${@:2}"
-}
-# until_lesson PATTERN: waits until the lesson is there.
-until_lesson() {
-  until_is lesson "$1"
-}
 # catheter MM: from where it was put, W and then steps lead it to the foramen of the right until it is that near.
 catheter() {
   press_on w
@@ -30,13 +19,6 @@ catheter() {
     awk -v x="$x" -v y="$y" -v z="$z" -v m="$1" 'BEGIN { exit (x + 3) ^ 2 + (y + 5) ^ 2 + (z - 22) ^ 2 > m * m }' && return
   done
   fail "the catheter never comes there: $answer"
-}
-# judged RECORDING: `score` says of it what the window said.
-judged() {
-  "$TREPHINE" score "$1" --case "$2" --rubric "$work/$lesson.json" --json "$work/again.json" >"$work/text"
-  cmp "$work/again.json" "${1%.lesson}.json" || fail "judged again it is not the same"
-  grep -qF "$(tail -1 "$work/text")" "$work/said" || { cat "$work/said" "$work/text"; fail "the window says otherwise"; }
-  [[ -s ${1%.lesson}.html ]] || fail "no page"
 }
 
 # A case with a hole begins at the catheter. Nothing is shown before the end that a surgeon would not see.
@@ -72,26 +54,6 @@ assert j["participant"] == "r-01" and j["facts"]["end"] == "finished", j["facts"
 assert rows["trajectory"] == 5 and rows["tip"] >= 4 and rows["depth"] >= 3, rows
 PY
 [[ $(wc -l <"$work/out/attempts-ventriculostomy.csv") == 2 ]] || fail "no line in the log"
-
-# A subclavian line, in a chest: the needle turns green with blood, and only then.
-"$WRITE_CASE" "$work/chest" chest
-lesson=subclavian
-begin chest --out "$work/out" --advance-mm-per-s 6
-moves ok 'place -79.7 -60.2 -5.7 -0.645 -0.753 -0.129'
-press_on w
-for try in {1..400}; do [[ $answer == *' in vein '* ]] && break; step 0.323 0.377 0.065; done
-((try < 400)) || fail "the needle never comes to the vein: $answer"
-ask lesson
-[[ $answer != *green* && $answer == *'syringe -'* ]] || fail "blood without aspiration: $answer"
-xdotool key a
-until_lesson 'passes_count 1 aspirations_count 1 syringe blood .*green'
-ok finish
-until_lesson 'end finished green points [0-9]+ of 30'
-ok quit
-finish 0
-judged "$work/out/r-01-subclavian-01-chest.lesson" "$work/chest"
-grep -q 'green: success at the first pass$' "$work/said" || { cat "$work/said"; fail "the end is not said"; }
-lesson=ventriculostomy
 
 play=("$TREPHINE" play "$work/head_drilled" --lesson ventriculostomy)
 expect 64 '[-]-rubric: is needed' "${play[@]}" --out "$work/out"

@@ -5,8 +5,11 @@
 . "$(dirname "$0")/common.sh"
 PATH=$(dirname "$TREPHINE"):$PATH
 cp -r "$SOURCE/configs" "$SOURCE/pipelines" "$SOURCE/sample_dicom" "$SOURCE/trephine.root" "$work"
-# LONG=1: on the scan's own voxels.
-((LONG)) || printf '\nset: {resample.spacing_mm: [3, 3, 3]}\n' >>"$work/configs/ct_head.yaml"
+# LONG=1: on the scan's own voxels, with all that the scene has. Here without the zones of a lesson, each of which has six pictures.
+if ((LONG == 0)); then
+  sed -i -E '/^  (dura|midline|sagittal_sinus|third_ventricle|brainstem): \{max/d; /^    dura: /d' "$work/configs/scenes/ventriculostomy.yaml"
+  printf '\nset: {resample.spacing_mm: [3.5, 3.5, 3.5], haptic.spacing_mm: [2, 2, 2]}\n' >>"$work/configs/ct_head.yaml"
+fi
 mkdir -p "$work/build/release"
 ln -s "$(dirname "$TREPHINE")" "$work/build/release/bin"
 cd "$work"
@@ -26,7 +29,7 @@ case_digest library/head-01 >/dev/null
 # Commands within the text. A small head: that the command works is what counts here.
 sed '/^```sh$/,/^```$/d' "${pages[@]}" | tr '\n' ' ' | grep -oE '`[^`]*trephine [a-zA-Z][^`]*`' | tr -d '`' |
   sort -u >inline.txt
-small=(--columns-count 64 --rows-count 64 --slices-count 40 --pixel-mm 4 --slice-step-mm 5 --subvoxel-mm 2)
+small=(--columns-count 64 --rows-count 64 --slices-count 40 --pixel-mm 4 --slice-step-mm 5 --subvoxel-mm 2 --mesh-step-mm 3)
 seen=0
 while read -r line; do
   case $line in

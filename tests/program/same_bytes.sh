@@ -6,6 +6,7 @@
 config=$SOURCE/configs/sample_drilled.yaml
 felt_mm=$( ((LONG)) && echo 1.6,1.6,1.6 || echo 2,2,2)
 coarse+=(--set "haptic.spacing_mm=[$felt_mm]")
+((LONG)) || coarse+=(--no-pictures --no-page)  # case.json names neither
 
 "$TREPHINE" run "$config" --out "$work/one" --threads 1 --no-use-cache --quiet --keep "$work/kept" "${coarse[@]}"
 mkdir -p "$work/a folder/ünder"

@@ -6,7 +6,7 @@
 cd "$work"
 mkdir root && touch root/trephine.root
 cp -r "$SOURCE/pipelines" "$SOURCE/configs" root/
-"$TREPHINE" phantom head --level hard --seed 5 --columns-count 160 --rows-count 160 --field-of-view-mm 240 --slices-count 90 \
+"$TREPHINE" phantom head --level hard --seed 5 --columns-count 128 --rows-count 128 --field-of-view-mm 240 --slices-count 90 \
   --slice-step-mm 2 --slice-thickness-mm 2 --mesh-step-mm 0 --no-labels --encoding none --noise-hu 8 --second-kernel-mm 0.6 --subvoxel-mm 1 --quiet
 "$TREPHINE" import head/dicom --list >list
 sharp=$(sed -n 's/^ *\(s[0-9]\)-.*sharp.*/\1/p;s/^ *\(s[0-9]\)-.*bone.*/\1/p' list | head -n 1)
