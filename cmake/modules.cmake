@@ -12,20 +12,38 @@ if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   # The sloppiness is what ccache asks for to cache files that use a precompiled header.
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
       CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${CCACHE})
-  add_compile_options(-fpch-preprocess)
+  add_compile_options($<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
 endif()
 
 option(TREPHINE_UNITY "Compile several files of a room at once, which halves the time of a whole build" ON)
 
+# The headers of the standard library that most files include, read once for all targets of the same options and not once a
+# file. Only with TREPHINE_UNITY: other builds, and clang-tidy's, see whether a file includes what it uses.
+# trephine_headers(NAME [options...]): declares such a set, trephine_use_headers(TARGET NAME) uses it.
+function(trephine_headers name)
+  file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp CONTENT "")
+  add_library(${name} OBJECT ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
+  target_compile_options(${name} PRIVATE ${ARGN})
+  target_precompile_headers(${name} PRIVATE <algorithm> <array> <atomic> <cmath> <cstdint> <cstdio> <cstring> <filesystem>
+    <functional> <limits> <map> <memory> <mutex> <optional> <set> <string> <string_view> <thread> <utility> <variant> <vector>)
+endfunction()
+function(trephine_use_headers target name)
+  if(TARGET ${name})
+    set_target_properties(${target} PROPERTIES PRECOMPILE_HEADERS_REUSE_FROM ${name})
+    add_dependencies(${target} ${name})
+  endif()
+endfunction()
+
 # trephine_unity(TARGET sources...): the sources are compiled in groups of a few, as cmake/unity_groups.awk forms them: never
 # two whose names meet, nor more than TREPHINE_UNITY_LINES lines, for one edit compiles a whole group.
 set(TREPHINE_UNITY_LINES 1600)
-set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/cmake/unity_groups.awk)
+set(TREPHINE_UNITY_GROUPS ${CMAKE_CURRENT_LIST_DIR}/unity_groups.awk)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${TREPHINE_UNITY_GROUPS})
 function(trephine_unity target)
   if(NOT TREPHINE_UNITY)
     return()
   endif()
-  execute_process(COMMAND awk -v most_lines=${TREPHINE_UNITY_LINES} -f ${PROJECT_SOURCE_DIR}/cmake/unity_groups.awk ${ARGN}
+  execute_process(COMMAND awk -v most_lines=${TREPHINE_UNITY_LINES} -f ${TREPHINE_UNITY_GROUPS} ${ARGN}
                   OUTPUT_VARIABLE groups OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
   string(REPLACE "\n" ";" groups "${groups}")
   foreach(line ${groups})
@@ -34,13 +52,19 @@ function(trephine_unity target)
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)  # as in one file alone
+  trephine_use_headers(${target} trephine_headers)
 endfunction()
 
 # Compiled with -O1, in two thirds of the time: code that reads, arranges and prints, and spends its time in what it calls.
 set(TREPHINE_LIGHT $<$<CONFIG:Release>:-O1>)
 function(trephine_light target)
   target_compile_options(${target} PRIVATE ${TREPHINE_LIGHT})
+  trephine_use_headers(${target} trephine_headers_light)
 endfunction()
+if(TREPHINE_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  trephine_headers(trephine_headers)
+  trephine_headers(trephine_headers_light ${TREPHINE_LIGHT})
+endif()
 
 # trephine_module(NAME [LIGHT] [DEPENDS modules] [PUBLIC targets] [PRIVATE targets])
 # Every .cpp of the folder is compiled into the static library trephine_NAME. DEPENDS names modules above it in
@@ -102,6 +126,7 @@ function(trephine_test name)
   add_executable(${name}_test ${sources})
   trephine_unity(${name}_test ${sources})
   trephine_light(${name}_test)
+  trephine_use_headers(${name}_test trephine_headers_test)
   target_link_libraries(${name}_test PRIVATE trephine_test_main)
   foreach(m ${ARGN})
     target_link_libraries(${name}_test PRIVATE trephine_${m})
