@@ -68,7 +68,7 @@ Parameter parameter_of_holder(Parameter p, const std::function<void*(void*)>& he
 namespace detail {
 
 Parameter& Declarer::add(const char* name, const char* help, ParameterKind kind) {
-  Parameter& p = out_.parameters.emplace_back();
+  Parameter& p = out.parameters.emplace_back();
   p.name = name;
   p.help = help;
   p.kind = kind;
@@ -130,7 +130,7 @@ Parameter& Declarer::choice_at(std::size_t at, std::size_t bytes, const char* na
       if (c.second == value) return ParameterValue(c.first);
     return ParameterValue(std::string());
   };
-  p.set = [at, bytes, choices](void* q, const ParameterValue& v) {
+  p.set = [at, bytes, choices = std::move(choices)](void* q, const ParameterValue& v) {
     if (const std::int64_t* value = find_item(choices, std::get<std::string>(v)))
       set_whole_number(q, at, bytes, *value);
   };
@@ -139,7 +139,7 @@ Parameter& Declarer::choice_at(std::size_t at, std::size_t bytes, const char* na
 
 void Declarer::add_all(const ParameterSet& set, std::size_t at) {
   const auto held = [at](void* q) -> void* { return static_cast<char*>(q) + at; };
-  for (const Parameter& p : set.parameters) out_.parameters.push_back(parameter_of_holder(p, held));
+  for (const Parameter& p : set.parameters) out.parameters.push_back(parameter_of_holder(p, held));
 }
 
 StepsOf Declarer::steps_at(std::size_t at) {

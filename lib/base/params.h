@@ -159,7 +159,7 @@ T& member_at(void* object, std::size_t at) {
 /// Adds parameters by the place of their member in its struct, in bytes. So little is compiled for each of the structs.
 class Declarer {
  protected:
-  explicit Declarer(ParameterSet& out) : out_(out) {}
+  explicit Declarer(ParameterSet& set) : out(set) {}
 
   Parameter& number_at(std::size_t at, const char* name, Range range, const char* help);
   Parameter& flag_at(std::size_t at, const char* name, const char* help);
@@ -224,7 +224,7 @@ class Declarer {
     return p;
   }
 
-  ParameterSet& out_;
+  ParameterSet& out;
 
  private:
   template <class T>
@@ -238,7 +238,7 @@ class Declarer {
 template <class P>
 class Collector : Declarer {
  public:
-  explicit Collector(ParameterSet& out) : Declarer(out) {}
+  explicit Collector(ParameterSet& set) : Declarer(set) {}
 
   Parameter& number(double P::*m, const char* name, Range range, const char* help) {
     return number_at(place(m), name, range, help);
@@ -299,11 +299,11 @@ class Collector : Declarer {
   }
   /// Declares a list of steps, each of which is one of the choices. The items keep their names.
   Parameter& steps(Steps P::*m, const char* name, std::vector<StepChoice> choices, const char* help) {
-    return out_.parameters.emplace_back(steps_parameter(name, help, std::move(choices), steps_at(place(m))));
+    return out.parameters.emplace_back(steps_parameter(name, help, std::move(choices), steps_at(place(m))));
   }
   /// Declares one choice as a group under its own name, which may be absent; where it is given it stands in the list.
   Parameter& group(Steps P::*m, const StepChoice& choice) {
-    return out_.parameters.emplace_back(step_parameter(choice, steps_at(place(m))));
+    return out.parameters.emplace_back(step_parameter(choice, steps_at(place(m))));
   }
   /// Declares every parameter of a base of P.
   template <class B>
