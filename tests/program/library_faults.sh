@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Every write, fsync, rename and opened file of a case fails in turn; the disk is full; memory is short: the old case or the new one, a
-# line of why, and the next build makes it good. LONG=1: more of each. library_kills.sh has what ends a build from outside.
+# line of why, and the next build makes it good. LONG=1: more of each. PART=builds: of builds of a library; PART=cases (case_faults.sh):
+# of one case's run; PART=all: of both. library_kills.sh has what ends a build from outside.
 . "$(dirname "$0")/common.sh"
 . "$(dirname "$0")/library_common.sh"
 cd "$work/l"
-: "${FAULT:?}" "${LONG:=0}"
+: "${FAULT:?}" "${LONG:=0}" "${PART:=builds}"
 "$TREPHINE" phantom "$work/l/one" $tiny_flags --seed 7 --quiet >/dev/null
 printf 'trephine: 1\nconfig: c.yaml\ncases: [{case: a, series: one/dicom}, {case: b, series: one/dicom, set: {skull.smooth.iterations_count: 3}}]\n' >l.yaml
 case_of() { case_digest "$work/out/$1"; }
@@ -58,6 +59,7 @@ fault() {
     fi
   done
 }
+if [[ $PART != builds ]]; then
 fault write 28 74   # ENOSPC
 ((!LONG)) || fault write 5 74  # EIO
 fault short 0 0
@@ -69,6 +71,20 @@ fault malloc 12 "70 66 73 74"  # the system's own calls report it as of a folder
 "${one[@]}" "${new[@]}"
 "${one[@]}"
 echo "$total faults, $refused refused"
+
+# Memory that does not suffice, at several sizes: nothing is published, or all of it.
+limits=(250000 400000)
+((LONG)) && limits=($(seq 100000 20000 800000))
+for kb in "${limits[@]}"; do
+  code=0; (ulimit -v $kb; "${one[@]}" "${new[@]}" --no-use-cache >said 2>&1) || code=$?
+  is_whole "memory limit $kb"
+  # 127: the loader; 134: what a library allocates before main.
+  [[ $code == 134 ]] && ! grep -q '^trephine' said && grep -q 'std::bad_alloc' said && code=127
+  [[ $code == 0 || $code == 70 || $code == 127 ]] || { cat said; fail "memory limit $kb: $code"; }
+  [[ $code != 0 ]] || "${one[@]}"
+done
+fi
+[[ $PART != cases ]] || exit 0
 
 # Through a build: the case fails, the other is built, the reason is told, the next build makes it good.
 build l.yaml
@@ -124,16 +140,3 @@ if mkdir "$work/small" && mount -t tmpfs -o size=64k none "$work/small" 2>/dev/n
 else
   echo "no tmpfs can be mounted here: the small disk is left out"
 fi
-
-# Memory that does not suffice, at several sizes: nothing is published, or all of it.
-limits=(250000 400000)
-((LONG)) && limits=($(seq 100000 20000 800000))
-for kb in "${limits[@]}"; do
-  code=0; (ulimit -v $kb; "${one[@]}" "${new[@]}" --no-use-cache >said 2>&1) || code=$?
-  is_whole "memory limit $kb"
-  # 127: the loader; 134: what a library allocates before main.
-  [[ $code == 134 ]] && ! grep -q '^trephine' said && grep -q 'std::bad_alloc' said && code=127
-  [[ $code == 0 || $code == 70 || $code == 127 ]] || { cat said; fail "memory limit $kb: $code"; }
-  [[ $code != 0 ]] || "${one[@]}"
-done
-echo ok
