@@ -3,25 +3,7 @@
 # A second scan whose transform is given: what it is used for, what is refused of it (a transform that leads elsewhere, a face, another
 # patient, a scan that is not what it is said to be), and where a fault is told.
 . "$(dirname "$0")/common.sh"
-cd "$work"
-mkdir root && touch root/trephine.root
-cp -r "$SOURCE/pipelines" "$SOURCE/configs" root/
-[[ -n ${HEAD:-} ]] || bash "$SOURCE/tests/program/head_with_mr.sh" "${HEAD:=$work/head}"
-[[ $HEAD == "$work/head" ]] || cp -r "$HEAD" head
-cat >root/configs/both.yaml <<'YAML'
-trephine: 1
-case: both
-pipeline: ../pipelines/head_ct_mr.yaml
-scene: scene.yaml
-scans:
-  mr: {modality: mr, register: {finest_mm: 2.5, samples_count: 15000}}
-set: {skin.segment.fill: none, skin.segment.coarse_mm: 1.5}
-YAML
-cat >root/configs/scene.yaml <<'YAML'
-trephine: 1
-anatomies: {brain: {}, ventricles: {}}
-YAML
-both() { "$TREPHINE" run root/configs/both.yaml --series head/dicom --out out --quiet --no-pictures --no-page "$@"; }
+. "$(dirname "$0")/scans_common.sh"
 
 # A transform that another program made takes the place of the registration. (What is made of the scan does not matter here:
 # a recipe that takes no time.)

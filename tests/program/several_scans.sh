@@ -3,25 +3,7 @@
 # A case of a CT and an MR as its user makes it: brain and ventricles from the MR, its provenance in case.json, what is not
 # computed, and a burr hole that keeps clear of what was found. given_scans.sh has transforms that are given, and what is refused.
 . "$(dirname "$0")/common.sh"
-cd "$work"
-mkdir root && touch root/trephine.root
-cp -r "$SOURCE/pipelines" "$SOURCE/configs" root/
-[[ -n ${HEAD:-} ]] || bash "$SOURCE/tests/program/head_with_mr.sh" "${HEAD:=$work/head}"
-[[ $HEAD == "$work/head" ]] || cp -r "$HEAD" head
-cat >root/configs/both.yaml <<'YAML'
-trephine: 1
-case: both
-pipeline: ../pipelines/head_ct_mr.yaml
-scene: scene.yaml
-scans:
-  mr: {modality: mr, register: {finest_mm: 2.5, samples_count: 15000}}
-set: {skin.segment.fill: none, skin.segment.coarse_mm: 1.5}
-YAML
-cat >root/configs/scene.yaml <<'YAML'
-trephine: 1
-anatomies: {brain: {}, ventricles: {}}
-YAML
-both() { "$TREPHINE" run root/configs/both.yaml --series head/dicom --out out --quiet --no-pictures --no-page "$@"; }
+. "$(dirname "$0")/scans_common.sh"
 both --scan mr=head/second/scan.nrrd --keep keep >said 2>&1 || fail "run: $(cat said)"
 grep -q 'mr.import: .*taken on trust' said || fail "nothing said of the patient: $(cat said)"
 python3 - out/both/case.json <<'PY'
