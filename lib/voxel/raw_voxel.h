@@ -55,14 +55,11 @@ inline std::int16_t join(int number, int share, bool bare) {
   return static_cast<std::int16_t>(haptic_base_step * number + share + (bare ? haptic_bare_offset : 0));
 }
 
-/// The shape to which the rest of a voxel of shape `own` belongs: another shape, whose voxels among the 26 neighbours
-/// add up to the largest occupancy (of equals the lower number); 0 where there is none.
-inline int other_shape(const Grid<std::int16_t>& voxels, int own, int i, int j, int k) {
-  // In most places one other shape or none is near; the table serves the others.
+/// Calls look(RawVoxel) for the 26 neighbours that are of another shape than `own` and not empty, until it returns
+/// true; returns whether it did.
+template <class Look>
+bool any_other_neighbour(const Grid<std::int16_t>& voxels, int own, int i, int j, int k, const Look& look) {
   const int own_base = haptic_base_step * own;
-  int only = 0, sum_of_only = 0;
-  std::array<int, haptic_max_shapes + 1> sums;
-  bool several = false;
   const int i0 = std::max(0, i - 1), i1 = std::min(voxels.size[0] - 1, i + 1);
   const int j0 = std::max(0, j - 1), j1 = std::min(voxels.size[1] - 1, j + 1);
   const int k0 = std::max(0, k - 1), k1 = std::min(voxels.size[2] - 1, k + 1);
@@ -73,40 +70,40 @@ inline int other_shape(const Grid<std::int16_t>& voxels, int own, int i, int j, 
         const int raw = load_voxel(row[x]);
         if (raw == haptic_empty || unsigned(raw - own_base) < unsigned(haptic_base_step)) continue;
         const RawVoxel v = split(std::int16_t(raw));
-        if (v.number == 0) continue;
-        if (!several) {
-          if (only == 0 || only == v.number) {
-            only = v.number;
-            sum_of_only += v.share;
-            continue;
-          }
-          several = true;
-          sums.fill(0);
-          sums[std::size_t(only)] = sum_of_only;
-        }
-        sums[std::size_t(v.number)] += v.share;
+        if (v.number != 0 && look(v)) return true;
       }
     }
+  return false;
+}
+
+/// The shape to which the rest of a voxel of shape `own` belongs: another shape, whose voxels among the 26 neighbours
+/// add up to the largest occupancy (of equals the lower number); 0 where there is none.
+inline int other_shape(const Grid<std::int16_t>& voxels, int own, int i, int j, int k) {
+  // In most places one other shape or none is near; the table serves the others.
+  int only = 0, sum_of_only = 0;
+  std::array<int, haptic_max_shapes + 1> sums;
+  bool several = false;
+  any_other_neighbour(voxels, own, i, j, k, [&](const RawVoxel& v) {
+    if (!several) {
+      if (only == 0 || only == v.number) {
+        only = v.number;
+        sum_of_only += v.share;
+        return false;
+      }
+      several = true;
+      sums.fill(0);
+      sums[std::size_t(only)] = sum_of_only;
+    }
+    sums[std::size_t(v.number)] += v.share;
+    return false;
+  });
   if (!several) return only;
   return int(std::max_element(sums.begin(), sums.end()) - sums.begin());
 }
 
 /// Whether other_shape is not 0, which is sooner known than what it is.
 inline bool beside_other_shape(const Grid<std::int16_t>& voxels, int own, int i, int j, int k) {
-  const int own_base = haptic_base_step * own;
-  const int i0 = std::max(0, i - 1), i1 = std::min(voxels.size[0] - 1, i + 1);
-  const int j0 = std::max(0, j - 1), j1 = std::min(voxels.size[1] - 1, j + 1);
-  const int k0 = std::max(0, k - 1), k1 = std::min(voxels.size[2] - 1, k + 1);
-  for (int z = k0; z <= k1; ++z)
-    for (int y = j0; y <= j1; ++y) {
-      const std::int16_t* row = voxels.voxels.data() + voxels.index(0, y, z);
-      for (int x = i0; x <= i1; ++x) {
-        const int raw = load_voxel(row[x]);
-        if (raw == haptic_empty || unsigned(raw - own_base) < unsigned(haptic_base_step)) continue;
-        if (split(std::int16_t(raw)).number != 0) return true;
-      }
-    }
-  return false;
+  return any_other_neighbour(voxels, own, i, j, k, [](const RawVoxel&) { return true; });
 }
 
 /// The share (of 255) of shape `number` in the voxel.
