@@ -68,9 +68,8 @@ void warn_of_streaks(const std::vector<StreakedSlice>& slices, const Lattice& la
   if (worst_hu > 0)
     report.warn(fmt::format(
         "streaks of {:.0f} HU cross the slices at z {:.0f} to {:.0f} mm, as of a holder or fillings; they were taken "
-        "off "
-        "before the ventricles were sought, but what lies there is doubtful: look there, or choose a series without "
-        "them",
+        "off before the ventricles were sought, but what lies there is doubtful: look there, or choose a series "
+        "without them",
         worst_hu, from_mm, to_mm));
 }
 
