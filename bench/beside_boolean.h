@@ -3,9 +3,9 @@
 // For bench_drilled_hole: what a session drilled beside the boolean's hole, and its bricks beside a fresh contour.
 #include <string>
 
+#include "drill/live_surface.h"
 #include "haptics/recording.h"
 #include "session/felt_case.h"
-#include "voxel/live_surface.h"
 
 namespace trephine {
 

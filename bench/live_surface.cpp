@@ -18,8 +18,8 @@
 
 #include "base/error.h"
 #include "cases/load_case.h"
-#include "voxel/drill.h"
-#include "voxel/live_surface.h"
+#include "drill/drill.h"
+#include "drill/live_surface.h"
 #ifdef BENCH_RENDER
 #include "render/context.h"
 #include "render/surface_maker.h"

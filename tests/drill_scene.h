@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "voxel/drill.h"
+#include "drill/drill.h"
 #include "voxel/raw_voxel.h"
 
 namespace trephine::drilling {

@@ -12,11 +12,11 @@
 #include <map>
 
 #include "device/simulated_hand.h"
+#include "drill/live_surface.h"
 #include "haptics/recording.h"
 #include "haptics/servo.h"
 #include "haptics_only_sleep.h"
 #include "haptics_tools.h"
-#include "voxel/live_surface.h"
 #include "voxel/raw_voxel.h"
 
 using namespace trephine;

@@ -6,9 +6,9 @@
 
 #include "base/params.h"
 #include "cases/case.h"
+#include "drill/drill.h"
 #include "haptics/proxy.h"
 #include "voxel/decode.h"
-#include "voxel/drill.h"
 
 namespace trephine {
 

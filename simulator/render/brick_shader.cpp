@@ -5,7 +5,7 @@ namespace trephine::shaders {
 
 const char* const brick_head = "#version 430 core\n";
 
-// One work group makes one brick of 8^3 cells, as mesh_brick() of voxel/live_surface.h does: the same edges and
+// One work group makes one brick of 8^3 cells, as mesh_brick() of drill/live_surface.h does: the same edges and
 // triangles, in the same order of cells; only its vertices are numbered by edges. Corner (x, y, z) of the brick's cells
 // has the value (x + 1, y + 1, z + 1) of those that are read.
 const char* const brick_compute = R"(

@@ -8,10 +8,10 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "drill/cell_triangles.h"
 #include "render/gl_object.h"
 #include "render/shaders.h"
 #include "render/surface_maker.h"
-#include "voxel/cell_triangles.h"
 
 namespace trephine {
 namespace {

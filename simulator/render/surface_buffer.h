@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
+#include "drill/live_surface.h"
 #include "render/drawn_surface.h"
 #include "render/gl_object.h"
 #include "scene/scene.h"
 #include "scene/tool_solid.h"
-#include "voxel/live_surface.h"
 
 namespace trephine {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "drill/live_surface.h"
 #include "render/drawn_surface.h"
 #include "scene/view_params.h"
-#include "voxel/live_surface.h"
 
 namespace trephine {
 
@@ -17,7 +17,7 @@ struct DrawnBrick {
 };
 
 /// A shape's surface that follows while the shape is cut, made and kept where it is drawn: the triangles of
-/// voxel/live_surface.h, by whichever maker. In the thread of the context that was current when it was made.
+/// drill/live_surface.h, by whichever maker. In the thread of the context that was current when it was made.
 class SurfaceMaker : public DrawnSurface {
  public:
   /// Looks at the marked bricks, and makes those anew that read a changed voxel. Returns how many.

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "base/progress.h"
+#include "drill/live_surface.h"
 #include "render/chunks.h"
 #include "render/coarse.h"
 #include "scene/scene.h"
-#include "voxel/live_surface.h"
 
 namespace trephine {
 

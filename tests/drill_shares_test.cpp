@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "voxel/live_surface.h"
+#include "drill/live_surface.h"
 #include "voxel/raw_voxel.h"
 
 using namespace trephine;

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/params.h"
-#include "voxel/bricks.h"
-#include "voxel/cutter.h"
+#include "drill/bricks.h"
+#include "drill/cutter.h"
 #include "voxel/haptic_volume.h"
 
 namespace trephine {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "contact/contact.h"
+#include "drill/live_surface.h"
 #include "drill_scene.h"
-#include "voxel/live_surface.h"
 
 using namespace trephine;
 using namespace trephine::drilling;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxel/drill.h"
+#include "drill/drill.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxel/cell_triangles.h"
+#include "drill/cell_triangles.h"
 
 namespace trephine::detail {
 namespace {

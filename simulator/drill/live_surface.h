@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxel/bricks.h"
+#include "drill/bricks.h"
 #include "voxel/haptic_volume.h"
 
 namespace trephine {

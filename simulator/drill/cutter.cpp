@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxel/cutter.h"
+#include "drill/cutter.h"
 
 #include <algorithm>
 #include <cmath>

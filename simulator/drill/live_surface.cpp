@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxel/live_surface.h"
+#include "drill/live_surface.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
-#include "voxel/cell_triangles.h"
+#include "drill/cell_triangles.h"
 #include "voxel/raw_voxel.h"
 
 namespace trephine {

@@ -8,9 +8,9 @@
 #include <map>
 #include <thread>
 
+#include "drill/cell_triangles.h"
+#include "drill/live_surface.h"
 #include "drill_scene.h"
-#include "voxel/cell_triangles.h"
-#include "voxel/live_surface.h"
 
 using namespace trephine;
 using namespace trephine::drilling;
