@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 
 #include "grid/nrrd.h"
@@ -37,6 +38,38 @@ TEST(Stages, EachRoleOfTheGraphIsPlayedByOneStage) {
     else
       EXPECT_EQ(players[static_cast<StageRole>(role)], 1) << role;
   for (const StageType* stage : stages_of(StagePlace::anatomy)) EXPECT_EQ(stage->role, StageRole::step) << stage->name;
+}
+
+// A text that stands at the wrong port says something else than the port's name.
+TEST(Stages, EveryPortsHelpSaysWhatThePortIs) {
+  // What stands for a name that is no word of the field.
+  const std::map<std::string, std::vector<std::string>> other_words = {
+      {"volume", {"CT", "MR"}},
+      {"moving", {"second scan"}},
+      {"within", {"inside of", "box about", "outside of it"}},
+      {"without", {"outside of", "leave out", "taken for"}},
+      {"given", {"a person placed"}},
+      {"map", {"labels"}},
+      {"reference", {"compare with", "deviation"}}};
+  const auto lower = [](std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    return text;
+  };
+  for (const StageType& stage : stage_types()) {
+    std::map<std::string, std::string> port_of;
+    for (const Port& port : stage.ports) {
+      const std::string where = stage.name + "." + port.name;
+      EXPECT_TRUE(port_of.emplace(port.help, port.name).second) << where << " has the help of " << port_of[port.help];
+      const std::string name = port.name.substr(0, port.name.find(".*"));
+      std::vector<std::string> words{name == "cutters" ? "cut" : name};
+      if (const auto more = other_words.find(name); more != other_words.end())
+        words.insert(words.end(), more->second.begin(), more->second.end());
+      EXPECT_TRUE(
+          std::any_of(words.begin(), words.end(),
+                      [&](const std::string& word) { return lower(port.help).find(lower(word)) != std::string::npos; }))
+          << where << " says: " << port.help;
+    }
+  }
 }
 
 TEST(Stages, EveryLandmarkThatIsLookedForHasASlice) {

@@ -24,12 +24,13 @@ StageType anatomy_stage() {
       "--landmarks landmarks.json",
       "trephine anatomy --brain brain.nrrd --ventricles ventricles.nrrd --volume head.nrrd --picture "
       "fault.png"};
-  s.ports = {{"skin", DataKind::field, false, "the skin"},
-             {"skull", DataKind::field, false, "the skull"},
-             {"brain", DataKind::field, false, "the brain"},
-             {"ventricles", DataKind::field, false, "the ventricles"},
-             {"landmarks", DataKind::landmarks, false, "landmarks and the midsagittal plane"},
-             {"volume", DataKind::volume, false, "CT volume, for its noise and a picture of what is wrong"}};
+  s.ports = {
+      port("skin", DataKind::field).optional().help("the skin"),
+      port("skull", DataKind::field).optional().help("the skull"),
+      port("brain", DataKind::field).optional().help("the brain"),
+      port("ventricles", DataKind::field).optional().help("the ventricles"),
+      port("landmarks", DataKind::landmarks).optional().help("landmarks and the midsagittal plane"),
+      port("volume", DataKind::volume).optional().help("CT volume, for its noise and a picture of what is wrong")};
   s.output = DataKind::nothing;
   s.make_params = [] { return AnyParams::make<AnatomyGateParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

@@ -19,7 +19,7 @@ StageType body_stage() {
       "pillows, leads and tubes. Ears and nose stay, and so does what the body encloses. The report says how much was "
       "taken away. A scan without apparatus stays as it is.";
   s.examples = {"trephine body head.nrrd --output body.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};
+  s.ports = {port("volume", DataKind::volume).help("CT volume in HU")};
   s.output = DataKind::volume;
   s.make_params = [] { return AnyParams::make<BodyParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

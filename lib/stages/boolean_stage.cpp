@@ -19,8 +19,8 @@ StageType boolean_stage() {
   s.examples = {"trephine boolean skull.vtp --cutters hole.json --output drilled.vtp",
                 "trephine boolean haptic.nrrd --cutters hole.json --shape skull --shape skin --output drilled.nrrd",
                 "trephine boolean skull.vtp --kind sphere --position-mm 10,-40,60 --radius-mm 8 --output cut.vtp"};
-  s.ports = {{"surface", DataKind::mesh, true, "closed surface"},
-             {"cutters.*", DataKind::cutters, true, "what is cut away"}};
+  s.ports = {port("surface", DataKind::mesh).help("closed surface"),
+             port("cutters.*", DataKind::cutters).help("what is cut away")};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<CutSurfaceParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

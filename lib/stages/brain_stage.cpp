@@ -16,11 +16,12 @@ StageType brain_stage() {
       "watershed finds the space inside the skull; the brain is the tissue in it that is brighter than CSF, as far as "
       "the scan's noise allows to tell. The ventricles belong to the brain.";
   s.examples = {"trephine brain head.nrrd --skull skull.nrrd --output brain.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
-             {"skull", DataKind::field, false,
-              "the skull that encloses the brain; without it, bone is every voxel above 226 HU"},
-             {"within", DataKind::field, false, "an anatomy to stay inside of"},
-             {"without", DataKind::field, false, "an anatomy to stay outside of"}};
+  s.ports = {port("volume", DataKind::volume).help("CT volume in HU"),
+             port("skull", DataKind::field)
+                 .optional()
+                 .help("the skull that encloses the brain; without it, bone is every voxel above 226 HU"),
+             port("within", DataKind::field).optional().help("an anatomy to stay inside of"),
+             port("without", DataKind::field).optional().help("an anatomy to stay outside of")};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<BrainParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

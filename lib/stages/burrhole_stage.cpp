@@ -114,10 +114,10 @@ StageType burrhole_stage() {
       "trephine burrhole skull.vtp --over skin.vtp --landmark nasion=0,-95,10 --landmark inion=0,98,0 --output "
       "hole.json",
       "trephine burrhole skull.vtp --at position --position-mm -30,-40,70 --diameter-mm 12 --output hole.json"};
-  s.ports = {{"bone", DataKind::mesh, true, "surface of the bone, not decimated"},
-             {"over", DataKind::mesh, false, "surface of the skin, over which Kocher's point is measured"},
-             {"landmarks", DataKind::landmarks, false, "landmarks, found and given ones"},
-             {"zone.*", DataKind::mesh, false, "zones that `avoid` names"}};
+  s.ports = {port("bone", DataKind::mesh).help("surface of the bone, not decimated"),
+             port("over", DataKind::mesh).optional().help("surface of the skin, over which Kocher's point is measured"),
+             port("landmarks", DataKind::landmarks).optional().help("landmarks, found and given ones"),
+             port("zone.*", DataKind::mesh).optional().help("zones that `avoid` names")};
   s.output = DataKind::cutters;
   s.make_params = [] { return AnyParams::make<BurrHoleParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress&) -> StageData {

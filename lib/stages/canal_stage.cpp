@@ -17,8 +17,8 @@ StageType canal_stage() {
       "bone around the gap, and the report says how much of the wall is bone. The result is the canal in the bone, not "
       "the dural sac: a disc that bulges into it is not seen.";
   s.examples = {"trephine canal volume.nrrd --bone bone.nrrd --output canal.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
-             {"bone", DataKind::field, true, "the spine's bone, filled"}};
+  s.ports = {port("volume", DataKind::volume).help("CT volume in HU, in axial slices"),
+             port("bone", DataKind::field).help("the spine's bone, filled")};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<CanalParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

@@ -17,9 +17,10 @@ StageType clavicle_stage() {
       "cut from sternum and scapula where the bone is narrowest. The report says how large the cut areas are, and "
       "warns where a cut is larger than the bridge of a joint and where a side is missing.";
   s.examples = {"trephine clavicle volume.nrrd --bone bone.nrrd --output clavicle.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
-             {"bone", DataKind::field, true, "all bone of the chest, filled"},
-             {"without", DataKind::field, false, "with part rest: a vein so bright that it was taken for bone"}};
+  s.ports = {
+      port("volume", DataKind::volume).help("CT volume in HU, in axial slices"),
+      port("bone", DataKind::field).help("all bone of the chest, filled"),
+      port("without", DataKind::field).optional().help("with part rest: a vein so bright that it was taken for bone")};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<ClavicleParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

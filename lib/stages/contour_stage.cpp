@@ -17,7 +17,7 @@ StageType contour_stage() {
       "is moved by a half, and the report says so.";
   s.examples = {"trephine contour skull.nrrd --output skull.vtp",
                 "trephine contour head.nrrd --isovalue-hu 300 --output bone.vtp"};
-  s.ports = {{"field", DataKind::field, true, "field of the segment stage, or a CT volume", true}};
+  s.ports = {port("field", DataKind::field).or_volume().help("field of the segment stage, or a CT volume")};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<ContourParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

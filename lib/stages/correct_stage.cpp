@@ -19,8 +19,8 @@ StageType correct_stage() {
       "SHA-256 of its file and the volume that it added and removed.";
   s.examples = {
       "trephine correct skull.nrrd --volume head.nrrd --file skull_correction.nrrd --output skull_corrected.nrrd"};
-  s.ports = {{"field", DataKind::field, true, "Field to correct"},
-             {"volume", DataKind::volume, true, "CT volume in HU"}};
+  s.ports = {port("field", DataKind::field).help("Field to correct"),
+             port("volume", DataKind::volume).help("CT volume in HU")};
   s.output = DataKind::field;
   s.provenance = {"added_ml", "removed_ml", "already_ratio"};
   s.make_params = [] { return AnyParams::make<CorrectParams>(); };

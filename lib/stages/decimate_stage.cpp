@@ -16,7 +16,7 @@ StageType decimate_stage() {
       "requested count or before the bound is exceeded, whichever comes first, and the report says which it was.";
   s.examples = {"trephine decimate skull.vtp --target-triangles-count 80000 --output fewer.vtp",
                 "trephine decimate skull.vtp --max-deviation-mm 0.2 --output fewer.vtp"};
-  s.ports = {{"surface", DataKind::mesh, true, "closed surface"}};
+  s.ports = {port("surface", DataKind::mesh).help("closed surface")};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<DecimateParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

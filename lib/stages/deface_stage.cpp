@@ -20,10 +20,11 @@ StageType deface_stage() {
   s.examples = {"trephine deface head.nrrd --skin skin.nrrd --landmarks landmarks.json --output defaced.nrrd",
                 "trephine deface head.nrrd --skin skin.nrrd --landmarks landmarks.json --policy crop "
                 "--output cropped.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
-             {"skin", DataKind::field, true, "the skin of this volume, as segment finds it"},
-             {"landmarks", DataKind::landmarks, true, "nasion, tragus_left and tragus_right"},
-             {"found", DataKind::landmarks, false, "the same, found without any that a person gave"}};
+  s.ports = {
+      port("volume", DataKind::volume).help("CT volume in HU"),
+      port("skin", DataKind::field).help("the skin of this volume, as segment finds it"),
+      port("landmarks", DataKind::landmarks).help("landmarks nasion, tragus_left and tragus_right"),
+      port("found", DataKind::landmarks).optional().help("the same landmarks, found without any that a person gave")};
   s.output = DataKind::volume;
   s.make_params = [] { return AnyParams::make<DefaceParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

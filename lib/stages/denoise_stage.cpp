@@ -17,8 +17,8 @@ StageType denoise_stage() {
       "moves edges where it is not: docs/more-than-one-scan.md says what was measured.";
   s.examples = {"trephine denoise head.nrrd --sigma-mm 1 --edge-hu 80 --output calm.nrrd",
                 "trephine denoise head.nrrd --method median --within brain.nrrd --output calm.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
-             {"within", DataKind::field, false, "an anatomy: only the box about it is filtered"}};
+  s.ports = {port("volume", DataKind::volume).help("CT volume in HU"),
+             port("within", DataKind::field).optional().help("an anatomy: only the box about it is filtered")};
   s.output = DataKind::volume;
   s.make_params = [] { return AnyParams::make<DenoiseParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

@@ -26,7 +26,7 @@ StageType external_stage() {
       "trephine external head.nrrd --program TotalSegmentator --version 2. --arguments=-i --arguments={input} "
       "--arguments=-o --arguments={output} --arguments=--ml --output labels.nrrd",
       "trephine labels head.nrrd --map labels.nrrd --label 90 --output brain.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};
+  s.ports = {port("volume", DataKind::volume).help("CT volume in HU")};
   s.output = DataKind::labels;
   s.runs_program = true;
   s.provenance = {"said_version", "program_sha256", "output_sha256"};

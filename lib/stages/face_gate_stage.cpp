@@ -37,12 +37,13 @@ StageType face_gate_stage() {
   s.summary = "refuses what still shows the face";
   s.description = "Compares every surface and volume that is about to be published with the original skin.";
   s.examples = {"trephine face-gate skin.nrrd --landmarks landmarks.json --surface skin=skin.vtp"};
-  s.ports = {{"skin", DataKind::field, true, "the skin of the original scan"},
-             {"landmarks", DataKind::landmarks, true, "nasion, tragus_left and tragus_right"},
-             {"found", DataKind::landmarks, false, "the same, found without any that a person gave"},
-             {"surface.*", DataKind::mesh, false, "what is published"},
-             {"haptic", DataKind::haptic, false, "the haptic volume that is published"},
-             {"ct", DataKind::volume, false, "the CT that is published"}};
+  s.ports = {
+      port("skin", DataKind::field).help("the skin of the original scan"),
+      port("landmarks", DataKind::landmarks).help("landmarks nasion, tragus_left and tragus_right"),
+      port("found", DataKind::landmarks).optional().help("the same landmarks, found without any that a person gave"),
+      port("surface.*", DataKind::mesh).optional().help("surfaces that are published"),
+      port("haptic", DataKind::haptic).optional().help("the haptic volume that is published"),
+      port("ct", DataKind::volume).optional().help("the CT that is published")};
   s.output = DataKind::nothing;
   s.make_params = [] { return AnyParams::make<FaceBeliefParams>(); };
   s.run = run_gate;

@@ -17,7 +17,7 @@ StageType head_region_stage() {
       "voxels. "
       "What the scan does not show of the head (vertex, base, a side outside of the field of view) is said.";
   s.examples = {"trephine head-region neck.nrrd --output head.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};
+  s.ports = {port("volume", DataKind::volume).help("CT volume in HU")};
   s.output = DataKind::volume;
   s.make_params = [] { return AnyParams::make<HeadRegionParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

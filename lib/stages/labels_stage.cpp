@@ -19,8 +19,8 @@ StageType labels_stage() {
       "their volume. A label that lies outside of the volume or in air is refused.";
   s.examples = {"trephine labels head.nrrd --file totalsegmentator.nii.gz --label 90 --output brain.nrrd",
                 "trephine labels head.nrrd --file Segmentation.seg.nrrd --label ventricles --output ventricles.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
-             {"map", DataKind::labels, false, "Labels that external gave, instead of file"}};
+  s.ports = {port("volume", DataKind::volume).help("CT volume in HU"),
+             port("map", DataKind::labels).optional().help("Labels that external gave, instead of file")};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<LabelParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

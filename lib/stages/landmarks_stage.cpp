@@ -26,12 +26,13 @@ StageType landmarks_stage() {
       "landmarks.json",
       "trephine landmarks volume.nrrd --skin skin.nrrd --skull skull.nrrd --given points.mrk.json --output "
       "landmarks.json"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
-             {"skin", DataKind::field, true, "the head's skin"},
-             {"skull", DataKind::field, true, "the head's bone"},
-             {"brain", DataKind::field, false, "the head's brain"},
-             {"ventricles", DataKind::field, false, "the head's ventricles, for the foramina of Monro"},
-             {"given", DataKind::landmarks, false, "landmarks that a person placed; they replace found ones"}};
+  s.ports = {
+      port("volume", DataKind::volume).help("CT volume in HU"),
+      port("skin", DataKind::field).help("the head's skin"),
+      port("skull", DataKind::field).help("the head's skull"),
+      port("brain", DataKind::field).optional().help("the head's brain"),
+      port("ventricles", DataKind::field).optional().help("the head's ventricles, for the foramina of Monro"),
+      port("given", DataKind::landmarks).optional().help("landmarks that a person placed; they replace found ones")};
   // A landmark on the midline is best seen in a sagittal slice, the foramina of Monro in an axial one.
   s.points = {{"nasion", SlicePlane::sagittal},     {"inion", SlicePlane::sagittal},
               {"vertex", SlicePlane::sagittal},     {"bregma", SlicePlane::sagittal},

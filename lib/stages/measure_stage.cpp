@@ -22,8 +22,8 @@ StageType measure_stage() {
                 "trephine measure fewer.vtp --reference skull.vtp --certify --picture deviation.png",
                 "trephine measure skull.vtp --truth head/truth/truth.json --anatomy skull",
                 "trephine measure ventricles.nrrd --truth head/truth/truth.json --anatomy ventricles"};
-  s.ports = {{"surface", DataKind::mesh, true, "surface to measure"},
-             {"reference", DataKind::mesh, false, "surface to compare with"}};
+  s.ports = {port("surface", DataKind::mesh).help("surface to measure"),
+             port("reference", DataKind::mesh).optional().help("surface to compare with")};
   s.output = DataKind::nothing;
   s.make_params = [] { return AnyParams::make<MeasureParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

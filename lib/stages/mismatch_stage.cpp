@@ -17,8 +17,8 @@ StageType mismatch_stage() {
   s.summary = "measures how far the felt surfaces lie from the displayed ones";
   s.description = "Looks along the normals of the displayed surfaces for the surface of the haptic volume.";
   s.examples = {"trephine mismatch haptic.nrrd --surface skull=skull.vtp"};
-  s.ports = {{"haptic", DataKind::haptic, true, "haptic volume"},
-             {"surface.*", DataKind::mesh, true, "displayed surfaces"}};
+  s.ports = {port("haptic", DataKind::haptic).help("haptic volume"),
+             port("surface.*", DataKind::mesh).help("displayed surfaces")};
   s.output = DataKind::nothing;
   s.make_params = [] { return AnyParams::make<MismatchParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

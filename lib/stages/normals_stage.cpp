@@ -14,7 +14,7 @@ StageType normals_stage() {
       "Gives smooth normals, one for each point. No point is split at a sharp edge, so a closed surface stays closed. "
       "An open surface is accepted too.";
   s.examples = {"trephine normals smooth.vtp --output skull.vtp"};
-  s.ports = {{"surface", DataKind::mesh, true, "surface"}};
+  s.ports = {port("surface", DataKind::mesh).help("surface")};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<NormalsParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

@@ -88,10 +88,11 @@ StageType pedicles_stage() {
   s.examples = {"trephine pedicles volume.nrrd --bone bone.nrrd --canal canal.nrrd --output landmarks.json",
                 "trephine pedicles volume.nrrd --bone bone.nrrd --canal canal.nrrd --given points.mrk.json --output "
                 "landmarks.json"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
-             {"bone", DataKind::field, true, "the spine's bone, filled"},
-             {"canal", DataKind::field, true, "the spinal canal"},
-             {"given", DataKind::landmarks, false, "landmarks that a person placed; they replace found ones"}};
+  s.ports = {
+      port("volume", DataKind::volume).help("CT volume in HU, in axial slices"),
+      port("bone", DataKind::field).help("the spine's bone, filled"),
+      port("canal", DataKind::field).help("the spinal canal"),
+      port("given", DataKind::landmarks).optional().help("landmarks that a person placed; they replace found ones")};
   s.points = {{"pedicle", SlicePlane::axial, true}};
   s.output = DataKind::landmarks;
   s.make_params = [] { return AnyParams::make<PediclesParams>(); };

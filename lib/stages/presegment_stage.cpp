@@ -21,9 +21,9 @@ StageType presegment_stage() {
       "--output speed.nrrd",
       "trephine presegment head.nrrd --method edges --edge-kappa-hu-per-mm 4 --within brain.nrrd --output "
       "edges.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
-             {"within", DataKind::field, false, "an anatomy to look inside of; the speed is -1 outside"},
-             {"without", DataKind::field, false, "an anatomy to look outside of; the speed is -1 inside"}};
+  s.ports = {port("volume", DataKind::volume).help("CT volume in HU"),
+             port("within", DataKind::field).optional().help("an anatomy to look inside of; the speed is -1 outside"),
+             port("without", DataKind::field).optional().help("an anatomy to look outside of; the speed is -1 inside")};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<PresegmentParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

@@ -27,9 +27,10 @@ StageType register_stage() {
       "code 80 and the figures that say why. Offsets up to 30 mm and 20 degrees are within reach; for others give a "
       "transform to begin with.";
   s.examples = {"trephine register head.nrrd mr.nrrd --transform mr.tfm --picture check.png --output mr_on_ct.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, which stays"},
-             {"moving", DataKind::volume, true, "the second scan"},
-             {"within", DataKind::field, false, "an anatomy of the CT; places outside of it are not compared"}};
+  s.ports = {
+      port("volume", DataKind::volume).help("CT volume in HU, which stays"),
+      port("moving", DataKind::volume).help("the second scan"),
+      port("within", DataKind::field).optional().help("an anatomy of the CT; places outside of it are not compared")};
   s.output = DataKind::volume;
   s.make_params = [] { return AnyParams::make<RegistrationParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

@@ -15,7 +15,7 @@ StageType remesh_stage() {
       "Isotropic remeshing: near equilateral triangles with edges of one length and points on the input's surface. "
       "Where the result is not valid or exceeds the bound, shorter edges are tried.";
   s.examples = {"trephine remesh skull.vtp --edge-mm 1.5 --output even.vtp"};
-  s.ports = {{"surface", DataKind::mesh, true, "closed surface"}};
+  s.ports = {port("surface", DataKind::mesh).help("closed surface")};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<RemeshParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

@@ -18,7 +18,7 @@ StageType repair_stage() {
       "how far it lies from the input.";
   s.examples = {"trephine repair model.stl --output model.vtp",
                 "trephine repair model.obj --recontour-voxels-count 0 --output model.vtp"};
-  s.ports = {{"surface", DataKind::mesh, true, "triangles of any kind"}};
+  s.ports = {port("surface", DataKind::mesh).help("surface of triangles of any kind, also of a broken one")};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<RepairParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

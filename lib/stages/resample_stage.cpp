@@ -17,7 +17,7 @@ StageType resample_stage() {
       "Each value is the mean over the new voxel, as a scanner with such voxels would measure it. Voxels smaller than "
       "the scan's are interpolated. Larger voxels make all later stages faster and coarser.";
   s.examples = {"trephine resample head.nrrd --spacing-mm 1 1 1 --output coarse.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};
+  s.ports = {port("volume", DataKind::volume).help("CT volume in HU")};
   s.output = DataKind::volume;
   s.make_params = [] { return AnyParams::make<ResampleParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

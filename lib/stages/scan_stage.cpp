@@ -16,7 +16,7 @@ StageType scan_stage() {
       "within the skull; the kernel shows in how neighbours go together and in the skin's edge. The verdict on brain, "
       "ventricles and skull is suited, doubtful or unsuited, each with what to do.";
   s.examples = {"trephine scan head.nrrd --report scan.json"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"}};
+  s.ports = {port("volume", DataKind::volume).help("CT volume in HU")};
   s.output = DataKind::nothing;
   s.make_params = [] { return AnyParams::make<ScanLimits>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

@@ -18,9 +18,9 @@ StageType segment_stage() {
   s.examples = {"trephine segment head.nrrd --output skull.nrrd",
                 "trephine segment head.nrrd --lower-hu -475 --open-mm 3 --components largest --fill cavities_and_cut "
                 "--fill-close-mm 6 --output skin.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
-             {"within", DataKind::field, false, "an anatomy to stay inside of"},
-             {"without", DataKind::field, false, "an anatomy to stay outside of"}};
+  s.ports = {port("volume", DataKind::volume).help("CT volume in HU"),
+             port("within", DataKind::field).optional().help("an anatomy to stay inside of"),
+             port("without", DataKind::field).optional().help("an anatomy to stay outside of")};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<SegmentParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

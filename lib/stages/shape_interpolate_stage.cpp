@@ -16,7 +16,7 @@ StageType shape_interpolate_stage() {
       "is led smoothly from one to the next (shape-based interpolation); the outlines of the given slices stay where "
       "they are, and thin parts stay joined. A scan of thin slices passes unchanged.";
   s.examples = {"trephine shape-interpolate skin.nrrd --output smooth.nrrd"};
-  s.ports = {{"field", DataKind::field, true, "field of the segment stage"}};
+  s.ports = {port("field", DataKind::field).help("field of the segment stage")};
   s.output = DataKind::field;
   s.changes_raster = true;
   s.make_params = [] { return AnyParams::make<ShapeInterpolateParams>(); };

@@ -16,7 +16,7 @@ StageType simplify_stage() {
       "2-manifold keeps every tunnel. The report gives the topology before and after, and how far the new surface lies "
       "from the old one.";
   s.examples = {"trephine simplify skull.nrrd --close-handles-mm 2 --output display.nrrd"};
-  s.ports = {{"field", DataKind::field, true, "field of the segment stage"}};
+  s.ports = {port("field", DataKind::field).help("field of the segment stage")};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<SimplifyParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

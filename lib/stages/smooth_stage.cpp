@@ -15,8 +15,10 @@ StageType smooth_stage() {
       "kept. Points stay where moving them would make the surface intersect itself.";
   s.examples = {"trephine smooth skull.vtp --max-displacement-mm 0.1 --output smooth.vtp",
                 "trephine smooth fewer.vtp --reference skull.vtp --total-deviation-mm 0.3 --output smooth.vtp"};
-  s.ports = {{"surface", DataKind::mesh, true, "closed surface"},
-             {"reference", DataKind::mesh, false, "the surface to which the total deviation is kept and measured"}};
+  s.ports = {port("surface", DataKind::mesh).help("closed surface"),
+             port("reference", DataKind::mesh)
+                 .optional()
+                 .help("the surface to which the total deviation is kept and measured")};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<SmoothParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

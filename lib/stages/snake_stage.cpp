@@ -24,10 +24,10 @@ StageType snake_stage() {
       "ventricles.nrrd",
       "trephine snake edges.nrrd --method geodesic --propagation 0.15 --curvature 0.1 --start ventricles.nrrd "
       "--output finer.nrrd"};
-  s.ports = {{"speed", DataKind::field, true, "speed image from -1 to 1"},
-             {"start", DataKind::field, false, "a field whose surface is the starting surface"},
-             {"within", DataKind::field, false, "an anatomy to stay inside of"},
-             {"without", DataKind::field, false, "an anatomy to stay outside of"}};
+  s.ports = {port("speed", DataKind::field).help("speed image from -1 to 1"),
+             port("start", DataKind::field).optional().help("a field whose surface is the starting surface"),
+             port("within", DataKind::field).optional().help("an anatomy to stay inside of"),
+             port("without", DataKind::field).optional().help("an anatomy to stay outside of")};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<SnakeParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

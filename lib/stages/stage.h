@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -83,6 +84,24 @@ struct Port {
   bool or_volume = false;  ///< takes a field or a CT volume
   bool or_field = false;   ///< as a file takes a surface, or a field, which is contoured
 };
+
+/// Declares a port by the names of what it says: port("cutters.*", DataKind::cutters).optional().help("...").
+class PortDeclaration {
+ public:
+  PortDeclaration(std::string name, DataKind kind) {
+    port_.name = std::move(name);
+    port_.kind = kind;
+  }
+  PortDeclaration& optional() { return port_.required = false, *this; }
+  PortDeclaration& or_volume() { return port_.or_volume = true, *this; }
+  PortDeclaration& or_field() { return port_.or_field = true, *this; }
+  PortDeclaration& help(std::string text) { return port_.help = std::move(text), *this; }
+  operator Port() const { return port_; }
+
+ private:
+  Port port_;
+};
+inline PortDeclaration port(std::string name, DataKind kind) { return {std::move(name), kind}; }
 
 struct StageInputs {
   std::map<std::string, StageData> by_port;

@@ -18,10 +18,11 @@ StageType t1_contrast_stage() {
       "cavity the CT stays. `brain` and `ventricles` then follow in the recipe.";
   s.examples = {"trephine t1-contrast mr_on_ct.nrrd --ct head.nrrd --skull skull.nrrd --output t1.nrrd",
                 "trephine ventricles t1.nrrd --brain brain.nrrd --output ventricles.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "T1-weighted MR on the CT's voxels"},
-             {"ct", DataKind::volume, true, "CT volume in HU"},
-             {"skull", DataKind::field, false,
-              "the skull that encloses the brain; without it, bone is every voxel above 226 HU"}};
+  s.ports = {port("volume", DataKind::volume).help("T1-weighted MR on the CT's voxels"),
+             port("ct", DataKind::volume).help("CT volume in HU"),
+             port("skull", DataKind::field)
+                 .optional()
+                 .help("the skull that encloses the brain; without it, bone is every voxel above 226 HU")};
   s.output = DataKind::volume;
   s.make_params = [] { return AnyParams::make<T1ContrastParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

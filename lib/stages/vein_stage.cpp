@@ -18,9 +18,10 @@ StageType vein_stage() {
       "the report then says estimated, and warns. Such a vein is good for teaching, but it is not where this patient's "
       "vein was found.";
   s.examples = {"trephine vein volume.nrrd --bone bone.nrrd --output vein.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, in axial slices"},
-             {"bone", DataKind::field, true, "all bone of the chest, filled"},
-             {"lung", DataKind::field, false, "the lungs: a side that shows less than 20 ml is warned of"}};
+  s.ports = {
+      port("volume", DataKind::volume).help("CT volume in HU, in axial slices"),
+      port("bone", DataKind::field).help("all bone of the chest, filled"),
+      port("lung", DataKind::field).optional().help("the lungs: a side that shows less than 20 ml is warned of")};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<VeinParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

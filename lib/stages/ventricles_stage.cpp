@@ -16,9 +16,9 @@ StageType ventricles_stage() {
       "CSF deep in the brain; a seeded watershed separates it from cisterns, fourth ventricle and sulci where the "
       "passages between them are narrowest. The edge is fitted to the scan between the voxels.";
   s.examples = {"trephine ventricles head.nrrd --brain brain.nrrd --output ventricles.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
-             {"brain", DataKind::field, true, "the brain that holds the ventricles"},
-             {"without", DataKind::field, false, "an anatomy to stay outside of"}};
+  s.ports = {port("volume", DataKind::volume).help("CT volume in HU"),
+             port("brain", DataKind::field).help("the brain that holds the ventricles"),
+             port("without", DataKind::field).optional().help("an anatomy to stay outside of")};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<VentriclesParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

@@ -21,12 +21,16 @@ StageType vessels_stage() {
       "trephine burrhole skull.vtp --at position --position-mm -30,-40,70 --avoid vessels=3 --zone vessels=vessels.vtp "
       "--output hole.json"};
   s.ports = {
-      {"volume", DataKind::volume, true, "CT angiography on the CT's voxels"},
-      {"ct", DataKind::volume, true, "CT volume in HU"},
-      {"skull", DataKind::field, false,
-       "the skull that encloses the brain, or all bone of a trunk; without it, bone is every voxel above 226 HU"},
-      {"within", DataKind::field, false, "an anatomy to stay inside of, such as the zone of a sinus"},
-      {"without", DataKind::field, false, "an anatomy to leave out, such as the vein where arteries are sought"}};
+      port("volume", DataKind::volume).help("CT angiography on the CT's voxels"),
+      port("ct", DataKind::volume).help("CT volume in HU"),
+      port("skull", DataKind::field)
+          .optional()
+          .help("the skull that encloses the brain, or all bone of a trunk; without it, bone is every voxel above 226 "
+                "HU"),
+      port("within", DataKind::field).optional().help("an anatomy to stay inside of, such as the zone of a sinus"),
+      port("without", DataKind::field)
+          .optional()
+          .help("an anatomy to leave out, such as the vein where arteries are sought")};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<VesselsParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

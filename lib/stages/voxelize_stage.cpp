@@ -139,11 +139,15 @@ StageType voxelize_stage() {
       "--shapes skin:clear_of=brain,clear_mm=5 --output haptic.nrrd",
       "trephine voxelize volume.nrrd --encoding hu --shapes bone:window_hu=300,3000 --spacing-mm 0.5,0.5,1 --output "
       "haptic.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "the scan"},
-             {"shape.*", DataKind::mesh, false, "surfaces of the shapes, or fields", false, true},
-             {"region", DataKind::mesh, false, "surfaces of the shapes, or fields that are contoured"},
-             {"clear.*", DataKind::mesh, false, "surface whose box is the region"},
-             {"cutters.*", DataKind::cutters, false, "surface that a shape keeps away from"}};
+  s.ports = {
+      port("volume", DataKind::volume).help("CT volume in HU, on whose axes the haptic volume lies"),
+      port("shape.*", DataKind::mesh)
+          .optional()
+          .or_field()
+          .help("surfaces of the shapes, or fields, which are contoured"),
+      port("region", DataKind::mesh).optional().help("surface whose box is the region, where region_of names no shape"),
+      port("clear.*", DataKind::mesh).optional().help("surfaces, other than shapes, that shapes keep clear of"),
+      port("cutters.*", DataKind::cutters).optional().help("what is cut away, such as burr holes")};
   s.output = DataKind::haptic;
   s.make_params = [] { return AnyParams::make<VoxelizeStageParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

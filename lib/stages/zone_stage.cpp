@@ -21,10 +21,11 @@ StageType zone_stage() {
       "trephine zone head.nrrd --what sagittal_sinus --skull skull.nrrd --ventricles ventricles.nrrd --output "
       "sinus.nrrd",
       "trephine zone head.nrrd --what dura --skull skull.nrrd --output dura.nrrd"};
-  s.ports = {{"volume", DataKind::volume, true, "CT volume in HU"},
-             {"skull", DataKind::field, false,
-              "the skull that encloses the brain; without it, bone is every voxel above 226 HU"},
-             {"ventricles", DataKind::field, false, "the ventricles: by them the template lies better"}};
+  s.ports = {port("volume", DataKind::volume).help("CT volume in HU"),
+             port("skull", DataKind::field)
+                 .optional()
+                 .help("the skull that encloses the brain; without it, bone is every voxel above 226 HU"),
+             port("ventricles", DataKind::field).optional().help("the ventricles: by them the template lies better")};
   s.output = DataKind::field;
   s.make_params = [] { return AnyParams::make<ZoneParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {
