@@ -88,8 +88,9 @@ function(trephine_module name)
   endif()
 endfunction()
 
-# trephine_registry(TARGET TYPE SUFFIX HEADER [FOLDER]): every NAME_SUFFIX.cpp of the folder defines `TYPE NAME_SUFFIX()`; this
-# makes `const std::vector<TYPE>& SUFFIX_types()`, which HEADER declares, of all of them, by name. So adding one takes no list.
+# trephine_registry(TARGET TYPE SUFFIX HEADER [FOLDER]): every NAME_SUFFIX.cpp of the folder (of each, where FOLDER ends in /*)
+# defines `TYPE NAME_SUFFIX()`; this makes `const std::vector<TYPE>& SUFFIX_types()`, which HEADER declares, of all of them, by
+# name. So adding one takes no list.
 function(trephine_registry target type suffix header)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${ARGV4}/*_${suffix}.cpp)
   list(SORT sources)

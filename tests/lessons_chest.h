@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // Lessons in the phantom of lessons_chest_phantom.h, done through the servo and scored.
-#include "lesson/subclavian_rubric.h"
+#include "lessons/subclavian/subclavian_rubric.h"
+#include "lessons/subclavian/subclavian_score.h"
+#include "lessons/subclavian/subclavian_watch.h"
 #include "lessons_chest_phantom.h"
 #include "lessons_run.h"
-#include "modules/subclavian.h"
-#include "scoring/score_subclavian.h"
 
 namespace lessons_chest {
 

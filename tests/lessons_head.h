@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 // Lessons in the phantom of lessons_phantom.h, done through the servo and scored.
+#include "lessons/ventriculostomy/ventriculostomy_score.h"
 #include "lessons_phantom.h"
 #include "lessons_run.h"
-#include "scoring/score_ventriculostomy.h"
 
 namespace lessons {
 

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "case_samples.h"
-#include "modules/lesson_run.h"
-#include "scoring/score_report.h"
+#include "lessons/lesson_run.h"
+#include "lessons/score_report.h"
 #include "scratch_folder.h"
 
 namespace lessons {

@@ -9,12 +9,13 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "lessons/attempts.h"
+#include "lessons/pedicle_screw/pedicle_screw_score.h"
+#include "lessons/report_page.h"
+#include "lessons/score_report.h"
+#include "lessons/spine_needle/spine_needle_score.h"
 #include "lessons_run.h"
 #include "lessons_spine.h"
-#include "scoring/attempts.h"
-#include "scoring/report_page.h"
-#include "scoring/score_pedicle_screw.h"
-#include "scoring/score_report.h"
 #include "scratch_folder.h"
 
 using namespace lessons;
@@ -103,7 +104,7 @@ TEST(SpineNeedle, APerfectOneScoresFiveInAllRows) {
   EXPECT_EQ(score_json(head, again.facts, again.score), score_json(head, d.facts, d.score));
   const std::string line = attempt_line(head, d.facts, d.score, 1);
   EXPECT_EQ(std::count(line.begin(), line.end(), ',') + 1,
-            std::ptrdiff_t(attempt_columns(lesson_module("spine_needle")).size()));
+            std::ptrdiff_t(attempt_columns(lesson_type("spine_needle")).size()));
   EXPECT_NE(report_page(head, d.facts, d.score, d.recording, spine().felt().loaded).find("pedicle_2_left"),
             std::string::npos);
 }

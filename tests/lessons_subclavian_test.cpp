@@ -2,8 +2,8 @@
 // Subclavian lines in a chest of known lengths: perfect and wrong ones, through the servo.
 #include <gtest/gtest.h>
 
+#include "lessons/score_report.h"
 #include "lessons_chest.h"
-#include "scoring/score_report.h"
 
 using namespace lessons_chest;
 

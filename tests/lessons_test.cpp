@@ -8,8 +8,9 @@
 #include <map>
 #include <set>
 
+#include "lessons/rubric_types.h"
+#include "lessons/score_report.h"
 #include "lessons_head.h"
-#include "scoring/score_report.h"
 #include "session/playback.h"
 
 using namespace lessons;
@@ -290,11 +291,11 @@ TEST(LessonsScript, FaultsNameTheStep) {
 
 TEST(LessonsRubric, IsReadAsItWasCompiledAndNotAsItWasChanged) {
   const std::string json = compile_rubric(AnyParams::make(Head::rubric()));
-  EXPECT_EQ(compile_rubric(read_rubric(json).rubric), json);
+  EXPECT_EQ(compile_rubric(read_rubric(json, rubric_types()).rubric), json);
   const auto refused = [](std::string text, const std::string& from, const std::string& to, const std::string& field) {
     text.replace(text.find(from), from.size(), to);
     try {
-      read_rubric(text);
+      read_rubric(text, rubric_types());
       ADD_FAILURE() << to;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ExitCode::bad_input);

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "lesson/rubric.h"
-
 #include <cstdio>
 
 #include "base/write_file.h"
 #include "cli/argument.h"
 #include "commands.h"
+#include "lessons/rubric_types.h"
 #include "rubric_file.h"
 
 namespace trephine {
@@ -27,7 +26,7 @@ Command rubric_command() {
   c.run = [](const ParsedCommand& parsed) {
     const std::filesystem::path from = parsed.path("config");
     const std::string json = compile_rubric(read_rubric_yaml(from));
-    const CompiledRubric again = read_rubric(json);  // what is written is what will be read
+    const CompiledRubric again = read_rubric(json, rubric_types());  // what is written is what will be read
     write_file(parsed.path("output"), json);
     if (!parsed.quiet)
       std::printf("%s  rubric %s\n", parsed.text("output").c_str(), again.sha256.substr(0, 16).c_str());

@@ -5,6 +5,7 @@
 
 #include "base/text.h"
 #include "config/declared.h"
+#include "lessons/rubric_types.h"
 
 namespace trephine {
 namespace {

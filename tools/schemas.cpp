@@ -7,6 +7,7 @@
 #include "config/case_file.h"
 #include "config/recipe_file.h"
 #include "config/scene_file.h"
+#include "lessons/rubric_types.h"
 #include "library/library_config.h"
 #include "rubric_file.h"
 #include "trade/plan.h"

@@ -42,6 +42,15 @@ ParameterSet file_set(const ParameterSet& rubric) {
 
 std::string digest_of(const AnyParams& rubric) { return sha256_of_bytes(declared_json(rubric, -1)); }
 
+const RubricType& find_type(const std::vector<RubricType>& types, const std::string& module) {
+  std::string known;
+  for (const RubricType& t : types) {
+    if (t.module == module) return t;
+    known += (known.empty() ? "" : ", ") + t.module;
+  }
+  throw Error(ExitCode::bad_input, "", "module", printable(module) + ": there is no rubric of it; known are " + known);
+}
+
 }  // namespace
 
 std::string descending_limit(const std::vector<std::pair<const char*, double>>& limits) {
@@ -58,23 +67,14 @@ std::string TimeRubric::fault() const {
                            {"allotted_s", allotted_s.limit}});
 }
 
-const RubricType& rubric_type(const std::string& module) {
-  std::string known;
-  for (const RubricType& t : rubric_types()) {
-    if (t.module == module) return t;
-    known += (known.empty() ? "" : ", ") + t.module;
-  }
-  throw Error(ExitCode::bad_input, "", "module", printable(module) + ": there is no rubric of it; known are " + known);
-}
-
 std::string compile_rubric(const AnyParams& rubric) {
   const ParameterSet set = file_set(*rubric.set);
   const auto file = std::make_shared<CompiledFile>(CompiledFile{compiled_version, digest_of(rubric), rubric});
   return declared_json({&set, file}) + "\n";
 }
 
-CompiledRubric read_rubric(std::string_view json) {
-  const RubricType& type = rubric_type(declared_text(json, {"rubric", "module"}));
+CompiledRubric read_rubric(std::string_view json, const std::vector<RubricType>& known) {
+  const RubricType& type = find_type(known, declared_text(json, {"rubric", "module"}));
   CompiledFile file;
   file.rubric = type.make();
   read_declared_json(json, file_set(*file.rubric.set), &file);

@@ -49,14 +49,30 @@ struct TimeRubric {
 /// The name of the first limit that is below the one before it, as a struct's fault() says it; "" where they ascend.
 std::string descending_limit(const std::vector<std::pair<const char*, double>>& limits);
 
-/// The rubric of a module. Every NAME_rubric.cpp of this folder defines `RubricType NAME_rubric()`, and CMake finds it.
+/// Four limits of one figure: up to the first scores 5, up to the second 4, and so on; beyond the last 1.
+struct FourLimits {
+  RubricLimit five, four, three, two;
+  std::string fault() const {
+    return descending_limit({{"five", five.limit}, {"four", four.limit}, {"three", three.limit}, {"two", two.limit}});
+  }
+  int score(double value) const {
+    return value <= five.limit ? 5 : value <= four.limit ? 4 : value <= three.limit ? 3 : value <= two.limit ? 2 : 1;
+  }
+  template <class V>
+  static void describe(V& v) {
+    using P = FourLimits;
+    v.group(&P::five, "five", "Up to this scores 5.").is_required();
+    v.group(&P::four, "four", "Up to this scores 4.").is_required();
+    v.group(&P::three, "three", "Up to this scores 3.").is_required();
+    v.group(&P::two, "two", "Up to this scores 2, beyond it 1.").is_required();
+  }
+};
+
+/// The rubric of a lesson: what its folder declares (simulator/lessons/rubric_types.h).
 struct RubricType {
   std::string module;  ///< as the rubric's own key `module` says
   AnyParams (*make)() = nullptr;
 };
-const std::vector<RubricType>& rubric_types();
-/// Throws Error 65 with the field `module` where no module has that name.
-const RubricType& rubric_type(const std::string& module);
 
 /// The compiled rubric: JSON of all values, with a version and the SHA-256 of what it says.
 std::string compile_rubric(const AnyParams& rubric);
@@ -66,8 +82,8 @@ struct CompiledRubric {
   AnyParams rubric;
   std::string sha256;
 };
-/// Throws Error 65, naming the field, where it is no compiled rubric, of another version, of a module that is not
-/// known, changed since it was compiled, or says what the declaration does not allow.
-CompiledRubric read_rubric(std::string_view json);
+/// Throws Error 65, naming the field, where it is no compiled rubric, of another version, of a lesson that is not
+/// `known`, changed since it was compiled, or says what the declaration does not allow.
+CompiledRubric read_rubric(std::string_view json, const std::vector<RubricType>& known);
 
 }  // namespace trephine

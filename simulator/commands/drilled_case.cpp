@@ -8,7 +8,7 @@
 #include "base/hash.h"
 #include "base/refusal.h"
 #include "haptics/recording.h"
-#include "modules/drilled_hole.h"
+#include "lessons/drilled_hole.h"
 #include "session/playback.h"
 #include "voxel/cut.h"
 #include "voxel/haptic_file.h"

@@ -12,9 +12,9 @@
 #include "commands/commands.h"
 #include "lesson/approval.h"
 #include "lesson/declared_json.h"
-#include "modules/curriculum.h"
-#include "modules/lesson_run.h"
-#include "scoring/score_recording.h"
+#include "lessons/curriculum.h"
+#include "lessons/lesson_run.h"
+#include "lessons/score_recording.h"
 
 namespace trephine {
 namespace {
@@ -27,7 +27,7 @@ struct ExerciseParams {
   template <class V>
   static void describe(V& v) {
     using P = ExerciseParams;
-    v.word(&P::module, "module", module_names(), "Which lesson.");
+    v.word(&P::module, "module", lesson_names(), "Which lesson.");
     v.text(&P::participant, "participant", "Anonymous token of who does it: a-z, 0-9, _ and -; never a name.");
     v.flag(&P::all, "all", "With a script, do every case that is left; without it, one.");
     v.flag(&P::play, "play", "Open a window in which the next case that is to be done is done by hand.");
@@ -70,7 +70,7 @@ class Exercise {
       : parsed_(parsed),
         params_(parsed.params<ExerciseParams>()),
         out_(parsed.path("out")),
-        module_(lesson_module(params_.module)),
+        module_(lesson_type(params_.module)),
         log_(out_ / ("attempts-" + params_.module + ".csv")) {
     validate_token(params_.participant, "--participant");
     if ((parsed.has("script") || params_.play) != parsed.has("rubric"))
@@ -217,7 +217,7 @@ class Exercise {
   const ParsedCommand& parsed_;
   const ExerciseParams& params_;
   const fs::path out_;
-  const LessonModule& module_;
+  const LessonType& module_;
   const fs::path log_;
   LibraryCases cases_;
   PlanFile plan_;

@@ -8,7 +8,7 @@
 #include "cli/argument.h"
 #include "commands/commands.h"
 #include "lesson/approval.h"
-#include "modules/lesson_run.h"
+#include "lessons/lesson_run.h"
 
 namespace trephine {
 namespace {
@@ -19,7 +19,7 @@ struct LessonParams {
   template <class V>
   static void describe(V& v) {
     using P = LessonParams;
-    v.word(&P::module, "module", module_names(), "Which lesson; by default the script's.");
+    v.word(&P::module, "module", lesson_names(), "Which lesson; by default the script's.");
     v.text(&P::participant, "participant", "Anonymous token of who does it: a-z, 0-9, _ and -; never a name.");
     v.number(&P::most_s, "most_s", Range{0.001, 86400}, "The longest that the lesson may take; then it is cut off.");
     v.number(&P::rate_hz, "rate_hz", Range{50, 20000}, "Ticks in each second.");

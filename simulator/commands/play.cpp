@@ -15,7 +15,7 @@
 #include "commands/settings.h"
 #include "haptics/proxy.h"
 #include "lesson/approval.h"
-#include "modules/lesson_module.h"
+#include "lessons/lesson_type.h"
 
 namespace trephine {
 namespace {
@@ -96,7 +96,7 @@ ExitCode run_play(const ParsedCommand& given) {
   o.view = parsed.params<ViewParams>();
   const bool two_panes =
       o.view.stereo == ViewParams::Stereo::side_by_side || o.view.stereo == ViewParams::Stereo::top_bottom;
-  if (o.lesson && two_panes && lesson_module(o.lesson->module).needs_pictures)
+  if (o.lesson && two_panes && lesson_type(o.lesson->module).needs_pictures)
     throw Error(ExitCode::usage, "", "--stereo", "hides the fluoroscopic pictures that the lesson needs");
   if (parsed.has("shots")) {
     o.shots = parsed.path("shots");
@@ -138,7 +138,7 @@ Command play_command() {
   c.arguments.push_back(argument("playback", Argument::Kind::in_file, "A recording to be shown."));
   c.arguments.push_back(before_argument());
   Argument lesson = argument("lesson", Argument::Kind::choice, "Do this lesson: its tools, steps, score and report.");
-  lesson.choices = module_names();
+  lesson.choices = lesson_names();
   c.arguments.push_back(lesson);
   c.arguments.push_back(argument("rubric", Argument::Kind::in_file, "By what the lesson is judged, compiled (.json)."));
   c.arguments.push_back(argument("participant", Argument::Kind::text,

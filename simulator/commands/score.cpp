@@ -3,7 +3,7 @@
 
 #include "cli/argument.h"
 #include "commands/commands.h"
-#include "scoring/score_recording.h"
+#include "lessons/score_recording.h"
 
 namespace trephine {
 namespace {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double dot_mm = 1;  // between dots of ink
 
-std::vector<LessonStep> steps_of(const LessonModule& module, const LessonFacts& facts,
+std::vector<LessonStep> steps_of(const LessonType& module, const LessonFacts& facts,
                                  const std::vector<BeltToolParams>& tools) {
   std::vector<LessonGuide> guide;
   if (module.guide) guide = module.guide(facts);
@@ -46,7 +46,7 @@ LessonDesk::LessonDesk(const LessonPlay& play, const Patient& patient, const Ses
     : play_(play),
       case_folder_(o.case_folder),
       rate_hz_(o.servo.rate_hz),
-      module_(lesson_module(play.module)),
+      module_(lesson_type(play.module)),
       rubric_(rubric_of(play)),
       manifest_(patient.felt.loaded.manifest) {
   const LoadedCase& loaded = patient.felt.loaded;

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "modules/lesson_module.h"
-#include "scoring/score_recording.h"
+#include "lessons/lesson_type.h"
+#include "lessons/score_recording.h"
 #include "session/playback.h"
 
 namespace trephine {
@@ -67,7 +67,7 @@ class LessonDesk {
   std::size_t step() const { return step_; }
   const LessonFacts& facts() const { return lesson_->facts(); }
   std::vector<LessonStatus> status() const;
-  int verdict() const;  ///< LessonModule::verdict
+  int verdict() const;  ///< LessonType::verdict
   bool has_arm() const { return bool(module_.xray); }
   LessonXray xray() const { return module_.xray(*lesson_, manifest_); }  ///< where it has one
   /// The X-rays of the lesson that was judged, for its review.
@@ -94,7 +94,7 @@ class LessonDesk {
   const LessonPlay play_;
   const std::filesystem::path case_folder_;
   const double rate_hz_;
-  const LessonModule& module_;
+  const LessonType& module_;
   const CompiledRubric rubric_;
   const CaseManifest& manifest_;  // of the patient
   HapticVolume before_;

@@ -2,6 +2,8 @@
 // The window's words. A further language is a further column, and an entry in languages().
 #include "window/texts.h"
 
+#include "lessons/lesson_type.h"
+
 namespace trephine {
 namespace {
 
@@ -57,18 +59,8 @@ constexpr Row table[] = {
     {Text::places, {"Landmarks and targets", "Landmarken und Ziele"}},
     {Text::ct_slices, {"CT slices at the tip", "CT-Schichten an der Spitze"}},
     {Text::lesson, {"Lesson", "Lektion"}},
-    {Text::step_mark, {"Mark: the pedal draws", "Anzeichnen: das Pedal zeichnet"}},
-    {Text::step_erase, {"Traces erased", "Spuren gelöscht"}},
-    {Text::step_incise, {"Skin incised at the last mark", "Hautschnitt an der letzten Marke"}},
-    {Text::step_drill, {"Drill: the pedal runs the burr", "Bohren: das Pedal treibt den Bohrer"}},
-    {Text::step_insert, {"Pass the catheter", "Katheter einführen"}},
     {Text::step_finish, {"Finished", "Beendet"}},
     {Text::last_trace, {"Last trace, mm", "Letzte Spur, mm"}},
-    {Text::traces, {"Traces", "Spuren"}},
-    {Text::incisions, {"Incisions", "Hautschnitte"}},
-    {Text::hole, {"Hole", "Bohrloch"}},
-    {Text::through, {"through", "offen"}},
-    {Text::not_through, {"not through", "nicht offen"}},
     {Text::passes, {"Passes", "Durchgänge"}},
     {Text::paused, {"PAUSED: nothing is felt", "PAUSE: nichts ist zu spüren"}},
     {Text::next, {"Next (N)", "Weiter (N)"}},
@@ -77,11 +69,6 @@ constexpr Row table[] = {
     {Text::incise_key, {"Incise (M)", "Schnitt (M)"}},
     {Text::aspirate_key, {"Aspirate (A)", "Aspirieren (A)"}},
     {Text::pause_key, {"Pause (P)", "Pause (P)"}},
-    {Text::step_needle, {"Pass the needle toward the sternal notch", "Nadel zum Jugulum führen"}},
-    {Text::step_aspirate, {"Aspirated", "Aspiriert"}},
-    {Text::aspirations, {"Aspirations", "Aspirationen"}},
-    {Text::syringe, {"Syringe", "Spritze"}},
-    {Text::blood, {"blood", "Blut"}},
     {Text::finish_key, {"Finish (Enter, twice)", "Beenden (Eingabe, zweimal)"}},
     {Text::judging, {"The lesson is judged ...", "Die Lektion wird bewertet ..."}},
     {Text::not_judged, {"not judged", "nicht bewertet"}},
@@ -98,7 +85,6 @@ constexpr Row table[] = {
       "grobe Flächen ({:g} mm) weiter als {:.0f} mm vom Instrument"}},
     {Text::without_shadow, {"no shadow of the tool", "ohne Schatten des Instruments"}},
     {Text::half_the_pixels, {"half the pixels", "halb so viele Bildpunkte"}},
-    {Text::step_spine_needle, {"Needle through a pedicle", "Nadel durch einen Pedikel"}},
     {Text::shots, {"Shots", "Aufnahmen"}},
     {Text::xrays, {"X-rays, s", "Strahlung, s"}},
     {Text::fluoroscopy, {"Fluoroscopy", "Durchleuchtung"}},
@@ -132,6 +118,9 @@ const std::vector<std::pair<std::string, Language>>& languages() {
 std::string translated(Language language, const std::string& english) {
   for (const Row& row : table)
     if (english == row.in[0]) return row.in[std::size_t(language)];
+  for (const LessonType& lesson : lesson_types())
+    for (const LessonText& text : lesson.texts)
+      if (english == text.in[0]) return text.in[std::size_t(language)];
   return english;
 }
 

@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # include_directions.sh ROOT: a module of lib/ includes only itself and modules that stand before it in lib/CMakeLists.txt;
 # the simulator only what an exported case needs, and cli for its command line; a third-party library's headers stay in
-# the module that owns it, and out of every header that another module can see.
+# the module that owns it, and out of every header that another module can see. A lesson (a folder of simulator/lessons that
+# holds a *_lesson.cpp) is included by nobody else; a rubric includes lib/lesson and lib/base alone, for `trephine` links it;
+# tools/ include nothing else of the simulator than the list of rubrics.
 set -u
 root=$1
 cd "$root" || exit 2
@@ -50,6 +52,19 @@ while IFS='|' read -r file included; do
   elif [[ $file == lib/* && -n ${rank[$to]+x} && $included == */* && ${rank[$to]} -gt ${rank[$from]} ]]; then
     fault "$file: $from may not include $included: $to comes after it in lib/CMakeLists.txt"
   fi
+  if [[ $included =~ ^lessons/([^/]+)/ && -n $(find "simulator/lessons/${BASH_REMATCH[1]}" -name '*_lesson.cpp' 2>/dev/null) ]]; then
+    [[ $file == simulator/lessons/${BASH_REMATCH[1]}/* ]] || fault "$file: $included belongs to a lesson, which nobody else includes"
+  elif [[ $included == lessons/*/* && $file == simulator/* && $file != simulator/lessons/*/* ]]; then
+    fault "$file: $included is of some lessons alone"
+  fi
+  if [[ $file == simulator/lessons/*/*_rubric.* && $included == */* ]]; then
+    case $included in
+      lesson/* | base/* | lessons/rubric_types.h | lessons/*/*_rubric.h) ;;
+      *) fault "$file: a rubric may include lib/lesson and lib/base alone, not $included" ;;
+    esac
+  fi
+  [[ $file == tools/* && $included == */* && -e simulator/$included && ! -e lib/$included && $included != lessons/rubric_types.h ]] &&
+    fault "$file: tools/ may include nothing of the simulator but lessons/rubric_types.h, not $included"
   [[ $from != "$to" && -e lib/$included ]] && seen[lib/$included]=1
   [[ $from == "$to" && $file == *.h ]] && own+=("$file|lib/$included")
   for owner in "${owners[@]}"; do

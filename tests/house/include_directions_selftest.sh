@@ -16,6 +16,12 @@ echo '#include "meshing/contour.h"' > "$tree/tools/contour.cpp"
 echo '#include "cli/command.h"' > "$tree/simulator/main.cpp"
 echo '#include "grid/grid.h"' >> "$tree/simulator/main.cpp"
 echo '#include "base/error.h"' > "$tree/lib/cli/command.h"
+mkdir -p "$tree"/simulator/{lessons/{needle,screw,region},window}
+touch "$tree"/simulator/lessons/{needle/needle,screw/screw}_lesson.cpp "$tree/simulator/lessons/region/moves.h" "$tree/simulator/window/hud.h"
+echo '#include "base/error.h"' > "$tree/simulator/lessons/needle/needle_rubric.h"
+printf '#include "lessons/needle/needle_rubric.h"\n#include "lessons/region/moves.h"\n' > "$tree/simulator/lessons/needle/needle_score.cpp"
+printf '#include "lessons/rubric_types.h"\n' > "$tree/tools/rubric.cpp"
+touch "$tree"/simulator/lessons/{score,rubric_types}.h
 bash "$script" "$tree" || { echo "a good tree is refused"; exit 1; }
 
 expect_fault() {  # FILE LINE: adding the line to the file is a fault
@@ -35,3 +41,10 @@ expect_fault simulator/main.cpp '#include "meshing/contour.h"'
 expect_fault simulator/main.cpp '#include <CLI/CLI.hpp>'
 expect_fault lib/cli/command.h '#include <CLI/CLI.hpp>'
 expect_fault tools/contour.cpp '#include <CLI/CLI.hpp>'
+expect_fault simulator/lessons/screw/screw_lesson.cpp '#include "lessons/needle/needle_rubric.h"'
+expect_fault simulator/window/hud.h '#include "lessons/needle/needle_rubric.h"'
+expect_fault simulator/window/hud.h '#include "lessons/region/moves.h"'
+expect_fault simulator/lessons/score.h '#include "lessons/region/moves.h"'
+expect_fault simulator/lessons/needle/needle_rubric.h '#include "lessons/score.h"'
+expect_fault simulator/lessons/needle/needle_rubric.h '#include "grid/grid.h"'
+expect_fault tools/rubric.cpp '#include "lessons/score.h"'

@@ -9,6 +9,9 @@ mkdir -p "$tree"/lib/{grid,mask} "$tree"/simulator/window "$tree"/tests/deep
 seq 400 > "$tree/lib/grid/a.cpp"
 for n in $(seq 14); do cp "$tree/lib/grid/a.cpp" "$tree/lib/grid/a$n.h"; done
 cp "$tree"/lib/grid/* "$tree/simulator/window"
+mkdir -p "$tree"/simulator/lessons/needle
+cp "$tree"/lib/grid/* "$tree/simulator/lessons"
+cp "$tree"/lib/grid/* "$tree/simulator/lessons/needle"
 seq 400 > "$tree/tests/deep/b.cpp"
 seq 900 > "$tree/lib/grid/notes.md"
 bash "$script" "$tree" || { echo "a tree at its limits is refused"; exit 1; }
@@ -25,3 +28,5 @@ expect_fault lib/grid/a.cpp lib/grid/a.cpp
 expect_fault tests/deep/b.cpp tests/deep/b.cpp
 expect_fault lib/grid/small.h lib/grid
 expect_fault simulator/window/small.h simulator/window
+expect_fault simulator/lessons/small.h simulator/lessons
+expect_fault simulator/lessons/needle/small.h simulator/lessons/needle

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/attempts.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+#include <cerrno>
+#include <cstring>
+
+#include <set>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "base/write_file.h"
+
+namespace trephine {
+namespace {
+
+constexpr std::size_t participant_at = 0, module_at = 1, recording_at = 4, rubric_at = 5;
+const ScoreRow* row_of(const LessonScore& score, const std::string& name) {
+  for (const ScoreRow& row : score.rows)
+    if (row.name == name) return &row;
+  return nullptr;
+}
+
+std::string text_of(const decltype(LessonFigure::value)& value) {
+  if (std::holds_alternative<std::monostate>(value)) return "";
+  if (const bool* flag = std::get_if<bool>(&value)) return *flag ? "1" : "0";
+  if (const int* count = std::get_if<int>(&value)) return std::to_string(*count);
+  return to_text(std::get<double>(value));
+}
+
+std::string cell_of(const LessonScore& score, const LessonColumn& column) {
+  if (column.row.empty()) return text_of(score.figure(column.name).value);
+  if (const ScoreRow* row = row_of(score, column.row))
+    for (const auto& [name, value] : row->measured)
+      if (name == column.name) return to_text(value);
+  return "";
+}
+
+std::string head_line(const LessonType& module) {
+  std::string line;
+  for (const auto& [name, help] : attempt_columns(module)) line += (line.empty() ? "" : ",") + name;
+  return line;
+}
+
+// Holds the log for this process as long as it lives.
+class LogLock {
+ public:
+  explicit LogLock(const std::filesystem::path& log) {
+    std::filesystem::path file = log;
+    file += ".lock";
+    fd_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (fd_ < 0) throw Error(ExitCode::cannot_create, file.string(), "", "cannot be made");
+    while (::flock(fd_, LOCK_EX) != 0)
+      if (errno != EINTR) {
+        ::close(fd_);
+        throw Error(ExitCode::io, file.string(), "", std::string("cannot be locked: ") + std::strerror(errno));
+      }
+  }
+  ~LogLock() { ::close(fd_); }
+  LogLock(const LogLock&) = delete;
+  LogLock& operator=(const LogLock&) = delete;
+
+ private:
+  int fd_;
+};
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> attempt_columns(const LessonType& module) {
+  std::vector<std::pair<std::string, std::string>> c = {
+      {"participant", "anonymous token"},
+      {"module", "the lesson"},
+      {"attempt", "counts the participant's recordings of the module in this log, from 1"},
+      {"case", "the case's token"},
+      {"recording_sha256", "of the recording's file"},
+      {"rubric_sha256", "of what the rubric says"},
+      {"end", "finished, not finished, device lost"},
+      {"points", "sum of the rows that were judged"},
+      {"most_points", "what that sum could have been"}};
+  for (const std::string& row : module.rows) c.emplace_back(row + "_score", "1 to 5; empty: not judged");
+  for (const LessonColumn& column : module.columns) c.emplace_back(column.name, column.help);
+  return c;
+}
+
+std::string attempt_line(const ReportHead& head, const LessonFacts& facts, const LessonScore& score, int attempt) {
+  const LessonType& module = lesson_type(head.module);
+  const ScoreSum sum = sum_of(score);
+  std::string line = head.participant + "," + head.module + "," + std::to_string(attempt) + "," + head.case_token +
+                     "," + head.recording_sha256 + "," + head.rubric_sha256 + "," + name_of(facts.end) + "," +
+                     std::to_string(sum.points) + "," + std::to_string(sum.most);
+  for (const std::string& name : module.rows) {
+    const ScoreRow* row = row_of(score, name);
+    line += "," + (row && row->score ? std::to_string(*row->score) : std::string());
+  }
+  for (const LessonColumn& column : module.columns) line += "," + cell_of(score, column);
+  return line;
+}
+
+int log_attempt(const std::filesystem::path& file, const ReportHead& head, const LessonFacts& facts,
+                const LessonScore& score) {
+  const LogLock lock(file);
+  const std::string columns = head_line(lesson_type(head.module));
+  const std::size_t cells_count = split_at(columns, ',').size();
+  std::string text = columns + "\n";
+  std::set<std::string> recordings;
+  if (std::filesystem::exists(file)) {
+    const std::vector<char> bytes = read_file(file, 1 << 28);
+    const std::string old(bytes.begin(), bytes.end());
+    const std::vector<std::string> lines = split_at(old, '\n');
+    if (lines.front() != columns || old.back() != '\n')
+      throw Error(ExitCode::bad_input, file.string(), "columns",
+                  "are not those of a log of attempts of this lesson and version");
+    for (std::size_t n = 1; n + 1 < lines.size(); ++n) {
+      const std::vector<std::string> cells = split_at(lines[n], ',');
+      if (cells.size() != cells_count)
+        throw Error(ExitCode::bad_input, file.string(), "line " + std::to_string(n + 1), "has another count of cells");
+      if (cells[participant_at] != head.participant || cells[module_at] != head.module) continue;
+      if (cells[recording_at] == head.recording_sha256 && cells[rubric_at] == head.rubric_sha256)
+        return int(parse_integer(cells[2]).value_or(0));
+      // Scored by another rubric it is the same attempt.
+      recordings.insert(cells[recording_at]);
+    }
+    text = old;
+  }
+  const bool known = recordings.count(head.recording_sha256) > 0;
+  int attempt = int(recordings.size()) + 1;
+  if (known)
+    for (const std::string& line : split_at(text, '\n'))
+      if (const std::vector<std::string> cells = split_at(line, ',');
+          cells.size() > recording_at && cells[recording_at] == head.recording_sha256)
+        attempt = int(parse_integer(cells[2]).value_or(attempt));
+  write_file(file, text + attempt_line(head, facts, score, attempt) + "\n");
+  return attempt;
+}
+
+}  // namespace trephine

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lessons/lesson_type.h"
+#include "lessons/score_report.h"
+
+namespace trephine {
+
+/// The columns of a log of attempts with one line of help each, in their order (docs/lessons.md): those of every
+/// lesson, the rows, and the module's own. A name ends in its unit; what was not judged or never happened is empty.
+std::vector<std::pair<std::string, std::string>> attempt_columns(const LessonType& module);
+
+/// One line of the log, with the attempt's number.
+std::string attempt_line(const ReportHead& head, const LessonFacts& facts, const LessonScore& score, int attempt);
+
+/// Adds the attempt to the log, a CSV file that is made where there is none. The same recording scored by the same
+/// rubric is there once. The attempt's number counts the participant's recordings of the module. Several processes may
+/// add to one log. Returns the number. Throws Error 65 where the file has other columns, as a log of another module
+/// has; 73 and 74.
+int log_attempt(const std::filesystem::path& file, const ReportHead& head, const LessonFacts& facts,
+                const LessonScore& score);
+
+}  // namespace trephine

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/curriculum.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/text.h"
+#include "base/write_file.h"
+#include "cases/case.h"
+#include "lesson/approval.h"
+
+namespace trephine {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> classes_of(const CurriculumParams& params, const std::vector<std::string>& known_classes) {
+  if (known_classes.empty()) return {""};
+  const std::vector<std::string> all = split_at(params.classes, ',');
+  std::string known;
+  for (const std::string& name : known_classes) known += (known.empty() ? "" : ", ") + name;
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    if (std::find(known_classes.begin(), known_classes.end(), all[n]) == known_classes.end())
+      throw Error(ExitCode::usage, "", "--classes",
+                  printable(all[n]) + " is no class that can be exercised; known are " + known);
+    if (std::find(all.begin(), all.begin() + std::ptrdiff_t(n), all[n]) != all.begin() + std::ptrdiff_t(n))
+      throw Error(ExitCode::usage, "", "--classes", all[n] + " is named twice");
+  }
+  return all;
+}
+
+// A number that belongs to the seed and the case, whatever else the library holds.
+std::string chance_of(const CurriculumCase& c, const CurriculumParams& params) {
+  return Sha256().integer(params.order_seed).text(c.token).hex();
+}
+
+std::string why_left_out(const fs::path& folder, const LessonType& module, CurriculumCase& out) {
+  const std::optional<CaseApproval> approval = read_approval(folder);
+  if (!approval) return "not approved";
+  if (!approval->holds) return "changed since " + approval->by + " approved it";
+  const std::vector<char> bytes = read_file(folder / "case.json", 1 << 26);
+  const CaseManifest m = parse_case_json({bytes.data(), bytes.size()});
+  for (const auto& [name, value] : m.figures)
+    if (const std::string* text = std::get_if<std::string>(&value); text && name == "class") out.patient_class = *text;
+  module.require(m);
+  const std::vector<std::string>& known = module.classes;
+  if (known.empty())
+    out.patient_class.clear();
+  else if (out.patient_class.empty())
+    return "has no class";
+  else if (std::find(known.begin(), known.end(), out.patient_class) == known.end())
+    return "its class is " + printable(out.patient_class);
+  if (m.case_token != folder.filename().string()) return "its folder has another name than the case, " + m.case_token;
+  out.token = m.case_token;
+  out.approved_by = approval->by;
+  out.difficulty_level = approval->difficulty_level;
+  out.folder = folder;
+  return "";
+}
+
+}  // namespace
+
+LibraryCases cases_for_lessons(const fs::path& library, const LessonType& module) {
+  std::vector<fs::path> folders;
+  std::error_code fault;
+  for (const auto& entry : fs::directory_iterator(library, fault))
+    if (fs::exists(entry.path() / "case.json")) folders.push_back(entry.path());
+  if (fault) throw Error(ExitCode::no_input, library.string(), "", "cannot be listed");
+  std::sort(folders.begin(), folders.end());
+  LibraryCases out;
+  for (const fs::path& folder : folders) {
+    CurriculumCase c;
+    std::string why;
+    try {
+      why = why_left_out(folder, module, c);
+    } catch (const Error& e) {  // one damaged case must not keep a class from its lesson
+      why = e.what();
+    }
+    if (why.empty())
+      out.approved.push_back(c);
+    else
+      out.left_out.emplace_back(folder.filename().string(), why);
+  }
+  return out;
+}
+
+std::vector<CurriculumCase> plan_curriculum(const std::vector<CurriculumCase>& cases, const CurriculumParams& params,
+                                            const LessonType& module) {
+  if (params.least_difficulty_level > params.most_difficulty_level)
+    throw Error(ExitCode::usage, "", "--least-difficulty-level", "is above --most-difficulty-level");
+  std::vector<std::vector<CurriculumCase>> groups;
+  for (const std::string& name : classes_of(params, module.classes)) {
+    std::vector<CurriculumCase>& group = groups.emplace_back();
+    for (const CurriculumCase& c : cases)
+      if (c.patient_class == name && c.difficulty_level >= params.least_difficulty_level &&
+          c.difficulty_level <= params.most_difficulty_level)
+        group.push_back(c);
+    const bool by_difficulty = params.order == CurriculumParams::Order::difficulty;
+    std::sort(group.begin(), group.end(), [&](const CurriculumCase& a, const CurriculumCase& b) {
+      if (by_difficulty && a.difficulty_level != b.difficulty_level) return a.difficulty_level < b.difficulty_level;
+      return chance_of(a, params) < chance_of(b, params);
+    });
+  }
+  std::vector<CurriculumCase> plan;
+  for (std::size_t round = 0; plan.size() < std::size_t(params.cases_count); ++round) {
+    bool any = false;
+    for (const auto& group : groups)
+      if (round < group.size() && plan.size() < std::size_t(params.cases_count)) {
+        plan.push_back(group[round]);
+        any = true;
+      }
+    if (!any) break;
+  }
+  return plan;
+}
+
+}  // namespace trephine

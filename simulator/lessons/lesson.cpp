@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/lesson.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/vec3.h"
+
+namespace trephine {
+
+const char* name_of(LessonEnd end) {
+  return end == LessonEnd::finished ? "finished" : end == LessonEnd::device_lost ? "device lost" : "not finished";
+}
+
+double LessonFacts::procedure_s() const { return std::round(1e6 * (end_s - begin_s - paused_s)) / 1e6; }
+
+void Lesson::watch(const ServoFrame& f, const ToolBelt& belt) {
+  LessonFacts& facts = noted();
+  if (facts.end != LessonEnd::running) return;
+  if (!begun_) {
+    begun_ = true;
+    facts.begin_s = f.time_s - f.dt_s;
+    begin(f, belt);
+  }
+  facts.end_s = f.time_s;
+  const int now = belt_button::command(f.buttons);
+  const bool fresh = now != belt_button::command(buttons_);
+  buttons_ = f.buttons;
+  facts.most_force_n = std::max(facts.most_force_n, norm(Vec3{f.force_n[0], f.force_n[1], f.force_n[2]}));
+  if (f.faults != 0) {
+    facts.end = LessonEnd::device_lost;
+    return close();
+  }
+  if (belt.paused()) {
+    facts.pauses += !was_paused_;
+    facts.paused_s += f.dt_s;
+  }
+  was_paused_ = belt.paused();
+  tick(f, belt, !belt.paused() && (f.buttons & belt_button::pedal));
+  if (!fresh) return;
+  if (now != belt_command::finish) {
+    if (!belt.paused()) command(now, f, belt);
+    return;
+  }
+  facts.end = LessonEnd::finished;
+  close();
+}
+
+}  // namespace trephine

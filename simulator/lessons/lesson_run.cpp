@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/lesson_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "base/refusal.h"
+#include "lesson/approval.h"
+
+namespace trephine {
+namespace {
+
+constexpr std::uint64_t ticks_at_once = 4096;
+
+RecordingHeader header_of(const FeltCase& felt, const LessonOptions& o) {
+  RecordingHeader h = felt.header();
+  h.device = "script";
+  h.rate_hz = o.servo.rate_hz;
+  h.contact = o.contact;
+  h.force = o.force;
+  h.shaft = o.shaft;
+  h.drilling = o.drilling;
+  h.law = o.law;
+  set_lesson(h, lesson_type(o.script.module).tools(), o.script.module, o.participant, felt.loaded.manifest.haptic);
+  return h;
+}
+
+/// A frame is followed, not felt anew, so what it says must be possible.
+void require_followable(const ServoFrame& f, const std::string& file) {
+  const auto finite = [](const double* p) { return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]); };
+  const auto is_shape = [](std::int32_t n) { return n >= 0 && n <= haptic_max_shapes; };
+  if (!finite(f.tip_mm) || !finite(f.axis) || !finite(f.proxy_mm) || !finite(f.force_n) || !std::isfinite(f.time_s) ||
+      !(f.dt_s > 0 && f.dt_s < 1e6) || !is_shape(f.touched) || !is_shape(f.inside))
+    throw Error(ExitCode::bad_input, file, "frames", "tick " + std::to_string(f.tick) + " holds what no session makes");
+}
+
+}  // namespace
+
+LessonResult run_lesson(FeltCase& felt, const LessonOptions& o, const std::atomic<bool>& stop) {
+  validate_token(o.participant, "--participant");
+  const CaseManifest& manifest = felt.loaded.manifest;
+  const LessonType& module = lesson_type(o.script.module);
+  module.require(manifest);  // refused here rather than by the scorer
+  LessonResult result;
+  RecordingHeader& header = result.recording.header;
+  header = header_of(felt, o);
+  ContactVolume contact(felt.loaded.haptic, o.contact);
+  const std::unique_ptr<Drilling> drilling = felt.drilling_of(header, contact);
+  ToolBelt belt(contact, felt.feels, o.force, o.shaft, header.tools, drilling.get());
+  ScriptedHand hand(o.hand,
+                    module.plan(o.script, {manifest, contact, header.tools, drilled_shapes(manifest.haptic)}, o.aim));
+  FrameQueue queue(ticks_at_once);
+  ServoParams params = o.servo;
+  params.paced = params.realtime = false;
+  Servo servo(belt, hand, params, &queue);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto most = std::uint64_t(std::max(1.0, std::round(o.most_s * o.servo.rate_hz)));
+  while (!hand.done() && servo.statistics().ticks < most) {
+    Progress({}, &stop).check();
+    servo.run(std::min(ticks_at_once, most - servo.statistics().ticks), hand.done());
+    queue.drain(result.recording.frames);
+  }
+  if (drilling) header.outcome = outcome_of(felt.loaded.haptic, drilling->outcome());
+  result.statistics = servo.statistics();
+  result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+std::shared_ptr<const LessonFacts> facts_of_recording(FeltCase& felt, const std::string& file,
+                                                      const Recording& recording) {
+  const RecordingHeader& h = recording.header;
+  if (h.lesson.empty()) throw Error(ExitCode::bad_input, file, "lesson", "is missing: this is no lesson's recording");
+  const LessonType& module = *with_file(file, [&] { return &lesson_type(h.lesson); });
+  if (const std::uint64_t missing = missing_frames(recording.frames); missing > 0 || recording.frames.empty())
+    throw Error(ExitCode::bad_input, file, "frames",
+                recording.frames.empty() ? "there are none"
+                                         : std::to_string(missing) + " were not recorded: it cannot be judged");
+  if (h.tools.empty()) throw Error(ExitCode::bad_input, file, "lesson.tools", "there are none");
+  for (const ServoFrame& f : recording.frames) require_followable(f, file);
+  const HapticVolume before = copy_without_hardness(felt.loaded.haptic);
+  ContactVolume contact(felt.loaded.haptic, h.contact);
+  Rerun rerun(felt, contact, file, h);
+  ToolBelt& belt = *rerun.belt();
+  const std::unique_ptr<Lesson> lesson = module.begin(felt.loaded.manifest, before, felt.loaded.haptic);
+  for (const ServoFrame& f : recording.frames) {
+    belt.follow(input_of(f, h.rate_hz), state_of(f));
+    lesson->watch(f, belt);
+  }
+  lesson->close();
+  if (h.outcome && rerun.drilling() && volume_digest(felt.loaded.haptic) != h.outcome->volume_sha256)
+    throw refusal("volume_sha256", "the volume differs when the session is followed",
+                  {"follow it with the version of the program that recorded it, or do the `lesson` anew"})
+        .in_file(file);
+  return lesson->copy_of_facts();
+}
+
+}  // namespace trephine

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <atomic>
+#include <filesystem>
+#include <string>
+
+#include "haptics/recording.h"
+#include "haptics/servo.h"
+#include "lessons/lesson_type.h"
+#include "session/felt_case.h"
+
+namespace trephine {
+
+struct LessonOptions {
+  LessonScript script;
+  HandParams hand;
+  ScriptAim aim;
+  ServoParams servo;  ///< paced and realtime are ignored: a scripted hand has a time of its own
+  ContactParams contact;
+  ForceParams force;
+  ShaftParams shaft;
+  DrillingParams drilling;  ///< `drill` is set where the case has bone to be drilled
+  DrillParams law;
+  std::string participant = "anonymous";
+  double most_s = 7200;  ///< of the lesson's time; then it ends unfinished
+};
+
+struct LessonResult {
+  Recording recording;
+  ServoStatistics statistics;
+  double wall_s = 0;
+};
+
+/// Does the script in the case, through the servo loop as fast as it goes, and returns the recording as it would be
+/// read from a file. The case's haptic volume is drilled. Throws as the module does, and ToolBelt;
+/// Cancelled through `stop`: what was done until then is lost.
+LessonResult run_lesson(FeltCase& felt, const LessonOptions& options, const std::atomic<bool>& stop);
+
+/// What happened in a recorded lesson: the recorded answers are followed, and what the tools cut is cut again. `felt`
+/// must be as loaded; its volume is drilled. Throws Error 65 where the recording is no lesson, or one that is not
+/// known, 80 where it leaves another volume than it says.
+std::shared_ptr<const LessonFacts> facts_of_recording(FeltCase& felt, const std::string& file,
+                                                      const Recording& recording);
+
+}  // namespace trephine

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/lesson_type.h"
+
+#include "base/error.h"
+#include "base/text.h"
+
+namespace trephine {
+
+const LessonType& lesson_type(const std::string& name) {
+  for (const LessonType& m : lesson_types())
+    if (m.name == name) return m;
+  throw Error(ExitCode::bad_input, "", "lesson", printable(name) + " is not known");
+}
+
+std::vector<std::string> lesson_names() {
+  std::vector<std::string> names;
+  for (const LessonType& m : lesson_types()) names.push_back(m.name);
+  return names;
+}
+
+}  // namespace trephine

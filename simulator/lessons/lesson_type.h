@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "cases/load_case.h"
+#include "fluoro/carm.h"
+#include "lessons/lesson.h"
+#include "lessons/scripted_hand.h"
+
+namespace trephine {
+
+struct LessonScore;
+struct ReportHead;
+
+/// A column of the log of attempts beside those that every lesson has.
+struct LessonColumn {
+  std::string name, help;
+  std::string row;  ///< the row that measures it under this name; empty: a figure of the score
+};
+
+/// A step that a window leads through, by the name of the tool to be taken, or of the command.
+struct LessonGuide {
+  std::string text, tool, command;
+};
+/// What a window says of a lesson that goes on: the name for programs, which ends in its unit, and the label for
+/// people.
+struct LessonStatus {
+  std::string name, label, value;
+};
+
+/// What a lesson says in a window, in each language of window/texts.h, English first. Steps, labels and values are
+/// looked up by their English words; words that the window knows for every lesson ("Passes", "Finished") stand there.
+struct LessonText {
+  std::string in[2];
+};
+
+/// A C-arm, as a window shows it.
+struct LessonXray {
+  /// Where it stands: "lateral", "free", and by how many degrees it is turned and tilted.
+  struct Pose {
+    std::string view;
+    double orbit_deg = 0, tilt_deg = 0;
+    CArmParams arm;
+  };
+  Pose now;
+  bool on = false;
+  double exposure_s = 0;
+  std::size_t shots_count = 0;
+  Pose seen;  ///< as the last picture was taken, and the metal in it; where there was a shot
+  std::vector<MetalRod> metal;
+};
+
+/// X-rays that were on without a break, as its review shows them: what was seen at their end.
+struct LessonShot {
+  double begin_s = 0, end_s = 0;
+  LessonXray::Pose seen;
+  std::vector<MetalRod> metal;
+};
+
+/// A lesson that the program knows: everything that commands, scripts, reports, logs and curricula need of it. Every
+/// simulator/lessons/NAME/NAME_lesson.cpp defines `LessonType NAME_lesson()`, and CMake finds it; its rubric is
+/// declared beside it, in NAME_rubric.cpp. Nothing else names a lesson.
+struct LessonType {
+  std::string name;                   ///< as scripts, rubrics, recordings and --module have it
+  std::string summary;                ///< half a line
+  std::vector<std::string> rows;      ///< the names of the score's rows, in their order
+  std::vector<LessonColumn> columns;  ///< of the log, after the rows
+  std::vector<StepChoice> steps;      ///< what its scripts may say
+  bool needs_pictures = false;        ///< fluoroscopy shows where the tool is: a window needs the case's CT
+  /// The patients' classes that are exercised in turn. None: a case needs no class, and --classes is ignored.
+  std::vector<std::string> classes;
+
+  /// Throws Error 65 where the case holds no such lesson.
+  std::function<void(const CaseManifest&)> require;
+  std::function<std::vector<BeltToolParams>()> tools;
+  /// What a script asks of the hand; throws Error 65 naming the step.
+  std::function<std::vector<HandMove>(const LessonScript&, const ScriptScene&, const ScriptAim&)> plan;
+  /// `before` is the volume as the lesson began; all three must outlive the lesson.
+  std::function<std::unique_ptr<Lesson>(const CaseManifest&, const HapticVolume& before, const HapticVolume& now)>
+      begin;
+  /// Pure: the same facts, case, volume as the lesson began, and rubric give the same rows. (The haptic volume of the
+  /// case itself may have been cut since.)
+  std::function<LessonScore(const LessonFacts&, const LoadedCase&, const HapticVolume& before, const AnyParams&)> score;
+
+  /// For a window: the steps in their order (empty: a step for each tool, and the end), what it says meanwhile, and
+  /// what a marker drew and nobody erased. Each may be empty.
+  std::vector<LessonText> texts;
+  std::function<std::vector<LessonGuide>(const LessonFacts&)> guide;
+  std::function<std::vector<LessonStatus>(const LessonFacts&)> status;
+  std::function<std::vector<Vec3>(const LessonFacts&)> ink;
+  /// Of a lesson with a C-arm; else empty. A lesson that does not need its pictures shows them where the case has a CT.
+  std::function<LessonXray(const Lesson&, const CaseManifest&)> xray;
+  /// And all that was seen, in the order of time.
+  std::function<std::vector<LessonShot>(const LessonFacts&, const CaseManifest&)> shots;
+  /// 1: the tool is shown in green, as it succeeded; -1: in red, as it failed; 0: neither. By the lesson's rubric.
+  std::function<int(const LessonFacts&, const AnyParams& rubric)> verdict;
+
+  /// For reports: the facts as JSON, the end of the table in the terminal, what the page's head says beside the time,
+  /// and the page's pictures as HTML.
+  std::function<nlohmann::ordered_json(const LessonFacts&)> facts_json;
+  std::function<std::string(const LessonFacts&, const LessonScore&)> outcome, headline;
+  std::function<std::string(const LessonFacts&, const LoadedCase&)> pictures;
+};
+
+/// All of them, by name of their source.
+const std::vector<LessonType>& lesson_types();
+/// Throws Error 65 with the field `lesson` where there is none of that name.
+const LessonType& lesson_type(const std::string& name);
+/// The values of --module.
+std::vector<std::string> lesson_names();
+
+}  // namespace trephine

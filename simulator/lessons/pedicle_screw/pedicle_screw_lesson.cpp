@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "lessons/pedicle_screw/pedicle_screw_score.h"
+#include "lessons/spine/spine_moves.h"
+#include "lessons/spine/spine_report.h"
+
+namespace trephine {
+namespace {
+
+// Those of the open exercise [Rizzi, chapter 8.2.2]: a pedicle finder, and screws of several sizes, each a tool named
+// by its diameter and length: screw_5.5x40.
+std::vector<BeltToolParams> pedicle_screw_tools() {
+  BeltToolParams finder;
+  finder.name = "finder";
+  finder.tool = "jamshidi";
+  finder.tool_diameter_mm = 4;
+  finder.tool_length_mm = 80;
+  finder.pierce_n = 2;  // ours: less than a needle's, for it comes from the exposed bone
+  std::vector<BeltToolParams> all = {finder};
+  for (const double diameter : {5.5, 6.5})
+    for (const double length : {35.0, 40.0, 45.0, 50.0}) {
+      BeltToolParams screw = finder;
+      screw.name = fmt::format("screw_{}x{:.0f}", diameter, length);
+      screw.tool_diameter_mm = diameter;
+      screw.tool_length_mm = length;
+      screw.tool_spacing_mm = 3;  // not more points than a tool may have
+      all.push_back(screw);
+    }
+  for (BeltToolParams& t : all) static_cast<ToolParams&>(t) = own_tool(t);
+  return all;
+}
+
+}  // namespace
+
+LessonType pedicle_screw_lesson() {
+  LessonType m;
+  m.name = "pedicle_screw";
+  m.summary = "a pedicle finder and a screw, judged by five errors";
+  m.rows = {"entry", "axial", "sagittal", "length", "breach", "acceptable"};
+  const auto measured = [&](const char* row, const char* name) {
+    m.columns.push_back({name, std::string("measured for the row ") + row, row});
+  };
+  measured("entry", "coronal_entry_off_mm");
+  measured("axial", "axial_off_deg");
+  measured("sagittal", "sagittal_off_deg");
+  measured("length", "tip_beyond_target_mm");
+  measured("breach", "breach_mm");
+  m.columns.push_back({"errors_count", "of the five", ""});
+  m.columns.push_back({"acceptable", "1 or 0: not more errors than the rubric allows", ""});
+  m.columns.push_back({"screw_length_mm", "of the screw in place; 0: none", ""});
+  m.columns.push_back({"screw_diameter_mm", "of the screw in place; 0: none", ""});
+  m.columns.push_back({"passes_count", "how often a tool entered bone", ""});
+  m.steps = spine_steps();
+  m.require = [](const CaseManifest& manifest) { spine_bone_of(manifest); };
+  m.tools = pedicle_screw_tools;
+  m.plan = plan_spine_moves;
+  m.begin = [](const CaseManifest& manifest, const HapticVolume&, const HapticVolume&) {
+    return std::unique_ptr<Lesson>(std::make_unique<SpineNeedle>(manifest));
+  };
+  m.score = [](const LessonFacts& facts, const LoadedCase& loaded, const HapticVolume& before,
+               const AnyParams& rubric) {
+    return score_pedicle_screw(static_cast<const SpineNeedleFacts&>(facts), loaded.manifest, before,
+                               rubric.as<PedicleScrewRubric>());
+  };
+  m.facts_json = spine_facts_json;
+  m.outcome = [](const LessonFacts&, const LessonScore& score) {
+    return fmt::format("passes: {}, errors: {}, {}", score.count("passes_count"),
+                       score.known("errors_count") ? std::to_string(score.count("errors_count")) : "not judged",
+                       !score.flag("screw_in_bone") ? "no screw lies in bone"
+                       : !score.known("acceptable") ? "the pedicle is doubtful"
+                       : score.flag("acceptable")   ? "acceptable"
+                                                    : "not acceptable");
+  };
+  m.headline = [](const LessonFacts&, const LessonScore& score) {
+    return score.known("errors_count") ? fmt::format("errors of the screw: {}", score.count("errors_count"))
+                                       : std::string("errors of the screw: not judged");
+  };
+  m.pictures = spine_pictures;
+  m.status = spine_status;
+  m.xray = spine_xray;
+  m.shots = spine_shots;
+  return m;
+}
+
+}  // namespace trephine

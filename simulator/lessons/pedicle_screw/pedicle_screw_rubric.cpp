@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/pedicle_screw/pedicle_screw_rubric.h"
+
+namespace trephine {
+
+RubricType pedicle_screw_rubric() {
+  return {"pedicle_screw", [] { return AnyParams::make<PedicleScrewRubric>(); }};
+}
+
+}  // namespace trephine

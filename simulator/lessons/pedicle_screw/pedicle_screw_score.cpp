@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/pedicle_screw/pedicle_screw_score.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace trephine {
+namespace {
+
+// Between two directions as they are seen in a plane of two of the world's axes.
+double seen_deg(Vec3 a, Vec3 b, int across, int along) {
+  const double d = std::atan2(a[across], a[along]) - std::atan2(b[across], b[along]);
+  return std::abs(std::remainder(d, 2 * M_PI)) * 180 / M_PI;
+}
+
+}  // namespace
+
+bool is_screw(const NeedlePass& pass) { return pass.tool.rfind("screw", 0) == 0; }
+
+LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifest& manifest, const HapticVolume& before,
+                                const PedicleScrewRubric& r) {
+  const std::vector<CasePedicle> pedicles = pedicles_of(manifest);
+  const int bone = spine_bone_of(manifest);
+  const NeedlePass* pass = facts.final_pass();
+  if (pass && !is_screw(*pass)) pass = nullptr;
+  NeedleErrors e;
+  PedicleBreach breach;
+  double entry = 0, axial = 0, sagittal = 0;
+  std::string doubt, none = pass ? "" : "no screw lies in bone";
+  if (pass) {
+    const NeedlePoint& end = pass->path.back();
+    e = nearest_pedicle(pedicles, end.tip_mm, end.axis);
+    const Vec3 f = e.pedicle->forwards(), way = -end.axis;
+    // Where its line passes the coronal plane of the entry.
+    const double slope = way.y;
+    const Vec3 at =
+        std::abs(slope) > 0.05 ? end.tip_mm + way * ((e.pedicle->entry_mm.y - end.tip_mm.y) / slope) : end.tip_mm;
+    entry = std::hypot(at.x - e.pedicle->entry_mm.x, at.z - e.pedicle->entry_mm.z);
+    axial = seen_deg(way, f, 0, 1);
+    sagittal = seen_deg(way, f, 2, 1);
+    breach = find_breach(*e.pedicle, *pass, before, bone);
+    if (e.pedicle->confidence < r.least_confidence_ratio.limit) doubt = e.pedicle->name + " of this case is doubtful";
+    if (e.entry_mm > r.farthest_mm.limit) none = "at no pedicle";
+  }
+  LessonScore score;
+  int errors = 0;
+  const auto row = [&](const char* name, const char* title, const char* figure, double value, const char* limit_name,
+                       const RubricLimit& limit, const std::string& why) {
+    ScoreRow s;
+    s.name = name;
+    s.title = title;
+    s.limits = {{limit_name, limit}};
+    if (pass && doubt.empty()) s.measured = {{figure, value}};
+    if (!none.empty() || doubt.empty()) {
+      const bool wrong = !none.empty() || std::abs(value) > limit.limit;
+      errors += wrong;
+      s.score = wrong ? 1 : 5;
+      s.why = !none.empty() ? none : (wrong ? "an error: " : "no error: ") + why;
+      if (pass) s.decided_s = pass->end_s;
+    } else {
+      s.why = doubt;
+    }
+    score.rows.push_back(s);
+  };
+  row("entry", "Coronal entry point", "coronal_entry_off_mm", entry, "entry_mm", r.entry_mm, "in the coronal plane");
+  row("axial", "Axial deviation", "axial_off_deg", axial, "axial_deg", r.axial_deg, "in the axial plane");
+  row("sagittal", "Sagittal deviation", "sagittal_off_deg", sagittal, "sagittal_deg", r.sagittal_deg,
+      "in the sagittal plane");
+  row("length", "Length", "tip_beyond_target_mm", e.depth_mm, "length_mm", r.length_mm,
+      e.depth_mm > 0 ? "the tip lies beyond the target" : "the tip lies before the target");
+  row("breach", "Pedicle breach", "breach_mm", breach.depth_mm, "breach_mm", r.breach_mm,
+      breach.depth_mm > 0 ? "through the " + breach.side + " wall" : "within the pedicle");
+  const bool judged = doubt.empty() || !none.empty(), acceptable = none.empty() && errors <= r.most_errors_count.limit;
+  ScoreRow last;
+  last.name = "acceptable";
+  last.title = "Acceptable";
+  last.limits = {{"most_errors_count", r.most_errors_count}};
+  last.why = !judged ? doubt : !none.empty() ? none : fmt::format("{} of five errors", errors);
+  if (judged) {
+    last.score = acceptable ? 5 : 1;
+    if (none.empty()) last.measured = {{"errors_count", double(errors)}};
+    if (pass) last.decided_s = pass->end_s;
+  }
+  score.rows.push_back(last);
+  using Value = decltype(LessonFigure::value);
+  const Value unknown = std::monostate();
+  score.figures = {{"errors_count", judged ? Value(errors) : unknown},
+                   {"acceptable", judged ? Value(acceptable) : unknown},
+                   {"screw_in_bone", pass != nullptr},
+                   {"screw_length_mm", pass ? Value(pass->length_mm) : unknown},
+                   {"screw_diameter_mm", pass ? Value(pass->diameter_mm) : unknown},
+                   {"passes_count", int(facts.passes.size())}};
+  return score;
+}
+
+}  // namespace trephine

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "lessons/pedicle_screw/pedicle_screw_rubric.h"
+#include "lessons/score.h"
+#include "lessons/spine/pedicle_errors.h"
+
+namespace trephine {
+
+/// Whether the tool is a screw, not the finder.
+bool is_screw(const NeedlePass& pass);
+
+/// The five errors of a screw: each is a row with 5 (none) or 1 (an error); the last row says whether the screw is
+/// acceptable. A pure function: the same facts, case, volume and rubric give the same rows.
+LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifest& manifest, const HapticVolume& before,
+                                const PedicleScrewRubric& rubric);
+
+}  // namespace trephine

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/report_pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/base64.h"
+#include "fluoro/fluoroscope.h"
+
+namespace trephine::detail {
+namespace {
+
+constexpr int pixels = 160;  // of a mm
+
+struct Plane {
+  const char* name;
+  Vec3 right, down;
+};
+// As radiologists look at them: the patient's left on the right; the nose on the left.
+const std::array<Plane, 3> planes{
+    {{"axial", {1, 0, 0}, {0, 1, 0}}, {"coronal", {1, 0, 0}, {0, 0, -1}}, {"sagittal", {0, 1, 0}, {0, 0, -1}}}};
+
+double hu_at(const Grid<std::int16_t>& ct, Vec3 world_mm) {
+  const Vec3 p = ct.to_index(world_mm);
+  const int i = int(std::floor(p.x)), j = int(std::floor(p.y)), k = int(std::floor(p.z));
+  if (!ct.contains(i, j, k) || !ct.contains(i + 1, j + 1, k + 1)) return -1000;
+  double sum = 0;
+  for (int n = 0; n < 8; ++n) {
+    const int a = n & 1, b = n >> 1 & 1, c = n >> 2;
+    const double w = (a ? p.x - i : 1 - p.x + i) * (b ? p.y - j : 1 - p.y + j) * (c ? p.z - k : 1 - p.z + k);
+    sum += w * ct.at(i + a, j + b, k + c);
+  }
+  return sum;
+}
+
+std::string picture_of(const Grid<std::int16_t>& ct, Vec3 middle, const Plane& plane, const PictureWindow& w) {
+  std::vector<std::uint8_t> grey(std::size_t(pixels) * pixels);
+  for (int y = 0; y < pixels; ++y)
+    for (int x = 0; x < pixels; ++x) {
+      const Vec3 p = middle + plane.right * (x + 0.5 - pixels / 2) + plane.down * (y + 0.5 - pixels / 2);
+      const double share = (hu_at(ct, p) - w.low_hu) / (w.high_hu - w.low_hu);
+      grey[std::size_t(y * pixels + x)] = std::uint8_t(std::lround(255 * std::clamp(share, 0.0, 1.0)));
+    }
+  return "data:image/png;base64," + base64(grey_png(pixels, pixels, grey));
+}
+
+}  // namespace
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '&')
+      out += "&amp;";
+    else if (c == '"')
+      out += "&quot;";
+    else if (c == '\'')
+      out += "&#39;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string slices_html(const LoadedCase& loaded, Vec3 through, const std::vector<PictureMark>& marks,
+                        const PictureWindow& window) {
+  std::string out = "<div class=\"slices\">\n";
+  for (const Plane& plane : planes) {
+    const auto at = [&](Vec3 p) {
+      return fmt::format("{:.1f},{:.1f}", dot(p - through, plane.right) + pixels / 2,
+                         dot(p - through, plane.down) + pixels / 2);
+    };
+    out +=
+        fmt::format("<figure><svg viewBox=\"0 0 {0} {0}\" role=\"img\" aria-label=\"{1} slice\">", pixels, plane.name);
+    if (loaded.has_ct())
+      out += fmt::format("<image width=\"{0}\" height=\"{0}\" href=\"{1}\"/>", pixels,
+                         picture_of(loaded.ct, through, plane, window));
+    for (const PictureMark& mark : marks) {
+      if (mark.points_mm.size() == 1) {
+        const std::string p = at(mark.points_mm[0]);
+        const std::size_t comma = p.find(',');
+        out += fmt::format("<circle class=\"{}\" cx=\"{}\" cy=\"{}\" r=\"2.5\"/>", mark.kind, p.substr(0, comma),
+                           p.substr(comma + 1));
+        continue;
+      }
+      out += fmt::format("<polyline class=\"{}\" points=\"", mark.kind);
+      for (const Vec3& p : mark.points_mm) out += at(p) + " ";
+      out += "\"/>";
+    }
+    out += fmt::format("</svg><figcaption>{}</figcaption></figure>\n", plane.name);
+  }
+  return out + "</div>\n";
+}
+
+}  // namespace trephine::detail

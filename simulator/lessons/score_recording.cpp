@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/score_recording.h"
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/write_file.h"
+#include "lesson/approval.h"
+#include "lessons/attempts.h"
+#include "lessons/lesson_run.h"
+#include "lessons/report_page.h"
+#include "lessons/rubric_types.h"
+
+namespace trephine {
+
+CompiledRubric read_rubric_file(const std::filesystem::path& file) {
+  return with_file(file.string(), [&] {
+    const std::vector<char> bytes = read_file(file, 1 << 20);
+    return read_rubric({bytes.data(), bytes.size()}, rubric_types());
+  });
+}
+
+ScoredLesson score_recording(const std::filesystem::path& file, const std::filesystem::path& case_folder,
+                             const CompiledRubric& rubric) {
+  ScoredLesson s;
+  s.recording = read_recording(file);
+  const RecordingHeader& h = s.recording.header;
+  FeltCase felt = felt_again(case_folder, file.string(), h);
+  with_file(file.string(), [&] {
+    try {
+      if (!h.lesson.empty()) validate_token(h.participant, "participant");
+    } catch (const Error& e) {
+      throw Error(ExitCode::bad_input, "", "participant", e.what());
+    }
+    if (h.case_token != felt.loaded.manifest.case_token)
+      throw Error(ExitCode::bad_input, "", "case", "is not the name of the given case");
+  });
+  const HapticVolume before = felt.loaded.haptic;
+  s.facts = facts_of_recording(felt, file.string(), s.recording);
+  if (rubric.module != h.lesson)
+    throw Error(ExitCode::bad_input, file.string(), "lesson", h.lesson + ", but the rubric is of " + rubric.module);
+  s.score = lesson_type(h.lesson).score(*s.facts, felt.loaded, before, rubric.rubric);
+  s.head = {h.case_token, h.lesson, h.participant, sha256_of_file(file), rubric.sha256, h.haptic_sha256};
+  return s;
+}
+
+void write_report(const ScoredLesson& s, const std::filesystem::path& case_folder, const ReportFiles& files) {
+  if (!files.json.empty()) write_file(files.json, score_json(s.head, *s.facts, s.score));
+  if (!files.page.empty())
+    write_file(files.page,
+               report_page(s.head, *s.facts, s.score, s.recording, load_case(case_folder, LoadParts{true})));
+  if (!files.log.empty()) log_attempt(files.log, s.head, *s.facts, s.score);
+}
+
+}  // namespace trephine

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <memory>
+
+#include "haptics/recording.h"
+#include "lesson/rubric.h"
+#include "lessons/score_report.h"
+
+namespace trephine {
+
+/// A recorded lesson with its score.
+struct ScoredLesson {
+  Recording recording;
+  std::shared_ptr<const LessonFacts> facts;
+  LessonScore score;
+  ReportHead head;
+};
+
+/// Throws Error 65, 66; as read_rubric does, naming the file.
+CompiledRubric read_rubric_file(const std::filesystem::path& file);
+
+/// Reads and scores the recording in its case. Throws as read_recording, felt_again, facts_of_recording and
+/// the module do; Error 65 where the rubric is of another lesson.
+ScoredLesson score_recording(const std::filesystem::path& recording, const std::filesystem::path& case_folder,
+                             const CompiledRubric& rubric);
+
+/// Writes the parts of the report whose paths are not empty: JSON, a page, a line of the log.
+struct ReportFiles {
+  std::filesystem::path json, page, log;
+};
+void write_report(const ScoredLesson& lesson, const std::filesystem::path& case_folder, const ReportFiles& files);
+
+}  // namespace trephine

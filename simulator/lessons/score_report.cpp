@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/score_report.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "lessons/lesson_type.h"
+
+namespace trephine {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const ScoreRow& row) {
+  Json measured = Json::object(), limits = Json::object();
+  for (const auto& [name, value] : row.measured) measured[name] = value;
+  for (const auto& [name, l] : row.limits)
+    limits[name] = {
+        {"limit", l.limit}, {"from", l.from == RubricLimit::From::thesis ? "thesis" : "ours"}, {"why", l.why}};
+  return {
+      {"name", row.name}, {"title", row.title},   {"score", row.score ? Json(*row.score) : Json("not judged")},
+      {"why", row.why},   {"measured", measured}, {"decided_s", row.decided_s ? Json(*row.decided_s) : Json(nullptr)},
+      {"limits", limits}};
+}
+
+// What every lesson has, and the module's own.
+Json json_of(const LessonType& module, const LessonFacts& f) {
+  Json out = {{"end", name_of(f.end)},          {"begin_s", f.begin_s},   {"end_s", f.end_s},
+              {"procedure_s", f.procedure_s()}, {"paused_s", f.paused_s}, {"pauses", f.pauses},
+              {"most_force_n", f.most_force_n}};
+  out.update(module.facts_json(f));
+  return out;
+}
+
+}  // namespace
+
+const LessonFigure& LessonScore::figure(const std::string& name) const {
+  for (const LessonFigure& f : figures)
+    if (f.name == name) return f;
+  throw Error(ExitCode::internal, "", name, "is a figure that the lesson does not have");
+}
+
+ScoreSum sum_of(const LessonScore& score) {
+  ScoreSum sum;
+  for (const ScoreRow& row : score.rows)
+    if (row.score) {
+      sum.points += *row.score;
+      sum.most += 5;
+    }
+  return sum;
+}
+
+std::string score_json(const ReportHead& head, const LessonFacts& facts, const LessonScore& score) {
+  Json rows = Json::array();
+  for (const ScoreRow& row : score.rows) rows.push_back(json_of(row));
+  Json figures = Json::object();
+  for (const LessonFigure& f : score.figures)
+    std::visit(
+        [&](const auto& value) {
+          if constexpr (std::is_same_v<std::decay_t<decltype(value)>, std::monostate>)
+            figures[f.name] = nullptr;
+          else
+            figures[f.name] = value;
+        },
+        f.value);
+  const ScoreSum sum = sum_of(score);
+  const Json out = {{"trephine_score", 1},
+                    {"module", head.module},
+                    {"case", head.case_token},
+                    {"participant", head.participant},
+                    {"recording_sha256", head.recording_sha256},
+                    {"haptic_sha256", head.case_sha256},
+                    {"rubric_sha256", head.rubric_sha256},
+                    {"points", sum.points},
+                    {"most_points", sum.most},
+                    {"rows", rows},
+                    {"figures", figures},
+                    {"facts", json_of(lesson_type(head.module), facts)}};
+  return out.dump(1) + "\n";
+}
+
+std::string score_text(const ReportHead& head, const LessonFacts& facts, const LessonScore& score) {
+  std::string text;
+  for (const ScoreRow& row : score.rows) {
+    text += fmt::format("{:<33} {:>10}  {}", row.title, row.score ? std::to_string(*row.score) : "not judged", row.why);
+    std::string figures;
+    for (const auto& [name, value] : row.measured)
+      figures += fmt::format("{}{} {:.1f}", figures.empty() ? "" : ", ", name, value);
+    if (!figures.empty()) text += " (" + figures + ")";
+    if (row.decided_s) text += fmt::format(", at {:.1f} s", *row.decided_s);
+    text += "\n";
+  }
+  const ScoreSum sum = sum_of(score);
+  text += fmt::format("{} of {} points; {}, {}\n", sum.points, sum.most, name_of(facts.end),
+                      lesson_type(head.module).outcome(facts, score));
+  return text;
+}
+
+}  // namespace trephine

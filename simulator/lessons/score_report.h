@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+
+#include "haptics/recording.h"
+#include "lessons/lesson.h"
+#include "lessons/score.h"
+
+namespace trephine {
+
+/// What a report says beside the scores.
+struct ReportHead {
+  std::string case_token, module, participant;
+  std::string recording_sha256, rubric_sha256, case_sha256;  ///< of the files; case: of its haptic volume
+};
+
+/// The report of a scored lesson as JSON: rows with measured figures, limits and moments, and what happened. It holds
+/// no time, host or path; the same inputs give the same bytes.
+std::string score_json(const ReportHead& head, const LessonFacts& facts, const LessonScore& score);
+
+/// The same as a table for the terminal.
+std::string score_text(const ReportHead& head, const LessonFacts& facts, const LessonScore& score);
+
+/// Sum of the rows that were judged, and of the most that they could have been.
+struct ScoreSum {
+  int points = 0, most = 0;
+};
+ScoreSum sum_of(const LessonScore& score);
+
+}  // namespace trephine

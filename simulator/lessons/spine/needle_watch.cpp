@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/spine/needle_watch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace trephine {
+namespace {
+
+constexpr double path_step_mm = 0.25;
+constexpr double withdrawn_mm = 1;  // behind the place of entry: the tip is out
+constexpr double arm_step_deg = 5;
+
+Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+std::vector<CasePedicle> pedicles_of(const CaseManifest& manifest) {
+  const std::string entry = "_entry";
+  std::vector<CasePedicle> all;
+  for (const CaseLandmark& l : manifest.landmarks) {
+    if (l.name.rfind("pedicle_", 0) != 0 || l.name.size() <= entry.size() ||
+        l.name.compare(l.name.size() - entry.size(), entry.size(), entry) != 0)
+      continue;
+    const std::string name = l.name.substr(0, l.name.size() - entry.size());
+    // Medial and lateral hang on the side, so a pedicle that does not say it is none.
+    if (name.find("_left") == std::string::npos && name.find("_right") == std::string::npos) continue;
+    for (const CaseLandmark& t : manifest.landmarks)
+      if (t.name == name + "_target" && norm(t.position_mm - l.position_mm) > 1)
+        all.push_back({name, l.position_mm, t.position_mm, std::min(l.confidence, t.confidence)});
+  }
+  return all;
+}
+
+int spine_bone_of(const CaseManifest& manifest) {
+  if (pedicles_of(manifest).empty())
+    throw Error(ExitCode::bad_input, "", "landmarks",
+                "the lesson needs a pedicle: pedicle_1_left_entry and pedicle_1_left_target, or others of that form");
+  for (const CaseShape& shape : manifest.haptic.shapes)
+    if (shape.name == "bone" && shape.material.front.touchable) return shape.number;
+  throw Error(ExitCode::bad_input, "", "haptic.shapes", "the lesson needs bone that is felt");
+}
+
+bool ArmPose::take(int command) {
+  namespace c = belt_command;
+  if (command == c::view_ap)
+    *this = {0, 0};
+  else if (command == c::view_lateral)
+    *this = {90, 0};
+  else if (command == c::view_oblique)
+    *this = {45, 0};
+  else if (command == c::orbit_more)
+    orbit_deg = std::min(180.0, orbit_deg + arm_step_deg);
+  else if (command == c::orbit_less)
+    orbit_deg = std::max(-180.0, orbit_deg - arm_step_deg);
+  else if (command == c::tilt_more)
+    tilt_deg = std::min(60.0, tilt_deg + arm_step_deg);
+  else if (command == c::tilt_less)
+    tilt_deg = std::max(-60.0, tilt_deg - arm_step_deg);
+  else
+    return false;
+  return true;
+}
+
+const char* ArmPose::view() const {
+  if (tilt_deg != 0) return "free";
+  return orbit_deg == 0 ? "ap" : orbit_deg == 90 ? "lateral" : orbit_deg == 45 ? "oblique" : "free";
+}
+
+CArmParams arm_of(const CaseManifest& manifest, const ArmPose& pose) {
+  const std::vector<CasePedicle> pedicles = pedicles_of(manifest);
+  Vec3 middle;
+  for (const CasePedicle& p : pedicles) middle += (p.entry_mm + p.target_mm) * (0.5 / double(pedicles.size()));
+  CArmParams arm;
+  arm.view = CArmParams::View::free;
+  arm.orbit_deg = pose.orbit_deg;
+  arm.tilt_deg = pose.tilt_deg;
+  arm.centre_mm = {middle.x, middle.y, middle.z};
+  arm.detector_mm = 230;  // an image intensifier of nine inches
+  return arm;
+}
+
+double SpineNeedleFacts::exposure_s() const {
+  double sum = 0;
+  for (const FluoroShot& s : shots) sum += s.end_s - s.begin_s;
+  return std::round(1e6 * sum) / 1e6;
+}
+
+SpineNeedle::SpineNeedle(const CaseManifest& manifest) : bone_(spine_bone_of(manifest)) {}
+
+void SpineNeedle::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
+  const Vec3 tip = vec(f.proxy_mm), axis = vec(f.axis);
+  const BeltToolParams& tool = belt.tools()[std::size_t(belt.in_hand())];
+  if (belt.in_hand() != in_hand_) end_pass(f.time_s, false);  // another tool is another pass
+  in_hand_ = belt.in_hand();
+  if (pedal && !exposing_) {
+    facts_.shots.emplace_back();
+    facts_.shots.back().begin_s = f.time_s - f.dt_s;
+  }
+  exposing_ = pedal;
+  if (pedal) {
+    FluoroShot& s = facts_.shots.back();
+    s.end_s = f.time_s;
+    s.arm = arm_;
+    s.tip_mm = tip;
+    s.axis = axis;
+    s.needle_mm = tool.tool_diameter_mm;
+    s.length_mm = tool.tool_length_mm;
+  }
+  // A needle that was lifted away, or moved in a pause, comes again from elsewhere.
+  const bool elsewhere =
+      f.buttons & haptic_button::lifted || (belt.paused() && norm(tip - last_.tip_mm) > withdrawn_mm);
+  if (in_bone_ && f.inside == 0 && elsewhere) end_pass(f.time_s, false);
+  if (belt.paused()) return;
+  const bool inside = f.inside == bone_;
+  if (!in_bone_) {
+    if (!inside) return;
+    in_bone_ = true;
+    NeedlePass p;
+    p.begin_s = f.time_s;
+    p.entry_mm = tip;
+    p.axis = axis;
+    p.tool = tool.name;
+    p.diameter_mm = tool.tool_diameter_mm;
+    p.length_mm = tool.tool_length_mm;
+    facts_.passes.push_back(p);
+  }
+  NeedlePass& p = facts_.passes.back();
+  p.end_s = f.time_s;
+  last_ = {f.time_s, tip, axis, f.inside};
+  if (p.path.empty() || p.path.back().inside != f.inside || norm(tip - p.path.back().tip_mm) >= path_step_mm)
+    p.path.push_back(last_);
+  // Beyond a wall it is out of the bone, and still in its way.
+  if (!inside && dot(tip - p.entry_mm, p.axis) > withdrawn_mm) end_pass(f.time_s, false);
+}
+
+void SpineNeedle::command(int command, const ServoFrame&, const ToolBelt&) { arm_.take(command); }
+
+void SpineNeedle::end_pass(double time_s, bool in_place) {
+  if (!in_bone_) return;
+  in_bone_ = false;
+  NeedlePass& p = facts_.passes.back();
+  p.end_s = time_s;
+  p.in_place = in_place;
+  p.path.push_back(last_);
+}
+
+void SpineNeedle::close() {
+  end_pass(facts_.end_s, true);
+  exposing_ = false;
+}
+
+}  // namespace trephine

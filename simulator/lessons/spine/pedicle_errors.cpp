@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/spine/pedicle_errors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "voxel/decode.h"
+
+namespace trephine {
+namespace {
+
+constexpr double after_entry_mm = 4;  // nearer to the entry the wall is the surface that the needle enters by
+constexpr double farthest_wall_mm = 40, walk_mm = 0.2;
+constexpr int directions = 12;
+
+// Where a line from the tip along the axis passes the plane through `at` across `normal`.
+Vec3 passes(Vec3 tip, Vec3 axis, Vec3 at, Vec3 normal) {
+  const double slope = dot(axis, normal);
+  if (std::abs(slope) < 0.05) return tip;  // nearly along the plane: it passes nowhere near
+  return tip + axis * (dot(at - tip, normal) / slope);
+}
+
+// From the axis to its wall that way; a vessel's hole of a millimetre is none.
+double wall_mm(const HapticDecoder& volume, int bone, Vec3 from, Vec3 way) {
+  double last = 0;
+  for (double t = 0; t < farthest_wall_mm && t - last < 1; t += walk_mm)
+    if (volume.trilinear(bone, from + way * t) >= 0.5) last = t;
+  return last;
+}
+
+const char* side_of(const CasePedicle& p, Vec3 way) {
+  const Vec3 f = p.forwards(), up = normalized(Vec3{0, 0, 1} - f * f.z);
+  const double side = p.name.find("_left") != std::string::npos ? 1 : -1;
+  const Vec3 outer = normalized(Vec3{side, 0, 0} - f * (side * f.x));
+  const double o = dot(way, outer), u = dot(way, up);
+  if (std::abs(u) > std::abs(o)) return u > 0 ? "upper" : "lower";
+  return o > 0 ? "lateral" : "medial";
+}
+
+}  // namespace
+
+NeedleErrors needle_errors(const CasePedicle& p, Vec3 tip, Vec3 axis) {
+  const Vec3 f = p.forwards();
+  NeedleErrors e;
+  e.pedicle = &p;
+  e.entry_mm = norm(passes(tip, axis, p.entry_mm, f) - p.entry_mm);
+  e.target_mm = norm(passes(tip, axis, p.target_mm, f) - p.target_mm);
+  e.depth_mm = dot(tip - p.target_mm, f);
+  e.turned_deg = std::acos(std::clamp(-dot(axis, f), -1.0, 1.0)) * 180 / M_PI;
+  return e;
+}
+
+NeedleErrors nearest_pedicle(const std::vector<CasePedicle>& pedicles, Vec3 tip, Vec3 axis) {
+  NeedleErrors best;
+  for (const CasePedicle& p : pedicles) {
+    const NeedleErrors e = needle_errors(p, tip, axis);
+    if (!best.pedicle || e.entry_mm < best.entry_mm) best = e;
+  }
+  return best;
+}
+
+PedicleBreach find_breach(const CasePedicle& p, const NeedlePass& pass, const HapticVolume& volume, int bone) {
+  const Vec3 f = p.forwards();
+  const double length = norm(p.target_mm - p.entry_mm);
+  const Vec3 up = normalized(Vec3{0, 0, 1} - f * f.z), across = cross(up, f);
+  const HapticDecoder decoder(volume);
+  PedicleBreach worst;
+  const auto look = [&](Vec3 at, double time_s) {
+    const double along = dot(at - p.entry_mm, f);
+    if (along < after_entry_mm || along > length) return;
+    const Vec3 on_axis = p.entry_mm + f * along;
+    for (int n = 0; n < directions; ++n) {  // each side of the needle
+      const double turn = 2 * M_PI * n / directions;
+      const Vec3 off = at - on_axis + (across * std::cos(turn) + up * std::sin(turn)) * (0.5 * pass.diameter_mm);
+      const double off_mm = norm(off);
+      if (!(off_mm > 1e-6)) continue;
+      const double beyond = off_mm - wall_mm(decoder, bone, on_axis, off / off_mm);
+      if (beyond > worst.depth_mm) worst = {beyond, side_of(p, off), at, time_s};
+    }
+  };
+  for (const NeedlePoint& n : pass.path) look(n.tip_mm, n.time_s);
+  if (!pass.path.empty()) {
+    const NeedlePoint& last = pass.path.back();
+    for (double t = 0; t < std::min(length + 40, pass.length_mm); t += 0.5)
+      look(last.tip_mm + last.axis * t, last.time_s);
+  }
+  // Less than the volume's own step is none.
+  if (worst.depth_mm < 0.5 * volume.voxels.spacing_mm.x) worst = {};
+  return worst;
+}
+
+}  // namespace trephine

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+#include "lessons/spine/needle_watch.h"
+#include "voxel/haptic_volume.h"
+
+namespace trephine {
+
+/// How far a needle lies from the ideal axis of a pedicle.
+struct NeedleErrors {
+  const CasePedicle* pedicle = nullptr;
+  double entry_mm = 0;   ///< across the axis, where its line passes the plane of the ideal entry
+  double target_mm = 0;  ///< the same at the target
+  double depth_mm = 0;   ///< of the tip beyond the target along the axis; negative: short of it
+  double turned_deg = 0;
+};
+/// Of that pedicle.
+NeedleErrors needle_errors(const CasePedicle& pedicle, Vec3 tip_mm, Vec3 axis);
+/// Of the pedicle whose entry the needle's line passes nearest.
+NeedleErrors nearest_pedicle(const std::vector<CasePedicle>& pedicles, Vec3 tip_mm, Vec3 axis);
+
+/// How far a needle came through the wall of a pedicle.
+struct PedicleBreach {
+  double depth_mm = 0;  ///< of the needle's side beyond the wall; 0: none
+  std::string side;     ///< "medial", "lateral", "upper" or "lower"
+  Vec3 at_mm;
+  double time_s = 0;
+};
+/// For each moment of the pass, and for the whole needle at its last one: the wall is where a straight line from the
+/// ideal axis, across it, leaves the bone. Looked at from 4 mm past the entry on to the target, where the bone about
+/// the axis is a pedicle or a body; farther than 40 mm off there is no wall.
+PedicleBreach find_breach(const CasePedicle& pedicle, const NeedlePass& pass, const HapticVolume& volume, int bone);
+
+}  // namespace trephine

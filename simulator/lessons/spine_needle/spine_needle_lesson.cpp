@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "lessons/spine/spine_moves.h"
+#include "lessons/spine/spine_report.h"
+#include "lessons/spine_needle/spine_needle_score.h"
+
+namespace trephine {
+namespace {
+
+// The tool of [Rizzi, chapter 7.2]: a Jamshidi needle, which is pushed through bone. Its pedal is the C-arm's.
+std::vector<BeltToolParams> spine_needle_tools() {
+  BeltToolParams needle;
+  needle.name = "needle";
+  needle.tool = "jamshidi";
+  static_cast<ToolParams&>(needle) = own_tool(needle);
+  needle.pierce_n = 2.5;
+  return {needle};
+}
+
+const SpineNeedleFacts& own(const LessonFacts& facts) { return static_cast<const SpineNeedleFacts&>(facts); }
+std::string outcome(const LessonFacts& facts, const LessonScore& score) {
+  return fmt::format("needle passes: {}, exposure {:.1f} s in {} shots, {}", score.count("passes_count"),
+                     own(facts).exposure_s(), score.count("shots_count"),
+                     score.flag("in_bone") ? "the needle lies in bone" : "the needle lies in no bone");
+}
+
+}  // namespace
+
+LessonType spine_needle_lesson() {
+  LessonType m;
+  m.name = "spine_needle";
+  m.summary = "a Jamshidi needle through a pedicle, under fluoroscopy";
+  m.rows = {"entry", "target", "breach", "depth", "exposure", "passes", "time"};
+  const auto measured = [&](const char* row, const char* name) {
+    m.columns.push_back({name, std::string("measured for the row ") + row, row});
+  };
+  measured("entry", "entry_off_mm");
+  measured("target", "target_off_mm");
+  measured("breach", "breach_mm");
+  measured("depth", "depth_beyond_target_mm");
+  measured("exposure", "exposure_s");
+  measured("time", "procedure_s");
+  m.columns.push_back({"passes_count", "how often the needle entered bone", ""});
+  m.columns.push_back({"shots_count", "how often X-rays were on", ""});
+  m.columns.push_back({"in_bone", "1 or 0: the needle lies in bone at the end", ""});
+  m.columns.push_back({"breached", "1 or 0: it came through the pedicle's wall", ""});
+  m.columns.push_back({"medial", "1 or 0: towards the canal, where the breach was deepest", ""});
+  m.columns.push_back({"turned_deg", "angle between the needle and the ideal axis", ""});
+  m.steps = spine_steps();
+  m.require = [](const CaseManifest& manifest) { spine_bone_of(manifest); };
+  m.tools = spine_needle_tools;
+  m.plan = plan_spine_moves;
+  m.begin = [](const CaseManifest& manifest, const HapticVolume&, const HapticVolume&) {
+    return std::unique_ptr<Lesson>(std::make_unique<SpineNeedle>(manifest));
+  };
+  m.needs_pictures = true;
+  m.score = [](const LessonFacts& facts, const LoadedCase& loaded, const HapticVolume& before,
+               const AnyParams& rubric) {
+    return score_spine_needle(own(facts), loaded.manifest, before, rubric.as<SpineNeedleRubric>());
+  };
+  m.facts_json = spine_facts_json;
+  m.outcome = outcome;
+  m.headline = [](const LessonFacts& facts, const LessonScore& score) {
+    return fmt::format("passes of the needle: {} · X-rays {:.1f} s", score.count("passes_count"),
+                       own(facts).exposure_s());
+  };
+  m.pictures = spine_pictures;
+  m.status = spine_status;
+  m.texts = {{"Needle through a pedicle", "Nadel durch einen Pedikel"}};
+  m.guide = [](const LessonFacts&) {
+    return std::vector<LessonGuide>{{"Needle through a pedicle", "needle", ""}, {"Finished", "", "finish"}};
+  };
+  m.xray = spine_xray;
+  m.shots = spine_shots;
+  return m;
+}
+
+}  // namespace trephine

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "lessons/lesson_type.h"
+#include "lessons/report_pictures.h"
+#include "lessons/subclavian/chest_moves.h"
+#include "lessons/subclavian/subclavian_score.h"
+
+namespace trephine {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using detail::PictureMark;
+
+Json list_of(Vec3 v) { return {v.x, v.y, v.z}; }
+Json moment(double time_s) { return time_s < 0 ? Json(nullptr) : Json(time_s); }
+const SubclavianFacts& own(const LessonFacts& facts) { return static_cast<const SubclavianFacts&>(facts); }
+
+Json json_of(const SubclavianFacts& f) {
+  Json passes = Json::array(), aspirations = Json::array();
+  for (const VeinPass& p : f.passes)
+    passes.push_back({{"begin_s", p.begin_s},
+                      {"end_s", p.end_s},
+                      {"entry_mm", list_of(p.entry_mm)},
+                      {"tip_mm", list_of(p.tip_mm)},
+                      {"in_place", p.in_place}});
+  for (const Aspiration& a : f.aspirations)
+    aspirations.push_back({{"time_s", a.time_s}, {"tip_mm", list_of(a.tip_mm)}, {"shape_number", a.inside}});
+  return {{"passes", passes},
+          {"aspirations", aspirations},
+          {"vein_s", moment(f.vein_s)},
+          {"artery_s", moment(f.artery_s)},
+          {"pleura_s", moment(f.pleura_s)},
+          {"lung_s", moment(f.lung_s)},
+          {"blood_s", moment(f.blood_s)}};
+}
+
+std::string ways_html(const SubclavianFacts& f, const LoadedCase& loaded) {
+  const ChestFrame frame = chest_frame_of(loaded.haptic, chest_shapes_of(loaded.manifest));
+  std::vector<PictureMark> marks = {{{frame.notch_mm}, "target"}};
+  for (const VeinPass& p : f.passes) {
+    PictureMark way{{}, "way"};
+    for (const VeinPassPoint& at : p.path) way.points_mm.push_back(at.tip_mm);
+    if (way.points_mm.size() > 1) marks.push_back(way);
+  }
+  std::string out;
+  if (!f.passes.empty()) {
+    const VeinPass& last = f.passes.back();
+    marks.push_back({{last.entry_mm, frame.notch_mm}, "expert"});
+    marks.push_back({{last.entry_mm}, "hole"});
+    marks.push_back({{last.tip_mm}, "tip"});
+    out += "<h2>The needle's tip</h2>\n" + detail::slices_html(loaded, last.tip_mm, marks);
+  }
+  out +=
+      "<p class=\"faint\">Orange: where the needle's tip went, projected onto the slice. Blue ring: the puncture. Red "
+      "ring: the sternal notch. Green: the line from the puncture to it.";
+  return out + (loaded.has_ct() ? "" : " The case holds no CT to show behind it.") + "</p>\n";
+}
+
+std::vector<LessonStatus> status_of(const SubclavianFacts& f) {
+  return {{"passes_count", "Passes", std::to_string(f.passes.size())},
+          {"aspirations_count", "Aspirations", std::to_string(f.aspirations.size())},
+          {"syringe", "Syringe",
+           f.blood_s >= 0          ? "blood"
+           : f.aspirations.empty() ? "-"
+                                   : "none"}};
+}
+
+}  // namespace
+
+LessonType subclavian_lesson() {
+  LessonType m;
+  m.name = "subclavian";
+  m.summary = "a needle under the clavicle into the subclavian vein";
+  m.rows = {"puncture", "direction", "vein", "artery", "lung", "passes", "time"};
+  for (const auto& [row, name] : {std::pair<const char*, const char*>{"puncture", "below_border_mm"},
+                                  {"direction", "off_notch_deg"},
+                                  {"time", "procedure_s"}})
+    m.columns.push_back({name, std::string("measured for the row ") + row, row});
+  m.columns.push_back({"success", "1 or 0: blood from the vein, and no failure", ""});
+  m.columns.push_back({"first_pass", "1 or 0: success at the first pass", ""});
+  m.columns.push_back({"passes_count", "how often the needle entered the skin", ""});
+  m.columns.push_back({"aspirations_count", "how often somebody aspirated", ""});
+  m.steps = with_common_steps({script_step<PunctureStep>("puncture", "Moves the needle straight into the chest."),
+                               script_step("aspirate", "Draws at the syringe.")});
+  m.require = [](const CaseManifest& manifest) { chest_shapes_of(manifest); };
+  m.tools = subclavian_tools;
+  m.plan = plan_chest_moves;
+  m.begin = [](const CaseManifest& manifest, const HapticVolume& before, const HapticVolume&) {
+    chest_frame_of(before, chest_shapes_of(manifest));  // refused here rather than by the scorer
+    return std::unique_ptr<Lesson>(std::make_unique<Subclavian>(manifest));
+  };
+  m.score = [](const LessonFacts& facts, const LoadedCase& loaded, const HapticVolume& before,
+               const AnyParams& rubric) {
+    return score_subclavian(own(facts), loaded.manifest, before, rubric.as<SubclavianRubric>());
+  };
+  m.texts = {{"Pass the needle toward the sternal notch", "Nadel zum Jugulum führen"},
+             {"Aspirated", "Aspiriert"},
+             {"Aspirations", "Aspirationen"},
+             {"Syringe", "Spritze"},
+             {"blood", "Blut"}};
+  m.guide = [](const LessonFacts&) {
+    return std::vector<LessonGuide>{{"Pass the needle toward the sternal notch", "needle", ""},
+                                    {"Aspirated", "", "aspirate"},
+                                    {"Finished", "", "finish"}};
+  };
+  m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };
+  m.verdict = [](const LessonFacts& facts, const AnyParams& rubric) {
+    const NeedleColour c = needle_colour(own(facts), rubric.as<SubclavianRubric>());
+    return c == NeedleColour::none ? 0 : c == NeedleColour::green ? 1 : -1;
+  };
+  m.facts_json = [](const LessonFacts& facts) { return json_of(own(facts)); };
+  m.outcome = [](const LessonFacts&, const LessonScore& score) {
+    return fmt::format("needle passes: {}, {}", score.count("passes_count"),
+                       score.flag("first_pass") ? "green: success at the first pass"
+                       : score.flag("success")  ? "green: blood from the vein"
+                                                : "red: failure");
+  };
+  m.headline = [](const LessonFacts&, const LessonScore& score) {
+    return fmt::format("needle passes: {}, {}", score.count("passes_count"), score.flag("success") ? "green" : "red");
+  };
+  m.pictures = [](const LessonFacts& facts, const LoadedCase& loaded) { return ways_html(own(facts), loaded); };
+  return m;
+}
+
+}  // namespace trephine

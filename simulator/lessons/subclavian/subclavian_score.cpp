@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/subclavian/subclavian_score.h"
+
+#include <algorithm>
+
+#include "lessons/time_row.h"
+
+namespace trephine {
+namespace {
+
+// The pass that is judged: the one that lies in place, else the last.
+const VeinPass* judged_pass(const SubclavianFacts& f) { return f.passes.empty() ? nullptr : &f.passes.back(); }
+
+ScoreRow score_puncture(const SubclavianFacts& f, const ChestFrame& frame, const PunctureRubric& r) {
+  ScoreRow row{"puncture", "Puncture of the skin", 1, "the needle entered nothing", {}, {}, {}};
+  const VeinPass* pass = judged_pass(f);
+  if (!pass) return row;
+  const double below = frame.below_border_mm(pass->entry_mm);
+  row.measured = {{"below_border_mm", below}};
+  row.limits = {{"ideal_mm", r.ideal_mm}, {"far_mm", r.far_mm}};
+  row.decided_s = pass->begin_s;
+  row.score = below < 0 ? 1 : below <= r.ideal_mm.limit ? 5 : below <= r.far_mm.limit ? 3 : 2;
+  row.why = below < 0        ? "above the clavicle's lower border"
+            : *row.score > 2 ? "below the clavicle's lower border"
+                             : "too far below the clavicle";
+  return row;
+}
+
+ScoreRow score_direction(const SubclavianFacts& f, const ChestFrame& frame, const NotchRubric& r) {
+  ScoreRow row{"direction", "Direction of the needle", 1, "the needle entered nothing", {}, {}, {}};
+  const VeinPass* pass = judged_pass(f);
+  if (!pass) return row;
+  const double off = frame.off_notch_deg(pass->entry_mm, pass->tip_mm - pass->entry_mm);
+  row.measured = {{"off_notch_deg", off}};
+  row.limits = {{"ideal_deg", r.ideal_deg}, {"good_deg", r.good_deg}, {"acceptable_deg", r.acceptable_deg}};
+  row.decided_s = pass->end_s;
+  row.score = off <= r.ideal_deg.limit        ? 5
+              : off <= r.good_deg.limit       ? 4
+              : off <= r.acceptable_deg.limit ? 3
+              : off < 90                      ? 2
+                                              : 1;
+  row.why = *row.score >= 4   ? "toward the sternal notch"
+            : *row.score >= 2 ? "beside the sternal notch"
+                              : "away from it";
+  return row;
+}
+
+ScoreRow score_vein(const SubclavianFacts& f, const ChestShapes& shapes) {
+  ScoreRow row{"vein", "Blood from the vein", 1, "the vein was never reached", {}, {}, f.end_s};
+  if (f.blood_s >= 0) {
+    row = {"vein", row.title, 5, "blood was aspirated with the tip in the vein", {}, {}, f.blood_s};
+  } else if (f.inside == shapes.vein) {
+    row.score = 3;
+    row.why = "the tip lies in the vein, and nobody aspirated";
+  } else if (f.vein_s >= 0) {
+    row.score = 2;
+    row.why = "the vein was entered, and left again";
+    row.decided_s = f.vein_s;
+  }
+  return row;
+}
+
+// What must not be entered. Where the case does not show it, nobody knows whether the needle was there.
+ScoreRow score_untouched(const SubclavianFacts& f, const char* name, const char* title, bool known, const char* unknown,
+                         double entered_s, const std::string& entered) {
+  ScoreRow row{name, title, {}, unknown, {}, {}, {}};
+  if (f.passes.empty()) {  // who does nothing spares nothing
+    row.score = 1;
+    row.why = "the needle entered nothing";
+    return row;
+  }
+  if (!known && entered_s < 0) return row;
+  row.score = entered_s < 0 ? 5 : 1;
+  row.why = entered_s < 0 ? "not entered" : entered + " was entered";
+  row.decided_s = entered_s < 0 ? f.end_s : entered_s;
+  return row;
+}
+
+ScoreRow score_passes(const SubclavianFacts& f, const PassesRubric& r) {
+  const double count = double(f.passes.size());
+  ScoreRow row{"passes", "Needle passes", 1, "the needle entered nothing", {{"passes_count", count}}, {}, f.end_s};
+  row.limits = {{"ideal_count", r.ideal_count}, {"good_count", r.good_count}, {"most_count", r.most_count}};
+  if (f.passes.empty()) return row;
+  row.score = count <= r.ideal_count.limit ? 5 : count <= r.good_count.limit ? 4 : count <= r.most_count.limit ? 3 : 1;
+  row.why = *row.score == 5 ? "as few as can be" : *row.score > 1 ? "several passes" : "too many passes";
+  row.decided_s = f.passes.back().begin_s;
+  return row;
+}
+
+ScoreRow score_time(const SubclavianFacts& f, const TimeRubric& r) {
+  if (f.passes.empty()) return time_row(f, r, "the needle entered nothing");
+  return time_row(f, r, f.end == LessonEnd::finished ? "" : name_of(f.end));
+}
+
+double earlier(double a, double b) { return a < 0 ? b : b < 0 ? a : std::min(a, b); }
+
+}  // namespace
+
+NeedleColour needle_colour(const SubclavianFacts& f, const SubclavianRubric& rubric) {
+  const bool failed = f.artery_s >= 0 || f.pleura_s >= 0 || f.lung_s >= 0 ||
+                      double(f.passes.size()) > rubric.passes.most_count.limit ||
+                      f.procedure_s() > rubric.time.allotted_s.limit || f.end == LessonEnd::device_lost;
+  if (failed) return NeedleColour::red;
+  if (f.blood_s >= 0) return NeedleColour::green;
+  return f.end == LessonEnd::running ? NeedleColour::none : NeedleColour::red;
+}
+
+LessonScore score_subclavian(const SubclavianFacts& f, const CaseManifest& manifest, const HapticVolume& before,
+                             const SubclavianRubric& rubric) {
+  const ChestShapes shapes = chest_shapes_of(manifest);
+  const ChestFrame frame = chest_frame_of(before, shapes);
+  const double lung_s = earlier(f.pleura_s, f.lung_s);
+  bool lung_known = frame.has_lung[0] && frame.has_lung[1];
+  if (!f.passes.empty()) {
+    lung_known = true;
+    for (const VeinPass& p : f.passes) lung_known = lung_known && frame.has_lung[frame.side_of(p.entry_mm)];
+  }
+  LessonScore score;
+  score.rows = {
+      score_puncture(f, frame, rubric.puncture),
+      score_direction(f, frame, rubric.direction),
+      score_vein(f, shapes),
+      score_untouched(f, "artery", "Artery", shapes.artery != 0, "the case has none", f.artery_s, "the artery"),
+      score_untouched(f, "lung", "Pleura and lung", lung_known, "the case shows no lung on that side", lung_s,
+                      f.lung_s >= 0 ? "the lung" : "the pleura"),
+      score_passes(f, rubric.passes),
+      score_time(f, rubric.time)};
+  const bool success = needle_colour(f, rubric) == NeedleColour::green && f.end == LessonEnd::finished;
+  score.figures = {{"success", success},
+                   {"first_pass", success && f.passes.size() == 1},
+                   {"passes_count", int(f.passes.size())},
+                   {"aspirations_count", int(f.aspirations.size())}};
+  return score;
+}
+
+}  // namespace trephine

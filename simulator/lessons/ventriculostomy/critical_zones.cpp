@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/ventriculostomy/critical_zones.h"
+
+namespace trephine {
+
+CriticalZones::CriticalZones(const LoadedCase& loaded) {
+  for (const char* name : critical_names)
+    if (const TriMesh* surface = loaded.find_surface(name); surface && !surface->triangles.empty())
+      zones_.emplace(name, PointToMesh(*surface));
+}
+
+bool CriticalZones::holds(const std::string& name, Vec3 p) const {
+  const auto zone = zones_.find(name);
+  return zone != zones_.end() && zone->second.signed_distance_mm(p) <= 0;
+}
+
+}  // namespace trephine

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/ventriculostomy/dura_watch.h"
+
+#include <algorithm>
+
+#include "haptics/proxy.h"
+
+namespace trephine {
+
+DuraWatch::DuraWatch(const CaseManifest& manifest, std::optional<DuraFacts>& facts) {
+  for (const CaseShape& shape : manifest.haptic.shapes)
+    if (shape.name == "dura") {
+      shape_ = shape.number;
+      bears_n_ = shape.material.front.pop_through_n;
+      facts.emplace();
+    }
+}
+
+void DuraWatch::tick(const ServoFrame& f, bool drilling, std::optional<DuraFacts>& facts) {
+  if (!facts) return;
+  // A tool that gives way is some millimetres farther in the same tick: what it left is what it touched before.
+  if (held_ && f.events & haptic_event::popped) facts->pops.push_back(last_);
+  held_ = f.touched == shape_;
+  if (!held_) return;
+  const double force_n = norm(Vec3{f.force_n[0], f.force_n[1], f.force_n[2]});
+  last_ = {f.time_s, {f.proxy_mm[0], f.proxy_mm[1], f.proxy_mm[2]}, force_n};
+  if (!drilling) return;
+  if (facts->burr_first_s < 0) facts->burr_first_s = f.time_s;
+  facts->burr_s += f.dt_s;
+  facts->burr_n = std::max(facts->burr_n, force_n);
+  facts->breached = facts->breached || (bears_n_ > 0 && force_n > bears_n_);
+}
+
+}  // namespace trephine

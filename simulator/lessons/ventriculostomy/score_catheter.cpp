@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The rows of the catheter and of time.
+#include <algorithm>
+#include <cmath>
+
+#include "lessons/time_row.h"
+#include "lessons/ventriculostomy/score_parts.h"
+#include "voxel/decode.h"
+
+namespace trephine::detail {
+namespace {
+
+const char* no_catheter = "no catheter lies in the brain";
+
+Vec3 tip_of(const CatheterPass& pass) { return pass.path.back().tip_mm; }
+
+}  // namespace
+
+bool Scoring::on_left() const {
+  const Vec3 at = facts.hole              ? facts.hole->outer_mm
+                  : !facts.passes.empty() ? facts.passes.back().entry_mm
+                                          : frame.nasion_mm - frame.left;  // right, as the table's figures
+  return frame.left_of_midline_mm(at) > 0;
+}
+
+std::string Scoring::foramen_doubt() const {
+  double confidence = 0;
+  if (!foramen_of(manifest, on_left(), &confidence)) return "the case has no foramen of Monro on that side";
+  return confidence < rubric.tip.least_confidence_ratio.limit ? "the foramen of Monro of this case is doubtful" : "";
+}
+
+std::string Scoring::critical_at(const CatheterPass& pass, const PassPoint& p) const {
+  for (const CaseShape& shape : manifest.haptic.shapes)
+    if (shape.number == p.inside)
+      for (const char* name : critical_names)
+        if (shape.name == name) return name;
+  // Of the third ventricle only its liquor counts: its walls are brain like all else. Nor does what lies at the
+  // foramen, to which the catheter goes: a zone's border there is known to some millimetres.
+  const CriticalRubric& r = rubric.critical;
+  const std::optional<Vec3> target = foramen();
+  const bool sure = target && foramen_doubt().empty();
+  const double below = sure ? dot(*target - p.tip_mm, frame.upwards) : r.third_ventricle_below_mm.limit;
+  const bool in_liquor = p.inside == shapes.ventricles && below >= r.third_ventricle_below_mm.limit;
+  if (zones.holds("sagittal_sinus", pass.entry_mm) || zones.holds("sagittal_sinus", p.tip_mm)) return "sagittal_sinus";
+  if (in_liquor && zones.holds("third_ventricle", p.tip_mm)) return "third_ventricle";
+  if (zones.holds("brainstem", p.tip_mm)) return "brainstem";
+  if (!zones.has("sagittal_sinus") && std::abs(frame.left_of_midline_mm(pass.entry_mm)) <= r.sinus_mm.limit)
+    return "sagittal_sinus";
+  if (!sure) return "";  // what is measured from the foramen would be a guess
+  const double side = std::abs(frame.left_of_midline_mm(p.tip_mm));
+  if (!zones.has("third_ventricle") && in_liquor && side <= r.third_ventricle_mm.limit) return "third_ventricle";
+  if (zones.has("brainstem")) return "";
+  return side <= r.brainstem_mm.limit && below >= r.brainstem_below_mm.limit ? "brainstem" : "";
+}
+
+double distance_to_ventricles_mm(const Scoring& s, Vec3 tip, double most_mm) {
+  const HapticDecoder decoder(s.before);
+  constexpr double step_mm = 0.25;
+  constexpr int ways = 256;
+  for (double r = 0; r < most_mm; r += step_mm)
+    for (int n = 0; n < (r > 0 ? ways : 1); ++n) {
+      const double z = 1 - (2 * n + 1.0) / ways, a = n * M_PI * (3 - std::sqrt(5.0)), q = std::sqrt(1 - z * z);
+      if (decoder.trilinear(s.shapes.ventricles, tip + Vec3{q * std::cos(a), q * std::sin(a), z} * r) >= 0.5) return r;
+    }
+  return most_mm;
+}
+
+// Where the catheter's line meets the table: a plane across the hole there.
+double depth_mm(const Scoring& s, const CatheterPass& pass) {
+  const Vec3 tip = tip_of(pass);
+  Vec3 out = normalized(pass.entry_mm - tip);
+  if (out == Vec3{}) out = pass.out;
+  if (!s.facts.hole) return norm(pass.entry_mm - tip);
+  const BoneHole& hole = *s.facts.hole;
+  const Vec3 at = s.rubric.depth.measured_from == DepthRubric::From::outer_table ? hole.outer_mm : hole.inner_mm;
+  const double across = dot(out, hole.out);
+  return across > 0.2 ? dot(at - tip, hole.out) / across : norm(at - tip);
+}
+
+ScoreRow score_trajectory(const Scoring& s) {
+  const TrajectoryRubric& r = s.rubric.trajectory;
+  ScoreRow row{"trajectory", "Trajectory of catheter insertion", {}, "", {}, {}, {}};
+  row.limits = {
+      {"midline_mm", r.midline_mm}, {"ideal_mm", r.ideal_mm}, {"good_mm", r.good_mm}, {"lateral_mm", r.lateral_mm}};
+  const auto decide = [&](int score, const std::string& why, double time_s) {
+    row.score = score;
+    row.why = why;
+    row.decided_s = time_s;
+    return row;
+  };
+  if (s.facts.passes.empty()) {
+    row.score = 1;
+    row.why = "no catheter entered the brain";
+    return row;
+  }
+  const double own_side = s.on_left() ? 1 : -1;
+  double across = 0;
+  for (const CatheterPass& pass : s.facts.passes)
+    for (const PassPoint& p : pass.path) across = std::max(across, -own_side * s.frame.left_of_midline_mm(p.tip_mm));
+  row.measured = {{"beyond_midline_mm", across}};
+  // What any pass hit counts, not the last one's alone.
+  for (const CatheterPass& pass : s.facts.passes)
+    for (const PassPoint& p : pass.path) {
+      if (-own_side * s.frame.left_of_midline_mm(p.tip_mm) > r.midline_mm.limit)
+        return decide(1, "traverses the midline", p.time_s);
+      if (const std::string name = s.critical_at(pass, p); !name.empty()) {
+        std::string said = name;
+        std::replace(said.begin(), said.end(), '_', ' ');
+        return decide(1, "passes through the " + said, p.time_s);
+      }
+    }
+  row.why = s.foramen_doubt();
+  if (!row.why.empty()) return row;
+  const std::optional<Vec3> target = s.foramen();
+  const CatheterPass& pass = s.facts.passes.back();
+  // Of a pass that was drawn out again the deepest point tells the way, not the last.
+  Vec3 tip = tip_of(pass);
+  if (!pass.in_place)
+    for (const PassPoint& p : pass.path)
+      if (dot(pass.entry_mm - p.tip_mm, pass.out) > dot(pass.entry_mm - tip, pass.out)) tip = p.tip_mm;
+  Vec3 way = normalized(tip - pass.entry_mm);
+  if (way == Vec3{}) way = -pass.out;
+  const Vec3 miss = *target - pass.entry_mm - way * dot(*target - pass.entry_mm, way);
+  const double off = norm(miss), lateral = -own_side * dot(miss, s.frame.left);
+  row.measured.emplace_back("line_off_foramen_mm", off);
+  row.measured.emplace_back("line_off_lateral_mm", lateral);
+  const double end_s = pass.path.back().time_s;
+  if (off <= r.ideal_mm.limit) return decide(5, "ideal path", end_s);
+  if (off <= r.good_mm.limit) return decide(4, "nearly ideal path", end_s);
+  const char* how = lateral > 0 ? "too lateral" : "too medial";
+  if (off <= r.lateral_mm.limit) return decide(3, std::string(how) + ", avoids critical structures", end_s);
+  return decide(2, std::string("far ") + how + ", avoids critical structures", end_s);
+}
+
+ScoreRow score_depth(const Scoring& s) {
+  const DepthRubric& r = s.rubric.depth;
+  ScoreRow row{"depth", "Depth of catheter insertion", {}, "", {}, {}, {}};
+  row.limits = {{"least_mm", r.least_mm},           {"low_mm", r.low_mm},   {"ideal_low_mm", r.ideal_low_mm},
+                {"ideal_high_mm", r.ideal_high_mm}, {"high_mm", r.high_mm}, {"most_mm", r.most_mm}};
+  const CatheterPass* pass = s.final_pass();
+  if (!pass) {
+    row.score = 1;
+    row.why = no_catheter;
+    return row;
+  }
+  const double depth = depth_mm(s, *pass);
+  row.measured = {{"depth_mm", depth}};
+  row.decided_s = pass->path.back().time_s;
+  row.score = depth < r.least_mm.limit || depth > r.most_mm.limit             ? 1
+              : depth < r.low_mm.limit || depth > r.high_mm.limit             ? 2
+              : depth < r.ideal_low_mm.limit || depth > r.ideal_high_mm.limit ? 3
+                                                                              : 5;
+  row.why = *row.score == 5 ? "ideal depth" : depth < r.ideal_low_mm.limit ? "not deep enough" : "too deep";
+  return row;
+}
+
+ScoreRow score_tip(const Scoring& s) {
+  const TipRubric& r = s.rubric.tip;
+  ScoreRow row{"tip", "Final location of catheter tip", {}, "", {}, {}, {}};
+  row.limits = {{"foramen_mm", r.foramen_mm}, {"near_mm", r.near_mm}, {"missed_mm", r.missed_mm}};
+  const CatheterPass* pass = s.final_pass();
+  const auto decide = [&](int score, const char* why) {
+    row.score = score;
+    row.why = why;
+    if (pass) row.decided_s = pass->path.back().time_s;
+    return row;
+  };
+  if (!pass) return decide(1, no_catheter);
+  const Vec3 tip = tip_of(*pass);
+  const double missed = distance_to_ventricles_mm(s, tip, r.missed_mm.limit + 1);
+  const bool inside = pass->path.back().inside == s.shapes.ventricles;
+  row.measured = {{"outside_ventricles_mm", inside ? 0 : missed}};
+  const std::optional<Vec3> target = s.foramen();
+  const double off = target ? norm(tip - *target) : 0;
+  if (target) row.measured.emplace_back("foramen_off_mm", off);
+  if (s.critical_at(*pass, pass->path.back()) == "third_ventricle") return decide(2, "in the third ventricle");
+  if (!inside)
+    return missed <= r.missed_mm.limit ? decide(2, "narrowly not in the ventricle") : decide(1, "not in the ventricle");
+  const double own_side = s.on_left() ? 1 : -1;
+  if (own_side * s.frame.left_of_midline_mm(tip) < 0) return decide(3, "in the contralateral ventricle");
+  row.why = s.foramen_doubt();
+  if (!row.why.empty()) return row;
+  if (off <= r.foramen_mm.limit) return decide(5, "at the ipsilateral foramen of Monro");
+  if (off <= r.near_mm.limit) return decide(4, "near the ipsilateral foramen of Monro");
+  return decide(3, "in the ipsilateral ventricle");
+}
+
+ScoreRow score_time(const Scoring& s) {
+  return time_row(s.facts, s.rubric.time, s.facts.end == LessonEnd::finished ? "" : name_of(s.facts.end));
+}
+
+}  // namespace trephine::detail
+
+namespace trephine {
+
+LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const CaseManifest& manifest,
+                                  const HapticVolume& before, const VentriculostomyRubric& rubric,
+                                  const CriticalZones& zones) {
+  const detail::Scoring s{facts, manifest, before, rubric, head_frame_of(manifest), head_shapes_of(manifest), zones};
+  LessonScore score;
+  score.rows = {detail::score_landmarks(s), detail::score_burr_hole(s), detail::score_trajectory(s),
+                detail::score_depth(s),     detail::score_tip(s),       detail::score_time(s)};
+  bool in_ventricle = false, first_pass = false, contralateral = false, third_ventricle = false;
+  if (const CatheterPass* pass = s.final_pass(); pass && !pass->path.empty()) {
+    const PassPoint& end = pass->path.back();
+    in_ventricle = end.inside == s.shapes.ventricles;
+    first_pass = in_ventricle && facts.passes.size() == 1;
+    third_ventricle = s.critical_at(*pass, end) == "third_ventricle";
+    contralateral = in_ventricle && !third_ventricle && (s.frame.left_of_midline_mm(end.tip_mm) > 0) != s.on_left();
+  }
+  score.figures = {{"passes_count", int(facts.passes.size())},
+                   {"in_ventricle", in_ventricle},
+                   {"first_pass", first_pass},
+                   {"contralateral", contralateral},
+                   {"third_ventricle", third_ventricle}};
+  const auto of_dura = [&](const char* name, auto value) {
+    score.figures.push_back({name, std::monostate{}});
+    if (facts.dura) score.figures.back().value = value(*facts.dura);
+  };
+  of_dura("dura_passed", [](const DuraFacts& d) { return !d.pops.empty(); });
+  of_dura("dura_breached", [](const DuraFacts& d) { return d.breached; });
+  of_dura("burr_on_dura_n", [](const DuraFacts& d) { return d.burr_n; });
+  return score;
+}
+
+}  // namespace trephine

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The rows of what is done before the catheter: landmarks and the burr hole.
+#include <algorithm>
+#include <cmath>
+
+#include "lessons/ventriculostomy/score_parts.h"
+
+namespace trephine::detail {
+namespace {
+
+constexpr double none_mm = 1e9;
+
+// Of all traces that are long enough, how far the best one lies off, and when it was drawn.
+struct Best {
+  double off_mm = none_mm, length_mm = 0, end_s = 0;
+  bool any() const { return off_mm < none_mm; }
+};
+
+template <class F>
+Best best_trace(const Scoring& s, double least_mm, F off_mm) {
+  Best best;
+  for (const MarkerTrace& t : s.facts.traces) {
+    if (t.length_mm < least_mm) continue;
+    double most = 0;
+    for (const Vec3& p : t.points_mm) most = std::max(most, off_mm(p));
+    if (most < best.off_mm) best = {most, t.length_mm, t.end_s};
+  }
+  return best;
+}
+
+// 2 where it was found, 1 where nearly, 0 where not.
+int found(const Best& best, const RubricLimit& limit, const RubricLimit& near) {
+  return best.off_mm <= limit.limit ? 2 : best.off_mm <= near.limit ? 1 : 0;
+}
+
+std::string doubt_of(const Scoring& s) {
+  const double least = s.rubric.burr_hole.least_confidence_ratio.limit;
+  if (s.facts.drilled_beforehand) return "the hole was there beforehand";
+  if (!s.frame.bregma_mm) return "the case has no bregma, so the coronal suture is not known";
+  if (s.frame.suture_confidence < least) return "the coronal suture of this case is doubtful";
+  if (s.frame.midline_confidence < least) return "the midline of this case is doubtful";
+  return "";
+}
+
+}  // namespace
+
+ScoreRow score_landmarks(const Scoring& s) {
+  ScoreRow row{"landmarks", "Anatomy and landmarks", {}, doubt_of(s), {}, {}, {}};
+  if (!row.why.empty()) return row;
+  const LandmarksRubric& r = s.rubric.landmarks;
+  const Best midline =
+      best_trace(s, r.midline_trace_mm.limit, [&](Vec3 p) { return std::abs(s.frame.left_of_midline_mm(p)); });
+  const Best suture =
+      best_trace(s, r.suture_trace_mm.limit, [&](Vec3 p) { return std::abs(s.frame.before_suture_mm(p)); });
+  const int of_midline = found(midline, r.midline_mm, r.midline_near_mm);
+  const int of_suture = found(suture, r.suture_mm, r.suture_near_mm);
+  row.score = 1 + of_midline + of_suture;
+  constexpr const char* how[] = {"not", "nearly", "well"};
+  row.why = std::string("midline ") + how[of_midline] + " identified, coronal suture " + how[of_suture] + " identified";
+  if (midline.any()) row.measured = {{"midline_off_mm", midline.off_mm}, {"midline_trace_mm", midline.length_mm}};
+  if (suture.any()) {
+    row.measured.emplace_back("suture_off_mm", suture.off_mm);
+    row.measured.emplace_back("suture_trace_mm", suture.length_mm);
+  }
+  row.limits = {
+      {"midline_mm", r.midline_mm}, {"midline_near_mm", r.midline_near_mm}, {"midline_trace_mm", r.midline_trace_mm},
+      {"suture_mm", r.suture_mm},   {"suture_near_mm", r.suture_near_mm},   {"suture_trace_mm", r.suture_trace_mm}};
+  if (of_midline + of_suture > 0)
+    row.decided_s = std::max(of_midline > 0 ? midline.end_s : 0, of_suture > 0 ? suture.end_s : 0);
+  else if (!s.facts.traces.empty())
+    row.decided_s = s.facts.traces.back().end_s;
+  return row;
+}
+
+ScoreRow score_burr_hole(const Scoring& s) {
+  ScoreRow row{"burr_hole", "Burr hole placement", {}, doubt_of(s), {}, {}, {}};
+  if (!row.why.empty()) return row;
+  const BurrHoleRubric& r = s.rubric.burr_hole;
+  const auto decide = [&](int score, const char* why) {
+    row.score = score;
+    row.why = why;
+    return row;
+  };
+  if (!s.facts.hole || !s.facts.hole->drilled) return decide(1, "no hole was drilled");
+  const BoneHole& hole = *s.facts.hole;
+  row.decided_s = s.facts.through_s >= 0 ? s.facts.through_s : s.facts.end_s;
+  const CaseLandmark* kocher = find_landmark(s.manifest, s.on_left() ? "kocher_left" : "kocher_right");
+  if (!kocher || kocher->confidence < r.least_confidence_ratio.limit) {
+    row.decided_s.reset();
+    row.why = kocher ? "Kocher's point of this case is doubtful" : "the case has no Kocher's point";
+    return row;
+  }
+  const Vec3 d = hole.outer_mm - kocher->position_mm;
+  const double off = norm(d - hole.out * dot(d, hole.out));  // Kocher's point lies on the skin, the hole in the bone
+  const double side = std::abs(s.frame.left_of_midline_mm(hole.outer_mm));
+  const double before = s.frame.before_suture_mm(hole.outer_mm);
+  row.measured = {
+      {"kocher_off_mm", off}, {"lateral_mm", side}, {"before_suture_mm", before}, {"removed_mm3", hole.removed_mm3}};
+  row.limits = {{"midline_mm", r.midline_mm}, {"kocher_mm", r.kocher_mm}, {"near_mm", r.near_mm}, {"far_mm", r.far_mm}};
+  if (!hole.through) return decide(1, "the hole does not let the catheter through");
+  if (side <= r.midline_mm.limit) return decide(1, "placed along the midline");
+  if (before < 0) return decide(1, "placed behind the coronal suture");
+  if (off <= r.kocher_mm.limit) return decide(5, "at Kocher's point");
+  if (off <= r.near_mm.limit) return decide(4, "near Kocher's point");
+  const double more_lateral = side - std::abs(s.frame.left_of_midline_mm(kocher->position_mm));
+  const double more_anterior = before - s.frame.before_suture_mm(kocher->position_mm);
+  // Towards midline and suture lies what must not be hit: a hole that errs that way is no better for erring the other
+  // way as well. What counts as at Kocher's point is no error.
+  if (std::max(more_lateral, more_anterior) <= 0 || std::min(more_lateral, more_anterior) < -r.kocher_mm.limit)
+    return decide(2, "nearer to midline or suture than Kocher's point");
+  if (off > r.far_mm.limit) return decide(2, "far from Kocher's point");
+  return decide(3, more_lateral > more_anterior ? "too lateral" : "too anterior");
+}
+
+}  // namespace trephine::detail

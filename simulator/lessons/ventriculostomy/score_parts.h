@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "lessons/ventriculostomy/ventriculostomy_score.h"
+
+namespace trephine::detail {
+
+/// What every row is scored from.
+struct Scoring {
+  const VentriculostomyFacts& facts;
+  const CaseManifest& manifest;
+  const HapticVolume& before;
+  const VentriculostomyRubric& rubric;
+  HeadFrame frame;
+  HeadShapes shapes;
+  const CriticalZones& zones;
+
+  const CatheterPass* final_pass() const {
+    return !facts.passes.empty() && facts.passes.back().in_place ? &facts.passes.back() : nullptr;
+  }
+  /// The side of the hole, or of the catheter where there is none.
+  bool on_left() const;
+  std::optional<Vec3> foramen() const { return foramen_of(manifest, on_left()); }
+  /// Why nothing can be measured from the foramen; empty where it can.
+  std::string foramen_doubt() const;
+  /// "sagittal sinus", "third ventricle", "brainstem" or "" for a point of a catheter's way.
+  std::string critical_at(const CatheterPass& pass, const PassPoint& p) const;
+};
+
+ScoreRow score_landmarks(const Scoring& s);
+ScoreRow score_burr_hole(const Scoring& s);
+ScoreRow score_trajectory(const Scoring& s);
+ScoreRow score_depth(const Scoring& s);
+ScoreRow score_tip(const Scoring& s);
+ScoreRow score_time(const Scoring& s);
+
+/// How far the tip is from the ventricles, at most `most_mm`; most_mm and more where none is within that.
+double distance_to_ventricles_mm(const Scoring& s, Vec3 tip_mm, double most_mm);
+/// Along the catheter, from the table of the bone that the rubric says to the tip.
+double depth_mm(const Scoring& s, const CatheterPass& pass);
+
+}  // namespace trephine::detail

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "lessons/lesson_type.h"
+#include "lessons/report_pictures.h"
+#include "lessons/ventriculostomy/head_moves.h"
+#include "lessons/ventriculostomy/ventriculostomy_score.h"
+
+namespace trephine {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using detail::PictureMark;
+
+Json list_of(Vec3 v) { return {v.x, v.y, v.z}; }
+Json moment(double time_s) { return time_s < 0 ? Json(nullptr) : Json(time_s); }
+
+Json json_of(const VentriculostomyFacts& f) {
+  Json traces = Json::array(), incisions = Json::array(), passes = Json::array();
+  for (const MarkerTrace& t : f.traces)
+    traces.push_back({{"begin_s", t.begin_s},
+                      {"end_s", t.end_s},
+                      {"length_mm", t.length_mm},
+                      {"erased", t.erased},
+                      {"from_mm", list_of(t.points_mm.front())},
+                      {"to_mm", list_of(t.points_mm.back())}});
+  for (const LessonIncision& i : f.incisions) incisions.push_back({{"time_s", i.time_s}, {"at_mm", list_of(i.at_mm)}});
+  for (const CatheterPass& p : f.passes)
+    passes.push_back({{"begin_s", p.begin_s},
+                      {"end_s", p.end_s},
+                      {"entry_mm", list_of(p.entry_mm)},
+                      {"tip_mm", list_of(p.path.back().tip_mm)},
+                      {"csf_s", moment(p.csf_s)},
+                      {"in_place", p.in_place}});
+  Json out = {{"drilled_beforehand", f.drilled_beforehand},
+              {"traces", traces},
+              {"incisions", incisions},
+              {"drill_begin_s", moment(f.drill_begin_s)},
+              {"drill_s", f.drill_s},
+              {"through_s", moment(f.through_s)},
+              {"hole", nullptr},
+              {"passes", passes}};
+  if (f.dura) {
+    Json pops = Json::array();
+    for (const DuraPop& p : f.dura->pops)
+      pops.push_back({{"time_s", p.time_s}, {"at_mm", list_of(p.at_mm)}, {"force_n", p.force_n}});
+    out["dura"] = {{"pops", pops},
+                   {"burr_first_s", moment(f.dura->burr_first_s)},
+                   {"burr_s", f.dura->burr_s},
+                   {"burr_n", f.dura->burr_n},
+                   {"breached", f.dura->breached}};
+  }
+  if (f.hole)
+    out["hole"] = {{"outer_mm", list_of(f.hole->outer_mm)},
+                   {"inner_mm", list_of(f.hole->inner_mm)},
+                   {"out", list_of(f.hole->out)},
+                   {"removed_mm3", f.hole->removed_mm3},
+                   {"through", f.hole->through},
+                   {"drilled", f.hole->drilled}};
+  return out;
+}
+
+std::string ways_html(const VentriculostomyFacts& facts, const LoadedCase& loaded) {
+  std::vector<PictureMark> marks;
+  for (const MarkerTrace& t : facts.traces)
+    if (t.points_mm.size() > 1) marks.push_back({t.points_mm, "way"});
+  for (const CatheterPass& pass : facts.passes) {
+    PictureMark way{{}, "way"};
+    for (const PassPoint& p : pass.path) way.points_mm.push_back(p.tip_mm);
+    if (way.points_mm.size() > 1) marks.push_back(way);
+  }
+  const HeadFrame frame = head_frame_of(loaded.manifest);
+  std::optional<Vec3> target;
+  if (facts.hole) {
+    target = foramen_of(loaded.manifest, frame.left_of_midline_mm(facts.hole->outer_mm) > 0);
+    marks.push_back({{facts.hole->outer_mm}, "hole"});
+    if (target) marks.push_back({{facts.hole->outer_mm, *target}, "expert"});
+  }
+  if (target) marks.push_back({{*target}, "target"});
+  std::string out;
+  if (facts.hole) out += "<h2>The burr hole</h2>\n" + detail::slices_html(loaded, facts.hole->outer_mm, marks);
+  if (!facts.passes.empty()) {
+    const Vec3 tip = facts.passes.back().path.back().tip_mm;
+    marks.push_back({{tip}, "tip"});
+    out += "<h2>The catheter's tip</h2>\n" + detail::slices_html(loaded, tip, marks);
+  }
+  out +=
+      "<p class=\"faint\">Orange: what was drawn and where the catheter's tip went, projected onto the slice. Blue "
+      "ring: the hole. Red "
+      "ring: the foramen of Monro on that side. Green: the straight way from this hole to it.";
+  return out + (loaded.has_ct() ? "" : " The case holds no CT to show behind it.") + "</p>\n";
+}
+
+const VentriculostomyFacts& own(const LessonFacts& facts) { return static_cast<const VentriculostomyFacts&>(facts); }
+
+std::vector<LessonGuide> guide_of(const VentriculostomyFacts& f) {
+  std::vector<LessonGuide> steps;
+  if (!f.drilled_beforehand)
+    steps = {{"Mark: the pedal draws", "marker", ""},
+             {"Traces erased", "", "erase"},
+             {"Skin incised at the last mark", "", "incise"},
+             {"Drill: the pedal runs the burr", "burr", ""}};
+  steps.push_back({"Pass the catheter", "catheter", ""});
+  steps.push_back({"Finished", "", "finish"});
+  return steps;
+}
+
+std::vector<LessonStatus> status_of(const VentriculostomyFacts& f) {
+  std::vector<LessonStatus> all;
+  if (!f.drilled_beforehand) {
+    const double trace_mm = f.traces.empty() ? 0 : f.traces.back().length_mm;
+    all = {{"trace_mm", "Last trace, mm", fmt::format("{:.0f}", trace_mm)},
+           {"traces_count", "Traces", std::to_string(f.traces.size())},
+           {"incisions_count", "Incisions", std::to_string(f.incisions.size())},
+           {"hole", "Hole",
+            f.through_s >= 0 ? "through"
+            : f.hole         ? "not through"
+                             : "-"}};
+  }
+  if (f.dura)
+    all.push_back({"dura", "Dura",
+                   f.dura->breached            ? "breached by the burr"
+                   : !f.dura->pops.empty()     ? "passed"
+                   : f.dura->burr_first_s >= 0 ? "touched by the burr"
+                                               : "-"});
+  all.push_back({"passes_count", "Passes", std::to_string(f.passes.size())});
+  return all;
+}
+
+std::vector<Vec3> ink_of(const VentriculostomyFacts& f) {
+  std::vector<Vec3> dots;
+  for (const MarkerTrace& t : f.traces)
+    if (!t.erased) dots.insert(dots.end(), t.points_mm.begin(), t.points_mm.end());
+  return dots;
+}
+
+std::string outcome(const LessonFacts&, const LessonScore& score) {
+  return fmt::format("catheter passes: {}, {}", score.count("passes_count"),
+                     score.flag("first_pass")     ? "success at the first pass"
+                     : score.flag("in_ventricle") ? "the catheter lies in a ventricle"
+                                                  : "the catheter lies in no ventricle");
+}
+
+}  // namespace
+
+LessonType ventriculostomy_lesson() {
+  LessonType m;
+  m.name = "ventriculostomy";
+  m.summary = "a burr hole, and a catheter into the ventricle";
+  m.rows = {"landmarks", "burr_hole", "trajectory", "depth", "tip", "time"};
+  const auto measured = [&](const char* row, const char* name) {
+    m.columns.push_back({name, std::string("measured for the row ") + row, row});
+  };
+  measured("burr_hole", "kocher_off_mm");
+  measured("trajectory", "line_off_foramen_mm");
+  measured("trajectory", "beyond_midline_mm");
+  measured("depth", "depth_mm");
+  measured("tip", "foramen_off_mm");
+  measured("time", "procedure_s");
+  m.columns.push_back({"passes_count", "how often the catheter entered the brain", ""});
+  for (const char* name : {"in_ventricle", "first_pass", "contralateral", "third_ventricle"})
+    m.columns.push_back({name, "1 or 0, of the catheter's last place", ""});
+  m.columns.push_back({"dura_passed", "1 or 0: a catheter gave way through the dura; empty where none is felt", ""});
+  m.columns.push_back({"dura_breached", "1 or 0: the burr pressed on the dura with more than it bears", ""});
+  m.columns.push_back({"burr_on_dura_n", "the largest force of the running burr while it touched the dura", ""});
+  m.steps = with_common_steps({script_step<TraceStep>("trace", "Draws a line on the skin with the pedal down."),
+                               script_step("erase", "Takes the lines away."),
+                               script_step("incise", "Cuts the skin around the last point of the marker."),
+                               script_step<DrillStep>("drill", "Drills a hole with the pedal down."),
+                               script_step<InsertStep>("insert", "Moves the tool on a straight line into the head.")});
+  m.classes = {"normal", "hydrocephalic", "shifted", "small"};
+  m.require = [](const CaseManifest& manifest) {
+    head_shapes_of(manifest);
+    head_frame_of(manifest);
+  };
+  m.tools = ventriculostomy_tools;
+  m.plan = plan_head_moves;
+  m.begin = [](const CaseManifest& manifest, const HapticVolume& before, const HapticVolume& now) {
+    return std::unique_ptr<Lesson>(std::make_unique<Ventriculostomy>(manifest, before, now));
+  };
+  m.score = [](const LessonFacts& facts, const LoadedCase& loaded, const HapticVolume& before,
+               const AnyParams& rubric) {
+    return score_ventriculostomy(own(facts), loaded.manifest, before, rubric.as<VentriculostomyRubric>(),
+                                 CriticalZones(loaded));
+  };
+  m.texts = {{"Mark: the pedal draws", "Anzeichnen: das Pedal zeichnet"},
+             {"Traces erased", "Spuren gelöscht"},
+             {"Skin incised at the last mark", "Hautschnitt an der letzten Marke"},
+             {"Drill: the pedal runs the burr", "Bohren: das Pedal treibt den Bohrer"},
+             {"Pass the catheter", "Katheter einführen"},
+             {"Traces", "Spuren"},
+             {"Incisions", "Hautschnitte"},
+             {"Hole", "Bohrloch"},
+             {"through", "offen"},
+             {"not through", "nicht offen"},
+             {"Dura", "Dura"},
+             {"breached by the burr", "vom Bohrer verletzt"},
+             {"passed", "durchstoßen"},
+             {"touched by the burr", "vom Bohrer berührt"}};
+  m.guide = [](const LessonFacts& facts) { return guide_of(own(facts)); };
+  m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };
+  m.ink = [](const LessonFacts& facts) { return ink_of(own(facts)); };
+  m.facts_json = [](const LessonFacts& facts) { return json_of(own(facts)); };
+  m.outcome = outcome;
+  m.headline = [](const LessonFacts&, const LessonScore& score) {
+    return fmt::format("passes of the catheter: {}", score.count("passes_count"));
+  };
+  m.pictures = [](const LessonFacts& facts, const LoadedCase& loaded) { return ways_html(own(facts), loaded); };
+  return m;
+}
+
+}  // namespace trephine

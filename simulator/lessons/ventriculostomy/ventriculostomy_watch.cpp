@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/ventriculostomy/ventriculostomy_watch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace trephine {
+namespace {
+
+constexpr double lift_s = 0.3, lift_mm = 5;  // a marker that leaves the skin for less goes on with its trace
+constexpr double path_step_mm = 0.25;        // of a catheter's way
+constexpr double look_each_s = 0.25;         // while the burr runs
+constexpr double withdrawn_mm = 1;           // before the place of entry: nearer to it, in nothing, the tip is out
+
+Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
+
+BeltToolParams tool_of(const char* name, const char* kind) {
+  BeltToolParams t;
+  t.name = name;
+  t.tool = kind;
+  static_cast<ToolParams&>(t) = own_tool(t);
+  return t;
+}
+
+}  // namespace
+
+std::vector<BeltToolParams> ventriculostomy_tools() {
+  BeltToolParams marker = tool_of("marker", "marker"), burr = tool_of("burr", "ball"),
+                 catheter = tool_of("catheter", "catheter");
+  marker.blunt = marker.marks = true;
+  burr.blunt = burr.cuts = true;
+  return {marker, burr, catheter};
+}
+
+HeadShapes head_shapes_of(const CaseManifest& manifest) {
+  HeadShapes s;
+  for (const CaseShape& shape : manifest.haptic.shapes) {
+    if (shape.name == "skin") s.skin = shape.number;
+    if (shape.name == "brain") s.brain = shape.number;
+    if (shape.name == "ventricles") s.ventricles = shape.number;
+    if (shape.material.removal_energy_j_per_mm3 > 0 && s.bone == 0) s.bone = shape.number;
+  }
+  if (s.bone == 0 || s.brain == 0 || s.ventricles == 0)
+    throw Error(ExitCode::bad_input, "", "haptic.shapes", "the lesson needs bone, brain and ventricles that are felt");
+  return s;
+}
+
+const char* name_of(LessonPhase phase) {
+  constexpr const char* names[] = {"marking", "drilling", "catheter", "review"};
+  return names[int(phase)];
+}
+
+Ventriculostomy::Ventriculostomy(const CaseManifest& manifest, const HapticVolume& before, const HapticVolume& now)
+    : manifest_(manifest),
+      before_(before),
+      now_(now),
+      frame_(head_frame_of(manifest)),
+      shapes_(head_shapes_of(manifest)),
+      dura_(manifest, facts_.dura) {
+  facts_.hole = find_case_hole(manifest, {});
+  facts_.drilled_beforehand = facts_.hole.has_value();
+}
+
+LessonPhase Ventriculostomy::phase() const {
+  if (facts_.end != LessonEnd::running) return LessonPhase::review;
+  if (facts_.drilled_beforehand || facts_.through_s >= 0) return LessonPhase::catheter;
+  return facts_.incisions.empty() ? LessonPhase::marking : LessonPhase::drilling;
+}
+
+void Ventriculostomy::begin(const ServoFrame&, const ToolBelt& belt) {
+  for (const BeltToolParams& t : belt.tools())
+    if (!t.marks && !t.cuts) catheter_mm_ = t.tool_diameter_mm;
+}
+
+void Ventriculostomy::tick(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
+  const BeltToolParams& tool = belt.tools()[std::size_t(belt.in_hand())];
+  draw(f, pedal && tool.marks);
+  drill(f, belt, pedal && tool.cuts);
+  dura_.tick(f, pedal && tool.cuts, facts_.dura);
+  const bool catheter = !tool.marks && !tool.cuts;
+  if (catheter && !belt.paused())
+    pass(f);
+  else if (in_brain_ && !(catheter && stays(f)))
+    end_pass(f.time_s, false);
+}
+
+// In a pause the catheter stays where it is, unless it is lifted or moved.
+bool Ventriculostomy::stays(const ServoFrame& f) const {
+  return !(f.buttons & haptic_button::lifted) && norm(vec(f.proxy_mm) - last_tip_.tip_mm) <= withdrawn_mm;
+}
+
+void Ventriculostomy::command(int command, const ServoFrame& f, const ToolBelt& belt) {
+  if (command == belt_command::erase)
+    for (MarkerTrace& t : facts_.traces) t.erased = true;
+  if (command == belt_command::incise && belt.can_cut() && belt.has_mark())
+    facts_.incisions.push_back({f.time_s, belt.mark_mm()});
+}
+
+void Ventriculostomy::draw(const ServoFrame& f, bool pedal) {
+  if (!pedal) return end_trace();
+  const Vec3 at = vec(f.proxy_mm);
+  if (f.touched == 0) {
+    if (drawing_ && f.time_s - last_touch_s_ > lift_s) end_trace();
+    return;
+  }
+  if (drawing_ && norm(at - facts_.traces.back().points_mm.back()) > lift_mm) end_trace();
+  last_touch_s_ = f.time_s;
+  if (!drawing_) {
+    drawing_ = true;
+    facts_.traces.emplace_back();
+    facts_.traces.back().begin_s = f.time_s;
+    facts_.traces.back().points_mm.push_back(at);
+  }
+  MarkerTrace& t = facts_.traces.back();
+  t.end_s = f.time_s;
+  const double step = norm(at - t.points_mm.back());
+  if (step < trace_step_mm) return;
+  t.length_mm += step;
+  t.points_mm.push_back(at);
+}
+
+void Ventriculostomy::end_trace() { drawing_ = false; }
+
+void Ventriculostomy::drill(const ServoFrame& f, const ToolBelt& belt, bool pedal) {
+  if (facts_.drilled_beforehand || !belt.can_cut()) return;
+  if (pedal) {
+    facts_.drill_s += f.dt_s;
+    if (facts_.drill_begin_s < 0) facts_.drill_begin_s = f.time_s;
+    axis_sum_ += vec(f.axis);
+    const Vec3 index = now_.voxels.to_index(vec(f.tip_mm));
+    const Vec3 s = now_.voxels.spacing_mm;
+    const bool first = drilled_box_.empty();
+    const int reach = int(std::ceil(20 / std::min({s.x, s.y, s.z}))) + 2;  // no cutter is wider than 40 mm
+    for (int a = 0; a < 3; ++a) {
+      const int at = int(std::lround(std::clamp(index[a], -1e6, 1e6)));
+      const std::size_t n = std::size_t(a);
+      drilled_box_.begin[n] = first ? at - reach : std::min(drilled_box_.begin[n], at - reach);
+      drilled_box_.end[n] = first ? at + reach + 1 : std::max(drilled_box_.end[n], at + reach + 1);
+    }
+  }
+  removed_units_ = belt.removed_units(shapes_.bone);
+  const bool due = pedal ? f.time_s - looked_s_ > look_each_s : drilling_;
+  drilling_ = pedal;
+  if (due && removed_units_ != looked_units_) look_for_hole(f.time_s, catheter_mm_);
+}
+
+void Ventriculostomy::look_for_hole(double time_s, double ball_mm) {
+  looked_s_ = time_s;
+  looked_units_ = removed_units_;
+  // A hole that is open stays open; what comes after may be another one, or make it wider.
+  HoleSearch search;
+  search.bone = shapes_.bone;
+  search.ball_mm = ball_mm;
+  search.box = grown(drilled_box_, 0, now_.voxels);
+  search.out = axis_sum_;
+  if (!facts_.passes.empty()) search.near_mm = facts_.passes.back().entry_mm;
+  facts_.hole = find_drilled_hole(before_, now_, search);
+  if (facts_.hole && facts_.hole->through && facts_.through_s < 0) facts_.through_s = time_s;
+}
+
+void Ventriculostomy::pass(const ServoFrame& f) {
+  const Vec3 tip = vec(f.proxy_mm);
+  const bool inside = f.inside == shapes_.brain || f.inside == shapes_.ventricles;
+  // The tip pops through by some millimetres: it entered where it was held before.
+  const Vec3 before = held_tip_;
+  held_tip_ = tip;
+  if (!in_brain_) {
+    if (!inside) return;
+    in_brain_ = true;
+    CatheterPass p;
+    p.begin_s = p.end_s = f.time_s;
+    p.entry_mm = f.events & haptic_event::popped ? before : tip;
+    p.out = vec(f.axis);
+    facts_.passes.push_back(p);
+  }
+  CatheterPass& p = facts_.passes.back();
+  p.end_s = f.time_s;
+  if (f.inside == shapes_.ventricles && p.csf_s < 0) p.csf_s = f.time_s;
+  if (p.path.empty() || p.path.back().inside != f.inside || norm(tip - p.path.back().tip_mm) >= path_step_mm)
+    p.path.push_back({f.time_s, tip, f.inside});
+  last_tip_ = {f.time_s, tip, f.inside};
+  // In sulci and cisterns it is in nothing, and still in the brain.
+  if (!inside && dot(tip - p.entry_mm, p.out) > -withdrawn_mm) end_pass(f.time_s, false);
+}
+
+void Ventriculostomy::end_pass(double time_s, bool in_place) {
+  if (!in_brain_) return;
+  in_brain_ = false;
+  CatheterPass& p = facts_.passes.back();
+  p.end_s = time_s;
+  p.in_place = in_place;
+  if (in_place) p.path.push_back(last_tip_);
+}
+
+void Ventriculostomy::close() {
+  end_trace();
+  if (drilling_ && removed_units_ != looked_units_) look_for_hole(facts_.end_s, catheter_mm_);
+  drilling_ = false;
+  end_pass(facts_.end_s, true);
+  // Of several holes the one that the catheter went through.
+  if (facts_.passes.empty()) return;
+  if (facts_.drilled_beforehand)
+    facts_.hole = find_case_hole(manifest_, facts_.passes.back().entry_mm);
+  else if (removed_units_ > 0)
+    look_for_hole(facts_.end_s, catheter_mm_);
+}
+
+}  // namespace trephine
