@@ -8,6 +8,7 @@
 #include "base/write_file.h"
 #include "case_samples.h"
 #include "device/hand_path.h"
+#include "haptics/drilling.h"
 #include "haptics_scene.h"
 #include "scratch_folder.h"
 #include "session/session.h"
@@ -90,6 +91,30 @@ TEST(HapticsKinds, ToolsHaveAShape) {
   ToolParams params;
   params.tool = "spoon";
   EXPECT_EQ(error_of([&] { make_tool(params); }).code(), ExitCode::bad_config);
+}
+
+// What a tool can do is in its entry alone: whatever cuts has a cutter of that shape, and no other tool has one.
+TEST(HapticsKinds, WhatAKindCutsWithIsWhatItsToolCutsWith) {
+  DrillingParams params;
+  params.drill = true;
+  int cutting = 0;
+  for (const ToolKind& kind : all_tool_kinds()) {
+    SCOPED_TRACE(kind.name);
+    if (kind.from_file) continue;
+    ToolParams tool;
+    tool.tool = kind.name;
+    tool = own_tool(tool);
+    const double felt_mm = felt_tool(params, tool, {0.5, 0.5, 0.5}).tool_diameter_mm;
+    EXPECT_EQ(felt_mm < tool.tool_diameter_mm, kind.rotates()) << "what rotates is felt narrower than it cuts";
+    const Error refused = error_of([&] {
+      const Cutter cutter = cutter_of(params, tool);
+      ++cutting;
+      if (kind.rotates()) EXPECT_EQ(cutter.kind == Cutter::Kind::ball, kind.cut == ToolKind::Cut::ball);
+    });
+    EXPECT_EQ(refused.code() == ExitCode::usage, !kind.cuts());
+    if (!kind.cuts()) EXPECT_NE(std::string(refused.what()).find("burr, "), std::string::npos) << refused.what();
+  }
+  EXPECT_GE(cutting, 5);
 }
 
 TEST(HapticsSession, EqualOptionsGiveEqualBytes) {

@@ -203,9 +203,12 @@ void episode(std::uint64_t seed, double seconds, Seen& seen) {
   if (!kind.from_file) tool_params.tool = kind.name;
   const bool cuts = rng() % 2 == 0;  // the servo itself
   if (cuts) {
-    constexpr const char* cutters[] = {"burr", "ball", "round_burr", "craniotome", "scalpel"};
-    tool_params.tool = cutters[rng() % 5];
-    if (tool_params.tool != "scalpel" && rng() % 2) tool_params.tool_diameter_mm = uniform(rng, 1.5, 7);
+    std::vector<const ToolKind*> cutters;
+    for (const ToolKind& each : all_tool_kinds())
+      if (each.cuts()) cutters.push_back(&each);
+    const ToolKind& cutter = *cutters[rng() % cutters.size()];
+    tool_params.tool = cutter.name;
+    if (cutter.rotates() && rng() % 2) tool_params.tool_diameter_mm = uniform(rng, 1.5, 7);
   }
   ShaftParams shaft;
   shaft.shaft_length_mm = rng() % 2 ? 30 : 0;

@@ -15,7 +15,16 @@ constexpr double least_depth_mm = 1;    // of a way through bone that counts as 
 
 constexpr double least_felt_ratio = 0.3;  // of the diameter
 
-bool is_ball(const ToolParams& tool) { return tool.tool == "burr" || tool.tool == "round_burr" || tool.tool == "ball"; }
+// "a, b or c".
+std::string kinds_that_cut() {
+  std::vector<std::string> names;
+  for (const ToolKind& kind : all_tool_kinds())
+    if (kind.cuts()) names.push_back(kind.name);
+  std::string text;
+  for (std::size_t n = 0; n < names.size(); ++n)
+    text += (n == 0 ? "" : n + 1 < names.size() ? ", " : " or ") + names[n];
+  return text;
+}
 
 double smooth(double value, double to, double dt_s) { return value + (to - value) * dt_s / (dt_s + slowness_s); }
 
@@ -39,7 +48,7 @@ std::uint64_t drilled_shapes(const CaseHaptic& haptic) {
 
 ToolParams felt_tool(const DrillingParams& params, const ToolParams& tool, Vec3 spacing_mm) {
   ToolParams felt = tool;
-  if (!params.drill || !(is_ball(tool) || tool.tool == "craniotome")) return felt;
+  if (!params.drill || !tool_kind(tool.tool).rotates()) return felt;
   const double clearance_mm = params.clearance_voxels * std::max({spacing_mm.x, spacing_mm.y, spacing_mm.z});
   felt.tool_diameter_mm = std::max(tool.tool_diameter_mm - clearance_mm, least_felt_ratio * tool.tool_diameter_mm);
   return felt;
@@ -47,17 +56,15 @@ ToolParams felt_tool(const DrillingParams& params, const ToolParams& tool, Vec3 
 
 Cutter cutter_of(const DrillingParams& params, const ToolParams& tool) {
   Cutter c;
-  if (tool.tool == "scalpel") {  // it only incises: FeltCase::drilling_of gives it no shape to drill
+  const ToolKind& kind = tool_kind(tool.tool);
+  if (kind.cut == ToolKind::Cut::incision) {  // it only incises: FeltCase::drilling_of gives it no shape to drill
     c.radius_mm = 0.5;
     return c;
   }
-  const bool round = is_ball(tool);
-  const bool craniotome = tool.tool == "craniotome";
-  if (!round && !craniotome)
-    throw Error(ExitCode::usage, "", "--drill",
-                "needs --tool burr, round_burr, ball, craniotome or scalpel, not " + tool.tool);
-  const bool ball =
-      params.cutter == DrillingParams::Cutter::own ? round : params.cutter == DrillingParams::Cutter::ball;
+  if (!kind.cuts())
+    throw Error(ExitCode::usage, "", "--drill", "needs --tool " + kinds_that_cut() + ", not " + tool.tool);
+  const bool ball = params.cutter == DrillingParams::Cutter::own ? kind.cut == ToolKind::Cut::ball
+                                                                 : params.cutter == DrillingParams::Cutter::ball;
   c.kind = ball ? Cutter::Kind::ball : Cutter::Kind::cylinder;
   c.radius_mm = c.semi_a_mm = 0.5 * tool.tool_diameter_mm;
   c.semi_b_mm = c.semi_a_mm * params.cutter_width_ratio;

@@ -28,7 +28,7 @@ struct DrillingParams {
     using P = DrillingParams;
     v.flag(&P::drill, "drill", "The tool cuts: while button 1 is down it drills, and button 2 marks an incision.");
     v.choice(&P::cutter, "cutter", {{"own", Cutter::own}, {"ball", Cutter::ball}, {"cylinder", Cutter::cylinder}},
-             "What cuts; own: a ball for burrs and the ball, a cylinder for the craniotome.");
+             "What cuts; own: what the tool's kind says, such as a ball for a burr.");
     v.number(&P::cutter_height_mm, "cutter_height_mm", Range{0.1, 40}, "Length of a cylinder, from the tip.");
     v.number(&P::cutter_width_ratio, "cutter_width_ratio", Range{0.05, 1},
              "Smaller semi-axis of a cylinder as a share of the larger, which is half of the tool's diameter.");

@@ -91,7 +91,7 @@ std::vector<Vec3> points_of(const ToolParams& p) {
 
 // A ball, a rod, or a ball and the rod behind it.
 std::vector<RoundPart> round_parts(const ToolParams& p, double radius, double neck) {
-  if (p.tool == "ball") return {{radius, radius, radius}};
+  if (!tool_kind(p.tool).has_neck) return {{radius, radius, radius}};
   if (p.tool_tip != Tip::ball && p.tool_tip != Tip::round)
     throw Error(ExitCode::usage, "", "--tool-tip", "must be round or ball for --tool " + p.tool);
   if (p.tool_length_mm < 2 * radius)

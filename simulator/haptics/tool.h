@@ -59,15 +59,42 @@ std::string choice_name(const P& params, const char* name) {
   return std::get<std::string>(parameters_of<P>().find(name)->get(&params));
 }
 
-/// A kind of tool, declared once, in tool_kinds.cpp; choices and help come from there. docs/haptics.md says where the
-/// measures come from.
+/// A kind of tool: what it can do and how it is felt and drawn. It is declared once, in tool_kinds.cpp; whatever asks
+/// what a tool can do asks its kind, and no other source knows a tool by its name. docs/haptics.md says where the
+/// measures come from. Without more than a name, it is a point at the tip alone that does nothing.
 struct ToolKind {
+  /// What it removes while the pedal is down: what a rotating ball or cylinder meets; or, of an incision, only what no
+  /// rotating tool removes, such as skin.
+  enum class Cut { nothing, ball, cylinder, incision };
+  /// How it is drawn: what is felt in steel, with a handle behind it; a soft tube with a ring at each cm; a pen; a
+  /// blade.
+  enum class Look { steel, tube, pen, blade };
+
   const char* name;
-  const char* help;  ///< what it is, in a few words
+  const char* german;  ///< its name in a German window
+  const char* help;    ///< what it is, in a few words
   ToolParams::Tip tip = ToolParams::Tip::own;
   double diameter_mm = 0, length_mm = 0, spacing_mm = 0;  ///< length 0: a point at the tip alone
   bool exact = false;                                     ///< exactly round, without points
+  bool has_neck = true;                                   ///< false: of a tip that is a ball, the ball alone is felt
   bool from_file = false;                                 ///< points of ToolParams::tool_points
+  Cut cut = Cut::nothing;
+  bool marks = false;  ///< while the pedal is down it draws on what it touches
+  Look look = Look::steel;
+
+  bool cuts() const { return cut != Cut::nothing; }
+  bool rotates() const { return cut == Cut::ball || cut == Cut::cylinder; }
+
+  ToolKind(const char* its_name, const char* in_german, const char* its_help)
+      : name(its_name), german(in_german), help(its_help) {}
+  // Each says one thing of the kind, and gives the kind.
+  ToolKind& shaped(ToolParams::Tip its_tip, double diameter, double length, double spacing);
+  ToolKind& exactly_round();
+  ToolKind& ball_alone();
+  ToolKind& of_a_file();
+  ToolKind& cuts_with(Cut what);
+  ToolKind& draws();
+  ToolKind& looks(Look how);
 };
 const std::vector<ToolKind>& all_tool_kinds();
 /// Throws Error 78 where there is no kind of that name.

@@ -1,25 +1,79 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The tools that a hand may hold. Whoever adds one adds a line here, and a row to the table of docs/haptics.md.
+// The tools that a hand may hold. Whoever adds one adds an entry to all_tool_kinds(), and a row to the table of
+// docs/haptics.md; nothing else knows a tool by its name.
 #include "base/error.h"
 #include "haptics/tool.h"
 
 namespace trephine {
 
+ToolKind& ToolKind::shaped(ToolParams::Tip its_tip, double diameter, double length, double spacing) {
+  tip = its_tip;
+  diameter_mm = diameter;
+  length_mm = length;
+  spacing_mm = spacing;
+  return *this;
+}
+
+ToolKind& ToolKind::exactly_round() {
+  exact = true;
+  return *this;
+}
+
+ToolKind& ToolKind::ball_alone() {
+  exact = true;
+  has_neck = false;
+  return *this;
+}
+
+ToolKind& ToolKind::of_a_file() {
+  from_file = true;
+  return *this;
+}
+
+ToolKind& ToolKind::cuts_with(Cut what) {
+  cut = what;
+  return *this;
+}
+
+ToolKind& ToolKind::draws() {
+  marks = true;
+  return *this;
+}
+
+ToolKind& ToolKind::looks(Look how) {
+  look = how;
+  return *this;
+}
+
 const std::vector<ToolKind>& all_tool_kinds() {
   using Tip = ToolParams::Tip;
+  using Cut = ToolKind::Cut;
+  using Look = ToolKind::Look;
+  using Kind = ToolKind;
+  // The measures: diameter, length and spacing of the points, in mm.
   static const std::vector<ToolKind> all = {
-      {"point", "the tip alone"},
-      {"needle", "of 18 gauge, for the spine", Tip::cone, 1.27, 90, 2},
-      {"catheter", "for a ventricle", Tip::round, 2.5, 100, 2},
-      {"burr", "a ball on a thinner neck", Tip::ball, 5, 30, 1.2},
-      {"ball", "a burr's ball alone, exactly round", Tip::ball, 5, 5, 1.2, true},
-      {"round_burr", "a ball on a thinner neck, exactly round", Tip::ball, 5, 30, 1.2, true},
-      {"rod", "a rod with round ends, exactly round", Tip::round, 2.5, 30, 2, true},
-      {"craniotome", "a cylinder with a flat end", Tip::flat, 2.3, 20, 1.2},
-      {"jamshidi", "a needle of 11 gauge, for bone", Tip::cone, 3.05, 100, 2},
-      {"points", "points of your own, from a file", Tip::own, 0, 0, 0, false, true},
-      {"marker", "a pen for the skin, felt at its tip alone"},
-      {"scalpel", "a blade that opens what is incised, felt at its tip alone"},
+      Kind("point", "Spitze", "the tip alone"),
+      Kind("needle", "Nadel", "of 18 gauge, for the spine").shaped(Tip::cone, 1.27, 90, 2),
+      Kind("catheter", "Katheter", "for a ventricle").shaped(Tip::round, 2.5, 100, 2).looks(Look::tube),
+      Kind("burr", "Bohrer", "a ball on a thinner neck").shaped(Tip::ball, 5, 30, 1.2).cuts_with(Cut::ball),
+      Kind("ball", "Kugel", "a burr's ball alone, exactly round")
+          .shaped(Tip::ball, 5, 5, 1.2)
+          .ball_alone()
+          .cuts_with(Cut::ball),
+      Kind("round_burr", "Rundbohrer", "a ball on a thinner neck, exactly round")
+          .shaped(Tip::ball, 5, 30, 1.2)
+          .exactly_round()
+          .cuts_with(Cut::ball),
+      Kind("rod", "Stab", "a rod with round ends, exactly round").shaped(Tip::round, 2.5, 30, 2).exactly_round(),
+      Kind("craniotome", "Kraniotom", "a cylinder with a flat end")
+          .shaped(Tip::flat, 2.3, 20, 1.2)
+          .cuts_with(Cut::cylinder),
+      Kind("jamshidi", "Jamshidi", "a needle of 11 gauge, for bone").shaped(Tip::cone, 3.05, 100, 2),
+      Kind("points", "Punkte", "points of your own, from a file").of_a_file(),
+      Kind("marker", "Stift", "a pen for the skin, felt at its tip alone").draws().looks(Look::pen),
+      Kind("scalpel", "Skalpell", "a blade that opens what is incised, felt at its tip alone")
+          .cuts_with(Cut::incision)
+          .looks(Look::blade),
   };
   return all;
 }

@@ -118,16 +118,17 @@ Solid scalpel() {
 
 Solid solid_of(const ToolParams& tool) {
   const double r = 0.5 * tool.tool_diameter_mm, length = tool.tool_length_mm;
-  if (tool.tool == "marker") return pen();
-  if (tool.tool == "scalpel") return scalpel();
+  const ToolKind& kind = tool_kind(tool.tool);
+  if (kind.look == ToolKind::Look::pen) return pen();
+  if (kind.look == ToolKind::Look::blade) return scalpel();
   if (!(length > 0) || !(r > 0)) {  // a point: a stylus whose very tip is felt
     Turned t(24);
     t.part({{0, 0, steel}, {6, 1, steel}, {40, 1, steel}}, false);
     handle(t, 40, 1, 70, 3.5);
     return t.take();
   }
-  const bool catheter = tool.tool == "catheter", ball = tool.tool == "ball" || tool.tool_tip == Tip::ball;
-  const Colour colour = catheter ? silicone : steel;
+  const bool tube = kind.look == ToolKind::Look::tube, ball = !kind.has_neck || tool.tool_tip == Tip::ball;
+  const Colour colour = tube ? silicone : steel;
   Turned t(32);
   double z = 0, neck = r;
   if (ball) {
@@ -146,12 +147,13 @@ Solid solid_of(const ToolParams& tool) {
     t.part({{0, 0, dark_steel}, {0, r, dark_steel}}, true);
   }
   const double end = std::max({length, z + 1, ball ? 35.0 : 0.0});
-  shaft(t, z, end, neck, colour, catheter);
-  if (catheter) {  // the rest of it, up to its whole length; its end is flat
+  shaft(t, z, end, neck, colour, tube);
+  if (tube) {  // the rest of it, up to its whole length; its end is flat
     shaft(t, end, end + 60, neck, colour, false);
     t.part({{end + 60, neck, colour}, {end + 60, 0, colour}}, true);
   } else {
-    handle(t, end, neck, ball || tool.tool == "craniotome" ? 90 : 40, ball || tool.tool == "craniotome" ? 4.5 : 4);
+    const bool motor = ball || kind.rotates();
+    handle(t, end, neck, motor ? 90 : 40, motor ? 4.5 : 4);
   }
   return t.take();
 }

@@ -31,7 +31,7 @@ std::unique_ptr<Drilling> FeltCase::drilling_of(const RecordingHeader& header, C
   for (const BeltToolParams& t : header.tools)
     if (t.cuts) tool = whole_tool(t);
   DrillShapes shapes = drill_shapes_of(loaded.manifest.haptic);
-  if (tool.tool == "scalpel")
+  if (tool_kind(tool.tool).cut == ToolKind::Cut::incision)
     for (DrillShape& s : shapes) s.cuttable = s.cuttable && !(s.energy_j_per_mm3 > 0);
   return std::make_unique<Drilling>(loaded.haptic, contact, shapes, header.drilling, header.law,
                                     cutter_of(header.drilling, own_tool(tool)), marks);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "haptics/tool.h"
 #include "window/texts.h"
 
 namespace trephine {
@@ -68,31 +69,10 @@ constexpr Row table[] = {
 };
 
 constexpr Row names[] = {
-    {{"surgeon", "Chirurg"}},
-    {{"front", "vorn"}},
-    {{"back", "hinten"}},
-    {{"left", "links"}},
-    {{"right", "rechts"}},
-    {{"top", "oben"}},
-    {{"bottom", "unten"}},
-    {{"oblique", "schräg"}},
-    {{"none", "keine"}},
-    {{"tool", "Instrument"}},
-    {{"axial", "axial"}},
-    {{"coronal", "koronal"}},
+    {{"surgeon", "Chirurg"}},   {{"front", "vorn"}},      {{"back", "hinten"}},  {{"left", "links"}},
+    {{"right", "rechts"}},      {{"top", "oben"}},        {{"bottom", "unten"}}, {{"oblique", "schräg"}},
+    {{"none", "keine"}},        {{"tool", "Instrument"}}, {{"axial", "axial"}},  {{"coronal", "koronal"}},
     {{"sagittal", "sagittal"}},
-    {{"point", "Spitze"}},
-    {{"needle", "Nadel"}},
-    {{"catheter", "Katheter"}},
-    {{"burr", "Bohrer"}},
-    {{"ball", "Kugel"}},
-    {{"round_burr", "Rundbohrer"}},
-    {{"rod", "Stab"}},
-    {{"craniotome", "Kraniotom"}},
-    {{"jamshidi", "Jamshidi"}},
-    {{"points", "Punkte"}},
-    {{"marker", "Stift"}},
-    {{"scalpel", "Skalpell"}},
 };
 
 // What of the text stands for each {} of the form; none where it has another form. Each is as short as it can be, but
@@ -125,6 +105,8 @@ std::optional<std::vector<std::string>> parts_of(const std::string& text, const 
 std::string translated_name(Language language, const std::string& english) {
   for (const Row& row : names)
     if (english == row.in[0]) return row.in[std::size_t(language)];
+  for (const ToolKind& kind : all_tool_kinds())
+    if (language == Language::german && english == kind.name) return kind.german;
   return english;
 }
 

@@ -27,10 +27,6 @@ bool can_cut(const Patient& p) {
   return std::any_of(shapes.begin(), shapes.end(), [](const CaseShape& s) { return s.cuttable; });
 }
 
-bool cuts(const std::string& tool) {
-  return tool == "burr" || tool == "round_burr" || tool == "ball" || tool == "craniotome" || tool == "scalpel";
-}
-
 // "a.servo", "a-2.servo", ...: one recording for each tool that is taken.
 std::filesystem::path numbered(const std::filesystem::path& file, int n) {
   if (n <= 1) return file;
@@ -119,7 +115,7 @@ void Player::begin_session() {
     desk_->set_session(o);
   } else {
     if (!o.record.empty()) o.record = numbered(o.record, ++sessions_);
-    o.drilling.drill = options_.session.drilling.drill && cuts(o.tool.tool) && can_cut(*patient_);
+    o.drilling.drill = options_.session.drilling.drill && tool_kind(o.tool.tool).cuts() && can_cut(*patient_);
     o.begins_sha256 = begins_sha256_;
   }
   stage_->set_tool(desk_ ? whole_tool(desk_->tool()) : own_tool(o.tool));

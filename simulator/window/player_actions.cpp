@@ -88,7 +88,7 @@ void Player::set_pedal(bool down) {
     if (session_) desk_->set_pedal(down);
     return;
   }
-  if (tool_name_ == "scalpel") {  // it has no motor: it cuts where it is
+  if (tool_kind(options_.session.tool.tool).cut == ToolKind::Cut::incision) {  // it has no motor: it cuts where it is
     if (down) incise();
     return;
   }

@@ -32,7 +32,9 @@ std::string Player::lesson_command(const std::string& name) {
 
 std::string Player::barred() const { return desk_ && !playback_ ? "not before the lesson's end" : ""; }
 
-bool Player::draws() const { return by_screen() && (desk_ ? desk_->tool().marks : tool_name_ == "marker"); }
+bool Player::draws() const {
+  return by_screen() && (desk_ ? desk_->tool().marks : tool_kind(options_.session.tool.tool).marks);
+}
 
 void Player::draw_at(double x, double y, int width, int height) {
   const Contact c = seen(x, y, width, height);
@@ -50,7 +52,7 @@ void Player::draw_at(double x, double y, int width, int height) {
 // What a marker draws without a lesson.
 void Player::ink(const ServoFrame& f) {
   const std::uint32_t before = std::exchange(seen_buttons_, f.buttons);
-  if (tool_name_ != "marker" || !(f.buttons & Drilling::pedal) || f.touched == 0) return;
+  if (!tool_kind(options_.session.tool.tool).marks || !(f.buttons & Drilling::pedal) || f.touched == 0) return;
   const Vec3 at = vec(f.proxy_mm);
   std::vector<Vec3>& dots = stage_->state.ink_mm;
   if (!(before & Drilling::pedal) || dots.empty()) {
