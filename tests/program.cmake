@@ -22,5 +22,5 @@ endif()
 if(TARGET trephine AND TARGET trephine-sim AND TARGET trephine-itk)
   add_test(NAME program.hardened COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/hardened.sh)
   set_tests_properties(program.hardened PROPERTIES TIMEOUT 1800
-    ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};BUILD=${PROJECT_BINARY_DIR}")
+    ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};BUILD=${PROJECT_BINARY_DIR};COMPILED_HARDENED=$<$<NOT:$<BOOL:${TREPHINE_SANITIZE}>>:1>;FORTIFIED=$<CONFIG:Release,RelWithDebInfo,MinSizeRel>")
 endif()

@@ -32,6 +32,15 @@ done
 code=0; "$bin/trephine-itk" >out 2>&1 || code=$?
 [[ $code == 64 ]] || { cat out; fail "trephine-itk takes a library from the working folder: $code"; }
 
+# Every object of our libraries says that its functions begin with landing pads.
+if [[ -n ${COMPILED_HARDENED:-} && $(uname -m) == x86_64 ]]; then
+  for library in "$BUILD"/lib/{base,grid,dicom,voxel}/libtrephine_*.a; do
+    objects=$(ar t "$library" | wc -l)
+    with=$(readelf -n "$library" | grep -c 'x86 feature: IBT, SHSTK' || true)
+    [[ $objects -gt 0 && $with == "$objects" ]] || fail "$library: $with of $objects objects have landing pads"
+  done
+fi
+
 # Installed.
 cmake --install "$BUILD" --prefix "$work/installed" --component programs >"$work/log" 2>&1 || { cat "$work/log"; fail "cmake --install"; }
 for program in trephine trephine-sim trephine-itk; do is_hardened "$work/installed/bin/$program"; done
