@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 set(case_modules base grid surface voxel contact cases)
 # What other programs may include; each of these compiles alone (tests/program/case_consumer.sh).
 set(base_headers error exit_code parallel params progress report vec3)
-set(grid_headers grid nrrd)
+set(grid_headers grid gzip_limit nrrd)
 set(surface_headers bvh distance_function inside mesh_array point_to_mesh point_triangle trimesh)
 set(voxel_headers cut decode haptic_file haptic_volume mismatch voxelize)
 set(contact_headers contact contact_c)

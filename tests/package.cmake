@@ -7,6 +7,6 @@ list(GET which 1 long)
 list(GET which 2 script)
 add_test(NAME program.${name} COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/${script}.sh)
 set_tests_properties(program.${name} PROPERTIES TIMEOUT 1800 SKIP_RETURN_CODE 77
-  ENVIRONMENT "LONG=${long};TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};BUILD=${PROJECT_BINARY_DIR}")
+  ENVIRONMENT "LONG=${long};TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};BUILD=${PROJECT_BINARY_DIR};COMPILED_HARDENED=1;FORTIFIED=$<CONFIG:Release,RelWithDebInfo,MinSizeRel>")
 endforeach()
 endif()

@@ -2,7 +2,9 @@
 // What is set by path, with `set` or --set, passes the checks that hold for what stands in the files.
 #include <gtest/gtest.h>
 
+#include <ctime>
 #include <filesystem>
+#include <fstream>
 
 #include "base/error.h"
 #include "config/config.h"
@@ -33,6 +35,31 @@ TEST(SetValues, NamesAreThoseOfTheRecipe) {
               std::string::npos)
         << path << faults_of(configs / "sample.yaml", {path + "=skinn"});
   EXPECT_EQ(faults_of(configs / "sample.yaml", {"haptic.region_of=skin"}), "");
+}
+
+TEST(SetValues, ThousandsOfUnknownPathsTakeNoTime) {
+  ScratchFolder folder;
+  const auto seconds = [&](int count, std::size_t told) {
+    std::ofstream file(folder.path() / "c.yaml");
+    file << "trephine: 1\nseries: s\npipeline: p.yaml\nscene: s.yaml\nset:\n";
+    for (int i = 0; i < count; ++i) file << "  skul.segment.lower_h" << i << ": 1\n";
+    file.close();
+    const std::clock_t begin = std::clock();
+    try {
+      read_case_config(folder.path() / "c.yaml", {});
+      ADD_FAILURE() << "read";
+    } catch (const ErrorList& e) {
+      EXPECT_EQ(e.all().size(), told) << count;
+      for (const Error& one : e.all()) EXPECT_EQ(one.code(), ExitCode::bad_config);
+    }
+    return double(std::clock() - begin) / CLOCKS_PER_SEC;
+  };
+  std::ofstream(folder.path() / "trephine.root").close();
+  fs::copy_file(fs::path(TREPHINE_SOURCE_DIR) / "pipelines/ventriculostomy.yaml", folder.path() / "p.yaml");
+  std::ofstream(folder.path() / "s.yaml")
+      << "trephine: 1\nanatomies: {skull: }\nface: {policy: keep, reason: synthetic}\n";
+  EXPECT_LT(seconds(9000, 21), 5);   // the first 20, and how many more: it took 6 s and more
+  EXPECT_LT(seconds(30000, 1), 10);  // of 60,000 it took over 60 s
 }
 
 TEST(SetValues, TogetherTheyAreSoundOrRefused) {

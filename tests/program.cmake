@@ -13,3 +13,14 @@ foreach(script export outputs privacy readme rerun same_bytes)
     ENVIRONMENT "LONG=1;TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR}")
 endforeach()
 endif()
+if(TARGET trephine AND TARGET trephine-sim)
+  add_test(NAME program.escapes COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/escapes.sh)
+  set_tests_properties(program.escapes PROPERTIES TIMEOUT 1800
+    ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SIM=$<TARGET_FILE:trephine-sim>;SOURCE=${PROJECT_SOURCE_DIR};WRITE_CASE=${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/write_sample_case")
+endif()
+# How the programs are linked: what is built, and what is installed of it.
+if(TARGET trephine AND TARGET trephine-sim AND TARGET trephine-itk)
+  add_test(NAME program.hardened COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/program/hardened.sh)
+  set_tests_properties(program.hardened PROPERTIES TIMEOUT 1800
+    ENVIRONMENT "TREPHINE=$<TARGET_FILE:trephine>;SOURCE=${PROJECT_SOURCE_DIR};BUILD=${PROJECT_BINARY_DIR};COMPILED_HARDENED=$<$<NOT:$<BOOL:${TREPHINE_SANITIZE}>>:1>;FORTIFIED=$<CONFIG:Release,RelWithDebInfo,MinSizeRel>")
+endif()

@@ -7,7 +7,7 @@
 #include "cli/argument.h"
 #include "commands.h"
 #include "consistency/anatomy_gate.h"
-#include "grid/nrrd.h"
+#include "grid/bounded_read.h"
 #include "stage_command.h"
 #include "stages/data_files.h"
 
@@ -21,7 +21,7 @@ Report examine(const ParsedCommand& parsed, const Progress& progress) {
   bool any = false;
   for (int a = 0; a < 4; ++a)
     if (parsed.has(names[a])) {
-      given[a] = read_field_nrrd(parsed.path(names[a]));
+      given[a] = read_foreign_field(parsed.path(names[a]));
       any = true;
     }
   if (!any) throw Error(ExitCode::usage, "", "--skin, --skull, --brain, --ventricles", "none is given");
@@ -29,7 +29,7 @@ Report examine(const ParsedCommand& parsed, const Progress& progress) {
   std::optional<HuVolume> volume;
   segmentation::ScanFigures scan;
   if (parsed.has("volume")) {
-    volume = read_hu_nrrd(parsed.path("volume"));
+    volume = read_foreign_hu(parsed.path("volume"));
     scan = segmentation::measure_scan(*volume, progress);
   }
   const HeadFields fields{field(0), field(1), field(2), field(3), volume ? &scan : nullptr};

@@ -3,7 +3,7 @@
 #include "boolean/cut_surface.h"
 #include "boolean/cutter_use.h"
 #include "commands.h"
-#include "grid/nrrd.h"
+#include "grid/bounded_read.h"
 #include "meshio/read_mesh.h"
 #include "named_values.h"
 #include "stage_command.h"
@@ -113,7 +113,8 @@ Report cut_surface_file(const ParsedCommand& parsed, const std::vector<Cutter>& 
 }
 
 Report cut_haptic_file(const ParsedCommand& parsed, const std::vector<Cutter>& cutters, const Progress& progress) {
-  HapticVolume volume = read_haptic(parsed.path("input"));
+  HapticVolume volume =
+      *std::get<std::shared_ptr<const HapticVolume>>(load_data(parsed.path("input"), DataKind::haptic));
   std::vector<int> numbers;
   for (const std::string& name : parsed.all("shape")) {
     const HapticShape* shape = volume.find_shape(name);
@@ -190,7 +191,8 @@ Command boolean_command() {
     const std::vector<Cutter> all = cutters_given(parsed);
     run_with_report(parsed, [&](const Progress& progress) {
       if (extension == ".vtp") return cut_surface_file(parsed, all, progress);
-      Nrrd nrrd = read_nrrd(parsed.path("input"));
+      BoundedGrid nrrd =
+          with_file(parsed.text("input"), [&] { return read_nrrd_bounded(parsed.path("input"), labels_limit); });
       if (nrrd.keys.count(haptic_file_key)) {
         nrrd = {};
         return cut_haptic_file(parsed, all, progress);

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "cli/argument.h"
 #include "commands.h"
-#include "grid/nrrd.h"
+#include "grid/bounded_read.h"
 #include "itk/volume_file.h"
 #include "itk/volume_write.h"
 #include "stage_command.h"
@@ -28,7 +28,7 @@ Report convert(const ParsedCommand& parsed, const Progress& progress) {
   const std::filesystem::path input = parsed.path("input");
   if (has_ending(input, ".nrrd") && with_file(input.string(), [&] {
         try {
-          return read_nrrd(input).keys.count(haptic_file_key) > 0;
+          return read_nrrd_bounded(input, labels_limit).keys.count(haptic_file_key) > 0;
         } catch (const Error&) {
           return false;  // another encoding, which ITK reads, or a fault that is told below
         }

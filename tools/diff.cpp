@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cstdio>
+#include <iostream>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -74,7 +74,7 @@ Command diff_command() {
     }
     for (const std::string& w : made.warnings) log_warning(w);
     if (parsed.has("json")) write_file(parsed.path("json"), made.json);
-    if (!parsed.quiet) std::fputs(made.text.c_str(), stdout);
+    if (!parsed.quiet) std::cout << made.text;
     const std::vector<std::string>& beyond = made.beyond;
     if (!beyond.empty())
       throw Error(made.code, parsed.text("new"), "",

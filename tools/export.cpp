@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cstdio>
+#include <iostream>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -323,7 +324,7 @@ Command export_command() {
     }
     if (parsed.has("report")) write_file(parsed.path("report"), report_json(report));
     for (const std::string& w : report.warnings) log_warning(w);
-    if (!parsed.quiet) std::fputs(text.c_str(), stdout);
+    if (!parsed.quiet) std::cout << text;
     return ExitCode::ok;
   };
   return c;

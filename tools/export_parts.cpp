@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "grid/nrrd.h"
+#include "grid/bounded_read.h"
 
 namespace trephine {
 
@@ -67,7 +67,7 @@ LabelMap label_map_of(const ParsedCommand& parsed, const CaseManifest& manifest,
     check_export_name("--labels", name);
     for (const LabelledField& s : shapes)
       if (s.name == name) export_usage("--labels", name + ": is there twice");
-    fields.push_back(read_field_nrrd(item.substr(equals + 1)));
+    fields.push_back(read_foreign_field(item.substr(equals + 1)));
     shapes.push_back({&fields.back(), name, label_colour(manifest, name, shapes.size())});
     progress.check();
   }

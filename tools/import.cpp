@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "dicom/import.h"
 
-#include <cstdio>
+#include <iostream>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -42,7 +42,7 @@ ExitCode list(const ParsedCommand& parsed) {
   }
   if (parsed.has("json")) write_file(parsed.path("json"), list_json(found));
   for (const std::string& w : found.folder.warnings) log_warning(w);
-  if (!parsed.quiet || !parsed.has("json")) std::fputs(list_text(found).c_str(), stdout);
+  if (!parsed.quiet || !parsed.has("json")) std::cout << list_text(found);
   return ExitCode::ok;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cstdio>
+#include <iostream>
 #include <optional>
 
 #include "cases/load_case.h"
@@ -49,14 +49,14 @@ Command library_approve_command() {
     if (std::filesystem::exists(folder / "case.json")) lock.emplace(folder);
     if (p.withdraw) {
       const bool was = remove_approval(folder);
-      if (!parsed.quiet) std::printf("%s: %s\n", folder.c_str(), was ? "no longer approved" : "was not approved");
+      if (!parsed.quiet) std::cout << folder.string() << (was ? ": no longer approved\n" : ": was not approved\n");
       return ExitCode::ok;
     }
-    const LoadedCase loaded = load_case(folder, LoadParts{true});
+    const LoadedCase loaded = load_case(folder, whole_case);
     write_approval(folder, parsed.text("by"), p.difficulty_level);
     if (!parsed.quiet)
-      std::printf("%s: approved by %s, difficulty %d\n", loaded.manifest.case_token.c_str(), parsed.text("by").c_str(),
-                  p.difficulty_level);
+      std::cout << loaded.manifest.case_token << ": approved by " << parsed.text("by") << ", difficulty "
+                << p.difficulty_level << "\n";
     return ExitCode::ok;
   };
   return c;

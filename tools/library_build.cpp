@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cstdio>
+#include <iostream>
 
 #include "base/log.h"
 #include "base/write_file.h"
@@ -58,7 +58,7 @@ Command library_build_command() {
     }
     const bool asked = request.params.dry_run || !request.why.empty();
     if (asked || !parsed.quiet) {
-      std::fputs(result.table.c_str(), stdout);
+      std::cout << result.table;
     } else if (result.code != 0) {
       const std::string& t = result.table;
       for (std::size_t at = 0, end; (end = t.find('\n', at)) != std::string::npos; at = end + 1)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The commands that look at a library, or keep it clean.
-#include <cstdio>
+#include <iostream>
 
 #include "base/write_file.h"
 #include "cli/argument.h"
@@ -27,8 +27,11 @@ Argument json_argument() {
 
 void tell(const ParsedCommand& parsed, const std::string& table, const std::string& json) {
   const bool to_stdout = parsed.path("json") == "/dev/stdout";
-  if (!to_stdout) std::fputs(table.c_str(), stdout);
-  if (parsed.has("json")) write_file(parsed.path("json"), json);
+  if (to_stdout)
+    std::cout << json;
+  else
+    std::cout << table;
+  if (parsed.has("json") && !to_stdout) write_file(parsed.path("json"), json);
 }
 
 struct VerifyParams {
@@ -107,7 +110,7 @@ Command library_verify_command() {
       result = verify_library(parsed.path("library"), parsed.all("case"), parsed.params<VerifyParams>().load,
                               display.start("verify"));
     }
-    std::fputs(result.table.c_str(), stdout);
+    std::cout << result.table;
     return result.faults.empty() ? ExitCode::ok : ExitCode::bad_input;
   };
   return c;
@@ -127,7 +130,7 @@ Command library_gc_command() {
   c.run = [](const ParsedCommand& parsed) {
     const Progress progress([](double) {}, &cancel_requested());
     const GcResult result = collect_garbage(parsed.path("library"), parsed.params<GcParams>(), progress);
-    std::fputs(result.table.c_str(), stdout);
+    std::cout << result.table;
     return ExitCode::ok;
   };
   return c;

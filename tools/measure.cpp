@@ -7,7 +7,7 @@
 #include "base/time_limit.h"
 #include "base/write_file.h"
 #include "commands.h"
-#include "grid/nrrd.h"
+#include "grid/bounded_read.h"
 #include "meshio/read_mesh.h"
 #include "meshio/vtp.h"
 #include "metrics/certify.h"
@@ -92,7 +92,7 @@ Report measure_against_truth(const ParsedCommand& parsed, const Progress& progre
   const auto& params = parsed.params<MeasureParams>();
   const auto known = [&] { return phantom::truth_surface(truth, anatomy, progress.part(0, 0.4)); };
   if (parsed.path("surface").extension() == ".nrrd") {
-    const Field field = read_field_nrrd(parsed.path("surface"));
+    const Field field = read_foreign_field(parsed.path("surface"));
     return phantom::measure_against_truth(field, known(), params.sample_count, progress.part(0.4, 1));
   }
   const TriMesh surface = read_surface(parsed.path("surface"));
@@ -153,7 +153,7 @@ Command measure_command() {
       const TriMesh mesh = read_surface(parsed.path("surface"));
       const auto& params = parsed.params<MeasureParams>();
       if (parsed.has("labels")) {
-        const Mask labels = selected(read_mask_nrrd(parsed.path("labels")), parsed.params<LabelParams>());
+        const Mask labels = selected(read_foreign_mask(parsed.path("labels")), parsed.params<LabelParams>());
         return measure_surface(mesh, LabelReference{&labels, 0}, params, progress);
       }
       if (!parsed.has("reference")) return measure_surface(mesh, {}, params, progress);

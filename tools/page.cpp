@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "page/case_page.h"
 
-#include <cstdio>
+#include <iostream>
 
 #include "base/text.h"
 #include "base/write_file.h"
@@ -54,8 +54,8 @@ Command page_command() {
       display.finish("page", "");
     }
     if (!parsed.quiet)
-      std::printf("%s  %s bytes\n", written.c_str(),
-                  grouped_text(static_cast<long long>(fs::file_size(written))).c_str());
+      std::cout << written.string() << "  " << grouped_text(static_cast<long long>(fs::file_size(written)))
+                << " bytes\n";
     return ExitCode::ok;
   };
   return c;

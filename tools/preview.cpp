@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "publish/preview.h"
 
-#include <cstdio>
+#include <iostream>
 #include <optional>
 
 #include "base/error.h"
@@ -10,7 +10,7 @@
 #include "cli/argument.h"
 #include "cli/progress_display.h"
 #include "commands.h"
-#include "grid/nrrd.h"
+#include "grid/bounded_read.h"
 #include "named_values.h"
 #include "stages/data_files.h"
 
@@ -57,7 +57,7 @@ Preview preview_file(const ParsedCommand& parsed, const Progress& progress) {
   const fs::path file = parsed.path("input");
   const StageData data = load_result(file);
   std::optional<HuVolume> volume;
-  if (parsed.has("volume")) volume = read_hu_nrrd(parsed.path("volume"));
+  if (parsed.has("volume")) volume = read_foreign_hu(parsed.path("volume"));
   return with_file(file.string(), [&] {
     return draw_preview(file.stem().string(), data, volume ? &*volume : nullptr, parsed.params<PreviewParams>(),
                         progress);
@@ -139,7 +139,7 @@ Command preview_command() {
     write_file(parsed.path("output"), made.png);
     for (const std::string& w : made.report.warnings) log_warning(w);
     made.report.warnings.clear();
-    if (!parsed.quiet) std::fputs(report_text(made.report).c_str(), stdout);
+    if (!parsed.quiet) std::cout << report_text(made.report);
     return ExitCode::ok;
   };
   return c;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cstdio>
+#include "lesson/rubric.h"
+
+#include <iostream>
 
 #include "base/write_file.h"
 #include "cli/argument.h"
@@ -28,8 +30,7 @@ Command rubric_command() {
     const std::string json = compile_rubric(read_rubric_yaml(from));
     const CompiledRubric again = read_rubric(json, rubric_types());  // what is written is what will be read
     write_file(parsed.path("output"), json);
-    if (!parsed.quiet)
-      std::printf("%s  rubric %s\n", parsed.text("output").c_str(), again.sha256.substr(0, 16).c_str());
+    if (!parsed.quiet) std::cout << parsed.text("output") << "  rubric " << again.sha256.substr(0, 16) << "\n";
     return ExitCode::ok;
   };
   return c;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cstdio>
+#include <iostream>
 
 #include "base/log.h"
 #include "base/write_file.h"
@@ -104,7 +104,7 @@ Command run_command() {
     request.program_version = TREPHINE_VERSION;
     if (parsed.params<ExplainParams>().explain) {
       const Explanation explanation = explain_case(request);
-      std::fputs(explanation_table(explanation).c_str(), stdout);
+      std::cout << explanation_table(explanation);
       if (parsed.has("json")) write_file(parsed.path("json"), explanation_json(explanation));
       return ExitCode::ok;
     }
@@ -113,7 +113,7 @@ Command run_command() {
       DisplayObserver observer(parsed.quiet);
       result = run_case(request, observer);
     }
-    if (!parsed.quiet) std::printf("\n%s\n%s\n", result.table.c_str(), (result.case_folder / "case.json").c_str());
+    if (!parsed.quiet) std::cout << "\n" << result.table << "\n" << (result.case_folder / "case.json").string() << "\n";
     if (parsed.has("json")) write_file(parsed.path("json"), result.json);
     return ExitCode::ok;
   };

@@ -2,14 +2,14 @@
 #include "stage_command.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <iostream>
 #include <utility>
 
 #include "base/error.h"
 #include "base/log.h"
 #include "base/write_file.h"
 #include "cli/progress_display.h"
-#include "grid/nrrd.h"
+#include "grid/bounded_read.h"
 #include "head/landmarks.h"
 #include "meshing/contour.h"
 #include "named_values.h"
@@ -35,7 +35,7 @@ void run_with_report(const ParsedCommand& parsed, const std::function<Report(con
   const std::string json = report_json(report);
   for (const std::string& w : report.warnings) log_warning(w);
   report.warnings.clear();
-  if (!parsed.quiet) std::fputs(report_text(report).c_str(), stdout);
+  if (!parsed.quiet) std::cout << report_text(report);
   if (parsed.has("report")) write_file(parsed.path("report"), json);
 }
 
@@ -72,7 +72,7 @@ Argument argument_of(const Port& port, bool positional) {
 // A surface, or the contour of a field.
 StageData load_surface(const std::filesystem::path& file, const Progress& progress) {
   if (file.extension() != ".nrrd") return load_data(file, DataKind::mesh);
-  Nrrd nrrd = read_nrrd(file);
+  BoundedGrid nrrd = with_file(file.string(), [&] { return read_nrrd_bounded(file, labels_limit); });
   if (holds_hu(nrrd.keys))
     throw Error(ExitCode::bad_input, file.string(), "content", "HU, must be a field: segment it first");
   Report ignored;

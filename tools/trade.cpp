@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "trade/trade.h"
 
-#include <cstdio>
+#include <iostream>
 
 #include "cli/argument.h"
 #include "cli/progress_display.h"
@@ -66,7 +66,8 @@ Command trade_command() {
                                   std::to_string(result.measured_count) + " measurements made");
     }
     write_trade(result, request.out, request.program_version);
-    if (!parsed.quiet) std::printf("\n%s\n%s\n", trade_table(result).c_str(), (request.out / "trade.json").c_str());
+    if (!parsed.quiet)
+      std::cout << "\n" << trade_table(result) << "\n" << (request.out / "trade.json").string() << "\n";
     return ExitCode::ok;
   };
   return c;

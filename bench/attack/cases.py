@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mutants of a case whose checksums are right: values of case.json and bytes of its files are exchanged, then it is sealed again.
 
-The simulator's check must accept or refuse each (65) with one line, and never crash."""
+The simulator's check must accept or refuse each (65) with one line, and never crash. A quarter are files whose geometry or type
+contradicts case.json: each of these must be refused."""
 import hashlib
 import json
+import re
 import shutil
 
 import common
@@ -42,6 +44,29 @@ def seal(folder, body, head):
     (folder / "case.json").write_bytes(text.encode())
 
 
+def lie(rnd, name, data):
+    """The header of a NRRD with another geometry than case.json says, or a GLB with another count. Null where nothing was found."""
+    if name.endswith(".nrrd"):
+        head, _, body = data.partition(b"\n\n")
+        lines = head.decode().split("\n")
+        for i, line in enumerate(lines):
+            if rnd.random() < 0.5 and line.startswith("space directions: "):
+                factor = rnd.choice([0.25, 0.5, 0.999, 1.001, 2, -1, 1e6])
+                lines[i] = "space directions: " + re.sub(r"-?[0-9.e+-]+", lambda m: repr(float(m[0]) * factor), line[18:])
+                return "\n".join(lines).encode() + b"\n\n" + body, f"directions times {factor}", factor != -1
+            if line.startswith("sizes: "):
+                sizes = line[7:].split()
+                turned = sizes[1:] + sizes[:1]
+                if turned != sizes and rnd.random() < 0.5:
+                    lines[i] = "sizes: " + " ".join(turned)
+                    return "\n".join(lines).encode() + b"\n\n" + body, "sizes in another order", True
+        for i, line in enumerate(lines):
+            if line.startswith("type: "):
+                lines[i] = "type: unsigned char" if "char" not in line else "type: short"
+                return "\n".join(lines).encode() + b"\n\n" + body, "another type", True
+    return None
+
+
 def main():
     attack = common.Attack(__doc__, 300, {"--case": {"required": True, "help": "a case of the current version"}})
     good = attack.work / "good"
@@ -59,6 +84,14 @@ def main():
         shutil.rmtree(folder, ignore_errors=True)
         shutil.copytree(good, folder)
         what = []
+        if rnd.random() < 0.25:  # what the file says, sealed, against what case.json says: never accepted
+            name = rnd.choice([f["name"] for f in body["files"] if f["name"].endswith(".nrrd")])
+            lied = lie(rnd, name, (folder / name).read_bytes())
+            if lied and lied[2]:
+                (folder / name).write_bytes(lied[0])
+                seal(folder, mutant, head)
+                attack.run(f"mutant {n}: {name}: {lied[1]}", "check", folder, program=attack.args.sim, allowed={65})
+                continue
         for _ in range(rnd.choice([1, 1, 2, 4])):
             if rnd.random() < 0.25:
                 name = rnd.choice(body["files"])["name"]

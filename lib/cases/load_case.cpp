@@ -13,6 +13,7 @@
 #include "cases/case_names.h"
 #include "cases/glb.h"
 #include "grid/nrrd.h"
+#include "voxel/cut.h"
 #include "voxel/haptic_file.h"
 
 namespace trephine {
@@ -78,6 +79,56 @@ Grid<std::int16_t> read_ct(const std::vector<char>& bytes, const CaseCt& manifes
   return std::move(*grid);
 }
 
+// Volumes of 0 ml are those that the writer did not measure.
+void compare_volumes(const HapticVolume& volume, const CaseHaptic& manifest) {
+  if (volume.encoding != HapticEncoding::occupancy) return;  // an HU says nothing of a part of a voxel
+  for (const CaseShape& s : manifest.shapes)
+    if (s.volume_ml > 0)
+      require_near(shape_volume_mm3(volume, s.number) / 1000, s.volume_ml, 1e-3, "shapes." + s.name + ".volume_ml");
+}
+
+// Since 1.4 the figures of the patient are those of the surfaces.
+void compare_figures(const CaseManifest& m) {
+  if (m.version_minor < 4) return;
+  for (const auto& [name, value] : m.figures)
+    for (const CaseAnatomy& a : m.anatomies)
+      if (const auto* ml = std::get_if<double>(&value); ml && !a.file.empty() && name == a.name + "_ml")
+        require_near(*ml, a.volume_ml, 1e-6, "figures." + name);
+}
+
+// How many of the places lie within the lattice, give or take two voxels: what is capped at the scan's end, and padded.
+class Within {
+ public:
+  explicit Within(const Lattice& lattice) : lattice_(lattice) {}
+  void add(Vec3 world_mm) {
+    const Vec3 index = lattice_.to_index(world_mm);
+    bool in = true;
+    for (int a = 0; a < 3; ++a) in = in && index[a] >= -2 && index[a] <= lattice_.size[a] + 1;
+    ++(in ? inside_ : outside_);
+  }
+  /// A part of what is seen may be of another scan, which shows more.
+  bool most() const { return outside_ <= inside_; }
+
+ private:
+  const Lattice lattice_;
+  std::size_t inside_ = 0, outside_ = 0;
+};
+
+// The CT is cut to what is seen and felt, so both lie within it.
+void compare_places(const LoadedCase& c) {
+  Within surfaces(c.ct), felt(c.ct);
+  for (const TriMesh& mesh : c.surfaces)
+    for (std::size_t i = 0; i < mesh.points_mm.size(); ++i) surfaces.add(mesh.world_mm(i));
+  const Grid<std::int16_t>& voxels = c.haptic.voxels;
+  if (c.haptic.encoding == HapticEncoding::occupancy)
+    for (int k = 0; k < voxels.size[2]; ++k)
+      for (int j = 0; j < voxels.size[1]; ++j)
+        for (int i = (j + k) % 4; i < voxels.size[0]; i += 4)
+          if (voxels.at(i, j, k) != haptic_empty) felt.add(voxels.to_world_mm({double(i), double(j), double(k)}));
+  if (!surfaces.most()) refuse("space origin", "most of what is seen lies beyond the CT");
+  if (!felt.most()) refuse("space origin", "most of what is felt lies beyond the CT");
+}
+
 class Loader {
  public:
   /// `prefix` stands before a file's name in errors.
@@ -88,6 +139,7 @@ class Loader {
     read_manifest();
     plan();
     run();
+    if (parts_.compare_all) compare_all();
     return std::move(out_);
   }
 
@@ -145,6 +197,13 @@ class Loader {
     const CaseCt& ct = out_.manifest.ct;
     const std::vector<char> bytes = bytes_of(ct.file);
     within(ct.file, [&] { out_.ct = read_ct(bytes, ct); });
+  }
+
+  void compare_all() const {
+    const CaseManifest& m = out_.manifest;
+    if (out_.has_haptic()) within(m.haptic.file, [&] { compare_volumes(out_.haptic, m.haptic); });
+    within(detail::manifest_name, [&] { compare_figures(m); });
+    if (out_.has_ct()) within(m.ct.file, [&] { compare_places(out_); });
   }
 
   // A task a file, the largest first.

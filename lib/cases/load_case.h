@@ -31,15 +31,20 @@ struct LoadedCase {
 /// What of a case is loaded beside surfaces and haptic volume; what is not asked for is only hashed.
 struct LoadParts {
   bool ct = false;
+  /// Also compare what takes a walk over all of it: the shapes' volumes with the voxels that are felt, the patient's
+  /// figures with the surfaces' volumes, the CT's place with that of what is seen and felt.
+  bool compare_all = false;
 };
+/// As `check` and `library verify` do.
+constexpr LoadParts whole_case{true, true};
 
 /// Loads a case and verifies all of it, on up to thread_count() threads. Each file is read once, and the bytes that
 /// were hashed are the bytes that are parsed. The checks, in this order: case.json (version, checksum, every value's
 /// range; a newer minor version loads without the parts that this program does not know); each file's size and SHA-256;
 /// the content of each file, which is not trusted (cases/glb.h, voxel/haptic_file.h): counts and indices are checked
 /// before anything is allocated from them; and that the content is what case.json says: triangles, points, centre,
-/// name, volume and area of a surface; encoding, size, spacing, shapes and hardness of the haptic volume. A file that
-/// case.json names and this program does not know is only hashed.
+/// name, volume and area of a surface; encoding, size, spacing, shapes and hardness of the haptic volume; type, size
+/// and spacing of the CT. A file that case.json names and this program does not know is only hashed.
 ///
 /// Throws Error naming the file and the field: 66 where one is missing, 65 where one is damaged, contradicts case.json,
 /// or the major version is another (both are named). Of several faults it is always the same one.

@@ -15,6 +15,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "cli/declarations.h"
+#include "cli/plain_output.h"
 
 namespace trephine {
 namespace {
@@ -179,6 +180,7 @@ int run_program(const char* name, const std::function<Program()>& declare, int a
   try {
     run_child_if_asked(argc, argv);
     install_signal_handlers();
+    const PlainOutput plain;
     Program program = declare();
     add_own_commands(program);
     const std::vector<std::string> words(argv + std::min(1, argc), argv + argc);

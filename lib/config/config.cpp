@@ -258,7 +258,8 @@ class Reader {
       const std::string where = "set." + path;
       if (!known || !set_.count(where)) continue;  // a value that could not be read has been reported
       const YamlNode& at = at_.at(where);
-      if (const std::string what = r_.values.set(path, value.text, r_.origin(ValueSource::set, r_.file, at));
+      if (const std::string what =
+              r_.values.set(path, value.text, r_.origin(ValueSource::set, r_.file, at), !r_.faults.full());
           !what.empty())
         r_.faults.add(r_.file, r_.values.has(path) ? at : at_.key(where), where, what);
     }

@@ -130,10 +130,11 @@ std::vector<std::string> ConfigValues::matching(const std::string& path) const {
   return all;
 }
 
-std::string ConfigValues::set(const std::string& path, const std::string& text, const ValueOrigin& from) {
+std::string ConfigValues::set(const std::string& path, const std::string& text, const ValueOrigin& from, bool explain) {
   const YamlNode value = value_of(text);
   const std::vector<std::string> paths = matching(path);
   if (paths.empty()) {
+    if (!explain) return "no such parameter";
     std::vector<std::string> known;
     for (const auto& target : targets_) known.push_back(target.first);
     const std::string near = did_you_mean(path, known);
@@ -156,7 +157,7 @@ void ConfigValues::set_from_text(const std::string& text, const ValueOrigin& fro
   if (equals == std::string::npos)
     return faults.add(Error(ExitCode::usage, "", "--set", text + ", must be anatomy.stage.parameter=value"));
   const std::string path = text.substr(0, equals);
-  if (const std::string fault = set(path, text.substr(equals + 1), from); !fault.empty())
+  if (const std::string fault = set(path, text.substr(equals + 1), from, !faults.full()); !fault.empty())
     faults.add(fault_of_value(path, from, fault));
 }
 

@@ -63,8 +63,8 @@ class ConfigValues {
 
   /// Sets a value given as text, "0.2" or "[1, 1, 1]". Returns the fault, or ""; it returns "" also where a stronger
   /// source has set the value. `anatomies` says whether the recipe could be read; where it could not, its paths are
-  /// unknown and no fault is reported for them.
-  std::string set(const std::string& path, const std::string& value, const ValueOrigin& origin);
+  /// unknown and no fault is reported for them. A near name is sought, which takes long, only to `explain` the fault.
+  std::string set(const std::string& path, const std::string& value, const ValueOrigin& origin, bool explain = true);
   /// Sets "path=value" as --set gives it. Faults are those of usage (64).
   void set_from_text(const std::string& text, const ValueOrigin& origin, ConfigFaults& faults);
   /// Sets a value that has passed its checks already, unless a stronger source has set it or there is no such path.

@@ -82,6 +82,9 @@ void require_values_said(const ImportParams& params) {
 ImportResult imported(VolumeFile read, const ImportParams& params) {
   require_values_said(params);
   const bool hu = params.volume_values == VolumeValues::hu;
+  if (hu && !read.modality.empty() && read.modality != "CT")
+    throw Error(ExitCode::bad_input, "", "Modality",
+                read.modality + ": its values are no HU; if they shall be taken as they are, give volume_values any");
   ImportResult result;
   const Counts counts = std::visit([&](auto& grid) { return cleaned(grid, params, hu); }, read.volume);
   if (hu) require_hu(counts);

@@ -22,6 +22,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "external/confined.h"
+#include "grid/bounded_read.h"
 #include "grid/nifti.h"
 
 namespace trephine {
@@ -322,7 +323,7 @@ LabelFile run_external(const HuVolume& volume, const ExternalParams& params, Rep
   report.add("output_sha256", sha256_of_bytes(bytes));
   LabelFile map;
   try {
-    map = decode_labels(bytes);
+    map = decode_labels_bounded(bytes);
   } catch (const Error& e) {
     run.refuse("is no map of labels: " + (e.field().empty() ? "" : e.field() + ": ") + e.what());
   }

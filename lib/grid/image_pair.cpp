@@ -8,7 +8,9 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "base/memory_budget.h"
 #include "base/text.h"
+#include "grid/gzip_limit.h"
 #include "grid/nrrd_header.h"
 
 namespace trephine {
@@ -135,11 +137,15 @@ ImagePair join_image_pair(std::string_view header, std::string_view image, bool 
   std::string expanded;
   if (gzip) {
     if (need / 1032 > image.size()) refuse("data", "more voxels than the file can hold");
+    if (need > scan_limit.bytes(image.size()))
+      refuse("data",
+             std::to_string(image.size()) + " bytes would grow to " + std::to_string(need) + ", which no scan's do");
+    require_memory(2 * need, "an image of " + std::to_string(need) + " bytes");
     expanded.resize(need);
     detail::gzip_expand(image, expanded.data(), need);
     image = expanded;
   }
-  if (image.size() < need || (out.is_analyze && image.size() > need))
+  if (image.size() != need)  // more would be passed over, or read from the wrong place
     refuse("data", "the image has " + std::to_string(image.size()) + " bytes, the header says " + std::to_string(need));
   h.put(108, float{one_file_offset});
   out.nifti.reserve(one_file_offset + need - begins);

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "base/write_file.h"
+#include "grid/bounded_read.h"
 #include "grid/nifti.h"
 
 namespace trephine {
@@ -223,8 +223,7 @@ LabelFile labels_of(AnyGrid samples, const std::string& format) {
 }
 
 LabelFile read_labels(const std::filesystem::path& file) {
-  const std::vector<char> bytes = read_file(file);
-  return with_file(file.string(), [&] { return decode_labels({bytes.data(), bytes.size()}); });
+  return with_file(file.string(), [&] { return read_labels_bounded(file); });
 }
 
 std::string encode_labels(const LabelFile& map) {

@@ -29,7 +29,7 @@ struct LabelFile {
 /// Decides by the content of the bytes, not by a name. Throws Error 65 naming the field, without a file: the faults of
 /// read_nrrd and decode_nifti; neither of the two formats; a fractional segmentation.
 LabelFile decode_labels(std::string_view bytes);
-/// The same for a file; throws Error 66, and 65 with the file.
+/// The same for a file, in a bounded child (grid/bounded_read.h); throws Error 66, and 65 and 70 with the file.
 LabelFile read_labels(const std::filesystem::path& file);
 
 /// Voxels that another reader read, as labels. Throws Error 65 where one is negative or no whole number.

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "grid/nifti.h"
 
-#define ZLIB_CONST
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +9,9 @@
 #include <type_traits>
 
 #include "base/error.h"
+#include "base/memory_budget.h"
 #include "base/text.h"
+#include "grid/byte_source.h"
 #include "grid/nifti_place.h"
 #include "grid/nrrd_header.h"
 
@@ -21,76 +20,21 @@ namespace {
 
 constexpr std::uint64_t most_extension_bytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t most_place_bytes = 4096;
+constexpr std::int64_t label_intent = 1002;
 constexpr std::size_t piece_bytes = std::size_t{8} << 20;
+
+using detail::ByteSource;
 
 [[noreturn]] void refuse(const std::string& field, const std::string& what) {
   throw Error(ExitCode::bad_input, "", field, what);
 }
-
-bool is_gzip(std::string_view bytes) { return bytes.size() > 2 && bytes[0] == '\x1f' && bytes[1] == '\x8b'; }
-
-/// The file's bytes in order, inflated where they are compressed (several gzip members make one stream).
-class Source {
- public:
-  explicit Source(std::string_view bytes) : bytes_(bytes), gzip_(is_gzip(bytes)) {
-    if (gzip_ && inflateInit2(&z_, 15 + 16) != Z_OK) throw Error(ExitCode::internal, "", "gzip", "cannot start");
-  }
-  ~Source() {
-    if (gzip_) inflateEnd(&z_);
-  }
-  Source(const Source&) = delete;
-  Source& operator=(const Source&) = delete;
-
-  /// Whether so many bytes can follow at all (deflate gains at most a factor of 1032).
-  bool may_hold(std::uint64_t count) const {
-    return gzip_ ? count / 1032 <= bytes_.size() : count <= bytes_.size() - at_;
-  }
-  void read(char* out, std::size_t count) {
-    if (!gzip_) {
-      if (count > bytes_.size() - at_) cut_short();
-      std::memcpy(out, bytes_.data() + at_, count);
-      at_ += count;
-      return;
-    }
-    z_.next_out = reinterpret_cast<Bytef*>(out);
-    z_.avail_out = static_cast<uInt>(count);  // at most piece_bytes
-    while (z_.avail_out > 0) {
-      if (z_.avail_in == 0 && at_ < bytes_.size()) {
-        z_.next_in = reinterpret_cast<const Bytef*>(bytes_.data()) + at_;
-        z_.avail_in = static_cast<uInt>(std::min<std::size_t>(bytes_.size() - at_, std::size_t{1} << 30));
-        at_ += z_.avail_in;
-      }
-      const int result = inflate(&z_, Z_NO_FLUSH);
-      if (result == Z_STREAM_END) {
-        if (z_.avail_out == 0) break;
-        if ((z_.avail_in == 0 && at_ == bytes_.size()) || inflateReset(&z_) != Z_OK) cut_short();
-      } else if (result == Z_BUF_ERROR && z_.avail_in == 0 && at_ == bytes_.size()) {
-        cut_short();
-      } else if (result != Z_OK && result != Z_BUF_ERROR) {
-        refuse("data", "the gzip stream is damaged");
-      }
-    }
-  }
-  void skip(std::uint64_t count) {
-    std::vector<char> scratch(std::min<std::uint64_t>(count, 1 << 16));
-    for (; count > 0; count -= std::min<std::uint64_t>(count, scratch.size()))
-      read(scratch.data(), std::min<std::uint64_t>(count, scratch.size()));
-  }
-
- private:
-  [[noreturn]] void cut_short() const { refuse("data", "the file is cut short"); }
-  std::string_view bytes_;
-  bool gzip_;
-  std::size_t at_ = 0;
-  z_stream z_{};
-};
 
 /// The fields that are needed of either version of the header.
 struct Header {
   int version = 1;
   bool swapped = false;
   std::array<std::int64_t, 8> dim{};
-  std::int64_t datatype = 0, bitpix = 0, qform_code = 0, sform_code = 0, units = 0;
+  std::int64_t datatype = 0, bitpix = 0, qform_code = 0, sform_code = 0, units = 0, intent = 0;
   std::array<double, 8> pixdim{};
   double vox_offset = 0, slope = 0, inter = 0;
   std::array<double, 3> quaternion{}, offset{};
@@ -137,7 +81,7 @@ void take_fields(Header& h, const Fields& f, const std::array<std::size_t, 10>& 
 }
 
 /// Reads the header from the beginning of the source.
-Header header_of(Source& in) {
+Header header_of(ByteSource& in) {
   std::string bytes(348, '\0');
   if (!in.may_hold(348)) refuse("header", "not a NIfTI file");
   in.read(bytes.data(), 4);
@@ -163,10 +107,12 @@ Header header_of(Source& in) {
     take_fields<float, std::int16_t, std::int16_t>(h, f, {40, 76, 112, 252, 254, 256, 268, 280, 70, 0});
     h.vox_offset = f.get<float>(108);
     h.units = f.get<std::uint8_t>(123);
+    h.intent = f.get<std::int16_t>(68);
   } else {
     take_fields<double, std::int32_t, std::int64_t>(h, f, {16, 104, 176, 344, 348, 352, 376, 400, 12, 0});
     h.vox_offset = double(f.get<std::int64_t>(168));
     h.units = f.get<std::int32_t>(500);
+    h.intent = f.get<std::int32_t>(504);
   }
   return h;
 }
@@ -281,7 +227,7 @@ Lattice lattice_of(const Header& h, Nifti& out) {
   for (Vec3& s : affine.steps) s = to_lps(s);
   detail::take_axes(l, affine.steps, out.frame);
   l.origin_mm = to_lps(affine.origin);
-  if (!is_finite(l.origin_mm) || norm(l.origin_mm) > 1e9) refuse(out.frame, "the origin is no position");
+  detail::require_place(l, out.frame);
   return l;
 }
 
@@ -294,7 +240,7 @@ Grid<T> grid_with(const Lattice& l) {
 
 /// Reads all samples in pieces, so that memory grows only with what the file really holds.
 template <class S>
-std::vector<S> samples_of(Source& in, const Header& h, std::size_t count) {
+std::vector<S> samples_of(ByteSource& in, const Header& h, std::size_t count) {
   std::vector<S> samples;
   constexpr std::size_t piece = piece_bytes / sizeof(S);
   while (samples.size() < count) {
@@ -308,13 +254,19 @@ std::vector<S> samples_of(Source& in, const Header& h, std::size_t count) {
       char* p = reinterpret_cast<char*>(&s);
       std::reverse(p, p + sizeof(S));
     }
+  in.require_end();
   return samples;
 }
 
 template <class S>
-AnyGrid grid_of(Source& in, const Header& h, const Lattice& l) {
+AnyGrid grid_of(ByteSource& in, const Header& h, const Lattice& l) {
   const std::size_t count = l.count();
-  if (!in.may_hold(std::uint64_t(count) * sizeof(S))) refuse("dim", "more voxels than the file can hold");
+  const std::uint64_t wanted = std::uint64_t(count) * sizeof(S);
+  if (!in.may_hold(wanted)) refuse("dim", "more voxels than the file can hold");
+  in.require_growth(wanted);
+  require_memory(wanted + std::uint64_t(count) * sizeof(float), "a volume of " + number_text(l.size[0]) + " x " +
+                                                                    number_text(l.size[1]) + " x " +
+                                                                    number_text(l.size[2]) + " voxels");
   std::vector<S> samples = samples_of<S>(in, h, count);
   if (std::isinf(h.slope)) refuse("scl_slope", "is not finite");  // NaN stands for none
   const bool scaled = h.slope != 0 && std::isfinite(h.slope) && !(h.slope == 1 && h.inter == 0);
@@ -344,7 +296,7 @@ AnyGrid grid_of(Source& in, const Header& h, const Lattice& l) {
 }  // namespace
 
 bool may_be_nifti(std::string_view bytes) {
-  if (is_gzip(bytes)) return true;
+  if (detail::is_gzip(bytes)) return true;
   if (bytes.size() < 348) return false;
   const std::string head(bytes.substr(0, 4));
   for (const bool swapped : {false, true}) {
@@ -354,13 +306,16 @@ bool may_be_nifti(std::string_view bytes) {
   return false;
 }
 
-Nifti decode_nifti(std::string_view bytes) {
-  Source in(bytes);
+Nifti decode_nifti(std::string_view bytes, GzipLimit limit) {
+  ByteSource in(bytes, limit);
   const Header h = header_of(in);
   Nifti out;
   Lattice l = lattice_of(h, out);
+  if (h.intent != 0 && h.intent != label_intent)
+    out.warnings.push_back("intent_code " + number_text(h.intent) + ": the file says that its values are no picture's");
+  // Four bytes that say whether extensions follow stand before the earliest place of data.
   const double header_bytes = h.version == 1 ? 348 : 540;
-  if (!(h.vox_offset >= header_bytes && h.vox_offset <= header_bytes + double(most_extension_bytes)) ||
+  if (!(h.vox_offset >= header_bytes + 4 && h.vox_offset <= header_bytes + double(most_extension_bytes)) ||
       h.vox_offset != std::floor(h.vox_offset))
     refuse("vox_offset", to_text(std::isfinite(h.vox_offset) ? h.vox_offset : -1) + " is no place of data");
   if (!in.may_hold(std::uint64_t(h.vox_offset - header_bytes))) refuse("vox_offset", "lies beyond the file");
@@ -377,7 +332,7 @@ Nifti decode_nifti(std::string_view bytes) {
 
   struct Type {
     std::int64_t code, bits;
-    AnyGrid (*read)(Source&, const Header&, const Lattice&);
+    AnyGrid (*read)(ByteSource&, const Header&, const Lattice&);
   };
   static const Type types[] = {{2, 8, grid_of<std::uint8_t>},     {4, 16, grid_of<std::int16_t>},
                                {8, 32, grid_of<std::int32_t>},    {16, 32, grid_of<float>},

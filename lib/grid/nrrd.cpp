@@ -130,7 +130,7 @@ void require_memory_for(const NrrdHeader& h) {
 }
 
 template <class S>
-std::vector<S> read_samples(const Input& in, std::uint64_t data_begin, const NrrdHeader& h) {
+std::vector<S> read_samples(const Input& in, std::uint64_t data_begin, const NrrdHeader& h, GzipLimit limit) {
   const std::uint64_t wanted = h.lattice.count() * sizeof(S), have = in.size() - data_begin;
   const auto disagree = [&] {
     throw Error(ExitCode::bad_input, "", "sizes",
@@ -145,6 +145,9 @@ std::vector<S> read_samples(const Input& in, std::uint64_t data_begin, const Nrr
   } else {
     // Deflate gains at most a factor of 1032. What claims to have gained much is counted before memory is taken for it.
     if (wanted / 1032 > have) disagree();
+    if (wanted > limit.bytes(have))
+      throw Error(ExitCode::bad_input, "", "data",
+                  std::to_string(have) + " bytes would grow to " + std::to_string(wanted) + ", which no scan's do");
     std::string compressed(have, '\0');
     in.read(data_begin, compressed.data(), have);
     if (wanted > (std::uint64_t{64} << 20) && wanted / 100 > have) detail::gzip_expand(compressed, nullptr, wanted);
@@ -192,30 +195,30 @@ AnyGrid from_integers(const Lattice& lattice, const std::vector<S>& samples) {
   return converted<float>(lattice, samples);
 }
 
-AnyGrid read_voxels(const Input& in, std::uint64_t at, const NrrdHeader& h) {
+AnyGrid read_voxels(const Input& in, std::uint64_t at, const NrrdHeader& h, GzipLimit limit) {
   switch (h.type) {
     case NrrdType::int16:
-      return to_grid(h.lattice, read_samples<std::int16_t>(in, at, h));
+      return to_grid(h.lattice, read_samples<std::int16_t>(in, at, h, limit));
     case NrrdType::uint8:
-      return to_grid(h.lattice, read_samples<std::uint8_t>(in, at, h));
+      return to_grid(h.lattice, read_samples<std::uint8_t>(in, at, h, limit));
     case NrrdType::float32: {
-      auto g = to_grid(h.lattice, read_samples<float>(in, at, h));
+      auto g = to_grid(h.lattice, read_samples<float>(in, at, h, limit));
       check_finite(g.voxels);
       return g;
     }
     case NrrdType::float64: {
-      auto g = converted<float>(h.lattice, read_samples<double>(in, at, h));
+      auto g = converted<float>(h.lattice, read_samples<double>(in, at, h, limit));
       check_finite(g.voxels);
       return g;
     }
     case NrrdType::int8:
-      return from_integers(h.lattice, read_samples<std::int8_t>(in, at, h));
+      return from_integers(h.lattice, read_samples<std::int8_t>(in, at, h, limit));
     case NrrdType::uint16:
-      return from_integers(h.lattice, read_samples<std::uint16_t>(in, at, h));
+      return from_integers(h.lattice, read_samples<std::uint16_t>(in, at, h, limit));
     case NrrdType::int32:
-      return from_integers(h.lattice, read_samples<std::int32_t>(in, at, h));
+      return from_integers(h.lattice, read_samples<std::int32_t>(in, at, h, limit));
     case NrrdType::uint32:
-      return from_integers(h.lattice, read_samples<std::uint32_t>(in, at, h));
+      return from_integers(h.lattice, read_samples<std::uint32_t>(in, at, h, limit));
   }
   throw Error(ExitCode::internal, "", "type", "unknown");
 }
@@ -230,11 +233,12 @@ std::string encode_grid(const Grid<T>& grid, const NrrdKeys& keys, NrrdEncoding 
   return out.append(bytes);
 }
 
-Nrrd read_all(const Input& in) {
+Nrrd read_all(const Input& in, GzipLimit limit) {
   const std::string text = read_header_text(in);
   NrrdHeader h = detail::parse_nrrd_header(text);
-  AnyGrid grid = read_voxels(in, text.size(), h);
-  return {std::move(grid), std::move(h.keys)};
+  Nrrd out{read_voxels(in, text.size(), h, limit), std::move(h.keys)};
+  if (!h.unknown.empty()) out.warnings.push_back(detail::told_unknown(h.unknown));
+  return out;
 }
 
 }  // namespace
@@ -252,9 +256,9 @@ void write_nrrd(const std::filesystem::path& file, const Mask& mask, const NrrdK
   write_grid(file, mask, keys, encoding);
 }
 
-Nrrd read_nrrd(const std::filesystem::path& file) {
+Nrrd read_nrrd(const std::filesystem::path& file, GzipLimit limit) {
   const InputFile in(file);
-  return with_file(file.string(), [&] { return read_all(in); });
+  return with_file(file.string(), [&] { return read_all(in, limit); });
 }
 
 std::string encode_nrrd(const HuVolume& volume, const NrrdKeys& keys, NrrdEncoding encoding) {
@@ -265,7 +269,7 @@ std::string encode_nrrd(const Mask& mask, const NrrdKeys& keys, NrrdEncoding enc
   return encode_grid(mask, keys, encoding);
 }
 
-Nrrd decode_nrrd(std::string_view bytes) { return read_all(InputBytes(bytes)); }
+Nrrd decode_nrrd(std::string_view bytes, GzipLimit limit) { return read_all(InputBytes(bytes), limit); }
 
 LayeredNrrd decode_layered_nrrd(std::string_view bytes) {
   const InputBytes in(bytes);
@@ -275,7 +279,7 @@ LayeredNrrd decode_layered_nrrd(std::string_view bytes) {
   out.lattice = h.lattice;
   out.layers = h.layers;
   h.lattice.size[0] *= h.layers;
-  out.samples = read_voxels(in, text.size(), h);
+  out.samples = read_voxels(in, text.size(), h, labels_limit);
   out.keys = std::move(h.keys);
   return out;
 }
@@ -301,14 +305,16 @@ HuVolume read_hu_nrrd(const std::filesystem::path& file) { return to_hu(read_nrr
 Field read_field_nrrd(const std::filesystem::path& file) { return to_field(read_nrrd(file).grid); }
 
 Mask read_mask_nrrd(const std::filesystem::path& file) {
-  AnyGrid grid = read_nrrd(file).grid;
+  return with_file(file.string(), [&] { return to_mask(read_nrrd(file).grid); });
+}
+
+Mask to_mask(AnyGrid grid) {
   if (auto* g = std::get_if<Mask>(&grid)) return std::move(*g);
   return std::visit(
       [&](const auto& g) {
         for (const auto v : g.voxels)
           if (!(v >= 0 && v <= 255) || static_cast<decltype(v)>(static_cast<std::uint8_t>(v)) != v)
-            throw Error(ExitCode::bad_input, file.string(), "data",
-                        "a mask or labels must hold whole numbers from 0 to 255");
+            throw Error(ExitCode::bad_input, "", "data", "a mask or labels must hold whole numbers from 0 to 255");
         return converted<std::uint8_t>(g, g.voxels);
       },
       grid);

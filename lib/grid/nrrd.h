@@ -5,8 +5,10 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "grid/grid.h"
+#include "grid/gzip_limit.h"
 
 namespace trephine {
 
@@ -30,17 +32,19 @@ using AnyGrid = std::variant<Grid<std::int16_t>, Grid<float>, Grid<std::uint8_t>
 struct Nrrd {
   AnyGrid grid;
   NrrdKeys keys;
+  std::vector<std::string> warnings{};  ///< of fields that the format does not know
 };
 /// Reads what write_nrrd wrote and what 3D Slicer and ITK write of the same types (spaces LPS and RAS; int16, uint8,
 /// float, and uint16, int32, double converted where exact or to float). Throws 66; 65 naming the field: wrong
 /// dimension, sizes that disagree with the bytes there (checked before anything is allocated), spacing not positive and
-/// finite, directions not orthogonal, voxels not finite.
-Nrrd read_nrrd(const std::filesystem::path& file);
+/// finite, directions not orthogonal, a place beyond 1 km, voxels not finite, compressed bytes that would grow beyond
+/// the limit. A stranger's file is read in a bounded child (grid/bounded_read.h).
+Nrrd read_nrrd(const std::filesystem::path& file, GzipLimit limit = labels_limit);
 
 /// The same in memory: the bytes that write_nrrd writes, and read_nrrd of bytes (65 without a file; never 66).
 std::string encode_nrrd(const HuVolume& volume, const NrrdKeys& keys = {}, NrrdEncoding encoding = NrrdEncoding::raw);
 std::string encode_nrrd(const Mask& mask, const NrrdKeys& keys = {}, NrrdEncoding encoding = NrrdEncoding::gzip);
-Nrrd decode_nrrd(std::string_view bytes);
+Nrrd decode_nrrd(std::string_view bytes, GzipLimit limit = labels_limit);
 
 /// Labels as 3D Slicer writes them (.seg.nrrd): as above, or with a list axis before the three of space, a layer an
 /// entry. Sample (layer, i, j, k) is samples.voxels[lattice.index(i, j, k) * layers + layer].
@@ -52,9 +56,11 @@ struct LayeredNrrd {
 };
 LayeredNrrd decode_layered_nrrd(std::string_view bytes);
 
-/// Voxels for a caller that needs HU, or a field; a mask (uint8) becomes a field of -0.5 and 0.5.
+/// Voxels for a caller that needs HU, or a field; a mask (uint8) becomes a field of -0.5 and 0.5; or a mask or labels
+/// (65 where a voxel is no whole number from 0 to 255).
 HuVolume to_hu(AnyGrid grid);
 Field to_field(AnyGrid grid);
+Mask to_mask(AnyGrid grid);
 /// read_nrrd with that.
 HuVolume read_hu_nrrd(const std::filesystem::path& file);
 Field read_field_nrrd(const std::filesystem::path& file);

@@ -223,6 +223,17 @@ void take_axes(Lattice& lattice, const std::array<Vec3, 3>& steps, const std::st
   check_orthogonal(lattice, field);
 }
 
+void require_place(const Lattice& l, const std::string& field) {
+  constexpr double farthest_mm = 1e6;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 index;
+    for (int a = 0; a < 3; ++a) index[a] = corner >> a & 1 ? l.size[a] - 1.0 : 0.0;
+    const Vec3 at = l.to_world_mm(index);
+    for (int a = 0; a < 3; ++a)
+      if (!(std::fabs(at[a]) <= farthest_mm)) refuse(field, "the volume lies more than 1 km from the origin");
+  }
+}
+
 NrrdHeader parse_nrrd_header(std::string_view text, bool layered) {
   NrrdHeader h;
   std::map<std::string, std::string> fields;
@@ -250,6 +261,8 @@ NrrdHeader parse_nrrd_header(std::string_view text, bool layered) {
     }
   }
 
+  for (const auto& [name, value] : fields)
+    if (!is_known_field(name)) h.unknown.push_back(tellable_key(name));
   const auto get = [&](const std::string& name) -> const std::string& {
     const auto found = fields.find(name);
     if (found == fields.end()) refuse(name, "missing");
@@ -317,6 +330,7 @@ NrrdHeader parse_nrrd_header(std::string_view text, bool layered) {
   h.lattice.origin_mm = to_lps(vectors_of(get("space origin"), 1, "space origin")[0]);
   take_exact_keys(h.lattice, h.keys, steps);
   check_orthogonal(h.lattice);
+  require_place(h.lattice, "space origin");
   return h;
 }
 

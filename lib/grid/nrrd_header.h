@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "grid/grid.h"
 #include "grid/nrrd.h"
@@ -18,6 +19,7 @@ struct NrrdHeader {
   bool big_endian = false, gzip = false;
   int layers = 1;  ///< of a list axis before the three of space
   NrrdKeys keys;
+  std::vector<std::string> unknown;  ///< fields that the format does not know, as they may be told
 };
 
 /// The header with its closing empty line. `type` is int16, uint8 or float32.
@@ -30,6 +32,15 @@ NrrdHeader parse_nrrd_header(std::string_view text, bool layered = false);
 /// Spacing and direction of the lattice from its axes' steps; nearly orthogonal ones are put right. Throws Error 65
 /// naming `field` where a step is 0, not finite, or the axes are not orthogonal.
 void take_axes(Lattice& lattice, const std::array<Vec3, 3>& steps, const std::string& field);
+
+/// Throws Error 65 naming `field` where a corner of the lattice lies more than 1 km (1e6 mm) from the origin of space:
+/// float32 no longer tells the voxels of a scan apart there.
+void require_place(const Lattice& lattice, const std::string& field);
+
+/// The name of a key of a stranger's file where it looks like one, else "?": a key may hold anything, a name too.
+std::string tellable_key(const std::string& key);
+/// "ignored, because they are not known: a, b": of at most 20 keys; empty where there are none.
+std::string told_unknown(const std::vector<std::string>& keys);
 
 /// One gzip member without time and name; level 1 (fastest) to 9. The same bytes whatever the thread count.
 std::string gzip_compress(std::string_view bytes, int level = 1);

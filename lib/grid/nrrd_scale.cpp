@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 
 #include "base/error.h"
 #include "base/text.h"
 #include "grid/length_unit.h"
+#include "grid/nrrd_header.h"
 
 namespace trephine::detail {
 
@@ -33,6 +35,35 @@ std::vector<std::string> words(const std::string& s) {
     }
   }
   return out;
+}
+
+bool is_known_field(const std::string& name) {
+  static const std::set<std::string> known = {
+      "type",        "dimension",  "space",    "spacedimension", "sizes",      "spacedirections",
+      "spaceorigin", "spaceunits", "kinds",    "endian",         "encoding",   "spacings",
+      "thicknesses", "axismins",   "axismaxs", "centers",        "centerings", "labels",
+      "units",       "content",    "number",   "blocksize",      "min",        "max",
+      "oldmin",      "oldmax",     "datafile", "lineskip",       "byteskip",   "measurementframe",
+      "sampleunits"};
+  std::string plain;
+  for (const char c : lower(name))
+    if (c != ' ') plain += c;
+  return known.count(plain) > 0;
+}
+
+std::string tellable_key(const std::string& key) {
+  const bool plain = !key.empty() && key.size() <= 40 && std::all_of(key.begin(), key.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == ' ';
+  });
+  return plain ? key : "?";
+}
+
+std::string told_unknown(const std::vector<std::string>& keys) {
+  constexpr std::size_t most_told = 20;
+  std::string all;
+  for (std::size_t i = 0; i < std::min(keys.size(), most_told); ++i) all += (i ? ", " : "") + keys[i];
+  if (keys.size() > most_told) all += " and " + std::to_string(keys.size() - most_told) + " more";
+  return all.empty() ? all : "keys that are not known are ignored: " + all;
 }
 
 // Other programs write 1e-05 and +1; what must hold is that the whole word is one finite number.

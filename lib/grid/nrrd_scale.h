@@ -19,6 +19,9 @@ std::string lower(std::string s);
 std::vector<std::string> words(const std::string& s);
 double number_of(const std::string& word, const std::string& field);
 
+/// Whether the format has a field of that name, of whatever meaning.
+bool is_known_field(const std::string& name);
+
 /// mm of a unit along each axis of space, by `space units`: "mm" "mm" "mm"; 1 where there is no such field. Throws
 /// Error 65 for a unit that is not known.
 Vec3 units_of(const Fields& fields);

@@ -15,9 +15,7 @@
 #include "base/memory_budget.h"
 #include "base/temporary_folder.h"
 #include "base/write_file.h"
-#include "grid/image_pair.h"
-#include "grid/nifti.h"
-#include "grid/nrrd.h"
+#include "grid/bounded_read.h"
 #include "grid/nrrd_header.h"
 #include "itk/itk_child.h"
 #include "itk/volume_header.h"
@@ -79,32 +77,20 @@ std::string head_of(const fs::path& file) {
   return text;
 }
 
-VolumeFile decoded(AnyGrid grid, const char* format) {
+VolumeFile decoded(BoundedGrid read, const char* format) {
   VolumeFile out;
-  out.volume = to_hu(std::move(grid));
+  out.volume = to_hu(std::move(read.grid));
   out.format = format;
+  out.warnings = std::move(read.warnings);
   return out;
 }
 
-VolumeFile read_nifti(const fs::path& file) {
-  const std::vector<char> bytes = read_file(file);
-  Nifti nifti = decode_nifti({bytes.data(), bytes.size()});
-  VolumeFile out = decoded(std::move(nifti.grid), "NIfTI");
-  out.warnings = std::move(nifti.warnings);
-  return out;
-}
-
-VolumeFile read_pair(const fs::path& file, const std::string& analyze_axes) {
+VolumeFile read_pair(const fs::path& file, const std::string& analyze_axes, const Progress& progress) {
   const fs::path image = image_of_pair(file);
   if (image.empty()) throw Error(ExitCode::no_input, "", "image", "lacks its other file, .img or .img.gz, beside it");
-  const std::vector<char> head = read_file(file), data = read_file(image);
-  ImagePair pair =
-      join_image_pair({head.data(), head.size()}, {data.data(), data.size()}, image.extension() == ".gz", analyze_axes);
-  Nifti nifti = decode_nifti(pair.nifti);
-  VolumeFile out = decoded(std::move(nifti.grid), pair.is_analyze ? "Analyze" : "NIfTI");
-  out.warnings = std::move(pair.warnings);
-  out.warnings.insert(out.warnings.end(), nifti.warnings.begin(), nifti.warnings.end());
-  return out;
+  BoundedGrid read = read_pair_bounded(file, image, analyze_axes, progress);
+  const bool analyze = read.is_analyze;
+  return decoded(std::move(read), analyze ? "Analyze" : "NIfTI");
 }
 
 Lattice lattice_of(const ItkVolume& head) {
@@ -122,6 +108,7 @@ Lattice lattice_of(const ItkVolume& head) {
   }
   if (!is_finite(lattice.origin_mm)) throw Error(ExitCode::bad_input, "", "origin", "is not finite");
   detail::take_axes(lattice, steps, "direction");
+  detail::require_place(lattice, "origin");
   return lattice;
 }
 
@@ -168,6 +155,8 @@ VolumeFile read_with_itk(const fs::path& file, ItkFormat format, const char* nam
   };
   VolumeFile out;
   out.format = name;
+  out.modality = said.modality;
+  if (!said.unknown.empty()) out.warnings.push_back(detail::told_unknown(said.unknown));
   if (head.is_int16) {
     out.volume = take(std::int16_t{});
   } else {
@@ -200,10 +189,10 @@ HuVolume right_handed(HuVolume volume) {
 VolumeFile read_any(const fs::path& file, const Progress& progress, const std::string& analyze_axes) {
   switch (kind_of(file)) {
     case Kind::nifti:
-      return read_nifti(file);
+      return decoded(read_nifti_bounded(file, scan_limit, progress), "NIfTI");
     case Kind::nrrd:
       try {
-        return decoded(read_nrrd(file).grid, "NRRD");
+        return decoded(read_nrrd_bounded(file, scan_limit, progress), "NRRD");
       } catch (const Error& e) {
         if (e.field() != "encoding" && e.field() != "data file") throw;
       }
@@ -223,7 +212,7 @@ VolumeFile read_any(const fs::path& file, const Progress& progress, const std::s
     case Kind::minc:
       return read_with_itk(file, ItkFormat::minc, "MINC", progress);
     case Kind::pair:
-      return read_pair(file, analyze_axes);
+      return read_pair(file, analyze_axes, progress);
     case Kind::image:
       throw Error(ExitCode::usage, "", "format", "is the image of a pair: name its header, the .hdr beside it");
     case Kind::none:

@@ -15,6 +15,7 @@ struct VolumeFile {
   HuVolume volume;
   std::string format;  ///< "NIfTI", "Analyze", "NRRD", "MetaImage", "GIPL", "VTK image", "MINC"
   std::vector<std::string> warnings;
+  std::string modality{};  ///< "CT", "MR", ...: what the file says; empty where it says none
 };
 
 /// Whether the file's name ends in `ending` (".nii.gz", lower case), whatever its own case.
@@ -25,12 +26,12 @@ bool has_ending(const std::filesystem::path& file, std::string_view ending);
 /// first bytes.
 std::vector<std::filesystem::path> find_volume_files(const std::filesystem::path& file_or_folder);
 
-/// Reads NIfTI (.nii, .nii.gz) and NRRD (.nrrd, raw and gzip) with our own parsers, and MetaImage (.mha, .mhd), NRRD
-/// with a data file of its own or in another encoding (.nhdr), GIPL (.gipl, .gipl.gz), VTK's legacy image (.vtk)
-/// and MINC 2 (.mnc) with ITK in a bounded child. What ITK makes of a file is not taken on trust: it is read twice,
-/// into memory of different content, so that a voxel that the file does not hold shows; a MetaImage must say its
-/// spacing, place and direction, and ITK must have understood the same (as must the attributes of a MINC file, whose
-/// RAS becomes LPS); the bytes must be as many as the header says; a data file must lie beside its header.
+/// Reads NIfTI (.nii, .nii.gz) and NRRD (.nrrd, raw and gzip) with our own parsers in a bounded child, and MetaImage
+/// (.mha, .mhd), NRRD with a data file of its own or in another encoding (.nhdr), GIPL (.gipl, .gipl.gz), VTK's legacy
+/// image (.vtk) and MINC 2 (.mnc) with ITK in a bounded child. What ITK makes of a file is not taken on trust: it is
+/// read twice, into memory of different content, so that a voxel that the file does not hold shows; a MetaImage must
+/// say its spacing, place and direction, and ITK must have understood the same (as must the attributes of a MINC file,
+/// whose RAS becomes LPS); the bytes must be as many as the header says; a data file must lie beside its header.
 ///
 /// GIPL and VTK do not say which way the axes lie: they are taken as LPS, with a warning. A header and an image in two
 /// files (.hdr with .img or .img.gz) are NIfTI or Analyze 7.5, which does not say which side is left: then

@@ -11,6 +11,9 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "grid/gzip_limit.h"
+#include "grid/nrrd_header.h"
+#include "grid/nrrd_scale.h"
 #include "itk/header_numbers.h"
 
 namespace trephine {
@@ -70,6 +73,81 @@ bool is_true(const Keys& keys, const char* key) {
   return at->second == "True";
 }
 
+// What a MetaImage may say without a change of its voxels or their place: names, comments, colours, display.
+bool is_meaningless(const std::string& key) {
+  static const std::set<std::string> keys = {"ObjectSubType",
+                                             "TransformType",
+                                             "Name",
+                                             "ID",
+                                             "ParentID",
+                                             "Comment",
+                                             "Color",
+                                             "SequenceID",
+                                             "AnatomicalOrientation",
+                                             "ElementMin",
+                                             "ElementMax",
+                                             "CompressionLevel",
+                                             "ElementSize",
+                                             "AcquisitionDate"};
+  return keys.count(key) > 0;
+}
+bool is_read(const std::string& key) {
+  static const std::set<std::string> keys = {"ObjectType",
+                                             "NDims",
+                                             "BinaryData",
+                                             "BinaryDataByteOrderMSB",
+                                             "ElementByteOrderMSB",
+                                             "CompressedData",
+                                             "CompressedDataSize",
+                                             "DimSize",
+                                             "ElementSpacing",
+                                             "Offset",
+                                             "Position",
+                                             "Origin",
+                                             "TransformMatrix",
+                                             "Rotation",
+                                             "Orientation",
+                                             "CenterOfRotation",
+                                             "DistanceUnits",
+                                             "Modality",
+                                             "HeaderSize",
+                                             "ElementNumberOfChannels",
+                                             "ElementToIntensityFunctionSlope",
+                                             "ElementToIntensityFunctionOffset",
+                                             "ElementType",
+                                             "ElementDataFile"};
+  return keys.count(key) > 0;
+}
+
+// Keys that ITK passes over, though they change what the voxels or their places mean.
+void require_plain_meaning(const Keys& keys) {
+  const auto must_be = [&](const char* key, std::initializer_list<double> wanted, const char* what) {
+    const auto at = keys.find(key);
+    if (at == keys.end()) return;
+    if (numbers(key, at->second, wanted.size()) != std::vector<double>(wanted)) bad(key, what);
+  };
+  must_be("ElementToIntensityFunctionSlope", {1}, "must be 1: convert the file to one whose values are what is meant");
+  must_be("ElementToIntensityFunctionOffset", {0}, "must be 0: convert the file to one whose values are what is meant");
+  must_be("CenterOfRotation", {0, 0, 0}, "must be 0: the file's place would be another than its Offset says");
+  if (const auto at = keys.find("DistanceUnits");
+      at != keys.end() && at->second != "mm" && at->second != "MET_DISTANCE_UNITS_MM" && at->second != "?")
+    bad("DistanceUnits", "must be mm");
+  if (const auto at = keys.find("ObjectType"); at != keys.end() && at->second != "Image")
+    bad("ObjectType", "must be Image");
+  const auto order = keys.find("ElementByteOrderMSB"), other = keys.find("BinaryDataByteOrderMSB");
+  if (order != keys.end() && other != keys.end() && order->second != other->second)
+    bad("ElementByteOrderMSB", "contradicts BinaryDataByteOrderMSB");
+}
+
+// "MR" of MET_MOD_MR; empty where the file leaves it open.
+std::string modality_of(const Keys& keys) {
+  const auto at = keys.find("Modality");
+  if (at == keys.end() || at->second == "MET_MOD_UNKNOWN" || at->second == "MET_MOD_OTHER") return "";
+  for (const char* known : {"CT", "MR", "NM", "US", "PET"})
+    if (at->second == std::string("MET_MOD_") + known) return known;
+  bad("Modality", "is none that is known");
+}
+
 }  // namespace
 
 void VolumeHeader::require_same(const ItkVolume& itk) const {
@@ -113,6 +191,7 @@ VolumeHeader check_meta_header(std::string_view head, const fs::path& file) {
   if (keys.count("AnatomicalOrientation") && keys.count("TransformMatrix") == 0 && keys.count("Rotation") == 0 &&
       keys.count("Orientation") == 0)
     bad("TransformMatrix", "is missing: the file does not say where it lies");
+  require_plain_meaning(keys);
   ItkVolume said;
   const auto size = numbers("DimSize", keys["DimSize"], 3),
              spacing = numbers("ElementSpacing", keys["ElementSpacing"], 3),
@@ -130,6 +209,9 @@ VolumeHeader check_meta_header(std::string_view head, const fs::path& file) {
   }
   VolumeHeader out;
   out.said = said;
+  out.modality = modality_of(keys);
+  for (const auto& [key, value] : keys)
+    if (!is_read(key) && !is_meaningless(key)) out.unknown.push_back(detail::tellable_key(key));
   const std::string& data = keys["ElementDataFile"];
   const bool local = data == "LOCAL" || data == "Local" || data == "local";
   if (!local) out.data_file = beside(file, "ElementDataFile", data);
@@ -139,6 +221,8 @@ VolumeHeader check_meta_header(std::string_view head, const fs::path& file) {
   const double wanted = voxels * bytes_of_meta_type(keys["ElementType"]);
   if (keys.count("CompressedData") && is_true(keys, "CompressedData")) {
     if (there * 1032 < wanted) bad("data", "the file is cut short");
+    if (wanted > static_cast<double>(scan_limit.bytes(static_cast<std::uint64_t>(there))))
+      bad("data", to_text(there) + " bytes would grow to " + to_text(wanted) + ", which no scan's do");
     if (keys.count("CompressedDataSize") && numbers("CompressedDataSize", keys["CompressedDataSize"], 1)[0] > there)
       bad("data", "the file is cut short");
   } else if (there != wanted) {
@@ -171,6 +255,14 @@ VolumeHeader check_nrrd_text(std::string_view head, const fs::path& file) {
     if (key == "datafile") out.data_file = beside(file, "data file", value);
     if (key == "lineskip" || key == "byteskip")
       if (value != "0") bad(written, "is not read: the data must follow at once");
+    if (!detail::is_known_field(key)) out.unknown.push_back(detail::tellable_key(written));
+    for (const char* scale : {"oldmin", "oldmax", "axismins", "axismaxs"})
+      if (key == scale && value.find_first_not_of("nNaAoOeE \t") != std::string::npos)
+        bad(written, "changes what the values or their places mean: convert the file");
+    if (key == "kinds")
+      for (const std::string& word : split_at(value, ' '))
+        if (!word.empty() && word != "domain" && word != "space" && word != "none" && word != "???")
+          bad(written, "must be domain: each voxel holds one number");
     if (key == "spaceunits" || key == "units")
       for (const std::string& word : split_at(value, ' '))
         if (!word.empty() && word != "\"mm\"" && word != "\"\"") bad(written, "must be mm");

@@ -2,7 +2,9 @@
 #pragma once
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "itk/volume_message.h"
 
@@ -10,8 +12,10 @@ namespace trephine {
 
 /// What our own look at a file's header found, before ITK reads the file.
 struct VolumeHeader {
-  std::filesystem::path data_file;  ///< beside the header; empty where the data is in the same file
-  std::optional<ItkVolume> said;    ///< the geometry, where we read it
+  std::filesystem::path data_file;   ///< beside the header; empty where the data is in the same file
+  std::optional<ItkVolume> said;     ///< the geometry, where we read it
+  std::string modality;              ///< as VolumeFile's
+  std::vector<std::string> unknown;  ///< keys that the format does not know, as they may be told
 
   /// Throws Error 65 where ITK understood another geometry.
   void require_same(const ItkVolume& itk) const;
@@ -21,7 +25,8 @@ struct VolumeHeader {
 /// BinaryDataByteOrderMSB, DimSize,
 /// ElementSpacing, Offset (or Position, Origin), TransformMatrix (or Rotation, Orientation), ElementType or
 /// ElementDataFile missing or given twice; not 3 dimensions; several channels; a data file elsewhere or a list of
-/// files; bytes that are not as many as the voxels need.
+/// files; bytes that are not as many as the voxels need; compressed ones that would grow beyond what a scan's do; keys
+/// that would scale the values or the space, or contradict another (docs/volume-files.md has all keys).
 VolumeHeader check_meta_header(std::string_view head, const std::filesystem::path& file);
 
 /// The text header of a NRRD that ITK is to read. Throws Error 65: a data file elsewhere or several, skipped lines or

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/temporary_folder.h"
 #include "base/write_file.h"
+#include "grid/bounded_read.h"
 #include "grid/nifti.h"
 #include "itk/itk_child.h"
 #include "itk/volume_file.h"
@@ -176,14 +177,10 @@ AnyGrid read_grid_file(const fs::path& file, std::string* format, std::vector<st
     const bool nrrd = std::string_view(ending->text) == ".nrrd";
     try {
       return with_file(file.string(), [&]() -> AnyGrid {
-        if (nrrd) {
-          tell("NRRD", {});
-          return read_nrrd(file).grid;
-        }
-        const std::vector<char> bytes = read_file(file);
-        Nifti nifti = decode_nifti({bytes.data(), bytes.size()});
-        tell("NIfTI", nifti.warnings);
-        return std::move(nifti.grid);
+        BoundedGrid read =
+            nrrd ? read_nrrd_bounded(file, labels_limit, progress) : read_nifti_bounded(file, labels_limit, progress);
+        tell(nrrd ? "NRRD" : "NIfTI", read.warnings);
+        return std::move(read.grid);
       });
     } catch (const Error& e) {
       if (!nrrd || (e.field() != "encoding" && e.field() != "data file")) throw;

@@ -101,7 +101,7 @@ Json value_json(const ParameterValue& value) {
 }
 
 std::string state_of(const CaseRow& row) {
-  if (!row.fault.empty()) return row.fault;
+  if (!row.fault.empty()) return printable(row.fault);
   return row.last.code == 0 ? "" : fmt::format("last build failed: {}", row.last.code);
 }
 
@@ -187,19 +187,20 @@ std::string library_table(const std::vector<CaseRow>& rows) {
   std::string classed_by;
   for (const CaseRow& row : rows)
     if (classed_by.empty()) classed_by = row.classed_by();
-  std::vector<std::vector<std::string>> cells = {{"case", "class", classed_by.empty() ? "ml" : classed_by + " ml",
-                                                  "Evans", "shift mm", "triangles", "max mm", "MB", "s", "warnings",
-                                                  "age", "version", ""}};
+  std::vector<std::vector<std::string>> cells = {
+      {"case", "class", classed_by.empty() ? "ml" : printable(classed_by) + " ml", "Evans", "shift mm", "triangles",
+       "max mm", "MB", "s", "warnings", "age", "version", ""}};
   for (const CaseRow& row : rows) {
     const bool good = row.fault.empty();
-    cells.push_back({row.token, row.patient_class, figure_text(row, row.classed_by() + "_ml", 1),
-                     figure_text(row, "evans_index_ratio", 2), figure_text(row, "midline_shift_mm", 1),
-                     good ? grouped_text(static_cast<long long>(row.triangles)) : "",
-                     good ? fixed_text(row.deviation_max_mm, 2) : "",
-                     good ? fixed_text(static_cast<double>(row.bytes) / 1e6, 1) : "",
-                     good && row.seconds > 0 ? fixed_text(row.seconds, 0) : "",
-                     good ? std::to_string(row.warnings.size()) : "", good ? age_text(row.age_s) : "",
-                     row.manifest.program_version.substr(row.manifest.program_version.find(' ') + 1), state_of(row)});
+    cells.push_back(
+        {row.token, printable(row.patient_class), printable(figure_text(row, row.classed_by() + "_ml", 1)),
+         printable(figure_text(row, "evans_index_ratio", 2)), printable(figure_text(row, "midline_shift_mm", 1)),
+         good ? grouped_text(static_cast<long long>(row.triangles)) : "",
+         good ? fixed_text(row.deviation_max_mm, 2) : "",
+         good ? fixed_text(static_cast<double>(row.bytes) / 1e6, 1) : "",
+         good && row.seconds > 0 ? fixed_text(row.seconds, 0) : "", good ? std::to_string(row.warnings.size()) : "",
+         good ? age_text(row.age_s) : "",
+         printable(row.manifest.program_version.substr(row.manifest.program_version.find(' ') + 1)), state_of(row)});
   }
   return text_table(cells, "llrrrrrrrrrrl") + std::to_string(rows.size()) + (rows.size() == 1 ? " case\n" : " cases\n");
 }
@@ -236,34 +237,37 @@ std::string library_json(const std::vector<CaseRow>& rows) {
     }
     all.push_back(std::move(json));
   }
-  return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return all.dump(2, ' ', true, Json::error_handler_t::replace) + "\n";  // it may be printed
 }
 
 std::string case_text(const CaseRow& row) {
   std::string out = row.token + "\n";
-  if (!row.fault.empty()) out += "  " + row.fault + "\n";
-  if (row.last.code != 0) out += fmt::format("  its last build failed with {}: {}\n", row.last.code, row.last.reason);
+  if (!row.fault.empty()) out += "  " + printable(row.fault) + "\n";
+  if (row.last.code != 0)
+    out += fmt::format("  its last build failed with {}: {}\n", row.last.code, printable(row.last.reason));
   if (!row.fault.empty()) return out;
   const CaseManifest& m = row.manifest;
-  out += fmt::format("  {}, {} old, {:.1f} MB, face: {}\n", m.program_version, age_text(row.age_s),
+  out += fmt::format("  {}, {} old, {:.1f} MB, face: {}\n", printable(m.program_version), age_text(row.age_s),
                      static_cast<double>(row.bytes) / 1e6, m.face_policy);
   for (const CaseAnatomy& a : m.anatomies)
-    out += fmt::format("  {:<14} {:>9} triangles  {:>8.1f} ml  {:>7.1f} cm2  max {:.3f}  p99 {:.3f} mm\n", a.name,
-                       grouped_text(static_cast<long long>(a.triangles)), a.volume_ml, a.area_cm2, a.deviation.max_mm,
-                       a.deviation.p99_mm);
-  for (const CaseMissing& a : m.missing) out += fmt::format("  {:<14} is missing: {}\n", a.anatomy, a.why);
+    out += fmt::format("  {:<14} {:>9} triangles  {:>8.1f} ml  {:>7.1f} cm2  max {:.3f}  p99 {:.3f} mm\n",
+                       printable(a.name), grouped_text(static_cast<long long>(a.triangles)), a.volume_ml, a.area_cm2,
+                       a.deviation.max_mm, a.deviation.p99_mm);
+  for (const CaseMissing& a : m.missing)
+    out += fmt::format("  {:<14} is missing: {}\n", printable(a.anatomy), printable(a.why));
   for (const CaseShape& s : m.haptic.shapes)
     out +=
-        fmt::format("  felt {:<14} {:>8.1f} ml{}{}\n", s.name, s.volume_ml, s.cuttable ? "  cuttable" : "",
+        fmt::format("  felt {:<14} {:>8.1f} ml{}{}\n", printable(s.name), s.volume_ml, s.cuttable ? "  cuttable" : "",
                     s.mismatch.samples > 0 ? fmt::format("  p99 {:.2f} mm off what is seen", s.mismatch.p99_mm) : "");
   for (const CaseLandmark& l : m.landmarks)
-    out += fmt::format("  {:<14} {:>8.1f} {:>8.1f} {:>8.1f} mm  {} {:.2f}\n", l.name, l.position_mm.x, l.position_mm.y,
-                       l.position_mm.z, l.source, l.confidence);
+    out += fmt::format("  {:<14} {:>8.1f} {:>8.1f} {:>8.1f} mm  {} {:.2f}\n", printable(l.name), l.position_mm.x,
+                       l.position_mm.y, l.position_mm.z, printable(l.source), l.confidence);
   for (const CaseBurrHole& b : m.burr_holes)
-    out += fmt::format("  {:<14} {:>8.1f} {:>8.1f} {:>8.1f} mm  {:.1f} mm wide\n", b.name, b.position_mm.x,
+    out += fmt::format("  {:<14} {:>8.1f} {:>8.1f} {:>8.1f} mm  {:.1f} mm wide\n", printable(b.name), b.position_mm.x,
                        b.position_mm.y, b.position_mm.z, b.diameter_mm);
-  for (const auto& [name, value] : m.figures) out += fmt::format("  {}: {}\n", name, to_text(value));
-  for (const std::string& w : row.warnings) out += "  warning: " + w + "\n";
+  for (const auto& [name, value] : m.figures)
+    out += fmt::format("  {}: {}\n", printable(name), printable(to_text(value)));
+  for (const std::string& w : row.warnings) out += "  warning: " + printable(w) + "\n";
   return out;
 }
 

@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "base/write_file.h"
 #include "cases/load_case.h"
+#include "cases/new_case.h"
 #include "library/catalogue.h"
 #include "pipeline/stage_cache.h"
 #include "publish/case_lock.h"
@@ -47,7 +48,7 @@ std::string verify_case(const fs::path& library, const std::string& token, bool 
     try {
       const CaseManifest m = read_case(folder);
       if (m.case_token != token) return "case.json: case: is of " + printable(m.case_token);
-      if (load) load_case(folder);
+      if (load) load_case(folder, whole_case);
       const std::lock_guard<std::mutex> lock(mutex);
       sum.files += m.files.size() + 1;
       for (const CaseFile& f : m.files) sum.bytes += f.bytes;
@@ -73,7 +74,8 @@ class Collector {
     std::vector<fs::path> folders;
     for (const auto& entry : fs::directory_iterator(state_.library())) {
       const std::string name = entry.path().filename().string();
-      if (entry.is_directory() && !entry.is_symlink() && (name[0] != '.' || is_refused(name)))
+      if (entry.is_directory() && !entry.is_symlink() &&
+          (name[0] != '.' || is_refused(name) || is_new_case_folder(name)))
         folders.push_back(entry.path());
     }
     std::sort(folders.begin(), folders.end());
@@ -82,6 +84,8 @@ class Collector {
       progress_.report(static_cast<double>(i) / static_cast<double>(folders.size()));
       if (is_refused(folders[i].filename().string()))
         whole_folder(folders[i]);
+      else if (is_new_case_folder(folders[i].filename().string()))
+        under_way(folders[i]);
       else
         case_folder(folders[i]);
     }
@@ -123,6 +127,16 @@ class Collector {
       if (e.code() == ExitCode::busy) ++out_.busy;
       // A damaged case.json does not tell which files the case needs, so none of its files is removed; `verify` reports
       // it.
+    }
+  }
+
+  // What a first run of a case writes, until its case appears; a run that was killed leaves it.
+  void under_way(const fs::path& folder) {
+    try {
+      const CaseLock lock(folder);
+      whole_folder(folder);
+    } catch (const Error& e) {
+      if (e.code() == ExitCode::busy) ++out_.busy;
     }
   }
 

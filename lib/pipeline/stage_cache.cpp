@@ -113,7 +113,7 @@ std::optional<StageData> StageCache::load_data(const std::string& key, DataKind 
   try {
     if (!is_our_file(data) || data_sha256(key, data) != index->sha256)
       throw Error(ExitCode::bad_input, data.string(), "sha256", "differs");
-    return trephine::load_data(data, kind);
+    return trephine::load_data(data, kind, DataOf::cache);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception&) {

@@ -19,7 +19,7 @@
 #include "cases/case.h"
 #include "page/page_notes.h"
 #include "publish/case_content.h"
-#include "publish/case_lock.h"
+#include "publish/case_place.h"
 #include "publish/left_out.h"
 #include "publish/page_files.h"
 #include "publish/refused.h"
@@ -65,25 +65,6 @@ void require_face_policy(const CaseConfig& config) {
 }
 
 namespace {
-
-// Removes a case folder in which nothing was ever published if the run fails, so that nothing is left behind that looks
-// like a case. The object is made and destroyed under the case's lock, for only there it is certain that no other run
-// publishes.
-struct UnpublishedFolder {
-  explicit UnpublishedFolder(const fs::path& f) : folder(f) {}
-  fs::path folder;
-  ~UnpublishedFolder() {
-    std::error_code ignored;
-    // Where the disk does not tell whether there is a case, one may be there.
-    if (fs::symlink_status(folder / "case.json", ignored).type() != fs::file_type::not_found) return;
-    // Only files that a run makes are removed; any other file keeps the folder.
-    for (const char* ours : {"meshes", "report"}) fs::remove_all(folder / ours, ignored);
-    for (const auto& entry : fs::directory_iterator(folder, ignored))
-      if (entry.path().filename() != ".lock") return;
-    fs::remove(folder / ".lock", ignored);
-    fs::remove(folder, ignored);
-  }
-};
 
 // Removes the folders that the run made and left empty because it failed.
 class NewFolders {
@@ -311,12 +292,11 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     for (const fs::path& f : {request.library, cache_folder, request.keep})
       if (!f.empty()) new_folders.expect(f);
     make_output_folder(request.library);
-    make_output_folder(folder);
-    const CaseLock lock(folder);
-    const UnpublishedFolder cleanup(folder);
-    make_output_folder(folder / "meshes");
-    if (request.params.pictures || request.params.page) make_output_folder(folder / "report");
-    for (const fs::path& f : {folder, folder / "meshes", folder / "report"}) remove_stale_temporaries(f);
+    CasePlace place(folder);
+    const fs::path made_in = place.made_in();
+    make_output_folder(made_in / "meshes");
+    if (request.params.pictures || request.params.page) make_output_folder(made_in / "report");
+    for (const fs::path& f : {made_in, made_in / "meshes", made_in / "report"}) remove_stale_temporaries(f);
     if (!request.keep.empty()) make_output_folder(request.keep);
     const StageCache cache(cache_folder);
 
@@ -366,7 +346,7 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
                                                publishing.part(content_share, 0.95)))
         content.pictures.push_back(std::move(file));
     cancelled.check();
-    publish(run, folder, content);
+    publish(run, made_in, content);
     observer.progressed(publishing_step, 1);
     remove_refused(refused_folder(request.library, token));
     std::map<std::string, double> seconds_by_node = seconds_of(run);
@@ -386,7 +366,8 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     tell_overrun(run, seconds);
     result.warnings = run.warnings;
     result.json = run_json(run.graph, run.results, run.folders["import"], content.anatomies, run.warnings, seconds);
-    write_file(folder / "run.json", result.json);
+    write_file(made_in / "run.json", result.json);
+    place.appear();
     return result;
   } catch (Error& e) {
     e.in_case(token);

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "base/write_file.h"
-#include "grid/nrrd.h"
+#include "grid/bounded_read.h"
 #include "itk/volume_write.h"
 #include "meshio/vtp.h"
 #include "voxel/haptic_file.h"
@@ -29,6 +29,13 @@ ParameterValue value_of(const Json& j) {
 }
 
 constexpr std::uint64_t max_cutters_bytes = 64 << 20;
+
+HapticVolume foreign_haptic(const std::filesystem::path& file) {
+  return with_file(file.string(), [&] {
+    BoundedGrid nrrd = read_nrrd_bounded(file, labels_limit);
+    return haptic_of(std::move(nrrd.grid), nrrd.keys);
+  });
+}
 
 }  // namespace
 
@@ -71,16 +78,17 @@ void save_data(const std::filesystem::path& file, const StageData& data) {
     write_file(file, encode_labels(**labels));
 }
 
-StageData load_data(const std::filesystem::path& file, DataKind kind) {
+StageData load_data(const std::filesystem::path& file, DataKind kind, DataOf whose) {
+  const bool foreign = whose == DataOf::stranger;
   switch (kind) {
     case DataKind::volume:
-      return std::make_shared<const HuVolume>(read_hu_nrrd(file));
+      return std::make_shared<const HuVolume>(foreign ? read_foreign_hu(file) : read_hu_nrrd(file));
     case DataKind::field:
-      return std::make_shared<const Field>(read_field_nrrd(file));
+      return std::make_shared<const Field>(foreign ? read_foreign_field(file) : read_field_nrrd(file));
     case DataKind::mesh:
       return std::make_shared<const TriMesh>(read_vtp(file));
     case DataKind::haptic:
-      return std::make_shared<const HapticVolume>(read_haptic(file));
+      return std::make_shared<const HapticVolume>(foreign ? foreign_haptic(file) : read_haptic(file));
     case DataKind::cutters: {
       const std::vector<char> bytes = read_file(file, max_cutters_bytes);
       return std::make_shared<const std::vector<Cutter>>(
@@ -97,7 +105,7 @@ StageData load_data(const std::filesystem::path& file, DataKind kind) {
 }
 
 StageData load_field_or_volume(const std::filesystem::path& file) {
-  Nrrd nrrd = read_nrrd(file);
+  BoundedGrid nrrd = with_file(file.string(), [&] { return read_nrrd_bounded(file, labels_limit); });
   const auto content = nrrd.keys.find("content");
   if ((content != nrrd.keys.end() && content->second == "HU") || std::holds_alternative<Grid<std::int16_t>>(nrrd.grid))
     return std::make_shared<const HuVolume>(to_hu(std::move(nrrd.grid)));

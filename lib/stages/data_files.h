@@ -16,7 +16,9 @@ const char* file_extension(DataKind kind);
 void save_data(const std::filesystem::path& file, const StageData& data);
 /// Throws Error 66 and 65. A mask file becomes a field where a field is wanted. Landmarks may also come from a file of
 /// 3D Slicer (.mrk.json, .fcsv).
-StageData load_data(const std::filesystem::path& file, DataKind kind);
+/// Volumes of strangers are read in a bounded child; what the stage cache holds is its own, and was compared by hash.
+enum class DataOf { stranger, cache };
+StageData load_data(const std::filesystem::path& file, DataKind kind, DataOf whose = DataOf::stranger);
 /// Loads a CT volume where the file says that it is one (content HU) or holds whole numbers of 16 bits; else a field.
 StageData load_field_or_volume(const std::filesystem::path& file);
 

@@ -86,15 +86,30 @@ std::string encode_haptic(const HapticVolume& volume) {
 
 std::string encode_hardness(const HapticVolume& volume) { return encode_nrrd(volume.hardness); }
 
-HapticVolume decode_haptic(std::string_view bytes, std::string_view hardness) {
-  Nrrd nrrd = decode_nrrd(bytes);
-  auto* voxels = std::get_if<Grid<std::int16_t>>(&nrrd.grid);
+namespace {
+
+HapticVolume unchecked(AnyGrid grid, const NrrdKeys& keys) {
+  auto* voxels = std::get_if<Grid<std::int16_t>>(&grid);
   if (!voxels) refuse("type", "a haptic volume is int16");
-  const auto key = nrrd.keys.find(haptic_file_key);
-  if (key == nrrd.keys.end()) refuse(haptic_file_key, "missing: not a haptic volume");
+  const auto key = keys.find(haptic_file_key);
+  if (key == keys.end()) refuse(haptic_file_key, "missing: not a haptic volume");
   HapticVolume volume;
   read_shapes(key->second, volume);
   volume.voxels = std::move(*voxels);
+  return volume;
+}
+
+}  // namespace
+
+HapticVolume haptic_of(AnyGrid voxels, const NrrdKeys& keys) {
+  HapticVolume volume = unchecked(std::move(voxels), keys);
+  check_haptic_volume(volume);
+  return volume;
+}
+
+HapticVolume decode_haptic(std::string_view bytes, std::string_view hardness) {
+  Nrrd nrrd = decode_nrrd(bytes);
+  HapticVolume volume = unchecked(std::move(nrrd.grid), nrrd.keys);
   if (!hardness.empty())
     with_field("hardness", [&] {
       Nrrd h = decode_nrrd(hardness);

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "grid/nrrd.h"
 #include "voxel/haptic_volume.h"
 
 namespace trephine {
@@ -20,6 +21,9 @@ std::string encode_hardness(const HapticVolume& volume);
 /// The simulator's reader: it bounds everything by the bytes that exist, then calls check_haptic_volume. `hardness` may
 /// be empty. Throws Error 65 naming the field.
 HapticVolume decode_haptic(std::string_view bytes, std::string_view hardness = {});
+
+/// The same for a NRRD that was read already.
+HapticVolume haptic_of(AnyGrid voxels, const NrrdKeys& keys);
 
 /// The same for files. Writing throws Error 73 and 74; reading throws 66 and 65.
 void write_haptic(const std::filesystem::path& file, const HapticVolume& volume);

@@ -217,7 +217,7 @@ Command check_command() {
     const std::vector<std::string> named = parsed.all("before");
     if (drilled)
       write_drilled_case(parsed.path("case"), parsed.path("after"), parsed.path("out"), {named.begin(), named.end()});
-    const LoadedCase loaded = load_case(parsed.path(drilled ? "out" : "case"));
+    const LoadedCase loaded = load_case(parsed.path(drilled ? "out" : "case"), whole_case);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (parsed.params<CheckParams>().json)
       print_json(loaded, seconds);

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/refusal.h"
+#include "cases/new_case.h"
 #include "haptics/recording.h"
 #include "lessons/drilled_hole.h"
 #include "session/playback.h"
@@ -55,6 +56,15 @@ void add_hole(const HapticVolume& before, const HapticVolume& now, const CaseSha
   m.burr_holes.push_back(std::move(hole));
 }
 
+// Removes what was begun and has not become a case.
+struct Removed {
+  const std::filesystem::path folder;  ///< empty: nothing
+  ~Removed() {
+    std::error_code ignored;
+    if (!folder.empty()) std::filesystem::remove_all(folder, ignored);
+  }
+};
+
 }  // namespace
 
 std::string write_drilled_case(const std::filesystem::path& case_folder, const std::filesystem::path& file,
@@ -72,15 +82,19 @@ std::string write_drilled_case(const std::filesystem::path& case_folder, const s
                   {"replay it with the version of the program that recorded it, or record it anew with `servo`"})
         .in_file(file.string());
 
+  const bool is_new = is_free_for_case(out);
+  const std::filesystem::path made_in = is_new ? new_case_folder(out) : out;
+  const Removed removed{is_new ? made_in : std::filesystem::path()};
+  if (is_new) std::filesystem::remove_all(made_in);
   CaseManifest m = felt.loaded.manifest;
   const std::string whole = m.haptic.file;
   m.case_token = m.case_token.substr(0, 56) + "-drilled";
   for (CaseFile& f : m.files) {
     if (f.name != whole) {
-      f = copy_file(case_folder, f, out);
+      f = copy_file(case_folder, f, made_in);
       continue;
     }
-    f = write_case_file(out, "haptic", ".nrrd", encode_haptic(volume));
+    f = write_case_file(made_in, "haptic", ".nrrd", encode_haptic(volume));
     m.haptic.file = f.name;
   }
   std::sort(m.files.begin(), m.files.end(), [](const CaseFile& a, const CaseFile& b) { return a.name < b.name; });
@@ -89,7 +103,8 @@ std::string write_drilled_case(const std::filesystem::path& case_folder, const s
   for (const CaseShape& s : m.haptic.shapes)
     if (drilled >> s.number & 1) add_hole(before_it, volume, s, held_axis(recording.frames), m);
   m.parameters.emplace_back("drilled.recording_sha256", sha256_of_file(file));
-  publish_case(out, m);
+  publish_case(made_in, m);
+  if (is_new) let_case_appear(made_in, out);
   return m.case_token;
 }
 

@@ -4,6 +4,7 @@
 # command, and completion. deb_case.sh works with what is in them.
 . "$(dirname "$0")/common.sh"
 . "$(dirname "$0")/deb_pack.sh"
+. "$(dirname "$0")/hardened_common.sh"
 umask 077  # which must not show inside
 pack packages
 deb=$(echo "$work"/packages/trephine_*.deb)
@@ -46,7 +47,7 @@ for file in "$SOURCE"/{pipelines,configs,sample_dicom}; do
   diff -r "$file" "$root/usr/share/trephine/${file##*/}" || fail "$file"
 done
 for program in trephine trephine-sim trephine-itk; do
-  ! readelf -d "$root/usr/bin/$program" | grep -E 'RPATH|RUNPATH' || fail "$program looks for libraries there"
+  is_hardened "$root/usr/bin/$program"
   ! grep -aoE "($SOURCE|$BUILD)[ -~]*" "$root/usr/bin/$program" || fail "$program knows where it was built"
 done
 

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "publish/case_place.h"
+
+#include <vector>
+
+#include "base/error.h"
+#include "base/write_file.h"
+#include "cases/new_case.h"
+
+namespace trephine {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* lock_name = ".lock";
+
+// What a killed run left there is no part of this run's case.
+void clear_out(const fs::path& folder) {
+  std::vector<fs::path> all;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().filename() != lock_name) all.push_back(entry.path());
+  std::error_code ignored;
+  for (const fs::path& path : all) fs::remove_all(path, ignored);
+}
+
+}  // namespace
+
+CasePlace::CasePlace(const fs::path& case_folder) : folder_(case_folder), made_in_(case_folder) {
+  if (is_free_for_case(folder_)) {
+    made_in_ = new_case_folder(folder_);
+    make_output_folder(made_in_);
+    try {
+      lock_.emplace(made_in_);
+    } catch (const Error&) {
+      std::error_code ignored;
+      fs::remove(made_in_, ignored);  // fails where another run writes in it
+      throw;
+    }
+    if (is_free_for_case(folder_)) {
+      clear_out(made_in_);
+      return;
+    }
+    // Another run published the case between the two looks.
+    std::error_code ignored;
+    fs::remove_all(made_in_, ignored);
+    lock_.reset();
+    made_in_ = folder_;
+  }
+  make_output_folder(folder_);
+  lock_.emplace(folder_);
+}
+
+CasePlace::~CasePlace() {
+  std::error_code ignored;
+  if (made_in_ == folder_)
+    remove_unpublished();
+  else if (lock_)
+    fs::remove_all(made_in_, ignored);
+}
+
+void CasePlace::appear() {
+  if (made_in_ == folder_) return;
+  let_case_appear(made_in_, folder_);
+  made_in_ = folder_;
+}
+
+// A folder in which nothing was ever published, for somebody's files lay there, shall not look like a case.
+void CasePlace::remove_unpublished() const {
+  std::error_code ignored;
+  // Where the disk does not tell whether there is a case, one may be there.
+  if (!lock_ || fs::symlink_status(folder_ / "case.json", ignored).type() != fs::file_type::not_found) return;
+  // Only files that a run makes are removed; any other file keeps the folder.
+  for (const char* ours : {"meshes", "report"}) fs::remove_all(folder_ / ours, ignored);
+  for (const auto& entry : fs::directory_iterator(folder_, ignored))
+    if (entry.path().filename() != lock_name) return;
+  fs::remove(folder_ / lock_name, ignored);
+  fs::remove(folder_, ignored);
+}
+
+}  // namespace trephine

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <filesystem>
+#include <optional>
+
+#include "publish/case_lock.h"
+
+namespace trephine {
+
+/// Where a run writes its case, under the case's lock: in its place where it is there already, else in a hidden folder
+/// beside it, which appear() renames (cases/new_case.h). Without appear() nothing is left of a case that was not there
+/// before: a folder that somebody else put files into keeps those.
+class CasePlace {
+ public:
+  /// Makes the folder. Throws Error 73, and 75 where another run builds the case.
+  explicit CasePlace(const std::filesystem::path& case_folder);
+  ~CasePlace();
+  CasePlace(const CasePlace&) = delete;
+  CasePlace& operator=(const CasePlace&) = delete;
+
+  const std::filesystem::path& made_in() const { return made_in_; }
+  /// To be called when everything is written. Throws Error 74.
+  void appear();
+
+ private:
+  void remove_unpublished() const;
+  const std::filesystem::path folder_;
+  std::filesystem::path made_in_;
+  std::optional<CaseLock> lock_;
+};
+
+}  // namespace trephine

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Sourced, after common.sh, by the scripts that look at how the programs are linked.
+
+has_no_run_path() {  # FILE: it looks for libraries nowhere but where the system does
+  ! readelf -dW "$1" 2>/dev/null | grep -E '\((RPATH|RUNPATH)\)' || fail "$1 looks for libraries there"
+}
+
+has_whole_run_path() {  # FILE: none of the folders where it looks for libraries is the working folder, or lies below it
+  local paths
+  paths=$(readelf -dW "$1" 2>/dev/null | sed -n 's/.*(\(RPATH\|RUNPATH\)).*\[\(.*\)\]$/\2/p')
+  [[ -z $paths || ":$paths:" =~ ^:(/[^:]*:)+$ ]] || fail "$1 looks for libraries in $paths"
+}
+
+is_compiled_hardened() {  # PROGRAM; FORTIFIED=1 where it was optimised. Debian's crt1.o has no note of its own, so the linker
+  # leaves out that of a whole program: the landing pads themselves are counted, and the notes are read in our libraries.
+  readelf -W --dyn-syms "$1" >"$work/symbols" || fail "readelf $1"
+  grep -q ' __stack_chk_fail@' "$work/symbols" || fail "$1: no canary before a return address"
+  [[ ${FORTIFIED:-} != 1 ]] || grep -Eq ' __(mem|str|stp|v?s?n?v?printf|v?f?printf|read|fd)[a-z]*_chk@' "$work/symbols" ||
+    fail "$1: no checked call of libc"
+  [[ $(uname -m) != x86_64 ]] || python3 - "$1" <<'PY' || fail "$1: functions without a landing pad"
+import sys
+sys.exit(0 if open(sys.argv[1], "rb").read().count(b"\xf3\x0f\x1e\xfa") > 200 else 1)
+PY
+}
+
+is_hardened() {  # PROGRAM
+  [[ -z ${COMPILED_HARDENED:-} ]] || is_compiled_hardened "$1"
+  has_no_run_path "$1"
+  readelf -dW "$1" >"$work/dynamic" && readelf -lW "$1" >"$work/segments" || fail "readelf $1"
+  grep -E '\(FLAGS_1\).*NOW' "$work/dynamic" | grep -q PIE || fail "$1 binds late, or lies at a fixed address"
+  grep -q GNU_RELRO "$work/segments" || fail "$1: its tables stay writable"
+  grep -E 'GNU_STACK +.* RW +0x' "$work/segments" >/dev/null || fail "$1: its stack can be executed"
+  ! grep -E 'LOAD .* RWE ' "$work/segments" || fail "$1: a segment can be written and executed"
+}
