@@ -97,6 +97,7 @@ TEST(HapticsKinds, ToolsHaveAShape) {
 TEST(HapticsKinds, WhatAKindCutsWithIsWhatItsToolCutsWith) {
   DrillingParams params;
   params.drill = true;
+  params.clearance_voxels = 1.75;
   int cutting = 0;
   for (const ToolKind& kind : all_tool_kinds()) {
     SCOPED_TRACE(kind.name);
