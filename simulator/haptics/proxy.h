@@ -206,7 +206,7 @@ class Proxy {
   Vec3 lock_normal_;
   double lock_dot_ = 0;
   int locked_for_ = 0, drawn_for_ = 0;  // frames
-  struct Collided {     // in this frame
+  struct Collided {                     // in this frame
     int point;
     Vec3 at_mm, normal;
   };
