@@ -12,7 +12,7 @@ namespace {
 
 // How deep a hand comes that pushes a ball of 4 mm into bone, in voxels of 0.8 mm, and does not push on while the bone
 // holds back more than 1 N. Its way is straight and no axis of the lattice.
-double drilled_mm(double clearance_voxels, const char* kind, double diameter_mm) {
+double drilled_mm(DrillingParams::At cut_at, double clearance_voxels, const char* kind, double diameter_mm) {
   HapticVolume volume = empty(32, {0.8, 0.8, 0.8});
   fill(volume, 1, [](Vec3 p) { return 0.5 * (6 - p.z); });
   ContactVolume contact(volume);
@@ -20,6 +20,7 @@ double drilled_mm(double clearance_voxels, const char* kind, double diameter_mm)
   shapes[1] = {true, 0.05};
   DrillingParams params;
   params.drill = true;
+  params.cut_at = cut_at;
   params.clearance_voxels = clearance_voxels;
   const ToolParams tool = own_tool(params_of(kind, diameter_mm));
   Drilling drilling(volume, contact, shapes, params, {}, cutter_of(params, tool));
@@ -42,18 +43,27 @@ double drilled_mm(double clearance_voxels, const char* kind, double diameter_mm)
 
 // The hand may go 24 mm in this time, and is 13 mm deep when it is through the volume's middle.
 TEST(HapticsHole, AToolThatIsFeltNarrowerIsNotHeldByItsOwnHole) {
-  const double own = drilled_mm(DrillingParams().clearance_voxels, "ball", 4);
-  const double jammed = drilled_mm(0, "ball", 4);
-  const double cylinder = drilled_mm(DrillingParams().clearance_voxels, "craniotome", 4);
+  using At = DrillingParams::At;
+  const double own = drilled_mm(At::device, 1.75, "ball", 4), jammed = drilled_mm(At::device, 0, "ball", 4);
+  const double cylinder = drilled_mm(At::device, 1.75, "craniotome", 4);
   std::printf("  %.1f mm deep, %.1f without a clearance; a cylinder %.1f\n", own, jammed, cylinder);
   EXPECT_GT(own, 14);
   EXPECT_LT(jammed, 0.7 * own);
   EXPECT_GT(cylinder, 10);
 }
 
+// A cutter that is where the tool is needs no clearance.
+TEST(HapticsHole, AToolThatCutsWhereItIsIsFeltAsWideAsItCuts) {
+  const DrillingParams now;
+  EXPECT_EQ(now.clearance_voxels, 0);
+  EXPECT_GT(drilled_mm(now.cut_at, now.clearance_voxels, "ball", 4), 14);
+  EXPECT_GT(drilled_mm(now.cut_at, now.clearance_voxels, "craniotome", 4), 10);
+}
+
 TEST(HapticsHole, OnlyWhatRotatesIsFeltNarrower) {
   DrillingParams params;
   params.drill = true;
+  params.clearance_voxels = 1.75;
   const auto felt = [&](const char* kind, double spacing_mm) {
     return felt_tool(params, own_tool(params_of(kind)), {spacing_mm, 0.1, 0.1}).tool_diameter_mm;
   };

@@ -64,6 +64,7 @@ inline ForceParams plain() {
   p.max_force_rate_n_per_s = 1e6;
   p.ramp_s = 0;
   p.velocity_cutoff_hz = 0;
+  p.release_s = 0;
   return p;
 }
 

@@ -174,7 +174,10 @@ TEST(HapticsTorque, AToolIsTurnedAboutItsAxis) {
   Proxy again = new_proxy();
   const std::vector<ServoFrame> replayed = replay_frames(read.frames, 1000, again);
   for (std::size_t n = 0; n < frames.size(); ++n) ASSERT_TRUE(same_frame(replayed[n], frames[n])) << n;
-  EXPECT_EQ(read_file(file)[8], 4) << "its version";
+  EXPECT_EQ(read_file(file)[8], 5) << "its version";
+  header.force.force_law = ForceParams::Law::first;
+  write(frames);
+  EXPECT_EQ(read_file(file)[8], 4) << "as before, for the law of before";
   header.knows_across = false;
   EXPECT_EQ(write(frames).frames[100].across[0], 0);
   EXPECT_EQ(read_file(file)[8], 2) << "as before, for who does not know the turn";

@@ -10,10 +10,6 @@
 namespace trephine {
 namespace {
 
-constexpr int fine = 256;  // steps of a unit of occupancy
-constexpr double most_way_mm = 10, largest_mm = 40;
-constexpr std::uint8_t drilled = 1, incised = 2, shared = 4;
-
 double size_of(const Cutter& c) {
   return c.kind == Cutter::Kind::ball ? 2 * c.radius_mm : std::max({2 * c.semi_a_mm, 2 * c.semi_b_mm, c.height_mm});
 }
@@ -131,7 +127,7 @@ double Drill::rate_for(double budget_j) {
         const detail::RawVoxel v = detail::split(detail::load_voxel(volume_.voxels.voxels[e.at]));
         const double share = removes(v.number, false) ? v.share : haptic_full - v.share;
         e.energy = float(voxel_mm3_ * energy_of(removes(v.number, false) ? v.number : 0, e.at));
-        e.left = float((share - fraction_[e.at] / double(fine)) / haptic_full);
+        e.left = float(std::max(0.0, share - e.stays - fraction_[e.at] / double(fine)) / haptic_full);
       }
       const double dose = double(e.dose);
       if (pass > 0 && dose * rate >= double(e.left))
@@ -168,8 +164,8 @@ void Drill::collect(const CutterSweep& sweep, double time_s, int slice, int slic
         if ((kind & (drilled | shared)) == 0) continue;
         const double dose = sweep.dose(begin + step * i) * time_s;
         if (!(dose > 0) || entries_.size() == entries_.capacity()) continue;
-        entries_.push_back(
-            {std::uint32_t(l.index(i, j, k)), std::int16_t(i), std::int16_t(j), std::int16_t(k), 0, float(dose), 0, 0});
+        entries_.push_back({std::uint32_t(l.index(i, j, k)), std::int16_t(i), std::int16_t(j), std::int16_t(k), 0,
+                            float(dose), 0, 0, 0});
       }
     }
 }
@@ -180,7 +176,9 @@ void Drill::apply(double units_per_dose, bool incision) {
   changing_ = {};
   for (Entry& e : entries_) {
     if (!incision) {
-      const std::int64_t fall = fraction_[e.at] + std::llrint(double(e.dose) * units_per_dose);
+      std::int64_t fall = fraction_[e.at] + std::llrint(double(e.dose) * units_per_dose);
+      if (e.stays > 0)  // left is what remains above that
+        fall = std::min<std::int64_t>(fall, fraction_[e.at] + std::llrint(double(e.left) * haptic_full * fine));
       e.fall = std::int16_t(std::min<std::int64_t>(fall / fine, haptic_full));
       fraction_[e.at] = std::uint8_t(fall % fine);
     }
@@ -318,7 +316,8 @@ const Removal& Drill::go_on() {
         if ((kind & (incised | shared)) == 0) continue;
         const Vec3 d = l.to_world_mm({double(i), double(next_row_), double(next_)}) - incision_mm_;
         if (dot(d, d) > incision_radius_mm_ * incision_radius_mm_) continue;
-        entries_.push_back({at, std::int16_t(i), std::int16_t(next_row_), std::int16_t(next_), haptic_full, 0, 0, 0});
+        entries_.push_back(
+            {at, std::int16_t(i), std::int16_t(next_row_), std::int16_t(next_), haptic_full, 0, 0, 0, 0});
       }
     }
   apply(0, true);

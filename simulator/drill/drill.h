@@ -32,6 +32,8 @@ struct DrillShape {
 };
 using DrillShapes = std::array<DrillShape, haptic_max_shapes + 1>;
 
+class CutterBody;
+
 /// What one call removed. A voxel counts by its occupancy.
 struct Removal {
   std::array<std::int64_t, haptic_max_shapes + 1> units{};  ///< by shape; 255 are a voxel
@@ -66,6 +68,11 @@ class Drill {
   /// The tool runs, and came to this pose in dt_s. The first call after the start or after rest() only notes the pose.
   /// A way of more than 10 mm in a tick is not followed. `power_ratio`: the share of the power that is left, 0 to 1.
   const Removal& cut(const ToolPose& pose, double dt_s, double power_ratio = 1);
+  /// Removal to a fraction of a voxel: the tool stands at `pose` and cuts what lies within the cutter, grown by
+  /// `wider_mm`, there and on the way to `to_tip_mm`, at most 10 mm. A voxel keeps what lies outside, as a ramp of a
+  /// voxel to each side of the cutter's surface (CutterBody), so that the surface of half occupancy is the cutter's.
+  /// What the power or the rate leaves is removed by the next calls, as long as the tool stands there.
+  const Removal& cut_to(const ToolPose& pose, Vec3 to_tip_mm, double wider_mm, double dt_s, double power_ratio = 1);
   /// The tool does not run.
   void rest() { calls_ = 0; }
 
@@ -83,6 +90,7 @@ class Drill {
     std::uint32_t at;
     std::int16_t i, j, k, fall;  ///< fall: of 1/255; the fraction is kept
     float dose, energy, left;    ///< s; J of the full voxel; occupancy
+    std::int16_t stays = 0;      ///< what is not removed, of 1/255
   };
   struct Change {
     std::uint32_t at;
@@ -98,6 +106,7 @@ class Drill {
   };
   Box box_around(Vec3 middle_mm, double reach_mm) const;
   void collect(const CutterSweep& sweep, double time_s, int slice, int slices);
+  void collect_to(const CutterBody& body, double time_s, int slice);
   double rate_for(double budget_j);
   void apply(double units_per_dose, bool incision);
   void lower(const Entry& e, bool incision);
@@ -124,6 +133,9 @@ class Drill {
   double voxel_mm3_ = 1;
   bool any_shared_ = false;
 
+  static constexpr int fine = 256;  ///< steps of a unit of occupancy
+  static constexpr std::uint8_t drilled = 1, incised = 2, shared = 4;
+  static constexpr double most_way_mm = 10, largest_mm = 40;
   int slices_ = 1;
   static constexpr int most_slices = 16, most_voxels = 8000, incision_voxels = 4000;
   std::array<Past, most_slices + 1> past_{};

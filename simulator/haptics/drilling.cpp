@@ -13,6 +13,10 @@ constexpr double slowness_s = 0.005;    // time constant of the filters on veloc
 constexpr double half_speed_mm_s = 20;  // of the tool, at which half of the reaction is felt
 constexpr double least_depth_mm = 1;    // of a way through bone that counts as a breach
 
+// Of a bite in a tick; of what a cutter may be wider than its tool; how fast it becomes wider where it uses less than
+// that share of its power, and how much slower it becomes narrower again.
+constexpr double most_bite_voxels = 0.4, most_wider_voxels = 1, widening_voxels_per_s = 40, narrowing = 0.3,
+                 idle_ratio = 0.6;
 constexpr double least_felt_ratio = 0.3;  // of the diameter
 
 // "a, b or c".
@@ -95,6 +99,55 @@ void Drilling::count(const Removal& r) {
   }
 }
 
+ToolPose Drilling::turned_pose(Vec3 tip_mm, Vec3 axis, Vec3 across) const {
+  ToolPose pose;
+  pose.tip_mm = tip_mm;
+  pose.frame = frame_of(axis, usable_across(across, axis));
+  if (params_.cutter_turn_deg == 0) return pose;
+  const double a = params_.cutter_turn_deg * M_PI / 180;
+  const Vec3 u = pose.frame.column[0], v = pose.frame.column[1];
+  pose.frame.column[0] = u * std::cos(a) + v * std::sin(a);
+  pose.frame.column[1] = v * std::cos(a) - u * std::sin(a);
+  return pose;
+}
+
+// The cutter at the device, ahead of what the hand feels. Returns the power in W.
+double Drilling::cut_ahead(const HapticInput& in, double force) {
+  const double left = std::clamp(2 - 2 * force / params_.stall_force_n, 0.0, 1.0);
+  const Removal& r = drill_.cut(turned_pose(in.tip_mm, in.axis, in.across), in.dt_s, left);
+  if (left == 0) outcome_.stalled_s += in.dt_s;
+  count(r);
+  return r.power_w;
+}
+
+// The cutter where the tool is shown. It bites as far as the tool is pressed, at most half a voxel, and takes the power
+// that the pressure allows: the force along the feed is reaction_ratio times power by the speed of the rim. What holds
+// the tool is always cut: where a pressed tool finds nothing to remove, because discs and voxels are coarser than its
+// own surface, it cuts a little wider until it does.
+double Drilling::cut(const HapticInput& in, const HapticState& state) {
+  const double voxel_mm = contact_.smallest_side_mm();
+  const bool pressed = state.touched != 0 && shapes_[std::size_t(state.touched)].cuttable &&
+                       shapes_[std::size_t(state.touched)].energy_j_per_mm3 > 0;
+  const double pressure = pressed ? norm(state.force_n - force_) : 0;
+  if (pressure >= params_.stall_force_n) {
+    outcome_.stalled_s += in.dt_s;
+    return 0;
+  }
+  double most_w = power_w_;
+  if (pressed && params_.reaction_ratio > 0)
+    most_w = std::min(most_w, pressure * rim_m_per_s_ / params_.reaction_ratio);
+  Vec3 bite = in.tip_mm - state.proxy_mm;
+  if (const double length = norm(bite), most = most_bite_voxels * voxel_mm; length > most)
+    bite = bite * (most / length);
+  const Removal& r = drill_.cut_to(turned_pose(state.proxy_mm, state.axis, state.across), state.proxy_mm + bite,
+                                   wider_voxels_ * voxel_mm, in.dt_s, most_w / power_w_);
+  const bool idle = pressed && r.power_w < idle_ratio * most_w;
+  wider_voxels_ =
+      std::clamp(wider_voxels_ + (idle ? 1 : -narrowing) * widening_voxels_per_s * in.dt_s, 0.0, most_wider_voxels);
+  count(r);
+  return r.power_w;
+}
+
 void Drilling::tick(const HapticInput& in, const HapticState& state) {
   time_s_ += in.dt_s;
   if (state.faults != 0) {
@@ -115,21 +168,8 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
 
   double used_w = 0;
   if ((in.buttons & pedal) && !lifted) {
-    ToolPose pose;
-    pose.tip_mm = in.tip_mm;
-    pose.frame = frame_of(in.axis, usable_across(in.across, in.axis));
-    if (params_.cutter_turn_deg != 0) {
-      const double a = params_.cutter_turn_deg * M_PI / 180;
-      const Vec3 u = pose.frame.column[0], v = pose.frame.column[1];
-      pose.frame.column[0] = u * std::cos(a) + v * std::sin(a);
-      pose.frame.column[1] = v * std::cos(a) - u * std::sin(a);
-    }
-    const double left = std::clamp(2 - 2 * force / params_.stall_force_n, 0.0, 1.0);
-    const Removal& r = drill_.cut(pose, in.dt_s, left);
-    used_w = r.power_w;
+    used_w = params_.cut_at == DrillingParams::At::tool ? cut(in, state) : cut_ahead(in, force);
     outcome_.drilled_s += in.dt_s;
-    if (left == 0) outcome_.stalled_s += in.dt_s;
-    count(r);
   } else {
     drill_.rest();
   }
@@ -137,7 +177,7 @@ void Drilling::tick(const HapticInput& in, const HapticState& state) {
   buttons_ = in.buttons;
   begun_ = true;
   if (drill_.incising()) count(drill_.go_on());
-  watch_breach(in);
+  watch_breach(in, params_.cut_at == DrillingParams::At::tool ? state.proxy_mm : in.tip_mm);
 
   // The force at the rim is the power divided by the rim's speed.
   power_ = smooth(power_, std::min(used_w, power_w_), in.dt_s);
@@ -160,14 +200,14 @@ bool Drilling::was_bone(Vec3 at) const {
   return false;
 }
 
-void Drilling::watch_breach(const HapticInput& in) {
+void Drilling::watch_breach(const HapticInput& in, Vec3 tip) {
   if (outcome_.breached || !(in.buttons & pedal)) return;
-  const bool is = was_bone(in.tip_mm);
-  if (is && !in_bone_) entry_mm_ = in.tip_mm;
-  if (!is && in_bone_ && dot(entry_mm_ - in.tip_mm, in.axis) > least_depth_mm) {
+  const bool is = was_bone(tip);
+  if (is && !in_bone_) entry_mm_ = tip;
+  if (!is && in_bone_ && dot(entry_mm_ - tip, in.axis) > least_depth_mm) {
     outcome_.breached = true;
     outcome_.breach_time_s = time_s_;
-    outcome_.breach_mm = in.tip_mm;
+    outcome_.breach_mm = tip;
   }
   in_bone_ = is;
 }

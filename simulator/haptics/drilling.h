@@ -16,19 +16,24 @@ namespace trephine {
 /// middle of an incision.
 struct DrillingParams {
   enum class Cutter { own, ball, cylinder };
+  enum class At { tool, device };
   bool drill = false;
+  At cut_at = At::tool;
   Cutter cutter = Cutter::own;
   double cutter_height_mm = 8, cutter_width_ratio = 1, cutter_turn_deg = 0;
-  double spindle_rpm = 60000, stall_force_n = 3, reaction_ratio = 0.5;
+  double spindle_rpm = 60000, stall_force_n = 8, reaction_ratio = 0.5;
   double vibration_n = 0.05, vibration_hz = 200;
   double incision_radius_mm = 15;
-  double clearance_voxels = 1.75;
+  double clearance_voxels = 0;
   template <class V>
   static void describe(V& v) {
     using P = DrillingParams;
     v.flag(&P::drill, "drill", "The tool cuts: while button 1 is down it drills, and button 2 marks an incision.");
     v.choice(&P::cutter, "cutter", {{"own", Cutter::own}, {"ball", Cutter::ball}, {"cylinder", Cutter::cylinder}},
              "What cuts; own: what the tool's kind says, such as a ball for a burr.");
+    v.choice(&P::cut_at, "cut_at", {{"tool", At::tool}, {"device", At::device}},
+             "Where the cutter is. tool: where the tool is shown and felt, and a little way on towards the device, by "
+             "as much as the tool is pressed. device: ahead of the tool, as in recordings before version 5.");
     v.number(&P::cutter_height_mm, "cutter_height_mm", Range{0.1, 40}, "Length of a cylinder, from the tip.");
     v.number(&P::cutter_width_ratio, "cutter_width_ratio", Range{0.05, 1},
              "Smaller semi-axis of a cylinder as a share of the larger, which is half of the tool's diameter.");
@@ -36,16 +41,16 @@ struct DrillingParams {
              "Turn of a cylinder's larger axis about the tool's.");
     v.number(&P::spindle_rpm, "spindle_rpm", Range{100, 500000}, "Speed of the spindle, for the force of cutting.");
     v.number(&P::stall_force_n, "stall_force_n", Range{0.01, 100},
-             "Force of the feed at which the drill stalls; its power falls from half of that force on.");
+             "Force of the feed at which the drill stalls. With --cut-at device its power falls from half of it on.");
     v.number(&P::reaction_ratio, "reaction_ratio", Range{0, 10},
              "Reaction along the feed, as a share of the force at the cutter's rim.");
     v.number(&P::vibration_n, "vibration_n", Range{0, 5}, "Amplitude of the vibration at full power, across the tool.");
     v.number(&P::vibration_hz, "vibration_hz", Range{1, 1000}, "Its frequency.");
     v.number(&P::incision_radius_mm, "incision_radius_mm", Range{0.1, 30}, "Radius of an incision.");
-    v.number(
-        &P::clearance_voxels, "clearance_voxels", Range{0, 10},
-        "How much narrower than it cuts the tool is felt, in diameter and voxels, so that it fits into its own hole: "
-        "what it cuts ends at the voxels' middles, up to half a voxel's diagonal inside of it.");
+    v.number(&P::clearance_voxels, "clearance_voxels", Range{0, 10},
+             "How much narrower than it cuts the tool is felt, in diameter and voxels. With --cut-at device 1.75 lets "
+             "it fit "
+             "into its own hole; with --cut-at tool it needs none.");
   }
 };
 
@@ -93,7 +98,10 @@ class Drilling {
 
  private:
   void count(const Removal& removal);
-  void watch_breach(const HapticInput& in);
+  double cut(const HapticInput& in, const HapticState& state);
+  double cut_ahead(const HapticInput& in, double force_n);
+  ToolPose turned_pose(Vec3 tip_mm, Vec3 axis, Vec3 across) const;
+  void watch_breach(const HapticInput& in, Vec3 tip_mm);
   bool was_bone(Vec3 at_mm) const;
 
   ContactVolume& contact_;
@@ -106,6 +114,7 @@ class Drilling {
   Vec3 force_, last_mm_, velocity_;
   double power_ = 0, time_s_ = 0, rim_m_per_s_ = 1;
   std::uint32_t buttons_ = 0;
+  double wider_voxels_ = 0;  ///< than the tool, of what it cuts
   bool begun_ = false, in_bone_ = false;
   Vec3 entry_mm_;
   DrillingOutcome outcome_;

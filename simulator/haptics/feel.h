@@ -37,10 +37,13 @@ inline TouchableFaces touchable_of(const Feels& feels) {
 
 /// Limits on the force of the device, and how forces rise and fall.
 struct ForceParams {
+  enum class Law { second, first };
   double max_force_n = 3.3, max_force_rate_n_per_s = 1000;
   double ramp_s = 0.5, velocity_cutoff_hz = 100;
   double max_torque_n_mm = 180, turn_stiffness_n_mm_per_rad = 200;
   double max_step_s = 1;
+  Law force_law = Law::second;
+  double release_s = 0.02;
   template <class V>
   static void describe(V& v) {
     using P = ForceParams;
@@ -54,6 +57,12 @@ struct ForceParams {
              "Largest torque that a device with torques is asked for; 0: none.");
     v.number(&P::turn_stiffness_n_mm_per_rad, "turn_stiffness_n_mm_per_rad", Range{0, 1e5},
              "Torque for each radian by which surfaces or a lock keep the tool from turning with the device.");
+    v.choice(
+        &P::force_law, "force_law", {{"second", Law::second}, {"first", Law::first}},
+        "How contacts give way. second: forces change smoothly where a membrane or bone gives way, and a tool that "
+        "is drawn out of a hole is never locked. first: as in recordings before version 5.");
+    v.number(&P::release_s, "release_s", Range{0, 0.1},
+             "Longest time over which a force changes that would jump, as where bone gives way; 0: it jumps.");
     v.number(&P::max_step_s, "max_step_s", Range{0.001, 3600},
              "A tick that stands for more time than this is a fault: the loop stood still, and the force stays zero.");
   }

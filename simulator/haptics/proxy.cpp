@@ -36,6 +36,8 @@ Proxy::Proxy(const ContactVolume& contact, const Feels& feels, const ForceParams
   margin_mm_ = 1e-3 * contact.smallest_side_mm();
   const bool boxes = contact.params().surface == ContactParams::Surface::nearest;
   stepped_ = contact.params().walk == ContactParams::Walk::stepped;
+  for (const ShapeFeel& f : feels_)
+    stiffest_n_per_mm_ = std::max({stiffest_n_per_mm_, f.front.stiffness_n_per_mm, f.back.stiffness_n_per_mm});
   step_mm_ = boxes ? 1.05 * std::max({s.x, s.y, s.z}) : 0.1 * contact.smallest_side_mm();
 }
 
@@ -48,6 +50,7 @@ void Proxy::reset() {
   state_ = {};
   begun_ = sliding_ = false;
   count_ = 0;
+  ease_.reset();
   exit_mm_ = nearest_exit_mm;
   next_exit_ = -1;
 }
@@ -74,6 +77,7 @@ const HapticState& Proxy::update(const HapticInput& given) {
   const HapticState before = state_;
 
   const double slowness = force_.velocity_cutoff_hz > 0 ? 1 / (2 * M_PI * force_.velocity_cutoff_hz) : 0;
+  const double moved_mm = norm(in.tip_mm - device_mm_);
   velocity_ += ((in.tip_mm - device_mm_) / in.dt_s - velocity_) * (in.dt_s / (in.dt_s + slowness));
   device_mm_ = in.tip_mm;
   since_s_ += in.dt_s;
@@ -95,9 +99,14 @@ const HapticState& Proxy::update(const HapticInput& given) {
     }
   }
 
+  if (second_law()) hold_corner(pressed_mm);
   Vec3 force = surface_force(pressed_mm);
   if (round_) state_.proxy_mm = centre_mm_ - state_.axis * round_->centre_mm();
-  force += inside_force(in) + in.extra_n;
+  if (second_law())
+    force =
+        ease_.ease(force + inside_force(in), 2 * stiffest_n_per_mm_ * moved_mm, in.dt_s, force_.release_s) + in.extra_n;
+  else
+    force += inside_force(in) + in.extra_n;
   if (since_s_ < force_.ramp_s) force = force * (since_s_ / force_.ramp_s);
   const double size = norm(force);
   if (!(size <= force_.max_force_n)) {
@@ -301,8 +310,18 @@ bool Proxy::step_over(const Contact& c, Vec3 device, Vec3 goal) {
   return true;
 }
 
+// Surfaces beside the tool may bar its way although none of their planes holds the device back, as in a narrow hole.
+// Then the spring from the proxy to the device is felt, and not for a tick nothing.
+void Proxy::hold_corner(Vec3 device) {
+  if (count_ == 0 || !solved_ || !(norm(state_.proxy_mm - device) > 4 * margin_mm_)) return;
+  for (int n = 0; n < count_; ++n)
+    if (nearest_.pressure_mm[n] > 0) return;
+  solved_ = false;
+}
+
 // Each plane's spring and damper along its normal, which never pull, and the spring along the way that friction held.
 Vec3 Proxy::surface_force(Vec3 device) {
+  const int named = state_.touched;
   state_.touched = state_.face = state_.held_by = 0;
   state_.normal = pressed_n_mm_ = {};
   if (count_ == 0) return {};
@@ -330,8 +349,10 @@ Vec3 Proxy::surface_force(Vec3 device) {
     force += back;
     pressed_n_mm_ += cross(held_[n].arm_mm, back);
     arm += held_[n].arm_mm * mm;
-    if (push > most) {
-      most = push;
+    // Of two that press alike the one that did so before is named, so that the name does not flicker.
+    const double counts = second_law() && held_[n].shape == named ? 1.25 * push : push;
+    if (counts > most) {
+      most = counts;
       state_.touched = held_[n].shape;
       state_.face = held_[n].face;
       state_.normal = planes_[n].normal;

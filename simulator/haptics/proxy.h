@@ -8,6 +8,7 @@
 #include "contact/contact.h"
 #include "haptics/constraints.h"
 #include "haptics/feel.h"
+#include "haptics/force_ease.h"
 #include "haptics/round_body.h"
 #include "haptics/tool.h"
 #include "haptics/tool_body.h"
@@ -102,6 +103,8 @@ class Proxy {
   /// Starts again: the next update places the proxy, and forces rise from 0.
   void reset();
   const HapticState& state() const { return state_; }
+  /// Changes of the force that were smoothed so far.
+  std::uint64_t eased() const { return ease_.count(); }
   /// Where each point of the tool is shown; null for a point.
   const ToolBody* tool_body() const { return body_ ? &*body_ : nullptr; }
 
@@ -120,6 +123,8 @@ class Proxy {
   Vec3 surface_force(Vec3 device_mm);
   void set_torque(const HapticInput& in, Vec3 before);
   Vec3 inside_force(const HapticInput& in);
+  bool second_law() const { return force_.force_law == ForceParams::Law::second; }
+  void hold_corner(Vec3 device_mm);
   Vec3 limited(Vec3 force, Vec3 sent, const HapticInput& in) const;
   void note_events(const HapticState& before);
 
@@ -138,6 +143,9 @@ class Proxy {
   void approach_tool(const ToolBody::Meeting& m);
   bool step_over_tool(Vec3 normal, Vec3 device_mm, Vec3 goal_mm);
   bool should_lock(const ToolBody::Meeting& m, Vec3 turn);
+  bool draws_out() const;
+  void slide_out(Vec3 device_mm);
+  void come_out(const HapticInput& in);
   void try_unlock(Vec3 axis);
   void hold_turn(Vec3 device_mm, Vec3& goal_mm, Mat3& aim);
   void open_behind();
@@ -149,6 +157,7 @@ class Proxy {
   void follow_round(const HapticInput& in);
   void turn_round(Vec3 axis);
   RoundBody::Touch move_round(Vec3 goal_mm);
+  RoundBody::Touch close_to(Vec3 next_mm, RoundBody::Touch touch);
   bool meet_round(const RoundBody::Touch& touch, Vec3 device_mm, Vec3& goal_mm);
 
   static constexpr double same_surface =
@@ -169,6 +178,8 @@ class Proxy {
 
   HapticState state_;
   bool begun_ = false, sliding_ = false, solved_ = false;
+  ForceEase ease_;
+  double stiffest_n_per_mm_ = 0;
   double since_s_ = 0, since_slid_s_ = 0;
   Vec3 device_mm_, velocity_, moved_from_mm_;
   Plane planes_[3];
@@ -194,8 +205,8 @@ class Proxy {
   int slice_ = 0;  // the slice of the axis to be examined next
   Vec3 lock_normal_;
   double lock_dot_ = 0;
-  int locked_for_ = 0;  // frames
-  struct Collided {     // in this frame
+  int locked_for_ = 0, drawn_for_ = 0;  // frames
+  struct Collided {                     // in this frame
     int point;
     Vec3 at_mm, normal;
   };

@@ -69,11 +69,30 @@ RoundBody::Touch Proxy::move_round(Vec3 goal) {
     const Contact through = contact_.cross(centre_mm_, next, state_.inside, closed_faces());
     if (through.hit) return {};  // its centre never passes a surface
     const RoundBody::Touch touch = round_->deepest(next, state_.axis, through.into, closed_faces());
-    if (touch.hit) return touch;
+    if (touch.hit) return second_law() ? close_to(next, touch) : touch;
     centre_mm_ = next;
     state_.inside = through.into;
   }
   return {};
+}
+
+// Moves the centre on to just before the place where the tool touches, which lies within the step to `next`.
+RoundBody::Touch Proxy::close_to(Vec3 next, RoundBody::Touch touch) {
+  constexpr int halvings = 3;
+  Vec3 beyond = next;
+  for (int n = 0; n < halvings; ++n) {
+    const Vec3 middle = (centre_mm_ + beyond) * 0.5;
+    const RoundBody::Touch there = round_->deepest(middle, state_.axis, state_.inside, closed_faces());
+    if (there.hit) {
+      beyond = middle;
+      touch = there;
+      continue;
+    }
+    const Contact through = contact_.cross(centre_mm_, middle, state_.inside, closed_faces());
+    if (through.hit || through.into != state_.inside) return touch;
+    centre_mm_ = middle;
+  }
+  return touch;
 }
 
 // Turns the tool about its tip towards the axis, in steps so small that no place of it can pass a wall. Where it would

@@ -13,6 +13,8 @@ constexpr int most_passes = 10, turning_passes = 3;
 constexpr double cancels = 0.2;        // two normals whose sum is shorter than this share of their lengths cancel
 constexpr double most_turn_rad = 0.5;  // in a frame
 constexpr int unlock_frames = 8;
+constexpr double drawn_out_mm = 0.3;
+constexpr int drawn_frames = 5, out_tries = 4, released_frames = 50;
 constexpr int slices = 16;
 constexpr std::uint64_t most_looks = 4000;  // points that are tried in a frame, on the way out of bone
 
@@ -67,9 +69,14 @@ void Proxy::follow_tool(const HapticInput& in) {
     }
     if (!meet_tool(m, in.tip_mm, goal, aim, pass)) break;
   }
+  if (second_law() && draws_out()) {
+    slide_out(in.tip_mm);
+    if (drawn_for_ % released_frames == 0) come_out(in);
+  }
   state_.proxy_mm = b.tip_mm();
   state_.axis = b.frame().column[2];
   state_.inside = b.shape(0);
+  drawn_for_ = dot(in.tip_mm - b.tip_mm(), state_.axis) > drawn_out_mm ? drawn_for_ + 1 : 0;
   if (count_ == 0) sliding_ = false;
 }
 
@@ -249,6 +256,7 @@ bool Proxy::should_lock(const ToolBody::Meeting& m, Vec3 turn) {
   if (!any_collided_ || m.from_tip < from_tip_.point) from_tip_ = collided(m.from_tip);
   if (!any_collided_ || m.from_tail > from_tail_.point) from_tail_ = collided(m.from_tail);
   any_collided_ = true;
+  if (second_law() && draws_out()) return false;
   if (norm(turn) < 1e-9 || !(norm(from_tip_.at_mm - from_tail_.at_mm) > tool_.lock_distance_mm)) return false;
   const Collided* into = dot(from_tip_.normal, turn) < 0    ? &from_tip_
                          : dot(from_tail_.normal, turn) < 0 ? &from_tail_
@@ -262,12 +270,49 @@ bool Proxy::should_lock(const ToolBody::Meeting& m, Vec3 turn) {
   return true;
 }
 
+// Whether the device has drawn the tool outwards for some frames, and it did not come: then no lock may hold it in its
+// hole.
+bool Proxy::draws_out() const { return drawn_for_ >= drawn_frames; }
+
+// Moves the tool along its own axis as far as the device is drawn, without friction: a straight shaft is always free to
+// leave that way. Where it touches the rim, it gives way a little to the side.
+void Proxy::slide_out(Vec3 device) {
+  ToolBody& b = *body_;
+  const Vec3 axis = b.frame().column[2];
+  for (int n = 0; n < out_tries; ++n) {
+    const double left = dot(device - b.tip_mm(), axis);
+    if (!(left > 0)) return;
+    const ToolBody::Meeting m = b.sweep(b.tip_mm() + axis * left, b.frame(), closed_faces());
+    if (!m.hit) {
+      b.arrive();
+      return;
+    }
+    const Vec3 normal = contact_.normal_of(b.met(m.nearest), b.way(m.nearest));
+    approach_tool(m);
+    if (b.sweep(b.tip_mm() + normal * step_mm_, b.frame(), closed_faces()).hit) return;
+    b.arrive();
+  }
+}
+
+// Where a tool could not follow for 50 ms, and where the hand holds it is free of whatever nothing enters, it is there:
+// the hand has drawn it out of a hole in which it was jammed.
+void Proxy::come_out(const HapticInput& in) {
+  const Mat3 frame = in.axis == Vec3{} ? body_->frame() : frame_of(in.axis, in.across);
+  for (const Vec3& p : tool_.points_mm) {
+    const ShapeFeel& feel = feels_[std::size_t(contact_.shape_at(in.tip_mm + frame * p))];
+    if (feel.front.touchable && !(feel.front.pop_through_n > 0)) return;
+  }
+  body_->place(in.tip_mm, frame);
+  count_ = 0;
+  solved_ = false;
+}
+
 // Ends the lock as in [Rizzi, chapter 5, Table VI]. From time to time it also looks whether anything still bars the
 // turn, and ends the lock where nothing does, because the tool was drawn out.
 void Proxy::try_unlock(Vec3 axis) {
   if (!state_.locked) return;
   ToolBody& b = *body_;
-  if (!(dot(lock_normal_, axis) > lock_dot_ + 1e-12) &&
+  if (!(dot(lock_normal_, axis) > lock_dot_ + 1e-12) && !(second_law() && draws_out()) &&
       (++locked_for_ % unlock_frames != 0 ||
        b.sweep(b.tip_mm(), turned(b.frame(), axis, most_turn_rad), closed_faces()).hit))
     return;

@@ -26,7 +26,7 @@ constexpr std::size_t fixed_bytes = 16, header_bytes = 8192;
 // Fields that were added later: recordings without them were made before there was such a thing.
 bool is_newer(const std::string& name) {
   for (const char* newer : {"max_torque_n_mm", "turn_stiffness_n_mm_per_rad", "tool_points", "tool_points_sha256",
-                            "pierce_n", "clearance_voxels", "max_step_s"})
+                            "pierce_n", "clearance_voxels", "max_step_s", "cut_at", "force_law", "release_s"})
     if (name == newer) return true;
   return false;
 }
@@ -56,7 +56,10 @@ void from_json(const Json& in, P& params) {
 std::size_t frame_bytes(const RecordingHeader& h) { return h.knows_across ? sizeof(ServoFrame) : short_frame_bytes; }
 
 int version_of(const RecordingHeader& h) {
-  return h.knows_across ? recording_version : h.tools.empty() ? single_tool_version : several_tools_version;
+  if (h.force.force_law == ForceParams::Law::second ||
+      (h.drilling.drill && h.drilling.cut_at == DrillingParams::At::tool))
+    return recording_version;
+  return h.knows_across ? across_version : h.tools.empty() ? single_tool_version : several_tools_version;
 }
 
 std::string header_text(const RecordingHeader& h, std::optional<std::uint64_t> frames = {}) {
@@ -174,14 +177,17 @@ Recording read_recording(const std::filesystem::path& file) {
       h.rate_hz = j.at("rate_hz").get<double>();
       if (!(h.rate_hz > 0)) refuse("rate_hz", to_text(h.rate_hz) + ", must be above 0");
       h.felt_shape = j.at("felt_shape").get<std::string>();
-      h.knows_across = version >= 4;
+      h.knows_across = version == across_version ||
+                       (version > across_version && j.at("frame_bytes").get<std::size_t>() == sizeof(ServoFrame));
       if (j.at("frame_bytes").get<std::size_t>() != frame_bytes(h)) refuse("frame_bytes", "are not this version's");
       from_json(j.at("contact"), h.contact);
+      h.force.force_law = ForceParams::Law::first;  // as recordings without one were felt
       from_json(j.at("force"), h.force);
       from_json(j.at("shaft"), h.shaft);
       if (j.contains("tool")) from_json(j.at("tool"), h.tool);
       if (j.contains("drilling")) {
         h.drilling.clearance_voxels = 0;  // as recordings without it were felt
+        h.drilling.cut_at = DrillingParams::At::device;
         from_json(j.at("drilling"), h.drilling);
         from_json(j.at("law"), h.law);
       }

@@ -14,9 +14,12 @@
 
 namespace trephine {
 
-/// Version 4 is written where the device knows how the tool is turned about its axis, else 3 where a session has
-/// several tools, else 2: a program that knows only 2 can replay all that it can read.
-constexpr int recording_version = 4, several_tools_version = 3, single_tool_version = 2, oldest_recording_version = 1;
+/// Version 5 is written where a law holds that older programs do not know: ForceParams::Law::second, or a drill that
+/// cuts at the tool. Its frames are those of version 4 where the device knows `across`, else of 2. Version 4 is written
+/// where the device knows how the tool is turned about its axis, else 3 where a session has several tools, else 2: a
+/// program that knows only 2 can replay all that it can read.
+constexpr int recording_version = 5, across_version = 4, several_tools_version = 3, single_tool_version = 2,
+              oldest_recording_version = 1;
 
 /// The header of a recording: everything besides the case that its replay needs.
 struct RecordingHeader {

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How a drill answers the hand: the harder it is pressed the faster it feeds, and it never stops without saying why.
+#include <gtest/gtest.h>
+
+#include "haptics_feed.h"
+
+using namespace trephine;
+using namespace trephine::tools;
+
+namespace {
+
+constexpr double forces_n[] = {0.1, 0.25, 0.5, 1, 2, 3, 5};
+
+// What the power that the force allows removes, by the hole's area: the law of removal without voxels.
+double lawful_mm_per_s(const FeedRun& run, double energy_j_per_mm3) {
+  const double radius = 0.5 * run.diameter_mm;
+  const double rim_m_per_s = run.drilling.spindle_rpm / 60 * 2 * M_PI * radius / 1000;
+  const double power_w = std::min(run.law.power_w, run.force_n * rim_m_per_s / run.drilling.reaction_ratio);
+  return power_w / energy_j_per_mm3 / (M_PI * radius * radius);
+}
+
+FeedRun as_in_older_recordings(FeedRun run) {
+  run.drilling.cut_at = DrillingParams::At::device;
+  run.drilling.clearance_voxels = 1.75;
+  run.drilling.stall_force_n = 3;
+  run.force_law = ForceParams::Law::first;
+  return run;
+}
+
+}  // namespace
+
+TEST(HapticsFeed, GrowsWithTheForce) {
+  for (const double diameter_mm : {3.0, 5.0})
+    for (const double voxel_mm : {0.5, 0.8}) {
+      double most = 0;
+      for (const double force_n : forces_n) {
+        FeedRun run;
+        run.diameter_mm = diameter_mm;
+        run.voxel_mm = voxel_mm;
+        run.force_n = force_n;
+        const Feed is = feed_of(run);
+        SCOPED_TRACE(testing::Message() << diameter_mm << " mm, voxels " << voxel_mm << ", " << force_n << " N");
+        EXPECT_GT(is.depth_mm, 2);
+        EXPECT_GT(is.late_mm, 0.2) << "it stopped";
+        EXPECT_EQ(is.stalled_s, 0);
+        EXPECT_GT(is.feed_mm_per_s, 0.9 * most) << "less than with less force";
+        // The hand's own damping takes some of a small force.
+        EXPECT_GT(is.feed_mm_per_s, 0.5 * lawful_mm_per_s(run, 0.1));
+        EXPECT_LT(is.feed_mm_per_s, 1.1 * lawful_mm_per_s(run, 0.1));
+        EXPECT_LT(is.most_step_n, 0.2) << "of the force, from tick to tick";
+        most = std::max(most, is.feed_mm_per_s);
+      }
+    }
+}
+
+// The two faults of the law before, which this bench must be able to show: a light hand stops, and so does a hard one,
+// although no stall is reported.
+TEST(HapticsFeed, TheLawOfOlderRecordingsStopsWithoutACause) {
+  for (const double force_n : {0.1, 2.0}) {
+    FeedRun run;
+    run.diameter_mm = 3;
+    run.force_n = force_n;
+    const Feed is = feed_of(as_in_older_recordings(run));
+    EXPECT_LT(is.depth_mm, 3) << force_n;
+    EXPECT_LT(is.late_mm, 0.1) << force_n;
+    EXPECT_LT(is.stalled_s, 0.1) << force_n;
+  }
+}
+
+TEST(HapticsFeed, AStallIsReported) {
+  FeedRun run;
+  run.drilling.stall_force_n = 2;
+  run.force_n = 3;
+  run.seconds = 1;
+  const Feed is = feed_of(run);
+  EXPECT_GT(is.stalled_s, 0.5);
+  EXPECT_LT(is.depth_mm, 1);
+}
+
+// docs/haptics.md has this table.
+TEST(LongHapticsFeed, OfEveryToolVoxelAndForce) {
+  struct Row {
+    const char* kind;
+    double tilt_deg, tremor_mm;
+  };
+  for (const Row& row : {Row{"ball", 0, 0}, Row{"ball", 30, 0.3}, Row{"ball", 60, 0.3}, Row{"round_burr", 0, 0},
+                         Row{"burr", 0, 0}, Row{"craniotome", 0, 0}})
+    for (const double diameter_mm : {2.0, 3.0, 5.0, 7.0, 14.0})
+      for (const double voxel_mm : {0.3, 0.5, 0.8, 1.0}) {
+        if (diameter_mm >= 14 && (voxel_mm < 0.5 || std::string(row.kind) != "ball")) continue;
+        std::printf("  %-10s %4.1f mm, voxels %.1f, %2.0f degrees:", row.kind, diameter_mm, voxel_mm, row.tilt_deg);
+        double most = 0;
+        for (const double force_n : forces_n) {
+          FeedRun run;
+          run.kind = row.kind;
+          run.diameter_mm = diameter_mm;
+          run.voxel_mm = voxel_mm;
+          run.force_n = force_n;
+          run.tilt_deg = row.tilt_deg;
+          run.tremor_mm = row.tremor_mm;
+          if (diameter_mm >= 14) run.most_depth_mm = 4;
+          const Feed is = feed_of(run);
+          std::printf(" %5.1f", is.feed_mm_per_s);
+          EXPECT_GT(is.late_mm, 0.05) << "it stopped at " << is.depth_mm << " mm with " << force_n << " N";
+          EXPECT_EQ(is.stalled_s, 0);
+          if (row.tilt_deg == 0) {
+            EXPECT_GT(is.feed_mm_per_s, 0.8 * most) << force_n << " N";
+          }
+          most = std::max(most, is.feed_mm_per_s);
+        }
+        std::printf(" mm/s\n");
+      }
+}
