@@ -25,6 +25,12 @@ RecordingHeader header_of(const FeltCase& felt, const LessonOptions& o) {
   h.drilling = o.drilling;
   h.law = o.law;
   set_lesson(h, lesson_type(o.script.module).tools(), o.script.module, o.participant, felt.loaded.manifest.haptic);
+  h.task = o.task.empty() ? o.script.task : o.task;
+  const LessonType& type = lesson_type(o.script.module);
+  if (!h.task.empty())
+    task_of(type, felt.loaded.manifest, h.task);
+  else if (const std::vector<LessonTask> all = type.tasks(felt.loaded.manifest); !all.empty())
+    h.task = all.front().name;
   return h;
 }
 
@@ -79,12 +85,14 @@ std::shared_ptr<const LessonFacts> facts_of_recording(FeltCase& felt, const std:
                 recording.frames.empty() ? "there are none"
                                          : std::to_string(missing) + " were not recorded: it cannot be judged");
   if (h.tools.empty()) throw Error(ExitCode::bad_input, file, "lesson.tools", "there are none");
+  if (!h.task.empty()) with_file(file, [&] { task_of(module, felt.loaded.manifest, h.task); });
   for (const ServoFrame& f : recording.frames) require_followable(f, file);
   const HapticVolume before = copy_without_hardness(felt.loaded.haptic);
   ContactVolume contact(felt.loaded.haptic, h.contact);
   Rerun rerun(felt, contact, file, h);
   ToolBelt& belt = *rerun.belt();
   const std::unique_ptr<Lesson> lesson = module.begin(felt.loaded.manifest, before, felt.loaded.haptic);
+  lesson->set_task(h.task);
   for (const ServoFrame& f : recording.frames) {
     belt.follow(input_of(f, h.rate_hz), state_of(f));
     lesson->watch(f, belt);

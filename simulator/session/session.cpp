@@ -110,8 +110,10 @@ RecordingHeader Session::header_of(const SessionOptions& options) const {
   header.drilling = options.drilling;
   header.law = options.law;
   header.begins_sha256 = options.begins_sha256;
-  if (!options.tools.empty())
+  if (!options.tools.empty()) {
     set_lesson(header, options.tools, options.lesson, options.participant, patient_->felt.loaded.manifest.haptic);
+    header.task = options.task;
+  }
   return header;
 }
 
