@@ -9,6 +9,7 @@
 #include "base/progress.h"
 #include "base/refusal.h"
 #include "lesson/approval.h"
+#include "lessons/hand_limits.h"
 
 namespace trephine {
 namespace {
@@ -55,7 +56,7 @@ LessonResult run_lesson(FeltCase& felt, const LessonOptions& o, const std::atomi
   header = header_of(felt, o);
   ContactVolume contact(felt.loaded.haptic, o.contact);
   const std::unique_ptr<Drilling> drilling = felt.drilling_of(header, contact);
-  ToolBelt belt(contact, felt.feels, o.force, o.shaft, header.tools, drilling.get());
+  ToolBelt belt(contact, felt.feels, o.force, o.shaft, header.tools, drilling.get(), header.in_open);
   ScriptedHand hand(o.hand,
                     module.plan(o.script, {manifest, contact, header.tools, drilled_shapes(manifest.haptic)}, o.aim));
   FrameQueue queue(ticks_at_once);
@@ -93,8 +94,10 @@ std::shared_ptr<const LessonFacts> facts_of_recording(FeltCase& felt, const std:
   ToolBelt& belt = *rerun.belt();
   const std::unique_ptr<Lesson> lesson = module.begin(felt.loaded.manifest, before, felt.loaded.haptic);
   lesson->set_task(h.task);
+  HandLimits limits(contact);
   for (const ServoFrame& f : recording.frames) {
     belt.follow(input_of(f, h.rate_hz), state_of(f));
+    with_file(file, [&] { limits.look(f, belt); });
     lesson->watch(f, belt);
   }
   lesson->close();

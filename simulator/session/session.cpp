@@ -62,7 +62,7 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
     servo_.emplace(*proxy_, *device_, options.servo, queue, drilling_.get());
   } else {
     belt_ = std::make_unique<ToolBelt>(patient_->contact, feels, options.force, options.shaft, header_.tools,
-                                       drilling_.get());
+                                       drilling_.get(), header_.in_open);
     servo_.emplace(*belt_, *device_, options.servo, queue);
   }
 }
