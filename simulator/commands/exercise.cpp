@@ -120,8 +120,10 @@ class Exercise {
     plan_.participant = params_.participant;
     plan_.module = params_.module;
     plan_.curriculum = asked;
+    CurriculumParams assigned = asked;  // a script that names its task can do no other
+    if (assigned.task.empty() && parsed_.has("script")) assigned.task = read_lesson_script(parsed_.path("script")).task;
     for (const CurriculumCase& c : plan_curriculum(cases_.approved, asked, module_))
-      plan_.cases.push_back({c.token, c.patient_class, assigned_task(c, asked), c.difficulty_level});
+      plan_.cases.push_back({c.token, c.patient_class, assigned_task(c, assigned), c.difficulty_level});
     for (const auto& [folder, why] : cases_.left_out) std::cout << fmt::format("left out: {}: {}\n", folder, why);
     if (plan_.cases.empty())
       throw Error(ExitCode::no_input, parsed_.text("library"), "",
@@ -185,7 +187,7 @@ class Exercise {
     LessonOptions o;
     o.script = script;
     o.participant = params_.participant;
-    if (script.task.empty()) o.task = task;  // a script that names its own cannot do another
+    o.task = task;
     o.hand = parsed_.params<HandParams>();
     o.aim = parsed_.params<ScriptAim>();
     FeltCase felt(c.folder, "");

@@ -10,6 +10,8 @@
 namespace trephine {
 namespace {
 
+constexpr double at_task_mm = 10;  // farther from its entry a screw is not in the pedicle that was asked for
+
 // Between two directions as they are seen in a plane of two of the world's axes.
 double seen_deg(Vec3 a, Vec3 b, int across, int along) {
   const double d = std::atan2(a[across], a[along]) - std::atan2(b[across], b[along]);
@@ -68,7 +70,7 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifes
     sagittal = seen_deg(way, f, 2, 1);
     breach = find_breach(*e.pedicle, *pass, before, bone);
     if (e.pedicle->confidence < r.least_confidence_ratio.limit) doubt = e.pedicle->name + " of this case is doubtful";
-    if (e.entry_mm > r.farthest_mm.limit)
+    if (e.entry_mm > (facts.task.empty() ? r.farthest_mm.limit : std::min(r.farthest_mm.limit, at_task_mm)))
       none = facts.task.empty() ? "at no pedicle" : "not at the pedicle that was asked for";
   }
   for (const CasePedicle& p : pedicles)
@@ -111,6 +113,7 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifes
   row("breach", "Pedicle breach", "breach_mm", breach.depth_mm, "breach_mm", r.breach_mm,
       breach.depth_mm > 0 ? "through the " + breach.side + " wall" : "within the pedicle");
   const bool judged = doubt.empty() || !none.empty(), acceptable = none.empty() && errors <= r.most_errors_count.limit;
+  if (judged && score.unreached.empty() && !acceptable) score.unreached = fmt::format("{} of five errors", errors);
   ScoreRow last;
   last.name = "acceptable";
   last.title = "Acceptable";

@@ -34,6 +34,7 @@ struct Rows {
     if (doubt.empty() && !at_it()) return std::string("the needle is ") + not_there();
     if (doubt.empty() && errors.depth_mm < -rubric.depth_mm.two.limit)
       return "the tip does not reach the vertebra's body";
+    if (doubt.empty() && errors.target_mm > rubric.target_mm.two.limit) return "the needle misses the target";
     return facts.procedure_s() > rubric.procedure_s.two.limit ? "not in the allotted time" : "";
   }
 

@@ -214,6 +214,8 @@ std::string unreached_goal(const Scoring& s) {
   if (!pass) return no_catheter;
   if (pass->path.back().inside != s.shapes.ventricles) return "the catheter lies in no ventricle";
   if (in_third_ventricle(s, *pass, pass->path.back())) return "the catheter lies in the third ventricle";
+  if ((s.frame.left_of_midline_mm(pass->path.back().tip_mm) > 0) != s.on_left())
+    return "the catheter lies in the contralateral ventricle";
   return s.facts.procedure_s() > s.rubric.time.allotted_s.limit ? "not in the allotted time" : "";
 }
 

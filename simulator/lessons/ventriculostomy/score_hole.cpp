@@ -94,13 +94,15 @@ ScoreRow score_burr_hole(const Scoring& s) {
   row.decided_s = s.facts.through_s >= 0 ? s.facts.through_s : s.facts.end_s;
   const Vec3 d = hole.outer_mm - kocher->position_mm;
   const double off = norm(d - hole.out * dot(d, hole.out));  // Kocher's point lies on the skin, the hole in the bone
-  const double side = std::abs(s.frame.left_of_midline_mm(hole.outer_mm));
+  // Over the midline it lies on the side that nobody asked for, and is no better for lying far from the midline there.
+  const double side = (s.on_left() ? 1 : -1) * s.frame.left_of_midline_mm(hole.outer_mm);
   const double before = s.frame.before_suture_mm(hole.outer_mm);
   row.measured = {
       {"kocher_off_mm", off}, {"lateral_mm", side}, {"before_suture_mm", before}, {"removed_mm3", hole.removed_mm3}};
   row.limits = {{"midline_mm", r.midline_mm}, {"kocher_mm", r.kocher_mm}, {"near_mm", r.near_mm}, {"far_mm", r.far_mm}};
   if (!hole.through) return decide(1, "the hole does not let the catheter through");
-  if (side <= r.midline_mm.limit) return decide(1, "placed along the midline");
+  if (side <= r.midline_mm.limit)
+    return decide(1, side < -r.midline_mm.limit ? "placed on the other side" : "placed along the midline");
   if (before < 0) return decide(1, "placed behind the coronal suture");
   if (off <= r.kocher_mm.limit) return decide(5, "at Kocher's point");
   if (off <= r.near_mm.limit) return decide(4, "near Kocher's point");
