@@ -56,14 +56,15 @@ TEST(LessonsCritical, ANeedleThroughTheFrontOfTheVertebraFails) {
   // What the rubric does not list does not fail.
   SpineNeedleRubric without = shipped();
   without.critical_errors.clear();
-  EXPECT_EQ(score_spine_needle(d.facts, spine().felt().loaded.manifest, spine().whole(), without).outcome(),
-            LessonOutcome::completed);
+  EXPECT_NE(score_spine_needle(d.facts, spine().felt().loaded.manifest, spine().whole(), without).outcome(),
+            LessonOutcome::failed);
 }
 
 TEST(LessonsCritical, ANeedleTowardsTheCanalFails) {
-  const auto d = spine().run(needle("\"entry_aside_mm\": -9, \"target_aside_mm\": -9"));
+  const auto d = spine().run(needle("\"entry_aside_mm\": -2, \"target_aside_mm\": -22"));
   EXPECT_EQ(d.score.outcome(), LessonOutcome::failed);
-  EXPECT_TRUE(failed_by(d.score, "medial_breach_mm") || failed_by(d.score, "canal")) << d.score.reason();
+  EXPECT_TRUE(failed_by(d.score, "medial_breach_mm") || failed_by(d.score, "canal"))
+      << d.score.reason() << score_text({"spine", "spine_needle", "p1", "a", "b", "c"}, d.facts, d.score);
 }
 
 TEST(LessonsCritical, SideAndLevelAreAskedFor) {

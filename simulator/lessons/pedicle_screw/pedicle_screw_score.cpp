@@ -10,6 +10,7 @@
 namespace trephine {
 namespace {
 
+constexpr double reach_mm = 20;    // farther before the target the tip lies in the pedicle alone
 constexpr double at_task_mm = 10;  // farther from its entry a screw is not in the pedicle that was asked for
 
 // Between two directions as they are seen in a plane of two of the world's axes.
@@ -82,6 +83,7 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifes
   score.unreached = facts.end != LessonEnd::finished ? name_of(facts.end)
                     : !pass                          ? "no screw lies in bone"
                     : !none.empty()                  ? "the screw is " + none
+                    : e.depth_mm < -reach_mm         ? "the tip does not reach the vertebra's body"
                                                      : "";
   CriticalErrors critical(r.critical_errors, score);
   note_spine_errors(facts, manifest, before, r.farthest_mm.limit, critical);
