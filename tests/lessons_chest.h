@@ -13,9 +13,9 @@ class Chest : public lessons::LessonCase {
  public:
   explicit Chest(bool artery) : LessonCase(chest_case(artery)) {}
   using Done = lessons::Scored<SubclavianFacts>;
-  Done run(const std::string& steps, double rate_hz = 500, double noise_mm = 0) {
+  Done run(const std::string& steps, double rate_hz = 500, double noise_mm = 0, const std::string& task = "") {
     Done d;
-    d.recording = record("subclavian", steps, {rate_hz, noise_mm});
+    d.recording = record("subclavian", steps, {rate_hz, noise_mm, 1, task});
     score(d);
     return d;
   }
@@ -33,6 +33,7 @@ class Chest : public lessons::LessonCase {
     is(r.direction.ideal_deg, 10), is(r.direction.good_deg, 15), is(r.direction.acceptable_deg, 25);
     is(r.passes.ideal_count, 1), is(r.passes.good_count, 2), is(r.passes.most_count, 3);
     is(r.time.ideal_s, 120), is(r.time.good_s, 240), is(r.time.acceptable_s, 360), is(r.time.allotted_s, 600);
+    lessons::lists(r.critical_errors, {{"artery", 0}, {"pleura_or_lung", 0}, {"wrong_side", 0}});
     return r;
   }
 };

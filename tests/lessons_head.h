@@ -12,9 +12,10 @@ class Head : public LessonCase {
   explicit Head(Kind kind, double suture_confidence = 1, bool dura = false)
       : LessonCase(head_case(kind, suture_confidence, dura)) {}
   using Done = Scored<VentriculostomyFacts>;
-  Done run(const std::string& steps, double rate_hz = 500, std::int64_t seed = 1, double noise_mm = 0) {
+  Done run(const std::string& steps, double rate_hz = 500, std::int64_t seed = 1, double noise_mm = 0,
+           const std::string& task = "") {
     Done d;
-    d.recording = record("ventriculostomy", steps, {rate_hz, noise_mm, seed});
+    d.recording = record("ventriculostomy", steps, {rate_hz, noise_mm, seed, task});
     score(d);
     return d;
   }
@@ -40,9 +41,15 @@ inline VentriculostomyRubric Head::rubric() {
   is(r.critical.brainstem_mm, 15), is(r.critical.brainstem_below_mm, 25);
   is(r.depth.least_mm, 30), is(r.depth.low_mm, 40), is(r.depth.ideal_low_mm, 50);
   is(r.depth.ideal_high_mm, 60), is(r.depth.high_mm, 70), is(r.depth.most_mm, 90);
-  is(r.tip.foramen_mm, 5), is(r.tip.near_mm, 10), is(r.tip.missed_mm, 3);
-  is(r.tip.least_confidence_ratio, 0.5);
+  is(r.tip.foramen_mm, 5), is(r.tip.near_mm, 10), is(r.tip.least_confidence_ratio, 0.5);
   is(r.time.ideal_s, 300), is(r.time.good_s, 450), is(r.time.acceptable_s, 600), is(r.time.allotted_s, 900);
+  are(r.passes.emplace(), 1, 2, 3, 5);
+  lists(r.critical_errors, {{"dura_by_burr", 0},
+                            {"sagittal_sinus", 0},
+                            {"brainstem", 0},
+                            {"eloquent_zone", 0},
+                            {"wrong_side", 0},
+                            {"dry_catheter", 0}});
   return r;
 }
 

@@ -44,6 +44,7 @@ struct Doing {
   double rate_hz = 500;
   double noise_mm = 0;
   std::int64_t seed = 1;
+  std::string task;  ///< what is asked for; empty: the usual
 };
 
 /// The case on disk, loaded once; each lesson begins with the volume as it was.
@@ -65,6 +66,7 @@ class LessonCase {
     LessonOptions o;
     o.script = parse_lesson_script("{\"module\": \"" + module + "\", \"steps\": [" + steps + "]}");
     o.servo.rate_hz = doing.rate_hz;
+    o.task = doing.task;
     o.aim.seed = doing.seed;
     o.aim.aim_noise_mm = doing.noise_mm;
     o.most_s = 9000;
@@ -84,7 +86,21 @@ class LessonCase {
   HapticVolume whole_;
 };
 
+/// Critical errors of a rubric, with their limits.
+inline void lists(std::vector<CriticalRule>& rules, const std::vector<std::pair<const char*, double>>& errors) {
+  for (const auto& [name, limit] : errors) rules.push_back({name, limit, RubricLimit::From::ours, "test"});
+}
+/// Whether that critical error happened.
+inline bool failed_by(const LessonScore& score, const std::string& error) {
+  for (const CriticalError& e : score.critical)
+    if (e.rule.error == error) return true;
+  return false;
+}
+
 /// Sets a limit of a rubric, as a test's own reading of a shipped one.
 inline void is(RubricLimit& limit, double value) { limit = {value, RubricLimit::From::ours, "test"}; }
+inline void are(FourLimits& l, double five, double four, double three, double two) {
+  is(l.five, five), is(l.four, four), is(l.three, three), is(l.two, two);
+}
 
 }  // namespace lessons

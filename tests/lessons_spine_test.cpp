@@ -10,65 +10,14 @@
 
 #include "base/error.h"
 #include "lessons/attempts.h"
-#include "lessons/pedicle_screw/pedicle_screw_score.h"
 #include "lessons/report_page.h"
 #include "lessons/score_report.h"
-#include "lessons/spine_needle/spine_needle_score.h"
-#include "lessons_run.h"
-#include "lessons_spine.h"
+#include "lessons_spine_run.h"
 #include "scratch_folder.h"
 
 using namespace lessons;
 
 namespace {
-
-SpineNeedleRubric shipped() {  // the test's own reading of configs/rubrics/spine_needle.yaml
-  SpineNeedleRubric r;
-  r.module = "spine_needle";
-  const auto are = [](FourLimits& l, double five, double four, double three, double two) {
-    is(l.five, five), is(l.four, four), is(l.three, three), is(l.two, two);
-  };
-  are(r.entry_mm, 2, 4, 6, 10), are(r.target_mm, 3, 6, 9, 14), are(r.breach_mm, 0, 2, 4, 6);
-  are(r.depth_mm, 5, 8, 12, 20), are(r.exposure_s, 5, 10, 20, 40), are(r.passes_count, 1, 2, 3, 5);
-  are(r.procedure_s, 180, 300, 480, 720);
-  is(r.least_confidence_ratio, 0.5), is(r.farthest_mm, 25);
-  return r;
-}
-
-PedicleScrewRubric shipped_screw() {  // and of configs/rubrics/pedicle_screw.yaml
-  PedicleScrewRubric r;
-  r.module = "pedicle_screw";
-  is(r.entry_mm, 4), is(r.axial_deg, 8), is(r.sagittal_deg, 8), is(r.length_mm, 6), is(r.breach_mm, 0);
-  is(r.most_errors_count, 2), is(r.least_confidence_ratio, 0.5), is(r.farthest_mm, 25);
-  return r;
-}
-
-class SpineCase : public LessonCase {
- public:
-  explicit SpineCase(double confidence = 1) : LessonCase(spine_case(confidence)) {}
-  struct Done : Scored<SpineNeedleFacts> {
-    using Scored::measured;
-    double measured(const std::string& name) const {  // of whatever row
-      for (const ScoreRow& r : score.rows)
-        for (const auto& [figure, value] : r.measured)
-          if (figure == name) return value;
-      return std::nan("");
-    }
-  };
-  Done run(const std::string& steps, const std::string& module = "spine_needle", double noise_mm = 0,
-           std::int64_t seed = 1) {
-    Done d;
-    d.recording = record(module, steps, {500, noise_mm, seed});
-    score(d);
-    return d;
-  }
-  void score(Done& d) {
-    d.facts = facts_of<SpineNeedleFacts>(d.recording);
-    d.score = d.recording.header.lesson == "spine_needle"
-                  ? score_spine_needle(d.facts, felt().loaded.manifest, whole(), shipped())
-                  : score_pedicle_screw(d.facts, felt().loaded.manifest, whole(), shipped_screw());
-  }
-};
 
 SpineCase& spine() {
   static SpineCase one;
@@ -315,10 +264,12 @@ TEST(PedicleScrew, AFinderThatIsLeftThereIsNoScrew) {
   const auto d = spine().run(R"({"take": {"tool": "finder"}}, )" + needle() + R"(, "finish")", "pedicle_screw");
   EXPECT_FALSE(d.score.flag("screw_in_bone"));
   for (const ScoreRow& r : d.score.rows) EXPECT_EQ(r.score, 1) << r.name;
-  // Another tool taken while it lies in bone is another pass.
+  // Another tool cannot be taken while it lies in bone: the finder stays in the hand.
   const auto swapped =
       spine().run(R"({"take": {"tool": "finder"}}, )" + needle() + R"(, {"take": {"tool": "screw_6.5x50"}}, "finish")",
                   "pedicle_screw");
   ASSERT_FALSE(swapped.facts.passes.empty());
-  EXPECT_FALSE(swapped.facts.passes[0].in_place);
+  EXPECT_TRUE(swapped.facts.passes[0].in_place);
+  EXPECT_EQ(swapped.facts.passes[0].tool, "finder");
+  EXPECT_FALSE(swapped.score.flag("screw_in_bone"));
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "lesson/rubric.h"
 
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/text.h"
@@ -9,7 +12,7 @@
 namespace trephine {
 namespace {
 
-constexpr int compiled_version = 1;
+constexpr int compiled_version = 2;
 
 // The rubric as it lies in the compiled file: what it declares beside the rubric itself hangs on the module.
 struct CompiledFile {
@@ -19,7 +22,8 @@ struct CompiledFile {
   template <class V>
   static void describe(V& v) {
     using P = CompiledFile;
-    v.integer(&P::trephine_rubric, "trephine_rubric", Range{1, 1}, "The version of the format: 1.").is_required();
+    v.integer(&P::trephine_rubric, "trephine_rubric", Range{1, compiled_version}, "The version of the format: 1 or 2.")
+        .is_required();
     v.text(&P::sha256, "sha256", "SHA-256 of the rubric's JSON without blanks.").is_required();
   }
 };
@@ -60,6 +64,20 @@ std::string descending_limit(const std::vector<std::pair<const char*, double>>& 
   return "";
 }
 
+std::string critical_fault(const std::vector<CriticalRule>& rules, const std::vector<std::string>& known) {
+  for (std::size_t n = 0; n < rules.size(); ++n) {
+    const std::string& name = rules[n].error;
+    std::string all;
+    for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      return "critical: " + printable(name) + " is no critical error of this lesson; known are " + all;
+    for (std::size_t m = 0; m < n; ++m)
+      if (rules[m].error == name) return "critical: " + name + " is listed twice";
+    if (rules[n].why.find_first_not_of(" \t\r\n") == std::string::npos) return "critical: " + name + ": why is blank";
+  }
+  return "";
+}
+
 std::string TimeRubric::fault() const {
   return descending_limit({{"ideal_s", ideal_s.limit},
                            {"good_s", good_s.limit},
@@ -78,7 +96,9 @@ CompiledRubric read_rubric(std::string_view json, const std::vector<RubricType>&
   CompiledFile file;
   file.rubric = type.make();
   read_declared_json(json, file_set(*file.rubric.set), &file);
-  if (digest_of(file.rubric) != file.sha256)
+  // Of the text itself: an older rubric does not say what was declared since.
+  const auto text = nlohmann::ordered_json::parse(json.begin(), json.end());
+  if (sha256_of_bytes(text.at("rubric").dump()) != file.sha256)
     throw Error(ExitCode::bad_input, "", "sha256", "the rubric was changed after `trephine rubric` compiled it");
   return {type.module, file.rubric, file.sha256};
 }

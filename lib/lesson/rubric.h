@@ -32,6 +32,28 @@ struct RubricLimit {
   }
 };
 
+/// A critical error: a lesson in which it happened is failed, whatever the sum of its rows. A rubric lists those that
+/// fail; what it does not list does not.
+struct CriticalRule {
+  std::string error;  ///< as the lesson calls it; its name ends in the limit's unit, where it has one
+  double limit = 0;
+  RubricLimit::From from = RubricLimit::From::none;
+  std::string why;
+  template <class V>
+  static void describe(V& v) {
+    using P = CriticalRule;
+    using From = RubricLimit::From;
+    v.text(&P::error, "error", "The critical error, by a name that the lesson knows (docs/lessons.md).").is_required();
+    v.number(&P::limit, "limit", Range{0, 1e6}, "More than this is the error, where its name ends in a unit.");
+    v.choice(&P::from, "from", {{"thesis", From::thesis}, {"ours", From::ours}},
+             "Where it comes from: the dissertation, or our own choice.")
+        .is_required();
+    v.text(&P::why, "why", "The dissertation's table, or the reason for our choice.").is_required();
+  }
+};
+/// What is wrong with such a list, as a struct's fault() says it: an error that is not known, or is listed twice; "".
+std::string critical_fault(const std::vector<CriticalRule>& rules, const std::vector<std::string>& known);
+
 /// "Time to complete procedure".
 struct TimeRubric {
   RubricLimit ideal_s, good_s, acceptable_s, allotted_s;
@@ -74,7 +96,8 @@ struct RubricType {
   AnyParams (*make)() = nullptr;
 };
 
-/// The compiled rubric: JSON of all values, with a version and the SHA-256 of what it says.
+/// The compiled rubric: JSON of all values, with a version and the SHA-256 of what it says. Version 1 had no critical
+/// errors; such a file is read as before, and fails nobody.
 std::string compile_rubric(const AnyParams& rubric);
 
 struct CompiledRubric {

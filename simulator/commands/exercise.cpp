@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iostream>
 
 #include "base/error.h"
@@ -36,7 +37,7 @@ struct ExerciseParams {
 
 // The plan as it lies in the participant's folder, so that it stays the same when the library grows.
 struct PlannedCase {
-  std::string token, patient_class;
+  std::string token, patient_class, task;  // the task is empty in plans of before tasks existed
   int difficulty_level = 3;
   template <class V>
   static void describe(V& v) {
@@ -44,6 +45,7 @@ struct PlannedCase {
     v.text(&P::token, "case", "The case's token.").is_required();
     v.text(&P::patient_class, "class", "The patient's class.").is_required();
     v.integer(&P::difficulty_level, "difficulty_level", Range{1, 5}, "How difficult.").is_required();
+    v.text(&P::task, "task", "What is asked for.");
   }
 };
 struct PlanFile {
@@ -118,8 +120,10 @@ class Exercise {
     plan_.participant = params_.participant;
     plan_.module = params_.module;
     plan_.curriculum = asked;
+    CurriculumParams assigned = asked;  // a script that names its task can do no other
+    if (assigned.task.empty() && parsed_.has("script")) assigned.task = read_lesson_script(parsed_.path("script")).task;
     for (const CurriculumCase& c : plan_curriculum(cases_.approved, asked, module_))
-      plan_.cases.push_back({c.token, c.patient_class, c.difficulty_level});
+      plan_.cases.push_back({c.token, c.patient_class, assigned_task(c, assigned), c.difficulty_level});
     for (const auto& [folder, why] : cases_.left_out) std::cout << fmt::format("left out: {}: {}\n", folder, why);
     if (plan_.cases.empty())
       throw Error(ExitCode::no_input, parsed_.text("library"), "",
@@ -150,8 +154,8 @@ class Exercise {
       }
       if (!fs::exists(recording)) {
         if (!params_.play)
-          do_case(*c, script, recording);
-        else if (play_case(*c, recording); !fs::exists(recording) || fs::exists(report))
+          do_case(*c, plan_.cases[n].task, script, recording);
+        else if (play_case(*c, plan_.cases[n].task, recording); !fs::exists(recording) || fs::exists(report))
           return;
       }
       // The report is last: what is there is done.
@@ -163,24 +167,27 @@ class Exercise {
   }
 
   // In a window, which judges and reports it as well. A lesson that never began leaves no recording: it is still to do.
-  void play_case(const CurriculumCase& c, const fs::path& recording) {
+  void play_case(const CurriculumCase& c, const std::string& task, const fs::path& recording) {
 #ifdef TREPHINE_WITH_DISPLAY
     const Command play = play_command();
     std::vector<std::string> words = {c.folder.string(),      "--lesson",          params_.module,
                                       "--participant",        params_.participant, "--rubric",
                                       parsed_.text("rubric"), "--record",          recording.string()};
+    if (!task.empty()) words.insert(words.end(), {"--task", task});
     if (parsed_.has("settings")) words.insert(words.end(), {"--settings", parsed_.text("settings")});
     play.run(parse_command(play, words));
 #else
-    (void)c, (void)recording;
+    (void)c, (void)task, (void)recording;
     throw Error(ExitCode::usage, "", "--play", "this build has no window");
 #endif
   }
 
-  void do_case(const CurriculumCase& c, const LessonScript& script, const fs::path& recording) {
+  void do_case(const CurriculumCase& c, const std::string& task, const LessonScript& script,
+               const fs::path& recording) {
     LessonOptions o;
     o.script = script;
     o.participant = params_.participant;
+    o.task = task;
     o.hand = parsed_.params<HandParams>();
     o.aim = parsed_.params<ScriptAim>();
     FeltCase felt(c.folder, "");
@@ -191,13 +198,14 @@ class Exercise {
   }
 
   void print_table() const {
-    std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{}\n", "", "case", "class", "difficulty", "result");
+    std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{:<18}{}\n", "", "case", "class", "difficulty", "task", "result");
     for (std::size_t n = 0; n < plan_.cases.size(); ++n) {
       const PlannedCase& c = plan_.cases[n];
       std::string result = "to do";
       if (fs::exists(log_) && fs::exists(file_of(n, ".json"))) result = result_of(file_of(n, ".lesson"));
-      std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{}\n", n + 1, c.token,
-                               c.patient_class.empty() ? "-" : c.patient_class, c.difficulty_level, result);
+      std::cout << fmt::format("{:<4}{:<26}{:<16}{:<12}{:<18}{}\n", n + 1, c.token,
+                               c.patient_class.empty() ? "-" : c.patient_class, c.difficulty_level,
+                               c.task.empty() ? "-" : c.task, result);
     }
   }
 
@@ -205,11 +213,15 @@ class Exercise {
     const std::string sha256 = sha256_of_file(recording);
     const std::vector<char> bytes = read_file(log_, 1 << 28);
     std::string result = "done";
-    for (const std::string& line : split_at({bytes.data(), bytes.size()}, '\n')) {
+    const std::vector<std::string> lines = split_at({bytes.data(), bytes.size()}, '\n');
+    const std::vector<std::string> names = split_at(lines.front(), ',');
+    const std::size_t outcome = std::size_t(std::find(names.begin(), names.end(), "outcome") - names.begin());
+    for (const std::string& line : lines) {
       const std::vector<std::string> cells = split_at(line, ',');
       if (cells.size() < 9 + module_.rows.size() || cells[4] != sha256) continue;
       result = cells[7] + " of " + cells[8] + " points:";
       for (std::size_t n = 9; n < 9 + module_.rows.size(); ++n) result += " " + (cells[n].empty() ? "-" : cells[n]);
+      if (outcome < cells.size()) result += ", " + cells[outcome];
     }
     return result;
   }

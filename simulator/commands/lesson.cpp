@@ -14,13 +14,15 @@ namespace trephine {
 namespace {
 
 struct LessonParams {
-  std::string module, participant = "anonymous";
+  std::string module, participant = "anonymous", task;
   double most_s = 1800, rate_hz = 1000;
   template <class V>
   static void describe(V& v) {
     using P = LessonParams;
     v.word(&P::module, "module", lesson_names(), "Which lesson; by default the script's.");
     v.text(&P::participant, "participant", "Anonymous token of who does it: a-z, 0-9, _ and -; never a name.");
+    v.text(&P::task, "task",
+           "What is asked for, as `right` or `pedicle_2_left`; by default the script's, else the usual.");
     v.number(&P::most_s, "most_s", Range{0.001, 86400}, "The longest that the lesson may take; then it is cut off.");
     v.number(&P::rate_hz, "rate_hz", Range{50, 20000}, "Ticks in each second.");
   }
@@ -36,6 +38,7 @@ ExitCode run_lesson_command(const ParsedCommand& parsed) {
   const LessonParams& p = parsed.params<LessonParams>();
   LessonOptions o;
   o.participant = p.participant;
+  o.task = p.task;
   o.most_s = p.most_s;
   o.servo.rate_hz = p.rate_hz;
   validate_token(o.participant, "--participant");
@@ -50,6 +53,9 @@ ExitCode run_lesson_command(const ParsedCommand& parsed) {
   const LessonResult r = with_file(parsed.text("script"), [&] { return run_lesson(felt, o, cancel_requested()); });
   write_recording(parsed.path("record"), r.recording);
 
+  if (const std::string& task = r.recording.header.task; !task.empty())
+    std::cout << "task " << task << ": " << task_of(lesson_type(o.script.module), felt.loaded.manifest, task).aim
+              << "\n";
   const ServoStatistics& s = r.statistics;
   std::cout << fmt::format("{} in case {}: {} ticks, {:.1f} s, done in {:.1f} s\n", o.script.module,
                            r.recording.header.case_token, s.ticks, double(s.ticks) / p.rate_hz, r.wall_s);

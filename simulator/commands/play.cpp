@@ -44,6 +44,7 @@ LessonPlay lesson_of(const ParsedCommand& parsed) {
   l.module = parsed.text("lesson");
   if (parsed.has("participant")) l.participant = parsed.text("participant");
   validate_token(l.participant, "--participant");
+  l.task = parsed.text("task");
   for (const char* other : {"playback", "before", "shape"})
     if (parsed.has(other)) throw Error(ExitCode::usage, "", std::string("--lesson, --") + other, "do not go together");
   if (!parsed.has("rubric")) throw Error(ExitCode::usage, "", "--rubric", "is needed with --lesson");
@@ -88,7 +89,7 @@ ExitCode run_play(const ParsedCommand& given) {
   if (!o.playback.empty() && !o.session.record.empty())
     throw Error(ExitCode::usage, "", "--playback, --record", "a recording is shown or made, not both");
   if (parsed.has("lesson")) o.lesson = lesson_of(parsed);
-  for (const char* own : {"participant", "rubric", "out"})
+  for (const char* own : {"participant", "task", "rubric", "out"})
     if (parsed.has(own) && !o.lesson) throw Error(ExitCode::usage, "", std::string("--") + own, "is of a --lesson");
   o.ghost = parsed.path("ghost");
   o.head_port = params.head_port;
@@ -141,6 +142,9 @@ Command play_command() {
   lesson.choices = lesson_names();
   c.arguments.push_back(lesson);
   c.arguments.push_back(argument("rubric", Argument::Kind::in_file, "By what the lesson is judged, compiled (.json)."));
+  c.arguments.push_back(
+      argument("task", Argument::Kind::text,
+               "What is asked for in the lesson, as `right` or `pedicle_2_left`; by default the usual."));
   c.arguments.push_back(argument("participant", Argument::Kind::text,
                                  "Anonymous token of who does the lesson: a-z, 0-9, _ and -; never a name."));
   c.arguments.push_back(

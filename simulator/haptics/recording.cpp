@@ -75,6 +75,8 @@ std::string header_text(const RecordingHeader& h, std::optional<std::uint64_t> f
   }
   if (!h.tools.empty()) {
     j["lesson"] = {{"module", h.lesson}, {"participant", h.participant}, {"tools", Json::array()}};
+    if (!h.task.empty()) j["lesson"]["task"] = h.task;
+    if (h.in_open) j["lesson"]["in_open"] = true;
     for (const BeltToolParams& t : h.tools) j["lesson"]["tools"].push_back(to_json(t));
   }
   if (!h.begins_sha256.empty()) j["begins_sha256"] = h.begins_sha256;
@@ -194,6 +196,8 @@ Recording read_recording(const std::filesystem::path& file) {
       if (j.contains("lesson")) {
         h.lesson = j.at("lesson").at("module").get<std::string>();
         h.participant = j.at("lesson").at("participant").get<std::string>();
+        h.task = j.at("lesson").value("task", "");
+        h.in_open = j.at("lesson").value("in_open", false);
         for (const Json& tool : j.at("lesson").at("tools")) from_json(tool, h.tools.emplace_back());
       }
       h.begins_sha256 = j.value("begins_sha256", "");

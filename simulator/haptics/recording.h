@@ -37,6 +37,8 @@ struct RecordingHeader {
   DrillParams law;
   std::vector<BeltToolParams> tools;  ///< since version 3: of a lesson; empty: `tool` alone
   std::string lesson, participant;    ///< the module, and an anonymous token; with tools only
+  bool in_open = false;               ///< tools are changed in the open alone (ToolBelt); older recordings did not
+  std::string task;                   ///< what was asked for in the lesson; empty in older recordings
   /// Of the voxels at its begin, where an earlier session had cut some; else empty.
   std::string begins_sha256;
   /// What was cut, where the tool cut; not in a recording that was not finished.

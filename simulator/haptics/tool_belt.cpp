@@ -28,8 +28,8 @@ Feels felt_by(const BeltToolParams& tool, Feels feels) {
 }  // namespace
 
 ToolBelt::ToolBelt(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft,
-                   std::vector<BeltToolParams> tools, Drilling* drilling)
-    : force_(force), tools_(std::move(tools)), drilling_(drilling) {
+                   std::vector<BeltToolParams> tools, Drilling* drilling, bool in_open)
+    : contact_(contact), force_(force), tools_(std::move(tools)), drilling_(drilling), in_open_(in_open) {
   if (tools_.empty() || tools_.size() > belt_button::tool_mask + 1)
     throw Error(ExitCode::usage, "", "tools", "must be 1 to 16");
   for (const BeltToolParams& t : tools_)
@@ -38,12 +38,24 @@ ToolBelt::ToolBelt(const ContactVolume& contact, const Feels& feels, const Force
 ToolBelt::~ToolBelt() = default;
 
 // Whether the tool in hand has changed. A number that no tool has changes nothing.
-bool ToolBelt::take(std::uint32_t buttons) {
-  const int n = belt_button::tool(buttons);
+bool ToolBelt::take(const HapticInput& in) {
+  const int n = belt_button::tool(in.buttons);
   const int to = n < int(tools_.size()) ? n : std::max(0, in_hand_);
   if (to == in_hand_) return false;
+  const bool idle = paused_ || waiting_ || in_hand_ < 0;  // nothing is felt, and the tool may be anywhere
+  if (in_open_ && !idle && (state_.touched != 0 || state_.inside != 0 || contact_.shape_at(in.tip_mm) != 0))
+    return false;
   in_hand_ = to;
   return true;
+}
+
+// A hand that begins, or comes again, does so outside of every shape: no tissue would have held it on its way in.
+void ToolBelt::look_outside(const HapticInput& in) {
+  if (!in_open_) return;
+  if (paused_ || (in.buttons & haptic_button::lifted))
+    waiting_ = true;
+  else if (waiting_ && is_finite(in.tip_mm))
+    waiting_ = contact_.shape_at(in.tip_mm) != 0;
 }
 
 int ToolBelt::new_command(std::uint32_t buttons) const {
@@ -57,25 +69,26 @@ void ToolBelt::latch(std::uint32_t fault) {
 }
 
 const HapticState& ToolBelt::update(const HapticInput& given) {
-  const bool before_paused = paused_;
+  const bool before_idle = paused_ || waiting_;
   const int command = new_command(given.buttons);
   if (command == belt_command::resume) paused_ = false;
   if (command == belt_command::pause && state_.touched == 0 && state_.inside == 0) paused_ = true;
 
   const Vec3 sent = state_.force_n;
   const std::uint32_t faults = state_.faults;
-  const bool taken = take(given.buttons);
+  look_outside(given);
+  const bool taken = take(given), idle = paused_ || waiting_;
   Proxy& proxy = *proxies_[std::size_t(in_hand_)];
-  if (taken || (before_paused && !paused_)) {
+  if (taken || (before_idle && !idle)) {
     proxy.reset();
     left_n_ = sent;
   }
-  if (paused_) {
+  if (idle) {
     state_ = {};
     state_.proxy_mm = given.tip_mm;
     state_.axis = given.axis;
     state_.across = usable_across(given.across, given.axis);
-    if (!before_paused) left_n_ = sent;
+    if (!before_idle) left_n_ = sent;
     if (faults != 0) proxy.latch(faults);
     state_.faults = faults;
   } else {
@@ -109,7 +122,7 @@ void ToolBelt::after(const HapticInput& in, const HapticState& state) {
   const BeltToolParams& tool = tools_[std::size_t(in_hand_)];
   const int command = new_command(in.buttons);
   buttons_ = in.buttons;
-  const bool works = !paused_ && state.faults == 0;
+  const bool works = !paused_ && !waiting_ && state.faults == 0;
   const bool pedal = works && (in.buttons & belt_button::pedal);
   if (tool.marks && pedal && state.touched != 0) {
     has_mark_ = true;
@@ -126,7 +139,8 @@ void ToolBelt::follow(const HapticInput& in, const HapticState& state) {
   const int command = new_command(in.buttons);
   if (command == belt_command::resume) paused_ = false;
   if (command == belt_command::pause && state_.touched == 0 && state_.inside == 0) paused_ = true;
-  take(in.buttons);
+  look_outside(in);
+  take(in);
   state_ = state;
   after(in, state);
 }

@@ -64,6 +64,9 @@ inline ToolParams whole_tool(const BeltToolParams& tool) {
 /// The force of the tool that was put down falls within the limit on the force's rate.
 ///
 /// - The command `incise` cuts the skin around the last point that a marking tool touched with its pedal down.
+/// - Where tools are changed in the open alone (`in_open`, as every lesson has it since it is recorded), a tool is
+///   changed only while nothing is touched and the pose lies in no shape; a session that begins inside a shape, or goes
+///   on there after a pause or after the hand took the tool away, feels nothing until the pose was outside.
 /// - `pause` is taken while the tool is in the open; until `resume` nothing is felt, cut or marked.
 ///
 /// Everything follows from the frames' poses, buttons and steps, so a recording replays bit for bit. update() and
@@ -72,7 +75,7 @@ class ToolBelt {
  public:
   /// `contact` and `drilling` (may be null) must outlive it. Throws as make_tool does; 64 for no tool, or more than 16.
   ToolBelt(const ContactVolume& contact, const Feels& feels, const ForceParams& force, const ShaftParams& shaft,
-           std::vector<BeltToolParams> tools, Drilling* drilling);
+           std::vector<BeltToolParams> tools, Drilling* drilling, bool in_open);
   ~ToolBelt();
 
   const HapticState& update(const HapticInput& given);
@@ -97,10 +100,12 @@ class ToolBelt {
   }
 
  private:
-  bool take(std::uint32_t buttons);
+  bool take(const HapticInput& in);
+  void look_outside(const HapticInput& in);
   int new_command(std::uint32_t buttons) const;
   void settle_force(const HapticInput& in, Vec3 sent);
 
+  const ContactVolume& contact_;
   const ForceParams force_;
   const std::vector<BeltToolParams> tools_;
   std::vector<std::unique_ptr<Proxy>> proxies_;
@@ -110,6 +115,8 @@ class ToolBelt {
   Vec3 left_n_;  ///< of the force of the tool that was put down
   std::uint32_t buttons_ = 0;
   int in_hand_ = -1;
+  const bool in_open_;
+  bool waiting_ = in_open_;  ///< for a pose outside of every shape
   bool paused_ = false, has_mark_ = false;
   Vec3 mark_mm_;
 };

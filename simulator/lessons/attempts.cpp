@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include <algorithm>
 #include <set>
 
 #include "base/error.h"
@@ -42,6 +43,29 @@ std::string head_line(const LessonType& module) {
   std::string line;
   for (const auto& [name, help] : attempt_columns(module)) line += (line.empty() ? "" : ",") + name;
   return line;
+}
+
+// A log of before columns were added, with these left empty; as it is, where it has others.
+std::string with_new_columns(const std::string& old, const std::string& columns) {
+  const std::vector<std::string> lines = split_at(old, '\n'), now = split_at(columns, ',');
+  const std::vector<std::string> then = split_at(lines.front(), ',');
+  if (lines.front() == columns || then.size() < 9) return old;
+  std::vector<std::size_t> places;  // of each old column among the new ones
+  for (const std::string& name : then) {
+    const auto at = std::find(now.begin(), now.end(), name);
+    if (at == now.end()) return old;
+    places.push_back(std::size_t(at - now.begin()));
+  }
+  std::string out = columns + "\n";
+  for (std::size_t n = 1; n + 1 < lines.size(); ++n) {
+    const std::vector<std::string> cells = split_at(lines[n], ',');
+    if (cells.size() != then.size()) return old;
+    std::vector<std::string> moved(now.size());
+    for (std::size_t c = 0; c < cells.size(); ++c) moved[places[c]] = cells[c];
+    for (std::size_t c = 0; c < moved.size(); ++c) out += (c > 0 ? "," : "") + moved[c];
+    out += "\n";
+  }
+  return out;
 }
 
 // Holds the log for this process as long as it lives.
@@ -81,6 +105,9 @@ std::vector<std::pair<std::string, std::string>> attempt_columns(const LessonTyp
       {"most_points", "what that sum could have been"}};
   for (const std::string& row : module.rows) c.emplace_back(row + "_score", "1 to 5; empty: not judged");
   for (const LessonColumn& column : module.columns) c.emplace_back(column.name, column.help);
+  c.emplace_back("task", "what was asked for; empty: nothing");
+  c.emplace_back("outcome", "completed, not completed, or failed by a critical error");
+  c.emplace_back("critical_errors", "those that happened, by name, with + between them");
   return c;
 }
 
@@ -95,6 +122,9 @@ std::string attempt_line(const ReportHead& head, const LessonFacts& facts, const
     line += "," + (row && row->score ? std::to_string(*row->score) : std::string());
   }
   for (const LessonColumn& column : module.columns) line += "," + cell_of(score, column);
+  std::string critical;
+  for (const CriticalError& e : score.critical) critical += (critical.empty() ? "" : "+") + e.rule.error;
+  line += "," + facts.task + "," + name_of(score.outcome()) + "," + critical;
   return line;
 }
 
@@ -107,7 +137,7 @@ int log_attempt(const std::filesystem::path& file, const ReportHead& head, const
   std::set<std::string> recordings;
   if (std::filesystem::exists(file)) {
     const std::vector<char> bytes = read_file(file, 1 << 28);
-    const std::string old(bytes.begin(), bytes.end());
+    const std::string old = with_new_columns({bytes.begin(), bytes.end()}, columns);
     const std::vector<std::string> lines = split_at(old, '\n');
     if (lines.front() != columns || old.back() != '\n')
       throw Error(ExitCode::bad_input, file.string(), "columns",

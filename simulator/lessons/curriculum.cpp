@@ -52,6 +52,7 @@ std::string why_left_out(const fs::path& folder, const LessonType& module, Curri
   else if (std::find(known.begin(), known.end(), out.patient_class) == known.end())
     return "its class is " + printable(out.patient_class);
   if (m.case_token != folder.filename().string()) return "its folder has another name than the case, " + m.case_token;
+  for (const LessonTask& t : module.tasks(m)) out.tasks.push_back(t.name);
   out.token = m.case_token;
   out.approved_by = approval->by;
   out.difficulty_level = approval->difficulty_level;
@@ -83,6 +84,20 @@ LibraryCases cases_for_lessons(const fs::path& library, const LessonType& module
       out.left_out.emplace_back(folder.filename().string(), why);
   }
   return out;
+}
+
+std::string assigned_task(const CurriculumCase& c, const CurriculumParams& params) {
+  if (c.tasks.empty()) return "";
+  if (params.task.empty()) return c.tasks.front();
+  if (params.task == "drawn")
+    return c.tasks[std::stoul(Sha256().integer(params.order_seed).text(c.token).text("task").hex().substr(0, 8),
+                              nullptr, 16) %
+                   c.tasks.size()];
+  if (std::find(c.tasks.begin(), c.tasks.end(), params.task) != c.tasks.end()) return params.task;
+  std::string known;
+  for (const std::string& name : c.tasks) known += (known.empty() ? "" : ", ") + name;
+  throw Error(ExitCode::usage, "", "--task",
+              printable(params.task) + " cannot be asked for in " + c.token + ", which has " + known);
 }
 
 std::vector<CurriculumCase> plan_curriculum(const std::vector<CurriculumCase>& cases, const CurriculumParams& params,

@@ -14,7 +14,7 @@ namespace trephine {
 struct CurriculumParams {
   enum class Order { difficulty, random };
   int cases_count = 6;
-  std::string classes = "normal,hydrocephalic,shifted,small";
+  std::string classes = "normal,hydrocephalic,shifted,small", task;
   int least_difficulty_level = 1, most_difficulty_level = 5;
   Order order = Order::difficulty;
   std::int64_t order_seed = 1;
@@ -25,6 +25,8 @@ struct CurriculumParams {
     v.text(&P::classes, "classes",
            "Classes of patients, which take turns in this order; never uncertain. "
            "Ignored where the lesson has no classes.");
+    v.text(&P::task, "task",
+           "What is asked for in every case, as `left`; drawn: by the seed; empty: what is usual in the case.");
     v.integer(&P::least_difficulty_level, "least_difficulty_level", Range{1, 5}, "The easiest that is taken.");
     v.integer(&P::most_difficulty_level, "most_difficulty_level", Range{1, 5}, "The hardest that is taken.");
     v.choice(&P::order, "order", {{"difficulty", Order::difficulty}, {"random", Order::random}},
@@ -36,6 +38,7 @@ struct CurriculumParams {
 
 struct CurriculumCase {
   std::string token, patient_class, approved_by;
+  std::vector<std::string> tasks;  ///< the usual one first
   int difficulty_level = 3;
   std::filesystem::path folder;
 };
@@ -50,6 +53,10 @@ struct LibraryCases {
 /// approval is void or damaged, that holds no such lesson, or, where the lesson has classes, whose class is uncertain
 /// or not known. Throws Error 66 where the folder cannot be listed.
 LibraryCases cases_for_lessons(const std::filesystem::path& library, const LessonType& module);
+
+/// What is asked for in the case; empty where it holds no task. Throws Error 64 where it does not hold the task that is
+/// named.
+std::string assigned_task(const CurriculumCase& one, const CurriculumParams& params);
 
 /// Pure: the same cases and parameters give the same plan. The classes take turns. Throws Error 64 for a class that is
 /// named twice, unknown, or uncertain; and limits of difficulty that cross.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <memory>
+#include <string>
 
 #include "haptics/frame.h"
 #include "haptics/tool_belt.h"
@@ -13,6 +14,7 @@ const char* name_of(LessonEnd end);
 /// What every lesson notes; a module's facts derive from it. Times are of the recording, s.
 struct LessonFacts {
   virtual ~LessonFacts() = default;
+  std::string task;  ///< LessonTask::name of what was asked for; empty: nothing was
   double begin_s = 0, end_s = 0, paused_s = 0;
   int pauses = 0;
   LessonEnd end = LessonEnd::running;  ///< running: the recording ends before the lesson did
@@ -25,6 +27,8 @@ struct LessonFacts {
 class Lesson {
  public:
   virtual ~Lesson() = default;
+  /// What was asked for: LessonTask::name.
+  void set_task(const std::string& task) { noted().task = task; }
   /// After each tick, with the tools as they are then.
   void watch(const ServoFrame& frame, const ToolBelt& belt);
   /// At the end of the frames: closes what is open. Nothing is watched afterwards.

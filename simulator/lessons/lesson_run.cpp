@@ -9,6 +9,7 @@
 #include "base/progress.h"
 #include "base/refusal.h"
 #include "lesson/approval.h"
+#include "lessons/hand_limits.h"
 
 namespace trephine {
 namespace {
@@ -25,6 +26,12 @@ RecordingHeader header_of(const FeltCase& felt, const LessonOptions& o) {
   h.drilling = o.drilling;
   h.law = o.law;
   set_lesson(h, lesson_type(o.script.module).tools(), o.script.module, o.participant, felt.loaded.manifest.haptic);
+  h.task = o.task.empty() ? o.script.task : o.task;
+  const LessonType& type = lesson_type(o.script.module);
+  if (!h.task.empty())
+    task_of(type, felt.loaded.manifest, h.task);
+  else if (const std::vector<LessonTask> all = type.tasks(felt.loaded.manifest); !all.empty())
+    h.task = all.front().name;
   return h;
 }
 
@@ -49,7 +56,7 @@ LessonResult run_lesson(FeltCase& felt, const LessonOptions& o, const std::atomi
   header = header_of(felt, o);
   ContactVolume contact(felt.loaded.haptic, o.contact);
   const std::unique_ptr<Drilling> drilling = felt.drilling_of(header, contact);
-  ToolBelt belt(contact, felt.feels, o.force, o.shaft, header.tools, drilling.get());
+  ToolBelt belt(contact, felt.feels, o.force, o.shaft, header.tools, drilling.get(), header.in_open);
   ScriptedHand hand(o.hand,
                     module.plan(o.script, {manifest, contact, header.tools, drilled_shapes(manifest.haptic)}, o.aim));
   FrameQueue queue(ticks_at_once);
@@ -79,14 +86,18 @@ std::shared_ptr<const LessonFacts> facts_of_recording(FeltCase& felt, const std:
                 recording.frames.empty() ? "there are none"
                                          : std::to_string(missing) + " were not recorded: it cannot be judged");
   if (h.tools.empty()) throw Error(ExitCode::bad_input, file, "lesson.tools", "there are none");
+  if (!h.task.empty()) with_file(file, [&] { task_of(module, felt.loaded.manifest, h.task); });
   for (const ServoFrame& f : recording.frames) require_followable(f, file);
   const HapticVolume before = copy_without_hardness(felt.loaded.haptic);
   ContactVolume contact(felt.loaded.haptic, h.contact);
   Rerun rerun(felt, contact, file, h);
   ToolBelt& belt = *rerun.belt();
   const std::unique_ptr<Lesson> lesson = module.begin(felt.loaded.manifest, before, felt.loaded.haptic);
+  lesson->set_task(h.task);
+  HandLimits limits(contact);
   for (const ServoFrame& f : recording.frames) {
     belt.follow(input_of(f, h.rate_hz), state_of(f));
+    with_file(file, [&] { limits.look(f, belt); });
     lesson->watch(f, belt);
   }
   lesson->close();

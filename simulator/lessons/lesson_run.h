@@ -22,6 +22,7 @@ struct LessonOptions {
   DrillingParams drilling;  ///< `drill` is set where the case has bone to be drilled
   DrillParams law;
   std::string participant = "anonymous";
+  std::string task;      ///< what is asked for; empty: what the script says, else what is usual in the case
   double most_s = 7200;  ///< of the lesson's time; then it ends unfinished
 };
 

@@ -67,12 +67,14 @@ struct WaitStep {
 };
 
 struct LessonScript {
-  std::string module;
+  std::string module, task;
   Steps steps;
   template <class V>
   static void describe(V& v) {
     using P = LessonScript;
     v.word(&P::module, "module", modules(), "The lesson that it does.").is_required();
+    v.text(&P::task, "task",
+           "What is asked for, as `right` or `pedicle_2_left`; by default what is usual in the case.");
     v.steps(&P::steps, "steps", steps_of_all(), "What the hand does, in this order.").is_required();
   }
   static std::vector<std::string> modules();

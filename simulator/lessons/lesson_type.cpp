@@ -12,6 +12,17 @@ const LessonType& lesson_type(const std::string& name) {
   throw Error(ExitCode::bad_input, "", "lesson", printable(name) + " is not known");
 }
 
+LessonTask task_of(const LessonType& type, const CaseManifest& manifest, const std::string& name) {
+  std::string known;
+  for (const LessonTask& t : type.tasks(manifest)) {
+    if (t.name == name) return t;
+    known += (known.empty() ? "" : ", ") + t.name;
+  }
+  throw Error(
+      ExitCode::bad_input, "", "task",
+      printable(name) + " is no task of " + type.name + " in this case; it has " + (known.empty() ? "none" : known));
+}
+
 std::vector<std::string> lesson_names() {
   std::vector<std::string> names;
   for (const LessonType& m : lesson_types()) names.push_back(m.name);

@@ -16,6 +16,12 @@ namespace trephine {
 struct LessonScore;
 struct ReportHead;
 
+/// What a participant is asked for: it is assigned, recorded and judged.
+struct LessonTask {
+  std::string name;  ///< as recordings have it: "right", "pedicle_2_left"
+  std::string aim, indication;
+};
+
 /// A column of the log of attempts beside those that every lesson has.
 struct LessonColumn {
   std::string name, help;
@@ -25,6 +31,7 @@ struct LessonColumn {
 /// A step that a window leads through, by the name of the tool to be taken, or of the command.
 struct LessonGuide {
   std::string text, tool, command;
+  std::string why, sign;  ///< why it is done, and how one sees that it is right
 };
 /// What a window says of a lesson that goes on: the name for programs, which ends in its unit, and the label for
 /// people.
@@ -77,6 +84,8 @@ struct LessonType {
   /// Throws Error 65 where the case holds no such lesson.
   std::function<void(const CaseManifest&)> require;
   std::function<std::vector<BeltToolParams>()> tools;
+  /// What may be asked for in this case; the first is the usual one. None: the case holds no task.
+  std::function<std::vector<LessonTask>(const CaseManifest&)> tasks;
   /// What a script asks of the hand; throws Error 65 naming the step.
   std::function<std::vector<HandMove>(const LessonScript&, const ScriptScene&, const ScriptAim&)> plan;
   /// `before` is the volume as the lesson began; all three must outlive the lesson.
@@ -110,6 +119,8 @@ struct LessonType {
 const std::vector<LessonType>& lesson_types();
 /// Throws Error 65 with the field `lesson` where there is none of that name.
 const LessonType& lesson_type(const std::string& name);
+/// The task of that name; throws Error 65 with the field `task` where the case holds no such task.
+LessonTask task_of(const LessonType& type, const CaseManifest& manifest, const std::string& name);
 /// The values of --module.
 std::vector<std::string> lesson_names();
 

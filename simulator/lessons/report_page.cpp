@@ -20,6 +20,7 @@ constexpr const char* style = R"(
 body { font: 14px/1.45 system-ui, sans-serif; max-width: 62em; margin: 1em auto; padding: 0 1em }
 h1 { font-size: 1.3em; margin: 0 } h2 { font-size: 1em; margin: 1.6em 0 .4em; color: var(--faint) }
 table { border-collapse: collapse; width: 100% } td, th { text-align: left; vertical-align: top; padding: .3em .6em .3em 0; border-bottom: 1px solid var(--line) }
+.failed { border-left: .4em solid var(--target); padding-left: .6em; font-size: 1.15em }
 .score { font-size: 1.3em; white-space: nowrap } .faint, figcaption { color: var(--faint); font-size: .85em }
 .slices { display: flex; gap: .5em } figure { margin: 0; flex: 1 } svg { width: 100%; background: #000 }
 polyline, line { fill: none } circle { fill: none; stroke-width: 1 }
@@ -126,6 +127,10 @@ std::string report_page(const ReportHead& head, const LessonFacts& facts, const 
       "device</p>\n",
       escaped(head.module), escaped(head.case_token), sum.points, sum.most, escaped(head.participant),
       name_of(facts.end), facts.procedure_s(), module.headline(facts, score));
+  out +=
+      fmt::format("<p class=\"{}\"><b>{}</b>{}</p>\n", score.outcome() == LessonOutcome::failed ? "failed" : "",
+                  escaped(headline_of(score)),
+                  facts.task.empty() ? "" : "<br>Task: " + escaped(task_of(module, loaded.manifest, facts.task).aim));
   out += rows_html(score);
   if (!recording.frames.empty()) out += "<h2>Forces over time</h2>\n" + forces_html(score, recording);
   out += module.pictures(facts, loaded);

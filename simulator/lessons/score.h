@@ -18,6 +18,7 @@ struct ScoreRow {
   std::vector<std::pair<std::string, double>> measured;     ///< by names that end in the unit
   std::vector<std::pair<std::string, RubricLimit>> limits;  ///< those by which it was decided
   std::optional<double> decided_s;  ///< when in the recording; none: nothing ever happened that could decide it
+  bool beside = false;              ///< ours, beside the rows of a printed table
 };
 
 /// What the table does not score, and studies count: yes or no, a count, or a measure whose name ends in its unit.
@@ -26,14 +27,48 @@ struct LessonFigure {
   std::variant<bool, int, double, std::monostate> value;  ///< nothing where it could not be judged
 };
 
+/// A critical error that happened.
+struct CriticalError {
+  std::string what;  ///< "the needle came through the front of the vertebra"
+  CriticalRule rule;
+  std::optional<double> at_s;
+};
+
+/// failed: a critical error happened, whatever the sum. completed: the goal was reached, and nothing of that sort.
+enum class LessonOutcome { not_completed, completed, failed };
+const char* name_of(LessonOutcome outcome);
+
 struct LessonScore {
   std::vector<ScoreRow> rows;
+  std::vector<CriticalError> critical;
+  std::string unreached;  ///< why the lesson's goal was not reached; empty: it was
+  LessonOutcome outcome() const {
+    return !critical.empty()   ? LessonOutcome::failed
+           : unreached.empty() ? LessonOutcome::completed
+                               : LessonOutcome::not_completed;
+  }
+  /// The reason: of a failure all critical errors, of what is not completed what is missing; else empty.
+  std::string reason() const;
   std::vector<LessonFigure> figures;
   /// The figure of that name; throws Error 70 where the module has none.
   const LessonFigure& figure(const std::string& name) const;
   bool known(const std::string& name) const { return !std::holds_alternative<std::monostate>(figure(name).value); }
   bool flag(const std::string& name) const { return std::get<bool>(figure(name).value); }
   int count(const std::string& name) const { return std::get<int>(figure(name).value); }
+};
+
+/// Notes critical errors in a score, each once, where the rubric lists them.
+class CriticalErrors {
+ public:
+  CriticalErrors(const std::vector<CriticalRule>& rules, LessonScore& score) : rules_(rules), score_(score) {}
+  /// It happened, at that moment of the recording.
+  void happened(const std::string& error, const std::string& what, std::optional<double> at_s);
+  /// It happened where the figure is above the rule's limit.
+  void above(const std::string& error, double figure, const std::string& what, std::optional<double> at_s);
+
+ private:
+  const std::vector<CriticalRule>& rules_;
+  LessonScore& score_;
 };
 
 }  // namespace trephine

@@ -5,7 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/error.h"
 #include "lessons/lesson_type.h"
 
 namespace trephine {
@@ -22,7 +21,16 @@ Json json_of(const ScoreRow& row) {
   return {
       {"name", row.name}, {"title", row.title},   {"score", row.score ? Json(*row.score) : Json("not judged")},
       {"why", row.why},   {"measured", measured}, {"decided_s", row.decided_s ? Json(*row.decided_s) : Json(nullptr)},
-      {"limits", limits}};
+      {"limits", limits}, {"beside", row.beside}};
+}
+
+Json json_of(const CriticalError& e) {
+  return {{"error", e.rule.error},
+          {"what", e.what},
+          {"at_s", e.at_s ? Json(*e.at_s) : Json(nullptr)},
+          {"limit", e.rule.limit},
+          {"from", e.rule.from == RubricLimit::From::thesis ? "thesis" : "ours"},
+          {"why", e.rule.why}};
 }
 
 // What every lesson has, and the module's own.
@@ -36,20 +44,22 @@ Json json_of(const LessonType& module, const LessonFacts& f) {
 
 }  // namespace
 
-const LessonFigure& LessonScore::figure(const std::string& name) const {
-  for (const LessonFigure& f : figures)
-    if (f.name == name) return f;
-  throw Error(ExitCode::internal, "", name, "is a figure that the lesson does not have");
-}
-
 ScoreSum sum_of(const LessonScore& score) {
   ScoreSum sum;
   for (const ScoreRow& row : score.rows)
     if (row.score) {
       sum.points += *row.score;
       sum.most += 5;
+      sum.of_table += row.beside ? 0 : *row.score;
+      sum.most_of_table += row.beside ? 0 : 5;
+      sum.beside = sum.beside || row.beside;
     }
   return sum;
+}
+
+std::string headline_of(const LessonScore& score) {
+  const std::string reason = score.reason();
+  return std::string(name_of(score.outcome())) + (reason.empty() ? "" : ": " + reason);
 }
 
 std::string score_json(const ReportHead& head, const LessonFacts& facts, const LessonScore& score) {
@@ -66,15 +76,23 @@ std::string score_json(const ReportHead& head, const LessonFacts& facts, const L
         },
         f.value);
   const ScoreSum sum = sum_of(score);
-  const Json out = {{"trephine_score", 1},
+  Json critical = Json::array();
+  for (const CriticalError& e : score.critical) critical.push_back(json_of(e));
+  const Json out = {{"trephine_score", 2},
                     {"module", head.module},
                     {"case", head.case_token},
                     {"participant", head.participant},
                     {"recording_sha256", head.recording_sha256},
                     {"haptic_sha256", head.case_sha256},
                     {"rubric_sha256", head.rubric_sha256},
+                    {"task", facts.task},
+                    {"outcome", name_of(score.outcome())},
+                    {"reason", score.reason()},
+                    {"critical", critical},
                     {"points", sum.points},
                     {"most_points", sum.most},
+                    {"table_points", sum.of_table},
+                    {"most_table_points", sum.most_of_table},
                     {"rows", rows},
                     {"figures", figures},
                     {"facts", json_of(lesson_type(head.module), facts)}};
@@ -93,8 +111,12 @@ std::string score_text(const ReportHead& head, const LessonFacts& facts, const L
     text += "\n";
   }
   const ScoreSum sum = sum_of(score);
-  text += fmt::format("{} of {} points; {}, {}\n", sum.points, sum.most, name_of(facts.end),
-                      lesson_type(head.module).outcome(facts, score));
+  for (const CriticalError& e : score.critical)
+    text += fmt::format("CRITICAL: {}{}\n", e.what, e.at_s ? fmt::format(", at {:.1f} s", *e.at_s) : "");
+  text += headline_of(score) + "\n";
+  text += fmt::format("{} of {} points{}; {}, {}\n", sum.points, sum.most,
+                      sum.beside ? fmt::format(" ({} of {} by the table)", sum.of_table, sum.most_of_table) : "",
+                      name_of(facts.end), lesson_type(head.module).outcome(facts, score));
   return text;
 }
 

@@ -21,9 +21,14 @@ std::string score_json(const ReportHead& head, const LessonFacts& facts, const L
 /// The same as a table for the terminal.
 std::string score_text(const ReportHead& head, const LessonFacts& facts, const LessonScore& score);
 
+/// "failed: the lung was entered": the outcome, and its reason where there is one.
+std::string headline_of(const LessonScore& score);
+
 /// Sum of the rows that were judged, and of the most that they could have been.
 struct ScoreSum {
   int points = 0, most = 0;
+  int of_table = 0, most_of_table = 0;  ///< without the rows that stand beside a printed table
+  bool beside = false;                  ///< there are such rows
 };
 ScoreSum sum_of(const LessonScore& score);
 

@@ -66,6 +66,7 @@ void set_lesson(RecordingHeader& h, const std::vector<BeltToolParams>& tools, co
   h.tool = h.tools.front();
   h.lesson = module;
   h.participant = participant;
+  h.in_open = true;
 }
 
 Rerun::Rerun(FeltCase& felt, ContactVolume& contact, const std::string& file, const RecordingHeader& h,
@@ -75,7 +76,7 @@ Rerun::Rerun(FeltCase& felt, ContactVolume& contact, const std::string& file, co
     proxy_ = std::make_unique<Proxy>(contact, felt.feels, h.force, h.shaft, tool_again(file, felt.felt_tool_of(h)));
   else
     belt_ = with_file(file, [&] {
-      return std::make_unique<ToolBelt>(contact, felt.feels, h.force, h.shaft, h.tools, drilling_.get());
+      return std::make_unique<ToolBelt>(contact, felt.feels, h.force, h.shaft, h.tools, drilling_.get(), h.in_open);
     });
 }
 

@@ -62,7 +62,7 @@ Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
     servo_.emplace(*proxy_, *device_, options.servo, queue, drilling_.get());
   } else {
     belt_ = std::make_unique<ToolBelt>(patient_->contact, feels, options.force, options.shaft, header_.tools,
-                                       drilling_.get());
+                                       drilling_.get(), header_.in_open);
     servo_.emplace(*belt_, *device_, options.servo, queue);
   }
 }
@@ -110,8 +110,10 @@ RecordingHeader Session::header_of(const SessionOptions& options) const {
   header.drilling = options.drilling;
   header.law = options.law;
   header.begins_sha256 = options.begins_sha256;
-  if (!options.tools.empty())
+  if (!options.tools.empty()) {
     set_lesson(header, options.tools, options.lesson, options.participant, patient_->felt.loaded.manifest.haptic);
+    header.task = options.task;
+  }
   return header;
 }
 

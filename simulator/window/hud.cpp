@@ -149,8 +149,9 @@ void Hud::status_panel(Player& player, const Controls& controls, const PictureTi
        translated_name(language_, player.tool()) +
            (f.buttons & Drilling::pedal ? fmt::format(" [{}]", say(Text::pedal)) : ""),
        f.buttons & Drilling::pedal ? orange : ImVec4(1, 1, 1, 1));
-  line(say(Text::inside), f.inside ? player.shape_name(f.inside) : say(Text::nothing));
-  line(say(Text::depth), fmt::format("{:.1f} mm", player.depth_mm()));
+  // In a lesson nothing is told that a surgeon would not see.
+  if (!working) line(say(Text::inside), f.inside ? player.shape_name(f.inside) : say(Text::nothing));
+  if (!working) line(say(Text::depth), fmt::format("{:.1f} mm", player.depth_mm()));
   if (player.target_mm() >= 0 && !working) line(say(Text::to_target), fmt::format("{:.1f} mm", player.target_mm()));
   if (!player.desk() && player.ink_mm() > 0) line(say(Text::last_trace), fmt::format("{:.0f}", player.ink_mm()), sky);
   if (player.trace_on()) line(say(Text::trace), fmt::format("{:.0f} mm", player.trace_mm()));

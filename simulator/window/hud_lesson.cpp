@@ -21,6 +21,7 @@ void Hud::lesson_panel(Player& player, Controls& controls) {
     ImGui::End();
     return;
   }
+  if (!desk.task().aim.empty()) ImGui::TextWrapped("%s", desk.task().aim.c_str());
   for (std::size_t n = 0; n < desk.steps().size(); ++n)
     ImGui::TextColored(n == desk.step()  ? orange
                        : n < desk.step() ? grey
@@ -64,6 +65,8 @@ void Hud::score_panel(const Player& player, int width, int height) {
   ImGui::Begin(fmt::format("{}###scores", say(Text::lesson)).c_str(), nullptr, ImGuiWindowFlags_NoFocusOnAppearing);
   ImGui::TextColored(sky, "%s: %d / %d", say(Text::points), sum.points, sum.most);
   ImGui::PushTextWrapPos(0);
+  const bool failed = scored->score.outcome() == LessonOutcome::failed;
+  ImGui::TextColored(failed ? vermilion : ImVec4(1, 1, 1, 1), "%s", headline_of(scored->score).c_str());
   for (const ScoreRow& row : scored->score.rows) {
     ImGui::TextColored(row.score && *row.score < 3 ? orange : ImVec4(1, 1, 1, 1), "%s  %s",
                        row.score ? std::to_string(*row.score).c_str() : "-", row.title.c_str());

@@ -55,8 +55,15 @@ LessonDesk::LessonDesk(const LessonPlay& play, const Patient& patient, const Ses
     module_.require(loaded.manifest);
     if (module_.needs_pictures) require_ct(loaded.ct);
     lesson_ = module_.begin(loaded.manifest, before_, loaded.haptic);
+    const std::vector<LessonTask> all = module_.tasks(loaded.manifest);
+    if (!play.task.empty())
+      task_ = task_of(module_, loaded.manifest, play.task);
+    else if (!all.empty())
+      task_ = all.front();
+    lesson_->set_task(task_.name);
   });
-  belt_ = std::make_unique<ToolBelt>(patient.contact, patient.felt.feels, o.force, o.shaft, module_.tools(), nullptr);
+  belt_ =
+      std::make_unique<ToolBelt>(patient.contact, patient.felt.feels, o.force, o.shaft, module_.tools(), nullptr, true);
   steps_ = steps_of(module_, lesson_->facts(), belt_->tools());
   tool_ = std::max(0, steps_.front().tool);
   press();
@@ -70,6 +77,7 @@ void LessonDesk::set_session(SessionOptions& o) const {
   o.tools = belt_->tools();
   o.lesson = play_.module;
   o.participant = play_.participant;
+  o.task = task_.name;
   o.board = board_;
   o.record = play_.recording;
 }

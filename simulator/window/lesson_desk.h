@@ -16,6 +16,7 @@ namespace trephine {
 /// A lesson that is done in the window: who does it, by what it is judged, and where recording and report go.
 struct LessonPlay {
   std::string module, participant = "anonymous";
+  std::string task;                 ///< what is asked for; empty: what is usual in the case
   std::filesystem::path rubric;     ///< as `trephine rubric` compiled it
   std::filesystem::path recording;  ///< must not be there yet
   ReportFiles report;               ///< what of it has no path is not written
@@ -64,6 +65,7 @@ class LessonDesk {
   }
   const std::vector<BeltToolParams>& tools() const { return belt_->tools(); }
   const std::vector<LessonStep>& steps() const { return steps_; }
+  const LessonTask& task() const { return task_; }  ///< what is asked for; without a name where nothing is
   std::size_t step() const { return step_; }
   const LessonFacts& facts() const { return lesson_->facts(); }
   std::vector<LessonStatus> status() const;
@@ -101,6 +103,7 @@ class LessonDesk {
   std::unique_ptr<ToolBelt> belt_;  // follows the session's
   std::unique_ptr<Lesson> lesson_;
   std::vector<LessonStep> steps_;
+  LessonTask task_;
   std::size_t step_ = 0;
   std::shared_ptr<ButtonBoard> board_ = std::make_shared<ButtonBoard>();
   std::deque<int> commands_;  // given, and not seen by the servo yet

@@ -30,18 +30,18 @@ expect 64 'is given with --script or --play' "${exercise[@]}" --script "$work/sc
 
 "${exercise[@]}" >"$work/text"
 grep -Eq '^left out: copy: its folder has another name' "$work/text" || { cat "$work/text"; fail "a copy is taken for a case"; }
-grep -Eq '^1 +head-drilled +normal +2 +to do$' "$work/text" || { cat "$work/text"; fail "the easier case is not first"; }
-grep -Eq '^2 +head +normal +4 +to do$' "$work/text" || { cat "$work/text"; fail "the harder case is not second"; }
+grep -Eq '^1 +head-drilled +normal +2 +right +to do$' "$work/text" || { cat "$work/text"; fail "the easier case is not first"; }
+grep -Eq '^2 +head +normal +4 +right +to do$' "$work/text" || { cat "$work/text"; fail "the harder case is not second"; }
 expect 64 'has a plan by other parameters' "${exercise[@]}" --cases-count 1
 
 # One case, then the others; what is done stays as it is.
 "${exercise[@]}" --script "$work/script.json" --rubric "$work/rubric.json" --no-all >"$work/text"
-grep -Eq '^1 +head-drilled .* 20 of 20 points: - - 5 5 5 5$' "$work/text" || { cat "$work/text"; fail "the first case is not done"; }
+grep -Eq '^1 +head-drilled .* 25 of 25 points: - - 5 5 5 5 5, completed$' "$work/text" || { cat "$work/text"; fail "the first case is not done"; }
 grep -Eq '^2 +head .* to do$' "$work/text" || fail "the second is done already"
 first=$(sha256sum "$work"/results/r-01-ventriculostomy-01-*)
 "${exercise[@]}" --script "$work/script.json" --rubric "$work/rubric.json" >"$work/text"
 grep -Eq '^goes on with ' "$work/text" || fail "it begins again"
-grep -Eq '^2 +head .* [0-9]+ of 30 points: 3 1 1 1 1 5$' "$work/text" || { cat "$work/text"; fail "the second case is not done"; }
+grep -Eq '^2 +head .* [0-9]+ of 35 points: 3 1 1 1 1 1 1, not completed$' "$work/text" || { cat "$work/text"; fail "the second case is not done"; }
 [[ $first == "$(sha256sum "$work"/results/r-01-ventriculostomy-01-*)" ]] || fail "what was done is changed"
 [[ $(wc -l <"$work/results/attempts-ventriculostomy.csv") == 3 ]] || fail "the log does not hold two attempts"
 [[ -s $work/results/r-01-ventriculostomy-02-head.html ]] || fail "no page"

@@ -13,7 +13,7 @@ lesson=("$TREPHINE" lesson "$work/head" --script "$work/script.json")
 "${lesson[@]}" --record "$work/one.lesson" --participant r-01 >"$work/text" || { cat "$work/text"; fail "no lesson"; }
 score=("$TREPHINE" score "$work/one.lesson" --case "$work/head" --rubric "$work/rubric.json")
 "${score[@]}" --json "$work/one.json" >"$work/text" || { cat "$work/text"; fail "no score"; }
-grep -q '^20 of 20 points; finished, catheter passes: 1, success at the first pass$' "$work/text" || { cat "$work/text"; fail "other points"; }
+grep -q '^25 of 25 points (20 of 20 by the table); finished, catheter passes: 1, success at the first pass$' "$work/text" || { cat "$work/text"; fail "other points"; }
 grep -Eq '^Burr hole placement +not judged  the hole was there beforehand$' "$work/text" || fail "the case's own hole is judged"
 "${score[@]}" --json "$work/two.json" >/dev/null
 cmp "$work/one.json" "$work/two.json" || fail "scored again it is not the same"
@@ -30,7 +30,7 @@ python3 - "$work/log.csv" <<'PY'
 import csv, sys
 rows = list(csv.DictReader(open(sys.argv[1])))
 assert [(r["participant"], r["attempt"], r["case"]) for r in rows] == [("r-01", "1", "head-drilled"), ("r-01", "2", "head-drilled")], rows
-assert rows[0]["points"] == "20" and rows[0]["landmarks_score"] == "" and rows[0]["tip_score"] == "5", rows[0]
+assert rows[0]["points"] == "25" and rows[0]["landmarks_score"] == "" and rows[0]["tip_score"] == "5", rows[0]
 assert rows[0]["first_pass"] == "1" and abs(float(rows[0]["depth_mm"]) - 55.7) < 2, rows[0]
 PY
 echo 'name,score' >"$work/foreign.csv"
@@ -43,7 +43,7 @@ cmp "$work/one.lesson" "$work/two.lesson" || fail "done again it is not the same
 python3 - "$work/one.json" <<'PY'
 import json, sys
 j = json.load(open(sys.argv[1]))
-assert j["participant"] == "r-01" and [r["name"] for r in j["rows"]] == ["landmarks", "burr_hole", "trajectory", "depth", "tip", "time"]
+assert j["participant"] == "r-01" and [r["name"] for r in j["rows"]] == ["landmarks", "burr_hole", "trajectory", "depth", "tip", "time", "passes"]
 limits = {(r["name"], k): l for r in j["rows"] for k, l in r["limits"].items()}
 thesis = {k: l["limit"] for k, l in limits.items() if l["from"] == "thesis"}
 assert thesis == {("depth", "least_mm"): 30, ("depth", "low_mm"): 40, ("depth", "ideal_low_mm"): 50, ("depth", "ideal_high_mm"): 60,

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lessons/pedicle_screw/pedicle_screw_score.h"
+#include "lessons/spine/spine_critical.h"
 #include "lessons/spine/spine_moves.h"
 #include "lessons/spine/spine_report.h"
 
@@ -39,7 +40,7 @@ LessonType pedicle_screw_lesson() {
   LessonType m;
   m.name = "pedicle_screw";
   m.summary = "a pedicle finder and a screw, judged by five errors";
-  m.rows = {"entry", "axial", "sagittal", "length", "breach", "acceptable"};
+  m.rows = {"entry", "axial", "sagittal", "length", "breach", "acceptable", "size"};
   const auto measured = [&](const char* row, const char* name) {
     m.columns.push_back({name, std::string("measured for the row ") + row, row});
   };
@@ -56,6 +57,15 @@ LessonType pedicle_screw_lesson() {
   m.steps = spine_steps();
   m.require = [](const CaseManifest& manifest) { spine_bone_of(manifest); };
   m.tools = pedicle_screw_tools;
+  m.tasks = [](const CaseManifest& manifest) {
+    std::vector<LessonTask> all;
+    for (const std::string& name : pedicle_tasks(manifest))
+      all.push_back({name,
+                     "A screw of the size that fits through " + pedicle_in_words(name) +
+                         ", after the finder: its head on the bone, its tip in the front half of the body.",
+                     "A lumbar fusion: the vertebra is to be held by its pedicles."});
+    return all;
+  };
   m.plan = plan_spine_moves;
   m.begin = [](const CaseManifest& manifest, const HapticVolume&, const HapticVolume&) {
     return std::unique_ptr<Lesson>(std::make_unique<SpineNeedle>(manifest));

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <optional>
+
 #include "lesson/rubric.h"
 
 namespace trephine {
@@ -10,6 +12,8 @@ struct PedicleScrewRubric {
   std::string module;
   RubricLimit entry_mm, axial_deg, sagittal_deg, length_mm, breach_mm, most_errors_count, least_confidence_ratio,
       farthest_mm;
+  std::optional<RubricLimit> head_mm, widest_ratio, narrowest_ratio;
+  std::vector<CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
     using P = PedicleScrewRubric;
@@ -26,9 +30,15 @@ struct PedicleScrewRubric {
         .is_required();
     v.group(&P::farthest_mm, "farthest_mm", "A screw that enters farther from every pedicle's entry is at none.")
         .is_required();
+    v.group(&P::head_mm, "head_mm", "A head farther out of the bone, or deeper in it, is a wrong length of the screw.");
+    v.group(&P::widest_ratio, "widest_ratio", "A screw wider than this share of the pedicle's width is too wide.");
+    v.group(&P::narrowest_ratio, "narrowest_ratio", "One narrower than this share of it is too narrow.");
+    v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
   }
   std::string fault() const {
-    return least_confidence_ratio.limit > 1 ? "least_confidence_ratio.limit: is above 1" : std::string();
+    if (least_confidence_ratio.limit > 1) return "least_confidence_ratio.limit: is above 1";
+    return critical_fault(critical_errors, {"anterior_cortex_mm", "canal", "medial_breach_mm", "great_vessel",
+                                            "wrong_side", "wrong_level"});
   }
 };
 

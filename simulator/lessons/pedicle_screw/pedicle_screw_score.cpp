@@ -5,13 +5,43 @@
 
 #include <cmath>
 
+#include "lessons/spine/spine_critical.h"
+
 namespace trephine {
 namespace {
+
+constexpr double reach_mm = 20;    // farther before the target the tip lies in the pedicle alone
+constexpr double at_task_mm = 10;  // farther from its entry a screw is not in the pedicle that was asked for
 
 // Between two directions as they are seen in a plane of two of the world's axes.
 double seen_deg(Vec3 a, Vec3 b, int across, int along) {
   const double d = std::atan2(a[across], a[along]) - std::atan2(b[across], b[along]);
   return std::abs(std::remainder(d, 2 * M_PI)) * 180 / M_PI;
+}
+
+// Whether the screw is as long and as wide as the pedicle wants it: its head on the bone, its thread filling the
+// pedicle without bursting it. `none`: why it is at no pedicle, or why the pedicle is not known.
+ScoreRow size_row(const PedicleScrewRubric& r, const NeedlePass* pass, const NeedleErrors& e,
+                  const HapticVolume& before, int bone, const std::string& none, bool judged) {
+  ScoreRow row{"size", "Size of the screw", {}, none, {}, {}, {}};
+  row.beside = true;
+  row.limits = {{"head_mm", *r.head_mm}, {"widest_ratio", *r.widest_ratio}, {"narrowest_ratio", *r.narrowest_ratio}};
+  if (!judged) return row;
+  row.score = 1;
+  if (!none.empty()) return row;
+  const double width = pedicle_width_mm(*e.pedicle, before, bone);
+  const double depth = e.depth_mm + norm(e.pedicle->target_mm - e.pedicle->entry_mm);
+  const double head = pass->length_mm - depth, ratio = width > 0 ? pass->diameter_mm / width : 0;
+  row.measured = {{"head_out_mm", head}, {"fill_ratio", ratio}, {"pedicle_width_mm", width}};
+  row.decided_s = pass->end_s;
+  const bool length = std::abs(head) <= r.head_mm->limit, wide = ratio <= r.widest_ratio->limit,
+             narrow = ratio >= r.narrowest_ratio->limit;
+  row.score = length && wide && narrow ? 5 : !length && !(wide && narrow) ? 1 : 3;
+  row.why = !length  ? (head > 0 ? "too long for where its tip lies" : "too short for where its tip lies")
+            : !wide  ? "too wide for the pedicle"
+            : narrow ? "fits the pedicle"
+                     : "too narrow for the pedicle";
+  return row;
 }
 
 }  // namespace
@@ -30,7 +60,7 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifes
   std::string doubt, none = pass ? "" : "no screw lies in bone";
   if (pass) {
     const NeedlePoint& end = pass->path.back();
-    e = nearest_pedicle(pedicles, end.tip_mm, end.axis);
+    e = errors_at(pedicles, facts.task, end.tip_mm, end.axis);
     const Vec3 f = e.pedicle->forwards(), way = -end.axis;
     // Where its line passes the coronal plane of the entry.
     const double slope = way.y;
@@ -41,9 +71,22 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifes
     sagittal = seen_deg(way, f, 2, 1);
     breach = find_breach(*e.pedicle, *pass, before, bone);
     if (e.pedicle->confidence < r.least_confidence_ratio.limit) doubt = e.pedicle->name + " of this case is doubtful";
-    if (e.entry_mm > r.farthest_mm.limit) none = "at no pedicle";
+    if (e.entry_mm > (facts.task.empty() ? r.farthest_mm.limit : std::min(r.farthest_mm.limit, at_task_mm)))
+      none = facts.task.empty() ? "at no pedicle" : "not at the pedicle that was asked for";
   }
+  for (const CasePedicle& p : pedicles)
+    if (p.name == facts.task && p.confidence < r.least_confidence_ratio.limit) {
+      doubt = p.name + " of this case is doubtful";
+      none.clear();  // a case that does not know counts for nobody
+    }
   LessonScore score;
+  score.unreached = facts.end != LessonEnd::finished ? name_of(facts.end)
+                    : !pass                          ? "no screw lies in bone"
+                    : !none.empty()                  ? "the screw is " + none
+                    : e.depth_mm < -reach_mm         ? "the tip does not reach the vertebra's body"
+                                                     : "";
+  CriticalErrors critical(r.critical_errors, score);
+  note_spine_errors(facts, manifest, before, r.farthest_mm.limit, critical);
   int errors = 0;
   const auto row = [&](const char* name, const char* title, const char* figure, double value, const char* limit_name,
                        const RubricLimit& limit, const std::string& why) {
@@ -72,6 +115,7 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifes
   row("breach", "Pedicle breach", "breach_mm", breach.depth_mm, "breach_mm", r.breach_mm,
       breach.depth_mm > 0 ? "through the " + breach.side + " wall" : "within the pedicle");
   const bool judged = doubt.empty() || !none.empty(), acceptable = none.empty() && errors <= r.most_errors_count.limit;
+  if (judged && score.unreached.empty() && !acceptable) score.unreached = fmt::format("{} of five errors", errors);
   ScoreRow last;
   last.name = "acceptable";
   last.title = "Acceptable";
@@ -83,6 +127,8 @@ LessonScore score_pedicle_screw(const SpineNeedleFacts& facts, const CaseManifes
     if (pass) last.decided_s = pass->end_s;
   }
   score.rows.push_back(last);
+  if (r.head_mm && r.widest_ratio && r.narrowest_ratio)
+    score.rows.push_back(size_row(r, pass, e, before, bone, !doubt.empty() ? doubt : none, doubt.empty()));
   using Value = decltype(LessonFigure::value);
   const Value unknown = std::monostate();
   score.figures = {{"errors_count", judged ? Value(errors) : unknown},

@@ -59,6 +59,25 @@ NeedleErrors nearest_pedicle(const std::vector<CasePedicle>& pedicles, Vec3 tip,
   return best;
 }
 
+NeedleErrors errors_at(const std::vector<CasePedicle>& pedicles, const std::string& task, Vec3 tip, Vec3 axis) {
+  for (const CasePedicle& p : pedicles)
+    if (p.name == task) return needle_errors(p, tip, axis);
+  return nearest_pedicle(pedicles, tip, axis);
+}
+
+double pedicle_width_mm(const CasePedicle& p, const HapticVolume& volume, int bone) {
+  const Vec3 f = p.forwards(), outer = normalized(Vec3{1, 0, 0} - f * f.x);
+  const HapticDecoder decoder(volume);
+  double least = 0;
+  const double length = norm(p.target_mm - p.entry_mm);
+  for (double t = after_entry_mm; t < length; t += 0.5) {
+    const Vec3 at = p.entry_mm + f * t;
+    const double width = wall_mm(decoder, bone, at, outer) + wall_mm(decoder, bone, at, -outer);
+    if (width > 0 && (least == 0 || width < least)) least = width;
+  }
+  return least;
+}
+
 PedicleBreach find_breach(const CasePedicle& p, const NeedlePass& pass, const HapticVolume& volume, int bone) {
   const Vec3 f = p.forwards();
   const double length = norm(p.target_mm - p.entry_mm);
@@ -75,7 +94,10 @@ PedicleBreach find_breach(const CasePedicle& p, const NeedlePass& pass, const Ha
       const double off_mm = norm(off);
       if (!(off_mm > 1e-6)) continue;
       const double beyond = off_mm - wall_mm(decoder, bone, on_axis, off / off_mm);
-      if (beyond > worst.depth_mm) worst = {beyond, side_of(p, off), at, time_s};
+      const std::string side = side_of(p, off);
+      const double medial = side == "medial" ? std::max(worst.medial_mm, beyond) : worst.medial_mm;
+      if (beyond > worst.depth_mm) worst = {medial, beyond, side, at, time_s};
+      worst.medial_mm = medial;
     }
   };
   for (const NeedlePoint& n : pass.path) look(n.tip_mm, n.time_s);

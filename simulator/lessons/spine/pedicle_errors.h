@@ -21,10 +21,14 @@ NeedleErrors needle_errors(const CasePedicle& pedicle, Vec3 tip_mm, Vec3 axis);
 /// Of the pedicle whose entry the needle's line passes nearest.
 NeedleErrors nearest_pedicle(const std::vector<CasePedicle>& pedicles, Vec3 tip_mm, Vec3 axis);
 
+/// Of the pedicle that was asked for; of the nearest where nothing was.
+NeedleErrors errors_at(const std::vector<CasePedicle>& pedicles, const std::string& task, Vec3 tip_mm, Vec3 axis);
+
 /// How far a needle came through the wall of a pedicle.
 struct PedicleBreach {
-  double depth_mm = 0;  ///< of the needle's side beyond the wall; 0: none
-  std::string side;     ///< "medial", "lateral", "upper" or "lower"
+  double medial_mm = 0;  ///< the same of the wall towards the canal alone
+  double depth_mm = 0;   ///< of the needle's side beyond the wall; 0: none
+  std::string side;      ///< "medial", "lateral", "upper" or "lower"
   Vec3 at_mm;
   double time_s = 0;
 };
@@ -32,5 +36,8 @@ struct PedicleBreach {
 /// ideal axis, across it, leaves the bone. Looked at from 4 mm past the entry on to the target, where the bone about
 /// the axis is a pedicle or a body; farther than 40 mm off there is no wall.
 PedicleBreach find_breach(const CasePedicle& pedicle, const NeedlePass& pass, const HapticVolume& volume, int bone);
+
+/// The narrowest width of the pedicle across its axis, between medial and lateral wall; 0 where it has none.
+double pedicle_width_mm(const CasePedicle& pedicle, const HapticVolume& volume, int bone);
 
 }  // namespace trephine

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lessons/spine/spine_critical.h"
 #include "lessons/spine/spine_moves.h"
 #include "lessons/spine/spine_report.h"
 #include "lessons/spine_needle/spine_needle_score.h"
@@ -52,6 +53,15 @@ LessonType spine_needle_lesson() {
   m.steps = spine_steps();
   m.require = [](const CaseManifest& manifest) { spine_bone_of(manifest); };
   m.tools = spine_needle_tools;
+  m.tasks = [](const CaseManifest& manifest) {
+    std::vector<LessonTask> all;
+    for (const std::string& name : pedicle_tasks(manifest))
+      all.push_back({name,
+                     "A Jamshidi needle from the skin through " + pedicle_in_words(name) +
+                         ": its tip in the front half of the body, within the bone all the way.",
+                     "A biopsy of the vertebral body, or the way for a wire, a screw or cement."});
+    return all;
+  };
   m.plan = plan_spine_moves;
   m.begin = [](const CaseManifest& manifest, const HapticVolume&, const HapticVolume&) {
     return std::unique_ptr<Lesson>(std::make_unique<SpineNeedle>(manifest));
@@ -71,7 +81,11 @@ LessonType spine_needle_lesson() {
   m.status = spine_status;
   m.texts = {{"Needle through a pedicle", "Nadel durch einen Pedikel"}};
   m.guide = [](const LessonFacts&) {
-    return std::vector<LessonGuide>{{"Needle through a pedicle", "needle", ""}, {"Finished", "", "finish"}};
+    return std::vector<LessonGuide>{
+        {"Needle through a pedicle", "needle", "",
+         "The pedicle is the only bony way into the body that passes neither canal nor root.",
+         "AP the tip stays within the pedicle's ring until it is in the body from the side."},
+        {"Finished", "", "finish", "What is left in place is judged.", "Both views show the tip in the body."}};
   };
   m.xray = spine_xray;
   m.shots = spine_shots;

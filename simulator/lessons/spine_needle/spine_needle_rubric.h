@@ -10,6 +10,7 @@ struct SpineNeedleRubric {
   std::string module;
   FourLimits entry_mm, target_mm, breach_mm, depth_mm, exposure_s, passes_count, procedure_s;
   RubricLimit least_confidence_ratio, farthest_mm;
+  std::vector<CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
     using P = SpineNeedleRubric;
@@ -27,9 +28,12 @@ struct SpineNeedleRubric {
         .is_required();
     v.group(&P::farthest_mm, "farthest_mm", "A needle that enters bone farther from every pedicle's entry is at none.")
         .is_required();
+    v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
   }
   std::string fault() const {
-    return least_confidence_ratio.limit > 1 ? "least_confidence_ratio.limit: is above 1" : std::string();
+    if (least_confidence_ratio.limit > 1) return "least_confidence_ratio.limit: is above 1";
+    return critical_fault(critical_errors, {"anterior_cortex_mm", "canal", "medial_breach_mm", "great_vessel",
+                                            "wrong_side", "wrong_level"});
   }
 };
 

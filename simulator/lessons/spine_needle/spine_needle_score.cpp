@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lessons/spine/spine_critical.h"
+
 namespace trephine {
 namespace {
 
@@ -15,6 +17,26 @@ struct Rows {
   const NeedlePass* pass;
   NeedleErrors errors;
   std::string doubt;  ///< why nothing is measured from the pedicle; empty: it is
+
+  // Farther off a needle is at no pedicle, or not at the one that was asked for.
+  double at_mm() const {
+    return facts.task.empty() ? rubric.farthest_mm.limit
+                              : std::min(rubric.farthest_mm.limit, rubric.entry_mm.two.limit);
+  }
+  bool at_it() const { return pass && errors.entry_mm <= at_mm(); }
+  const char* not_there() const {
+    return facts.task.empty() ? "at no pedicle" : "not at the pedicle that was asked for";
+  }
+  // Why the needle does not lie where it should.
+  std::string unreached(int bone) const {
+    if (facts.end != LessonEnd::finished) return name_of(facts.end);
+    if (!pass || pass->path.back().inside != bone) return "no needle lies in bone";
+    if (doubt.empty() && !at_it()) return std::string("the needle is ") + not_there();
+    if (doubt.empty() && errors.depth_mm < -rubric.depth_mm.two.limit)
+      return "the tip does not reach the vertebra's body";
+    if (doubt.empty() && errors.target_mm > rubric.target_mm.two.limit) return "the needle misses the target";
+    return facts.procedure_s() > rubric.procedure_s.two.limit ? "not in the allotted time" : "";
+  }
 
   ScoreRow row(const char* name, const char* title, const FourLimits& limits, const std::string& unit) const {
     ScoreRow r;
@@ -30,21 +52,20 @@ struct Rows {
   ScoreRow at_pedicle(const char* name, const char* title, const FourLimits& limits, const char* figure, double value,
                       const std::string& why) const {
     ScoreRow r = row(name, title, limits, "mm");
+    if (!doubt.empty()) {  // before all else: a case that does not know counts for nobody
+      r.why = doubt;
+      return r;
+    }
     if (!pass) {
       r.score = 1;
       r.why = "no needle lies in bone";
       return r;
     }
     r.decided_s = pass->end_s;
-    if (!doubt.empty()) {
-      r.why = doubt;
-      r.decided_s.reset();
-      return r;
-    }
     r.measured = {{figure, value}};
-    if (errors.entry_mm > rubric.farthest_mm.limit) {
+    if (!at_it()) {
       r.score = 1;
-      r.why = "at no pedicle";
+      r.why = not_there();
       return r;
     }
     r.score = limits.score(std::abs(value));
@@ -62,11 +83,17 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const CaseManifest
   Rows rows{facts, r, facts.final_pass(), {}, {}};
   if (rows.pass) {
     const NeedlePoint& end = rows.pass->path.back();
-    rows.errors = nearest_pedicle(pedicles, end.tip_mm, end.axis);
-    if (rows.errors.entry_mm <= r.farthest_mm.limit && rows.errors.pedicle->confidence < r.least_confidence_ratio.limit)
+    rows.errors = errors_at(pedicles, facts.task, end.tip_mm, end.axis);
+    if (rows.at_it() && rows.errors.pedicle->confidence < r.least_confidence_ratio.limit)
       rows.doubt = rows.errors.pedicle->name + " of this case is doubtful";
   }
+  for (const CasePedicle& p : pedicles)
+    if (p.name == facts.task && p.confidence < r.least_confidence_ratio.limit)
+      rows.doubt = p.name + " of this case is doubtful";
   LessonScore score;
+  score.unreached = rows.unreached(bone);
+  CriticalErrors errors(r.critical_errors, score);
+  note_spine_errors(facts, manifest, before, r.farthest_mm.limit, errors);
   const std::string at = rows.errors.pedicle ? rows.errors.pedicle->name : "";
   score.rows.push_back(rows.at_pedicle("entry", "Entry into the pedicle", r.entry_mm, "entry_off_mm",
                                        rows.errors.entry_mm, "the needle's line at the entry of " + at));
@@ -75,7 +102,7 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const CaseManifest
 
   // Of all passes, each at the pedicle that it was nearest to.
   PedicleBreach worst;
-  bool any = false, doubtful = false;
+  bool any = false, doubtful = !rows.doubt.empty();
   for (const NeedlePass& pass : facts.passes) {
     const NeedleErrors e = nearest_pedicle(pedicles, pass.path.back().tip_mm, pass.path.back().axis);
     if (e.entry_mm > r.farthest_mm.limit) continue;
@@ -89,10 +116,12 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const CaseManifest
   }
   ScoreRow breach = rows.row("breach", "Breach of the pedicle's wall", r.breach_mm, "mm");
   // A clean pass beside says nothing of the pedicle that is doubtful; a breach that was seen stays one.
-  const bool breach_judged = !doubtful || worst.depth_mm > 0;
+  // Where a pedicle was asked for, it is the one that must be entered, and whose wall must be known.
+  if (!facts.task.empty()) any = rows.at_it();
+  const bool breach_judged = facts.task.empty() ? !doubtful || worst.depth_mm > 0 : rows.doubt.empty();
   if (breach_judged) {
     breach.score = any ? r.breach_mm.score(worst.depth_mm) : 1;
-    breach.why = !any                 ? "the needle entered no pedicle"
+    breach.why = !any                 ? (facts.task.empty() ? "the needle entered no pedicle" : rows.not_there())
                  : worst.depth_mm > 0 ? "through the " + worst.side + " wall"
                                       : std::string("within the pedicle");
     if (any) breach.measured = {{"breach_mm", worst.depth_mm}};
@@ -119,8 +148,9 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const CaseManifest
   ScoreRow passes = rows.row("passes", "Passes of the needle", r.passes_count, "count");
   const int count = int(facts.passes.size());
   passes.measured = {{"passes_count", double(count)}};
-  passes.score = rows.pass ? r.passes_count.score(count) : 1;
-  passes.why = rows.pass ? "times that the needle entered bone" : "no needle lies in bone";
+  const bool there = rows.pass && (rows.at_it() || !rows.doubt.empty());
+  passes.score = there ? r.passes_count.score(count) : 1;
+  passes.why = there ? "times that the needle entered bone" : rows.pass ? rows.not_there() : "no needle lies in bone";
   if (count > 0) passes.decided_s = facts.passes.back().begin_s;
   score.rows.push_back(passes);
 
@@ -128,14 +158,14 @@ LessonScore score_spine_needle(const SpineNeedleFacts& facts, const CaseManifest
   time.measured = {{"procedure_s", facts.procedure_s()}};
   if (facts.paused_s > 0) time.measured.emplace_back("paused_s", facts.paused_s);
   time.decided_s = facts.end_s;
-  const bool finished = facts.end == LessonEnd::finished;
-  const bool done = finished && count > 0;
-  time.score = done ? r.procedure_s.score(facts.procedure_s()) : 1;
-  time.why = done ? "completed"
-                  : std::string("not completed: ") + (finished ? "the needle entered no bone" : name_of(facts.end));
+  const bool late = facts.procedure_s() > r.procedure_s.two.limit;
+  time.score = score.unreached.empty() ? r.procedure_s.score(facts.procedure_s()) : 1;
+  time.why = score.unreached.empty() ? "completed"
+             : late                  ? "not completed in the allotted time"
+                                     : "not completed: " + score.unreached;
   score.rows.push_back(time);
 
-  const bool judged = rows.pass && rows.doubt.empty() && rows.errors.entry_mm <= r.farthest_mm.limit;
+  const bool judged = rows.at_it() && rows.doubt.empty();
   using Value = decltype(LessonFigure::value);
   const Value unknown = std::monostate();
   score.figures = {{"passes_count", count},

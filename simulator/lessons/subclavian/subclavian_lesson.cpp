@@ -59,6 +59,19 @@ std::string ways_html(const SubclavianFacts& f, const LoadedCase& loaded) {
   return out + (loaded.has_ct() ? "" : " The case holds no CT to show behind it.") + "</p>\n";
 }
 
+std::vector<LessonTask> tasks_of(const CaseManifest&) {
+  std::vector<LessonTask> all;
+  for (const char* side :
+       {"right", "left"})  // the right is the usual one: its pleura lies lower, without a thoracic duct
+    all.push_back(
+        {side,
+         fmt::format("A needle under the {} clavicle toward the sternal notch: blood from the subclavian vein "
+                     "at the first pass.",
+                     side),
+         "A central line: drugs that no small vein bears, and no vein of the arm is left."});
+  return all;
+}
+
 std::vector<LessonStatus> status_of(const SubclavianFacts& f) {
   return {{"passes_count", "Passes", std::to_string(f.passes.size())},
           {"aspirations_count", "Aspirations", std::to_string(f.aspirations.size())},
@@ -86,6 +99,7 @@ LessonType subclavian_lesson() {
   m.steps = with_common_steps({script_step<PunctureStep>("puncture", "Moves the needle straight into the chest."),
                                script_step("aspirate", "Draws at the syringe.")});
   m.require = [](const CaseManifest& manifest) { chest_shapes_of(manifest); };
+  m.tasks = tasks_of;
   m.tools = subclavian_tools;
   m.plan = plan_chest_moves;
   m.begin = [](const CaseManifest& manifest, const HapticVolume& before, const HapticVolume&) {
@@ -102,9 +116,11 @@ LessonType subclavian_lesson() {
              {"Syringe", "Spritze"},
              {"blood", "Blut"}};
   m.guide = [](const LessonFacts&) {
-    return std::vector<LessonGuide>{{"Pass the needle toward the sternal notch", "needle", ""},
-                                    {"Aspirated", "", "aspirate"},
-                                    {"Finished", "", "finish"}};
+    return std::vector<LessonGuide>{
+        {"Pass the needle toward the sternal notch", "needle", "",
+         "Flat under the clavicle, toward the notch, the needle passes over the lung.", "A give in the vein's wall."},
+        {"Aspirated", "", "aspirate", "Blood alone shows that the tip is in the vein.", "Dark blood, without a pulse."},
+        {"Finished", "", "finish", "What is left in place is judged.", "Blood still comes."}};
   };
   m.status = [](const LessonFacts& facts) { return status_of(own(facts)); };
   m.verdict = [](const LessonFacts& facts, const AnyParams& rubric) {

@@ -51,6 +51,7 @@ struct SubclavianRubric {
   NotchRubric direction;
   PassesRubric passes;
   TimeRubric time;
+  std::vector<CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
     using P = SubclavianRubric;
@@ -59,7 +60,9 @@ struct SubclavianRubric {
     v.group(&P::direction, "direction", "Direction of the needle.").is_required();
     v.group(&P::passes, "passes", "Needle passes.").is_required();
     v.group(&P::time, "time", "Time to complete procedure; beyond the time allotted the needle is red.").is_required();
+    v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
   }
+  std::string fault() const { return critical_fault(critical_errors, {"artery", "pleura_or_lung", "wrong_side"}); }
 };
 
 }  // namespace trephine

@@ -64,12 +64,12 @@ ScoreRow score_vein(const SubclavianFacts& f, const ChestShapes& shapes) {
 ScoreRow score_untouched(const SubclavianFacts& f, const char* name, const char* title, bool known, const char* unknown,
                          double entered_s, const std::string& entered) {
   ScoreRow row{name, title, {}, unknown, {}, {}, {}};
-  if (f.passes.empty()) {  // who does nothing spares nothing
+  if (!known && entered_s < 0) return row;  // before all else: a case that does not know counts for nobody
+  if (f.passes.empty()) {                   // who does nothing spares nothing
     row.score = 1;
     row.why = "the needle entered nothing";
     return row;
   }
-  if (!known && entered_s < 0) return row;
   row.score = entered_s < 0 ? 5 : 1;
   row.why = entered_s < 0 ? "not entered" : entered + " was entered";
   row.decided_s = entered_s < 0 ? f.end_s : entered_s;
@@ -87,9 +87,23 @@ ScoreRow score_passes(const SubclavianFacts& f, const PassesRubric& r) {
   return row;
 }
 
-ScoreRow score_time(const SubclavianFacts& f, const TimeRubric& r) {
-  if (f.passes.empty()) return time_row(f, r, "the needle entered nothing");
-  return time_row(f, r, f.end == LessonEnd::finished ? "" : name_of(f.end));
+std::string unreached_goal(const SubclavianFacts& f, const TimeRubric& r) {
+  if (f.end != LessonEnd::finished) return name_of(f.end);
+  if (f.passes.empty()) return "the needle entered nothing";
+  if (f.blood_s < 0) return "no blood was drawn from the vein";
+  return f.procedure_s() > r.allotted_s.limit ? "not in the allotted time" : "";
+}
+
+void note_critical(const SubclavianFacts& f, const ChestFrame& frame, const std::vector<CriticalRule>& rules,
+                   LessonScore& score) {
+  CriticalErrors errors(rules, score);
+  if (f.artery_s >= 0) errors.happened("artery", "the artery was entered", f.artery_s);
+  if (f.pleura_s >= 0) errors.happened("pleura_or_lung", "the pleura was entered", f.pleura_s);
+  if (f.lung_s >= 0) errors.happened("pleura_or_lung", "the lung was entered", f.lung_s);
+  if (f.task.empty()) return;
+  for (const VeinPass& p : f.passes)
+    if (frame.side_of(p.entry_mm) != (f.task == "left" ? 1 : 0))
+      errors.happened("wrong_side", "the needle went in on the wrong side", p.begin_s);
 }
 
 double earlier(double a, double b) { return a < 0 ? b : b < 0 ? a : std::min(a, b); }
@@ -110,12 +124,14 @@ LessonScore score_subclavian(const SubclavianFacts& f, const CaseManifest& manif
   const ChestShapes shapes = chest_shapes_of(manifest);
   const ChestFrame frame = chest_frame_of(before, shapes);
   const double lung_s = earlier(f.pleura_s, f.lung_s);
-  bool lung_known = frame.has_lung[0] && frame.has_lung[1];
-  if (!f.passes.empty()) {
+  bool lung_known = f.task.empty() ? frame.has_lung[0] && frame.has_lung[1] : frame.has_lung[f.task == "left" ? 1 : 0];
+  if (!f.passes.empty() && f.task.empty()) {
     lung_known = true;
     for (const VeinPass& p : f.passes) lung_known = lung_known && frame.has_lung[frame.side_of(p.entry_mm)];
   }
   LessonScore score;
+  score.unreached = unreached_goal(f, rubric.time);
+  note_critical(f, frame, rubric.critical_errors, score);
   score.rows = {
       score_puncture(f, frame, rubric.puncture),
       score_direction(f, frame, rubric.direction),
@@ -124,7 +140,7 @@ LessonScore score_subclavian(const SubclavianFacts& f, const CaseManifest& manif
       score_untouched(f, "lung", "Pleura and lung", lung_known, "the case shows no lung on that side", lung_s,
                       f.lung_s >= 0 ? "the lung" : "the pleura"),
       score_passes(f, rubric.passes),
-      score_time(f, rubric.time)};
+      time_row(f, rubric.time, score.unreached)};
   const bool success = needle_colour(f, rubric) == NeedleColour::green && f.end == LessonEnd::finished;
   score.figures = {{"success", success},
                    {"first_pass", success && f.passes.size() == 1},

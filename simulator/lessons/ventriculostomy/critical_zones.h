@@ -9,9 +9,9 @@
 namespace trephine {
 
 /// The structures that no catheter may pass through, as closed surfaces that the case holds: its anatomies named
-/// sagittal_sinus, third_ventricle and brainstem (`zone` of `trephine` makes them). They refer to the loaded case,
-/// which must outlive them. A structure that the case holds neither as such nor as a haptic shape is told by the
-/// rubric's distances from landmarks.
+/// sagittal_sinus, third_ventricle, brainstem and eloquent_zone (`zone` of `trephine` makes them). They refer to the
+/// loaded case, which must outlive them. A structure that the case holds neither as such nor as a haptic shape is told
+/// by the rubric's distances from landmarks.
 class CriticalZones {
  public:
   CriticalZones() = default;
@@ -25,6 +25,6 @@ class CriticalZones {
 };
 
 /// In the order in which they are asked.
-constexpr const char* critical_names[] = {"sagittal_sinus", "third_ventricle", "brainstem"};
+constexpr const char* critical_names[] = {"sagittal_sinus", "third_ventricle", "brainstem", "eloquent_zone"};
 
 }  // namespace trephine

@@ -11,12 +11,15 @@ namespace trephine::detail {
 namespace {
 
 const char* no_catheter = "no catheter lies in the brain";
+constexpr double outside_most_mm = 10;  // farther from the ventricles it is said no more exactly
+constexpr double beyond_doubt_mm = 5;   // of the midline: nearer to it a side is none
 
 Vec3 tip_of(const CatheterPass& pass) { return pass.path.back().tip_mm; }
 
 }  // namespace
 
 bool Scoring::on_left() const {
+  if (!facts.task.empty()) return facts.task == "left";
   const Vec3 at = facts.hole              ? facts.hole->outer_mm
                   : !facts.passes.empty() ? facts.passes.back().entry_mm
                                           : frame.nasion_mm - frame.left;  // right, as the table's figures
@@ -44,6 +47,7 @@ std::string Scoring::critical_at(const CatheterPass& pass, const PassPoint& p) c
   if (zones.holds("sagittal_sinus", pass.entry_mm) || zones.holds("sagittal_sinus", p.tip_mm)) return "sagittal_sinus";
   if (in_liquor && zones.holds("third_ventricle", p.tip_mm)) return "third_ventricle";
   if (zones.holds("brainstem", p.tip_mm)) return "brainstem";
+  if (zones.holds("eloquent_zone", p.tip_mm)) return "eloquent_zone";
   if (!zones.has("sagittal_sinus") && std::abs(frame.left_of_midline_mm(pass.entry_mm)) <= r.sinus_mm.limit)
     return "sagittal_sinus";
   if (!sure) return "";  // what is measured from the foramen would be a guess
@@ -88,16 +92,19 @@ ScoreRow score_trajectory(const Scoring& s) {
     row.decided_s = time_s;
     return row;
   };
+  const double own_side = s.on_left() ? 1 : -1;
+  double across = 0;
+  for (const CatheterPass& pass : s.facts.passes)
+    for (const PassPoint& p : pass.path) across = std::max(across, -own_side * s.frame.left_of_midline_mm(p.tip_mm));
+  if (!s.facts.passes.empty()) row.measured = {{"beyond_midline_mm", across}};
+  // Doubt comes before all else: a case that does not know counts for nobody, whatever was done or left.
+  row.why = s.foramen_doubt();
+  if (!row.why.empty()) return row;
   if (s.facts.passes.empty()) {
     row.score = 1;
     row.why = "no catheter entered the brain";
     return row;
   }
-  const double own_side = s.on_left() ? 1 : -1;
-  double across = 0;
-  for (const CatheterPass& pass : s.facts.passes)
-    for (const PassPoint& p : pass.path) across = std::max(across, -own_side * s.frame.left_of_midline_mm(p.tip_mm));
-  row.measured = {{"beyond_midline_mm", across}};
   // What any pass hit counts, not the last one's alone.
   for (const CatheterPass& pass : s.facts.passes)
     for (const PassPoint& p : pass.path) {
@@ -109,8 +116,6 @@ ScoreRow score_trajectory(const Scoring& s) {
         return decide(1, "passes through the " + said, p.time_s);
       }
     }
-  row.why = s.foramen_doubt();
-  if (!row.why.empty()) return row;
   const std::optional<Vec3> target = s.foramen();
   const CatheterPass& pass = s.facts.passes.back();
   // Of a pass that was drawn out again the deepest point tells the way, not the last.
@@ -157,7 +162,7 @@ ScoreRow score_depth(const Scoring& s) {
 ScoreRow score_tip(const Scoring& s) {
   const TipRubric& r = s.rubric.tip;
   ScoreRow row{"tip", "Final location of catheter tip", {}, "", {}, {}, {}};
-  row.limits = {{"foramen_mm", r.foramen_mm}, {"near_mm", r.near_mm}, {"missed_mm", r.missed_mm}};
+  row.limits = {{"foramen_mm", r.foramen_mm}, {"near_mm", r.near_mm}};
   const CatheterPass* pass = s.final_pass();
   const auto decide = [&](int score, const char* why) {
     row.score = score;
@@ -165,28 +170,77 @@ ScoreRow score_tip(const Scoring& s) {
     if (pass) row.decided_s = pass->path.back().time_s;
     return row;
   };
-  if (!pass) return decide(1, no_catheter);
-  const Vec3 tip = tip_of(*pass);
-  const double missed = distance_to_ventricles_mm(s, tip, r.missed_mm.limit + 1);
-  const bool inside = pass->path.back().inside == s.shapes.ventricles;
-  row.measured = {{"outside_ventricles_mm", inside ? 0 : missed}};
   const std::optional<Vec3> target = s.foramen();
-  const double off = target ? norm(tip - *target) : 0;
-  if (target) row.measured.emplace_back("foramen_off_mm", off);
-  if (s.critical_at(*pass, pass->path.back()) == "third_ventricle") return decide(2, "in the third ventricle");
-  if (!inside)
-    return missed <= r.missed_mm.limit ? decide(2, "narrowly not in the ventricle") : decide(1, "not in the ventricle");
-  const double own_side = s.on_left() ? 1 : -1;
-  if (own_side * s.frame.left_of_midline_mm(tip) < 0) return decide(3, "in the contralateral ventricle");
+  if (pass) {
+    const Vec3 tip = tip_of(*pass);
+    const bool inside = pass->path.back().inside == s.shapes.ventricles;
+    row.measured = {{"outside_ventricles_mm", inside ? 0 : distance_to_ventricles_mm(s, tip, outside_most_mm)}};
+    if (target) row.measured.emplace_back("foramen_off_mm", norm(tip - *target));
+  }
   row.why = s.foramen_doubt();
   if (!row.why.empty()) return row;
+  if (!pass) return decide(1, no_catheter);
+  const PassPoint& end = pass->path.back();
+  if (end.inside != s.shapes.ventricles) return decide(1, "not in the ventricle");
+  if (in_third_ventricle(s, *pass, end)) return decide(2, "in the third ventricle");
+  const double own_side = s.on_left() ? 1 : -1, off = norm(end.tip_mm - *target);
+  if (own_side * s.frame.left_of_midline_mm(end.tip_mm) < 0) return decide(3, "in the contralateral ventricle");
   if (off <= r.foramen_mm.limit) return decide(5, "at the ipsilateral foramen of Monro");
   if (off <= r.near_mm.limit) return decide(4, "near the ipsilateral foramen of Monro");
   return decide(3, "in the ipsilateral ventricle");
 }
 
-ScoreRow score_time(const Scoring& s) {
-  return time_row(s.facts, s.rubric.time, s.facts.end == LessonEnd::finished ? "" : name_of(s.facts.end));
+ScoreRow score_passes(const Scoring& s) {
+  const FourLimits& r = *s.rubric.passes;
+  const int count = int(s.facts.passes.size());
+  ScoreRow row{"passes", "Passes of the catheter", 1, "no catheter entered the brain", {}, {}, {}};
+  row.beside = true;
+  row.measured = {{"passes_count", double(count)}};
+  row.limits = {{"five_count", r.five}, {"four_count", r.four}, {"three_count", r.three}, {"two_count", r.two}};
+  if (count == 0) return row;
+  row.score = r.score(count);
+  row.why = "times that the catheter entered the brain";
+  row.decided_s = s.facts.passes.back().begin_s;
+  return row;
+}
+
+bool in_third_ventricle(const Scoring& s, const CatheterPass& pass, const PassPoint& p) {
+  return s.foramen_doubt().empty() && s.critical_at(pass, p) == "third_ventricle";
+}
+
+std::string unreached_goal(const Scoring& s) {
+  const CatheterPass* pass = s.final_pass();
+  if (s.facts.end != LessonEnd::finished) return name_of(s.facts.end);
+  if (!pass) return no_catheter;
+  if (pass->path.back().inside != s.shapes.ventricles) return "the catheter lies in no ventricle";
+  if (in_third_ventricle(s, *pass, pass->path.back())) return "the catheter lies in the third ventricle";
+  if ((s.frame.left_of_midline_mm(pass->path.back().tip_mm) > 0) != s.on_left())
+    return "the catheter lies in the contralateral ventricle";
+  return s.facts.procedure_s() > s.rubric.time.allotted_s.limit ? "not in the allotted time" : "";
+}
+
+void note_critical(const Scoring& s, LessonScore& score) {
+  CriticalErrors errors(s.rubric.critical_errors, score);
+  const VentriculostomyFacts& f = s.facts;
+  if (f.dura && f.dura->breached) errors.happened("dura_by_burr", "the burr breached the dura", f.dura->burr_first_s);
+  for (const CatheterPass& pass : f.passes)
+    for (const PassPoint& p : pass.path) {
+      const std::string name = s.critical_at(pass, p);
+      std::string said = name;
+      std::replace(said.begin(), said.end(), '_', ' ');
+      if (!name.empty()) errors.happened(name, "the catheter passed the " + said, p.time_s);
+    }
+  if (!f.task.empty()) {
+    const double own_side = f.task == "left" ? 1 : -1;
+    const auto wrong = [&](Vec3 at) { return own_side * s.frame.left_of_midline_mm(at) < -beyond_doubt_mm; };
+    if (f.hole && f.hole->drilled && wrong(f.hole->outer_mm))
+      errors.happened("wrong_side", "the hole was drilled on the wrong side", f.drill_begin_s);
+    for (const CatheterPass& pass : f.passes)
+      if (wrong(pass.entry_mm)) errors.happened("wrong_side", "the catheter went in on the wrong side", pass.begin_s);
+  }
+  const CatheterPass* pass = s.final_pass();
+  if (f.end == LessonEnd::finished && pass && pass->path.back().inside != s.shapes.ventricles)
+    errors.happened("dry_catheter", "a catheter that draws no CSF was called done", f.end_s);
 }
 
 }  // namespace trephine::detail
@@ -198,14 +252,17 @@ LessonScore score_ventriculostomy(const VentriculostomyFacts& facts, const CaseM
                                   const CriticalZones& zones) {
   const detail::Scoring s{facts, manifest, before, rubric, head_frame_of(manifest), head_shapes_of(manifest), zones};
   LessonScore score;
+  score.unreached = detail::unreached_goal(s);
+  detail::note_critical(s, score);
   score.rows = {detail::score_landmarks(s), detail::score_burr_hole(s), detail::score_trajectory(s),
-                detail::score_depth(s),     detail::score_tip(s),       detail::score_time(s)};
+                detail::score_depth(s),     detail::score_tip(s),       time_row(facts, rubric.time, score.unreached)};
+  if (rubric.passes) score.rows.push_back(detail::score_passes(s));
   bool in_ventricle = false, first_pass = false, contralateral = false, third_ventricle = false;
   if (const CatheterPass* pass = s.final_pass(); pass && !pass->path.empty()) {
     const PassPoint& end = pass->path.back();
     in_ventricle = end.inside == s.shapes.ventricles;
     first_pass = in_ventricle && facts.passes.size() == 1;
-    third_ventricle = s.critical_at(*pass, end) == "third_ventricle";
+    third_ventricle = detail::in_third_ventricle(s, *pass, end);
     contralateral = in_ventricle && !third_ventricle && (s.frame.left_of_midline_mm(end.tip_mm) > 0) != s.on_left();
   }
   score.figures = {{"passes_count", int(facts.passes.size())},

@@ -54,7 +54,10 @@ ScoreRow score_landmarks(const Scoring& s) {
       best_trace(s, r.suture_trace_mm.limit, [&](Vec3 p) { return std::abs(s.frame.before_suture_mm(p)); });
   const int of_midline = found(midline, r.midline_mm, r.midline_near_mm);
   const int of_suture = found(suture, r.suture_mm, r.suture_near_mm);
-  row.score = 1 + of_midline + of_suture;
+  // Table XIII: 1 neither, 3 one of the two, 5 both. One that was nearly found adds one, and never makes up for one
+  // found.
+  const int well = (of_midline == 2) + (of_suture == 2), nearly = (of_midline == 1) + (of_suture == 1);
+  row.score = 1 + 2 * well + (nearly > 0 ? 1 : 0);
   constexpr const char* how[] = {"not", "nearly", "well"};
   row.why = std::string("midline ") + how[of_midline] + " identified, coronal suture " + how[of_suture] + " identified";
   if (midline.any()) row.measured = {{"midline_off_mm", midline.off_mm}, {"midline_trace_mm", midline.length_mm}};
@@ -81,24 +84,25 @@ ScoreRow score_burr_hole(const Scoring& s) {
     row.why = why;
     return row;
   };
-  if (!s.facts.hole || !s.facts.hole->drilled) return decide(1, "no hole was drilled");
-  const BoneHole& hole = *s.facts.hole;
-  row.decided_s = s.facts.through_s >= 0 ? s.facts.through_s : s.facts.end_s;
   const CaseLandmark* kocher = find_landmark(s.manifest, s.on_left() ? "kocher_left" : "kocher_right");
   if (!kocher || kocher->confidence < r.least_confidence_ratio.limit) {
-    row.decided_s.reset();
     row.why = kocher ? "Kocher's point of this case is doubtful" : "the case has no Kocher's point";
     return row;
   }
+  if (!s.facts.hole || !s.facts.hole->drilled) return decide(1, "no hole was drilled");
+  const BoneHole& hole = *s.facts.hole;
+  row.decided_s = s.facts.through_s >= 0 ? s.facts.through_s : s.facts.end_s;
   const Vec3 d = hole.outer_mm - kocher->position_mm;
   const double off = norm(d - hole.out * dot(d, hole.out));  // Kocher's point lies on the skin, the hole in the bone
-  const double side = std::abs(s.frame.left_of_midline_mm(hole.outer_mm));
+  // Over the midline it lies on the side that nobody asked for, and is no better for lying far from the midline there.
+  const double side = (s.on_left() ? 1 : -1) * s.frame.left_of_midline_mm(hole.outer_mm);
   const double before = s.frame.before_suture_mm(hole.outer_mm);
   row.measured = {
       {"kocher_off_mm", off}, {"lateral_mm", side}, {"before_suture_mm", before}, {"removed_mm3", hole.removed_mm3}};
   row.limits = {{"midline_mm", r.midline_mm}, {"kocher_mm", r.kocher_mm}, {"near_mm", r.near_mm}, {"far_mm", r.far_mm}};
   if (!hole.through) return decide(1, "the hole does not let the catheter through");
-  if (side <= r.midline_mm.limit) return decide(1, "placed along the midline");
+  if (side <= r.midline_mm.limit)
+    return decide(1, side < -r.midline_mm.limit ? "placed on the other side" : "placed along the midline");
   if (before < 0) return decide(1, "placed behind the coronal suture");
   if (off <= r.kocher_mm.limit) return decide(5, "at Kocher's point");
   if (off <= r.near_mm.limit) return decide(4, "near Kocher's point");

@@ -17,12 +17,12 @@ struct Scoring {
   const CatheterPass* final_pass() const {
     return !facts.passes.empty() && facts.passes.back().in_place ? &facts.passes.back() : nullptr;
   }
-  /// The side of the hole, or of the catheter where there is none.
+  /// The side that was asked for; else that of the hole, or of the catheter where there is none.
   bool on_left() const;
   std::optional<Vec3> foramen() const { return foramen_of(manifest, on_left()); }
   /// Why nothing can be measured from the foramen; empty where it can.
   std::string foramen_doubt() const;
-  /// "sagittal sinus", "third ventricle", "brainstem" or "" for a point of a catheter's way.
+  /// "sagittal_sinus", "third_ventricle", "brainstem", "eloquent_zone" or "" for a point of a catheter's way.
   std::string critical_at(const CatheterPass& pass, const PassPoint& p) const;
 };
 
@@ -31,10 +31,15 @@ ScoreRow score_burr_hole(const Scoring& s);
 ScoreRow score_trajectory(const Scoring& s);
 ScoreRow score_depth(const Scoring& s);
 ScoreRow score_tip(const Scoring& s);
-ScoreRow score_time(const Scoring& s);
+ScoreRow score_passes(const Scoring& s);
+/// Why the catheter does not lie where it should; empty where it does, and the lesson was finished in time.
+std::string unreached_goal(const Scoring& s);
 
 /// How far the tip is from the ventricles, at most `most_mm`; most_mm and more where none is within that.
 double distance_to_ventricles_mm(const Scoring& s, Vec3 tip_mm, double most_mm);
+/// Whether the tip is in the third ventricle; of a case whose foramina are doubtful nobody knows it.
+bool in_third_ventricle(const Scoring& s, const CatheterPass& pass, const PassPoint& p);
+void note_critical(const Scoring& s, LessonScore& score);
 /// Along the catheter, from the table of the bone that the rubric says to the tip.
 double depth_mm(const Scoring& s, const CatheterPass& pass);
 

@@ -95,15 +95,35 @@ std::string ways_html(const VentriculostomyFacts& facts, const LoadedCase& loade
 
 const VentriculostomyFacts& own(const LessonFacts& facts) { return static_cast<const VentriculostomyFacts&>(facts); }
 
+std::vector<LessonTask> tasks_of(const CaseManifest& manifest) {
+  std::vector<LessonTask> all;
+  for (const bool left : {false, true}) {  // the right is the usual one: it is seldom the dominant hemisphere
+    const char* side = left ? "left" : "right";
+    if (foramen_of(manifest, left))
+      all.push_back({side,
+                     fmt::format("An external ventricular drain through Kocher's point on the {0}: its tip in the {0} "
+                                 "lateral ventricle, at the foramen of Monro, at the first pass.",
+                                 side),
+                     "Acute hydrocephalus: CSF has to be drained, and the pressure in the head to be measured."});
+  }
+  return all;
+}
+
 std::vector<LessonGuide> guide_of(const VentriculostomyFacts& f) {
   std::vector<LessonGuide> steps;
   if (!f.drilled_beforehand)
-    steps = {{"Mark: the pedal draws", "marker", ""},
-             {"Traces erased", "", "erase"},
-             {"Skin incised at the last mark", "", "incise"},
-             {"Drill: the pedal runs the burr", "burr", ""}};
-  steps.push_back({"Pass the catheter", "catheter", ""});
-  steps.push_back({"Finished", "", "finish"});
+    steps = {{"Mark: the pedal draws", "marker", "",
+              "Kocher's point lies 11 cm behind the nasion and 3 cm beside the midline, before the coronal suture.",
+              "The line of the midline runs from the nasion; the other crosses it at the suture."},
+             {"Traces erased", "", "erase", "Nothing but the last mark guides the hole.", "The skin is bare."},
+             {"Skin incised at the last mark", "", "incise", "The burr must not wind the skin up.", "Bone lies open."},
+             {"Drill: the pedal runs the burr", "burr", "",
+              "The hole is as wide as the catheter needs, and upright on the skull.",
+              "The inner table gives way; lift the pedal before the dura is pressed."}};
+  steps.push_back({"Pass the catheter", "catheter", "",
+                   "Upright on the skull it points at the foramen of Monro, 5 to 6 cm below the inner table.",
+                   "A give, and CSF comes."});
+  steps.push_back({"Finished", "", "finish", "What is left in place is judged.", "CSF drains."});
   return steps;
 }
 
@@ -149,7 +169,7 @@ LessonType ventriculostomy_lesson() {
   LessonType m;
   m.name = "ventriculostomy";
   m.summary = "a burr hole, and a catheter into the ventricle";
-  m.rows = {"landmarks", "burr_hole", "trajectory", "depth", "tip", "time"};
+  m.rows = {"landmarks", "burr_hole", "trajectory", "depth", "tip", "time", "passes"};
   const auto measured = [&](const char* row, const char* name) {
     m.columns.push_back({name, std::string("measured for the row ") + row, row});
   };
@@ -175,6 +195,7 @@ LessonType ventriculostomy_lesson() {
     head_shapes_of(manifest);
     head_frame_of(manifest);
   };
+  m.tasks = tasks_of;
   m.tools = ventriculostomy_tools;
   m.plan = plan_head_moves;
   m.begin = [](const CaseManifest& manifest, const HapticVolume& before, const HapticVolume& now) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <optional>
+
 #include "lesson/rubric.h"
 
 namespace trephine {
@@ -94,9 +96,11 @@ struct DepthRubric {
   std::string fault() const;
 };
 
-/// "Final location of catheter tip".
+/// "Final location of catheter tip". missed_mm is of rubrics of version 1, and nothing is judged by it any more: Table
+/// XIII scores 1 wherever the tip is in no ventricle.
 struct TipRubric {
-  RubricLimit foramen_mm, near_mm, missed_mm, least_confidence_ratio;
+  RubricLimit foramen_mm, near_mm, least_confidence_ratio;
+  std::optional<RubricLimit> missed_mm;
   template <class V>
   static void describe(V& v) {
     using P = TipRubric;
@@ -106,8 +110,7 @@ struct TipRubric {
     v.group(&P::least_confidence_ratio, "least_confidence_ratio",
             "A foramen of less confidence is doubtful: what is measured from it is not judged.")
         .is_required();
-    v.group(&P::missed_mm, "missed_mm", "A tip that missed the ventricles by no more than this scores 2.")
-        .is_required();
+    v.group(&P::missed_mm, "missed_mm", "Of rubrics of version 1: nothing is judged by it.");
   }
   std::string fault() const;
 };
@@ -122,6 +125,8 @@ struct VentriculostomyRubric {
   DepthRubric depth;
   TipRubric tip;
   TimeRubric time;
+  std::optional<FourLimits> passes;
+  std::vector<CriticalRule> critical_errors;
   template <class V>
   static void describe(V& v) {
     using P = VentriculostomyRubric;
@@ -133,6 +138,12 @@ struct VentriculostomyRubric {
     v.group(&P::depth, "depth", "Depth of catheter insertion.").is_required();
     v.group(&P::tip, "tip", "Final location of catheter tip.").is_required();
     v.group(&P::time, "time", "Time to complete procedure.").is_required();
+    v.group(&P::passes, "passes", "How often the catheter entered the brain: ours, beside the table.");
+    v.list(&P::critical_errors, "critical_errors", "What fails a lesson, whatever the sum.").at_most(16);
+  }
+  std::string fault() const {
+    return critical_fault(critical_errors, {"dura_by_burr", "sagittal_sinus", "brainstem", "eloquent_zone",
+                                            "wrong_side", "dry_catheter"});
   }
 };
 

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <deque>
+#include <string>
+
+#include "contact/contact.h"
+#include "haptics/frame.h"
+#include "haptics/tool_belt.h"
+
+namespace trephine {
+
+/// What a hand can do with a tool, by its mean over hand_window_s: a fast reach has about 2 m/s and 50 m/s2. A move
+/// that is above is no hand's: the lesson is not judged.
+constexpr double max_hand_m_per_s = 4, max_hand_m_per_s2 = 150, hand_window_s = 0.02;
+
+/// Looks at a lesson's frames one by one: whether each could be a hand's, and whether a tool begins, is changed or
+/// comes again only outside of every shape. What was lifted, or moved in a pause, may come again elsewhere.
+class HandLimits {
+ public:
+  /// `contact` as it is cut while the frames are followed; it must outlive this.
+  explicit HandLimits(const ContactVolume& contact) : contact_(contact) {}
+  /// Before the belt follows the frame, and after: `belt` as it then is. Throws Error 65 with the field `frames`.
+  void look(const ServoFrame& frame, const ToolBelt& belt);
+
+ private:
+  void look_at_speed(const ServoFrame& f);
+  struct Moment {
+    double time_s;
+    Vec3 tip_mm;
+  };
+  const ContactVolume& contact_;
+  std::deque<Moment> moments_;  // of two windows
+  bool away_ = true;            // not begun, lifted or paused
+  int tool_ = -1, inside_ = 0;
+};
+
+}  // namespace trephine

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/score.h"
+
+#include "base/error.h"
+
+namespace trephine {
+
+const char* name_of(LessonOutcome outcome) {
+  constexpr const char* names[] = {"not completed", "completed", "failed"};
+  return names[int(outcome)];
+}
+
+const LessonFigure& LessonScore::figure(const std::string& name) const {
+  for (const LessonFigure& f : figures)
+    if (f.name == name) return f;
+  throw Error(ExitCode::internal, "", name, "is a figure that the lesson does not have");
+}
+
+std::string LessonScore::reason() const {
+  if (critical.empty()) return unreached;
+  std::string all;
+  for (const CriticalError& e : critical) all += (all.empty() ? "" : "; ") + e.what;
+  return all;
+}
+
+void CriticalErrors::happened(const std::string& error, const std::string& what, std::optional<double> at_s) {
+  above(error, 1e300, what, at_s);
+}
+
+void CriticalErrors::above(const std::string& error, double figure, const std::string& what,
+                           std::optional<double> at_s) {
+  for (const CriticalError& e : score_.critical)
+    if (e.rule.error == error) return;
+  for (const CriticalRule& rule : rules_)
+    if (rule.error == error && figure > rule.limit) score_.critical.push_back({what, rule, at_s});
+}
+
+}  // namespace trephine

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "lessons/spine/spine_critical.h"
+
+#include <algorithm>
+
+namespace trephine {
+namespace {
+
+constexpr double sure_confidence = 0.5;  // below it `trephine pedicles` calls an axis doubtful
+
+bool on_left(const std::string& pedicle) { return pedicle.find("_left") != std::string::npos; }
+
+bool is_great_vessel(const std::string& shape) {
+  for (const char* name : {"aorta", "vena_cava", "artery", "vein", "vessels"})
+    if (shape == name) return true;
+  return false;
+}
+
+// How far the tip came out of the bone again, beyond the plane of the target.
+void note_front(const CasePedicle& p, const NeedlePass& pass, int bone, CriticalErrors& errors) {
+  const Vec3 f = p.forwards();
+  double left_at = dot(p.target_mm - p.entry_mm, f);
+  for (const NeedlePoint& n : pass.path) {
+    const double along = dot(n.tip_mm - p.entry_mm, f);
+    if (n.inside == bone)
+      left_at = std::max(left_at, along);
+    else if (along > left_at)
+      errors.above("anterior_cortex_mm", along - left_at, pass.tool + " came through the front of the vertebra",
+                   n.time_s);
+  }
+}
+
+}  // namespace
+
+void note_spine_errors(const SpineNeedleFacts& facts, const CaseManifest& manifest, const HapticVolume& before,
+                       double farthest_mm, CriticalErrors& errors) {
+  const std::vector<CasePedicle> pedicles = pedicles_of(manifest);
+  const int bone = spine_bone_of(manifest);
+  for (const NeedlePass& pass : facts.passes) {
+    for (const NeedlePoint& n : pass.path)
+      for (const CaseShape& shape : manifest.haptic.shapes) {
+        if (shape.number != n.inside) continue;
+        if (shape.name == "canal") errors.happened("canal", pass.tool + " entered the spinal canal", n.time_s);
+        if (is_great_vessel(shape.name))
+          errors.happened("great_vessel", pass.tool + " entered a great vessel", n.time_s);
+      }
+    const NeedlePoint& end = pass.path.back();
+    const NeedleErrors e = nearest_pedicle(pedicles, end.tip_mm, end.axis);
+    if (e.entry_mm > farthest_mm) continue;
+    note_front(*e.pedicle, pass, bone, errors);
+    const PedicleBreach breach = find_breach(*e.pedicle, pass, before, bone);
+    errors.above("medial_breach_mm", breach.medial_mm, pass.tool + " came through the medial wall, towards the canal",
+                 breach.time_s);
+  }
+  if (facts.task.empty() || facts.passes.empty()) return;
+  const NeedlePass& last = facts.passes.back();
+  const NeedleErrors e = nearest_pedicle(pedicles, last.path.back().tip_mm, last.path.back().axis);
+  if (e.entry_mm > farthest_mm || e.pedicle->name == facts.task) return;
+  const bool side = on_left(e.pedicle->name) != on_left(facts.task);
+  errors.happened(side ? "wrong_side" : "wrong_level",
+                  last.tool + " went into " + e.pedicle->name + ", and " + facts.task + " was asked for", last.begin_s);
+}
+
+std::vector<std::string> pedicle_tasks(const CaseManifest& manifest) {
+  std::vector<CasePedicle> all = pedicles_of(manifest);
+  std::stable_partition(all.begin(), all.end(), [](const CasePedicle& p) { return p.confidence >= sure_confidence; });
+  std::vector<std::string> names;
+  for (const CasePedicle& p : all) names.push_back(p.name);
+  return names;
+}
+
+std::string pedicle_in_words(const std::string& task) {
+  std::string number;
+  for (const char c : task)
+    if (c >= '0' && c <= '9') number += c;
+  return std::string("the ") + (on_left(task) ? "left" : "right") + " pedicle " + number +
+         ", counted from the lowest vertebra whose pedicles the scan shows";
+}
+
+}  // namespace trephine

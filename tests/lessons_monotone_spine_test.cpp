@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// No score of a needle or a screw is better for a worse performance.
+#include "lessons_monotone.h"
+#include "lessons_spine_run.h"
+
+using namespace lessons;
+
+namespace {
+
+struct SpineAim {
+  double aside_mm = 0, up_mm = 0, turn_aside_mm = 0, turn_up_mm = 0, beyond_mm = 0;
+  std::string tool = "needle";
+  double diameter_mm = 3, length_mm = 150;
+};
+
+SpineCase& spine() {
+  static SpineCase one;
+  return one;
+}
+const CasePedicle& pedicle(const std::string& name) {
+  static const std::vector<CasePedicle> all = pedicles_of(spine().felt().loaded.manifest);
+  for (const CasePedicle& p : all)
+    if (p.name == name) return p;
+  throw std::runtime_error(name);
+}
+
+void pass_along(const std::string& name, const SpineAim& aim, SpineNeedleFacts& facts) {
+  const CasePedicle& p = pedicle(name);
+  const Vec3 f = p.forwards(), up = normalized(Vec3{0, 0, 1} - f * f.z);
+  const double side = name.find("_left") != std::string::npos ? 1 : -1;
+  const Vec3 outer = normalized(Vec3{side, 0, 0} - f * (side * f.x));
+  const Vec3 entry = p.entry_mm + outer * aim.aside_mm + up * aim.up_mm;
+  const Vec3 target = p.target_mm + outer * (aim.aside_mm + aim.turn_aside_mm) + up * (aim.up_mm + aim.turn_up_mm);
+  const Vec3 way = normalized(target - entry);
+  const int bone = spine_bone_of(spine().felt().loaded.manifest);
+  NeedlePass pass;
+  pass.tool = aim.tool;
+  pass.diameter_mm = aim.diameter_mm;
+  pass.length_mm = aim.length_mm;
+  pass.axis = -way;
+  double time_s = 5;
+  walk<NeedlePoint>(spine().whole(), entry - way * 60, target + way * aim.beyond_mm, [&](Vec3 at, int inside) {
+    time_s += 0.01;
+    if (pass.path.empty() && inside != bone) return;
+    if (pass.path.empty()) pass.begin_s = time_s, pass.entry_mm = at;
+    pass.path.push_back({time_s, at, -way, inside});
+    pass.end_s = time_s;
+  });
+  if (pass.path.empty()) return;
+  pass.in_place = true;
+  facts.passes.push_back(pass);
+}
+
+SpineNeedleFacts spine_facts(const std::string& task) {
+  SpineNeedleFacts f;
+  f.task = task;
+  f.end = LessonEnd::finished;
+  f.end_s = 60;
+  f.shots.resize(4);
+  for (FluoroShot& s : f.shots) s.begin_s = 1, s.end_s = 1.5;
+  return f;
+}
+
+using SpineScore = std::function<LessonScore(const SpineNeedleFacts&)>;
+
+void check_spine(const std::string& lesson, const std::string& task, const SpineAim& perfect, const SpineScore& score) {
+  const auto aimed = [&](const std::function<void(SpineAim&, int)>& spoil) {
+    return [=](int n) {
+      SpineNeedleFacts f = spine_facts(task);
+      SpineAim aim = perfect;
+      spoil(aim, n);
+      pass_along(task, aim, f);
+      return score(f);
+    };
+  };
+  const auto happened = [&](const std::function<void(SpineNeedleFacts&, int)>& spoil) {
+    return [=](int n) {
+      SpineNeedleFacts f = spine_facts(task);
+      pass_along(task, perfect, f);
+      spoil(f, n);
+      return score(f);
+    };
+  };
+  const std::string name = lesson + " at " + task;
+  check(name, "entry and line to the outer side, 2.2 mm a step",
+        aimed([](SpineAim& a, int n) { a.aside_mm += 2.2 * n; }), false);
+  check(name, "entry and line to the inner side, 2 mm a step", aimed([](SpineAim& a, int n) { a.aside_mm -= 2 * n; }),
+        false);
+  check(name, "entry and line too high, 2.2 mm a step", aimed([](SpineAim& a, int n) { a.up_mm += 2.2 * n; }), false);
+  check(name, "entry and line too low, 2.2 mm a step", aimed([](SpineAim& a, int n) { a.up_mm -= 2.2 * n; }), false);
+  check(name, "turned to the outer side, 3 mm at the target a step",
+        aimed([](SpineAim& a, int n) { a.turn_aside_mm += 3 * n; }), lesson == "pedicle_screw");
+  check(name, "turned to the inner side, 3 mm a step", aimed([](SpineAim& a, int n) { a.turn_aside_mm -= 3 * n; }),
+        false);
+  check(name, "turned up, 3 mm a step", aimed([](SpineAim& a, int n) { a.turn_up_mm += 3 * n; }),
+        lesson == "pedicle_screw");
+  check(name, "turned down, 3 mm a step", aimed([](SpineAim& a, int n) { a.turn_up_mm -= 3 * n; }),
+        lesson == "pedicle_screw");
+  check(name, "too short, 5 mm a step", aimed([](SpineAim& a, int n) { a.beyond_mm -= 5 * n; }), false);
+  check(name, "too deep, 5 mm a step", aimed([](SpineAim& a, int n) { a.beyond_mm += 5 * n; }), false);
+  check(
+      name, "another level, from step 1",
+      [=](int n) {
+        SpineNeedleFacts f = spine_facts(task);
+        pass_along(n == 0                                ? task
+                   : task.find('1') == std::string::npos ? "pedicle_1_left"
+                                                         : "pedicle_2_left",
+                   perfect, f);
+        return score(f);
+      },
+      false);
+  check(
+      name, "the other side, from step 1",
+      [=](int n) {
+        SpineNeedleFacts f = spine_facts(task);
+        std::string other = task;
+        if (n > 0)
+          other.replace(other.rfind('_'), std::string::npos,
+                        other.find("left") != std::string::npos ? "_right" : "_left");
+        pass_along(other, perfect, f);
+        return score(f);
+      },
+      false);
+  check(name, "one more pass a step", happened([](SpineNeedleFacts& f, int n) {
+          const NeedlePass last = f.passes.back();
+          f.passes.back().in_place = n == 0;
+          for (int k = 0; k < n; ++k) f.passes.push_back(last), f.passes.back().in_place = k + 1 == n;
+        }),
+        true);
+  check(name, "X-rays, 6 s more a step", happened([](SpineNeedleFacts& f, int n) { f.shots[0].end_s += 6 * n; }), true);
+  check(name, "no picture, from step 1", happened([](SpineNeedleFacts& f, int n) {
+          if (n > 0) f.shots.clear();
+        }),
+        true);
+  check(name, "time, 90 s more a step", happened([](SpineNeedleFacts& f, int n) { f.end_s += 90 * n; }),
+        lesson == "pedicle_screw");
+  check(name, "not finished, from step 1", happened([](SpineNeedleFacts& f, int n) {
+          if (n > 0) f.end = LessonEnd::running;
+        }),
+        false);
+  check(name, "drawn out again, from step 1", happened([](SpineNeedleFacts& f, int n) {
+          if (n > 0) f.passes.back().in_place = false;
+        }),
+        false);
+  check(name, "nothing done, from step 1", happened([](SpineNeedleFacts& f, int n) {
+          if (n > 0) f.passes.clear(), f.shots.clear();
+        }),
+        false);
+  check(name, "largest force, 1 N a step (not scored)",
+        happened([](SpineNeedleFacts& f, int n) { f.most_force_n += n; }), true);
+}
+
+}  // namespace
+
+namespace {
+
+void check_needle(const std::string& task) {
+  check_spine("spine_needle", task, {}, [](const SpineNeedleFacts& f) {
+    return score_spine_needle(f, spine().felt().loaded.manifest, spine().whole(), shipped());
+  });
+}
+
+void check_screw(const std::string& task) {
+  const SpineScore score = [](const SpineNeedleFacts& f) {
+    return score_pedicle_screw(f, spine().felt().loaded.manifest, spine().whole(), shipped_screw());
+  };
+  SpineAim perfect;
+  perfect.tool = "screw_5.5x45";
+  perfect.diameter_mm = 5.5;
+  perfect.length_mm = norm(pedicle(task).target_mm - pedicle(task).entry_mm);
+  check_spine("pedicle_screw", task, perfect, score);
+  const auto sized = [&](double longer, double wider) {
+    return [=](int n) {
+      SpineNeedleFacts f = spine_facts(task);
+      SpineAim aim = perfect;
+      aim.length_mm += longer * n;
+      aim.diameter_mm += wider * n;
+      pass_along(task, aim, f);
+      return score(f);
+    };
+  };
+  check("pedicle_screw at " + task, "screw too long, 2 mm a step", sized(2, 0), true);
+  check("pedicle_screw at " + task, "screw too short, 2 mm a step", sized(-2, 0), true);
+  check("pedicle_screw at " + task, "screw too narrow, 0.3 mm a step", sized(0, -0.3), true);
+}
+
+}  // namespace
+
+TEST(LessonsMonotone, SpineNeedle) { check_needle("pedicle_2_left"); }
+TEST(LessonsMonotone, PedicleScrew) { check_screw("pedicle_2_left"); }
+TEST(LongLessonsMonotone, OtherPedicles) {
+  for (const char* task : {"pedicle_1_left", "pedicle_2_right"}) {
+    check_needle(task);
+    check_screw(task);
+  }
+}

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// No score is better for a worse performance, in a head and in a chest.
+#include "lessons_monotone.h"
+#include "lessons_chest.h"
+#include "lessons_head.h"
+
+using namespace lessons;
+
+namespace {
+
+Head& head() {
+  static Head one(Kind::whole, 1, true);
+  return one;
+}
+
+struct HeadAim {
+  Vec3 tip_off;
+  double beyond_mm = 0;
+};
+
+VentriculostomyFacts perfect_head(bool left) {
+  VentriculostomyFacts f;
+  f.task = left ? "left" : "right";
+  f.end = LessonEnd::finished;
+  f.end_s = 120;
+  MarkerTrace midline, suture;
+  midline.length_mm = 110, suture.length_mm = 40;
+  for (int n = 0; n <= 110; ++n) midline.points_mm.push_back(towards(nasion_deg + deg_of(n), 0) * skin_mm);
+  for (int n = -20; n <= 20; ++n) suture.points_mm.push_back(towards(nasion_deg + deg_of(125), deg_of(n)) * skin_mm);
+  f.traces = {midline, suture};
+  f.incisions.emplace_back();
+  f.drill_begin_s = 20, f.drill_s = 15, f.through_s = 40;
+  BoneHole hole;
+  hole.out = normalized(kocher(left));
+  hole.outer_mm = hole.out * outer_mm;
+  hole.inner_mm = hole.out * inner_mm;
+  hole.removed_mm3 = 800;
+  hole.drilled = hole.through = true;
+  f.hole = hole;
+  f.dura.emplace();
+  return f;
+}
+
+void pass_into(VentriculostomyFacts& f, bool left, const HeadAim& aim) {
+  const Vec3 end = Vec3{left ? -foramen.x : foramen.x, foramen.y, foramen.z} + aim.tip_off;
+  const Vec3 way = normalized(end - f.hole->outer_mm);
+  const HeadShapes shapes = head_shapes_of(head().felt().loaded.manifest);
+  CatheterPass pass;
+  pass.out = -way;
+  double time_s = 60;
+  walk<PassPoint>(head().whole(), f.hole->outer_mm, end + way * (aim.beyond_mm - 1), [&](Vec3 at, int inside) {
+    time_s += 0.01;
+    if (pass.path.empty() && inside != shapes.brain && inside != shapes.ventricles) return;
+    if (pass.path.empty()) pass.begin_s = time_s, pass.entry_mm = at;
+    if (inside == shapes.ventricles && pass.csf_s < 0) pass.csf_s = time_s;
+    pass.path.push_back({time_s, at, inside});
+    pass.end_s = time_s;
+  });
+  if (pass.path.empty()) return;
+  pass.in_place = true;
+  f.passes.push_back(pass);
+}
+
+void check_head(bool left) {
+  const auto score = [](const VentriculostomyFacts& f) {
+    return score_ventriculostomy(f, head().felt().loaded.manifest, head().whole(), Head::rubric());
+  };
+  using Spoil = std::function<void(VentriculostomyFacts&, int)>;
+  const auto before = [&](const Spoil& spoil) {  // of what was done before the catheter
+    return [=](int n) {
+      VentriculostomyFacts f = perfect_head(left);
+      pass_into(f, left, {});
+      spoil(f, n);
+      return score(f);
+    };
+  };
+  const auto aimed = [&](const std::function<void(HeadAim&, int)>& spoil) {
+    return [=](int n) {
+      VentriculostomyFacts f = perfect_head(left);
+      HeadAim aim;
+      spoil(aim, n);
+      pass_into(f, left, aim);
+      return score(f);
+    };
+  };
+  const auto shifted = [&](Vec3 by) {  // the hole, and the catheter through it
+    return [=](int n) {
+      VentriculostomyFacts f = perfect_head(left);
+      f.hole->out = normalized(f.hole->out * outer_mm + by * n);
+      f.hole->outer_mm = f.hole->out * outer_mm;
+      f.hole->inner_mm = f.hole->out * inner_mm;
+      pass_into(f, left, {});
+      return score(f);
+    };
+  };
+  const double side = left ? 1 : -1;
+  const std::string name = std::string("ventriculostomy, ") + (left ? "left" : "right");
+  check(name, "line of the midline beside it, 2 mm a step", before([&](VentriculostomyFacts& f, int n) {
+          for (Vec3& p : f.traces[0].points_mm) p.x += 2.0 * n;
+        }),
+        true);
+  check(name, "line of the midline shorter, 12 mm a step",
+        before([](VentriculostomyFacts& f, int n) { f.traces[0].length_mm -= 12 * n; }), true);
+  check(name, "line of the suture before it, 2 mm a step", before([](VentriculostomyFacts& f, int n) {
+          for (Vec3& p : f.traces[1].points_mm) p += towards(nasion_deg, 0) * (2.0 * n);
+        }),
+        true);
+  check(name, "nothing marked, from step 1", before([](VentriculostomyFacts& f, int n) {
+          if (n > 0) f.traces.clear();
+        }),
+        true);
+  check(name, "hole too lateral, 5 mm a step", shifted({5 * side, 0, 0}), true);
+  check(name, "hole too medial, 5 mm a step", shifted({-5 * side, 0, 0}), false);
+  check(name, "hole too anterior, 5 mm a step", shifted({0, -5, -1}), true);
+  check(name, "hole too posterior, 5 mm a step", shifted({0, 5, 1}), true);
+  check(name, "hole not through, from step 1", before([](VentriculostomyFacts& f, int n) {
+          if (n > 0) f.hole->through = false;
+        }),
+        true);
+  check(name, "catheter too lateral, 4 mm a step", aimed([&](HeadAim& a, int n) { a.tip_off.x += 4 * side * n; }),
+        false);
+  check(name, "catheter too medial, 4 mm a step", aimed([&](HeadAim& a, int n) { a.tip_off.x -= 4 * side * n; }),
+        false);
+  check(name, "catheter too anterior, 4 mm a step", aimed([](HeadAim& a, int n) { a.tip_off.y -= 4 * n; }), false);
+  check(name, "catheter too posterior, 4 mm a step", aimed([](HeadAim& a, int n) { a.tip_off.y += 4 * n; }), false);
+  check(name, "catheter too short, 4 mm a step", aimed([](HeadAim& a, int n) { a.beyond_mm -= 4 * n; }), false);
+  check(name, "catheter too deep, 4 mm a step", aimed([](HeadAim& a, int n) { a.beyond_mm += 4 * n; }), false);
+  check(
+      name, "the other side, from step 1",
+      [=](int n) {
+        VentriculostomyFacts f = perfect_head(n > 0 ? !left : left);
+        pass_into(f, n > 0 ? !left : left, {});
+        f.task = left ? "left" : "right";
+        return score(f);
+      },
+      false);
+  check(name, "one more pass a step", before([](VentriculostomyFacts& f, int n) {
+          for (int k = 0; k < n; ++k) {
+            f.passes.insert(f.passes.begin(), f.passes.back());
+            f.passes.front().in_place = false;
+          }
+        }),
+        true);
+  check(name, "time, 100 s more a step", before([](VentriculostomyFacts& f, int n) { f.end_s += 100 * n; }), false);
+  check(name, "burr on the dura, 0.2 N a step", before([](VentriculostomyFacts& f, int n) {
+          f.dura->burr_n = 0.2 * n;
+          f.dura->breached = f.dura->burr_n > 1;
+        }),
+        false);
+  check(name, "not finished, from step 1", before([](VentriculostomyFacts& f, int n) {
+          if (n > 0) f.end = LessonEnd::running;
+        }),
+        false);
+  check(name, "nothing done, from step 1", before([](VentriculostomyFacts& f, int n) {
+          if (n == 0) return;
+          f.traces.clear(), f.passes.clear(), f.incisions.clear(), f.hole.reset();
+        }),
+        false);
+}
+
+}  // namespace
+
+TEST(LessonsMonotone, Ventriculostomy) {
+  for (const bool left : {false, true}) check_head(left);
+}
+
+TEST(LessonsMonotone, Subclavian) {
+  using namespace lessons_chest;
+  for (const bool artery : {false, true}) {
+    Chest chest(artery);
+    const Chest::Done perfect = chest.run(
+        R"({"puncture": {"from": {"at": "vein_right", "offset_mm": [-30, 0, -6], "on_skin": true},
+            "toward": {"at": "vein_right"}, "short_of_mm": -4}}, "aspirate", "finish")");
+    const std::string name = artery ? "subclavian with an artery" : "subclavian";
+    const auto axis = [&](const std::string& what, bool completed,
+                          const std::function<void(SubclavianFacts&, int)>& spoil) {
+      check(
+          name, what,
+          [&](int n) {
+            SubclavianFacts f = perfect.facts;
+            spoil(f, n);
+            return score_subclavian(f, chest.felt().loaded.manifest, chest.whole(), Chest::rubric());
+          },
+          completed);
+    };
+    using F = SubclavianFacts;
+    axis("puncture too low, 6 mm a step", true,
+         [](F& f, int n) { f.passes[0].entry_mm.z -= 6 * n, f.passes[0].tip_mm.z -= 6 * n; });
+    axis("puncture too high, 3 mm a step", true,
+         [](F& f, int n) { f.passes[0].entry_mm.z += 3 * n, f.passes[0].tip_mm.z += 3 * n; });
+    axis("needle turned down, 12 degrees a step", true, [](F& f, int n) {
+      const Vec3 w = f.passes[0].tip_mm - f.passes[0].entry_mm;
+      const double a = -12.0 * n * M_PI / 180;
+      f.passes[0].tip_mm = f.passes[0].entry_mm +
+                           Vec3{w.x * std::cos(a) - w.z * std::sin(a), w.y, w.x * std::sin(a) + w.z * std::cos(a)};
+    });
+    axis("one more pass a step", true, [](F& f, int n) {
+      for (int k = 0; k < n; ++k) f.passes.insert(f.passes.begin(), f.passes.back());
+    });
+    axis("time, 75 s more a step", false, [](F& f, int n) { f.end_s += 75 * n; });
+    axis("no aspiration, from step 1", false, [](F& f, int n) {
+      if (n > 0) f.blood_s = -1, f.aspirations.clear();
+    });
+    axis("vein left again, from step 1", false, [](F& f, int n) {
+      if (n > 0) f.blood_s = -1, f.inside = 0;
+    });
+    axis("vein missed, from step 1", false, [](F& f, int n) {
+      if (n > 0) f.blood_s = f.vein_s = -1, f.inside = 0;
+    });
+    if (artery)
+      axis("artery entered, from step 1", false, [](F& f, int n) {
+        if (n > 0) f.artery_s = 5;
+      });
+    axis("pleura entered, from step 1", false, [](F& f, int n) {
+      if (n > 0) f.pleura_s = 5;
+    });
+    axis("lung entered, from step 1", false, [](F& f, int n) {
+      if (n > 0) f.lung_s = 5;
+    });
+    axis("the other side, from step 1", false, [](F& f, int n) {
+      if (n > 0) f.task = "left";
+    });
+    axis("not finished, from step 1", false, [](F& f, int n) {
+      if (n > 0) f.end = LessonEnd::running;
+    });
+    axis("nothing done, from step 1", false, [](F& f, int n) {
+      if (n > 0) f.passes.clear(), f.aspirations.clear(), f.blood_s = f.vein_s = -1, f.inside = 0;
+    });
+    axis("largest force, 1 N a step (not scored)", true, [](F& f, int n) { f.most_force_n += n; });
+  }
+}
