@@ -107,9 +107,9 @@ TEST(HeadConfig, ParametersOfTheWholeHeadHavePaths) {
   overrides.set = {"landmarks.lateral_mm=30"};
   const Read r("set: {deface.depth_mm: 14}\n", "anatomies: {skull: }\n" + keep, overrides);
   ASSERT_EQ(r.faults, "");
-  const RecipeStep* deface = r.config.find_scan_step(StageRole::deface);
+  const RecipeStep* deface = r.config.face_step();
   EXPECT_EQ(to_text(deface->params.get(*deface->params.set->find("depth_mm"))), "14");
-  const RecipeStep* landmarks = r.config.find_scan_step(StageRole::landmarks);
+  const RecipeStep* landmarks = r.config.landmarks_step();
   EXPECT_EQ(to_text(landmarks->params.get(*landmarks->params.set->find("lateral_mm"))), "30");
 }
 
