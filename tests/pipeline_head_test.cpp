@@ -158,7 +158,7 @@ TEST(HeadGraph, AGivenLandmarkSparesTheSearchAndChangesWhatHangsOnIt) {
   ASSERT_GE(found.result(DataKind::landmarks), 0);
   EXPECT_EQ(source(found, "burr_hole_1", "landmarks"), found.result(DataKind::landmarks));
   const Graph moved = Read("landmarks: {inion: [0, 88, 6]}\n" + hole, scene).graph();
-  EXPECT_NE(moved.nodes[moved.result(DataKind::landmarks)].key, found.nodes[found.landmarks].key);
+  EXPECT_NE(moved.nodes[moved.result(DataKind::landmarks)].key, found.nodes[found.result(DataKind::landmarks)].key);
 }
 
 TEST(HeadGraph, TheGateSeesWhatTheSceneShows) {
