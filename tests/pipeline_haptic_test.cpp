@@ -145,7 +145,7 @@ TEST(Scene, DoesWithoutWhatMayBeMissing) {
   EXPECT_FALSE(rest.nodes[std::size_t(rest.find("skull.segment"))].may_be_missing) << "and cannot do without";
   ASSERT_EQ(stage_of(c).shapes.size(), 1u);
   EXPECT_EQ(stage_of(c).shapes[0].first, "skin");
-  EXPECT_EQ(rest.nodes[std::size_t(rest.haptic)].sources.count("shape.skull"), 0u);
+  EXPECT_EQ(rest.nodes[std::size_t(rest.result(DataKind::haptic))].sources.count("shape.skull"), 0u);
 }
 
 TEST(BurrHoles, AreTheScenesAndTheCases) {
