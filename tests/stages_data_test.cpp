@@ -49,14 +49,21 @@ TEST(Stages, APortsSourceIsOneThatItsStageCanHave) {
     for (const Port& port : stage.ports) {
       const std::string where = stage.name + "." + port.name;
       const bool recipe = port.from == From::recipe, scan = port.from == From::scan || port.from == From::ct;
-      if (stage.place == StagePlace::anatomy) EXPECT_TRUE(recipe || scan) << where;
+      if (stage.place == StagePlace::anatomy) {
+        EXPECT_TRUE(recipe || scan) << where;
+      }
       // What the scan is made of is not known before it is made.
-      if (stage.place == StagePlace::scan && stage.output == DataKind::volume && !stage.removes_face)
+      if (stage.place == StagePlace::scan && stage.output == DataKind::volume && !stage.removes_face) {
         EXPECT_TRUE(port.from == From::import || port.from == From::scan) << where;
+      }
       EXPECT_EQ(port.from == From::anatomies, bool(port.anatomies)) << where;
-      if (port.from == From::role) EXPECT_NE(port.role, "") << where;
+      if (port.from == From::role) {
+        EXPECT_NE(port.role, "") << where;
+      }
       const bool is_mesh = port.from >= From::role && port.from <= From::felt_surfaces;
-      if (is_mesh) EXPECT_EQ(port.kind, DataKind::mesh) << where;
+      if (is_mesh) {
+        EXPECT_EQ(port.kind, DataKind::mesh) << where;
+      }
       EXPECT_EQ(port.kind == DataKind::volume, port.from <= From::published_ct) << where;
       EXPECT_EQ(port.kind == DataKind::cutters, port.from == From::cutters) << where;
       EXPECT_EQ(port.kind == DataKind::haptic, port.from == From::haptic) << where;
