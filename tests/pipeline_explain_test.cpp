@@ -62,7 +62,7 @@ TEST(OnlyWhatTheSceneRequires, EveryStageOfEveryShippedSceneLeadsToAnOutput) {
     for (const SceneAnatomy& a : config.scene) shown.insert(a.name);
     for (const Graph::Anatomy& a : graph.anatomies) EXPECT_TRUE(shown.count(a.name)) << file << " " << a.name;
     EXPECT_EQ(graph.anatomies.size(), shown.size()) << file;
-    EXPECT_EQ(graph.haptic >= 0, config.haptic.wanted) << file;
+    EXPECT_EQ(graph.result(DataKind::haptic) >= 0, config.haptic.wanted) << file;
   }
 }
 

@@ -126,7 +126,7 @@ TEST(HapticScene, WindowsOfRawHu) {
   EXPECT_EQ(stage_of(c).shapes[0].second.window_hu[1], 1499);
   const Graph g = make_graph(c, "input");
   // Raw HU need no surfaces of the shapes.
-  EXPECT_EQ(g.nodes[g.haptic].sources, (std::map<std::string, int>{{"volume", 0}}));
+  EXPECT_EQ(g.nodes[g.result(DataKind::haptic)].sources, (std::map<std::string, int>{{"volume", 0}}));
 }
 
 TEST(Scene, DoesWithoutWhatMayBeMissing) {
@@ -145,7 +145,7 @@ TEST(Scene, DoesWithoutWhatMayBeMissing) {
   EXPECT_FALSE(rest.nodes[std::size_t(rest.find("skull.segment"))].may_be_missing) << "and cannot do without";
   ASSERT_EQ(stage_of(c).shapes.size(), 1u);
   EXPECT_EQ(stage_of(c).shapes[0].first, "skin");
-  EXPECT_EQ(rest.nodes[std::size_t(rest.haptic)].sources.count("shape.skull"), 0u);
+  EXPECT_EQ(rest.nodes[std::size_t(rest.result(DataKind::haptic))].sources.count("shape.skull"), 0u);
 }
 
 TEST(BurrHoles, AreTheScenesAndTheCases) {
@@ -173,19 +173,19 @@ TEST(HapticGraph, HoldsWhatIsFeltAndNoMore) {
     EXPECT_GE(g.find(needed), 0) << needed;
   // The skull is displayed from the volume: nothing decimates it.
   EXPECT_LT(g.find("skull.decimate"), 0);
-  EXPECT_EQ(g.nodes[g.mismatch].sources.count("surface.skin"), 1u);
-  EXPECT_EQ(g.nodes[g.mismatch].sources.count("surface.skull"), 0u);
+  EXPECT_EQ(g.nodes[g.find("haptic.mismatch")].sources.count("surface.skin"), 1u);
+  EXPECT_EQ(g.nodes[g.find("haptic.mismatch")].sources.count("surface.skull"), 0u);
 }
 
 TEST(HapticGraph, OneBurrHoleCutsMeshAndVolume) {
   const CaseConfig c = read(head + one_hole, drilled);
   const Graph g = make_graph(c, "input");
-  ASSERT_EQ(g.burr_holes.size(), 1u);
+  ASSERT_EQ(g.results(DataKind::cutters).size(), 1u);
   for (const char* cut : {"skull.boolean", "skin.boolean", "haptic.voxelize"})
-    EXPECT_EQ(g.nodes[g.find(cut)].sources.at("cutters.burr_hole_1"), g.burr_holes[0]) << cut;
+    EXPECT_EQ(g.nodes[g.find(cut)].sources.at("cutters.burr_hole_1"), g.result(DataKind::cutters)) << cut;
   EXPECT_EQ(g.anatomies[1].surface, g.find("skull.boolean"));
   // A hole is no deviation: what is measured is the surface before it.
-  EXPECT_EQ(g.nodes[g.anatomies[1].measure].sources.at("surface"), g.find("skull.decimate"));
+  EXPECT_EQ(g.nodes[g.find("skull.measure")].sources.at("surface"), g.find("skull.decimate"));
   // Another landmark is another hole; another width of the skin's share is another skin, and the same skull.
   const Graph moved = make_graph(read(head + with(one_hole, "[0, -90, 30]", "[0, -91, 30]"), drilled), "input");
   EXPECT_NE(moved.nodes[moved.find("skull.boolean")].key, g.nodes[g.find("skull.boolean")].key);

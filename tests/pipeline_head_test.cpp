@@ -107,9 +107,9 @@ TEST(HeadConfig, ParametersOfTheWholeHeadHavePaths) {
   overrides.set = {"landmarks.lateral_mm=30"};
   const Read r("set: {deface.depth_mm: 14}\n", "anatomies: {skull: }\n" + keep, overrides);
   ASSERT_EQ(r.faults, "");
-  const RecipeStep* deface = r.config.find_scan_step(StageRole::deface);
+  const RecipeStep* deface = r.config.face_step();
   EXPECT_EQ(to_text(deface->params.get(*deface->params.set->find("depth_mm"))), "14");
-  const RecipeStep* landmarks = r.config.find_scan_step(StageRole::landmarks);
+  const RecipeStep* landmarks = r.config.landmarks_step();
   EXPECT_EQ(to_text(landmarks->params.get(*landmarks->params.set->find("lateral_mm"))), "30");
 }
 
@@ -141,7 +141,7 @@ TEST(HeadGraph, LandmarksAreFoundOnlyWhereTheyAreNeeded) {
   for (const char* needless : {"landmarks", "anatomy", "deface", "face", "skin.contour"})
     EXPECT_LT(skull.find(needless), 0) << needless;
   const Graph wanted = Read("", "anatomies: {skull: }\nlandmarks: {nasion: 0.5}\n" + keep).graph();
-  EXPECT_GE(wanted.landmarks, 0);
+  EXPECT_GE(wanted.result(DataKind::landmarks), 0);
   EXPECT_LT(wanted.find("ventricles.ventricles"), 0);  // the nasion does without
   const Graph monro = Read("", "anatomies: {skull: }\nlandmarks: {monro_left: 0.5}\n" + keep).graph();
   EXPECT_GE(monro.find("ventricles.ventricles"), 0);
@@ -153,23 +153,23 @@ TEST(HeadGraph, AGivenLandmarkSparesTheSearchAndChangesWhatHangsOnIt) {
   const std::string scene = "anatomies: {skull: , skin: }\nburr_holes: {skull: {}}\n" + keep;
   const std::string hole = "burr_holes: [{side: left, diameter_mm: 12}]\n";
   const Graph given = Read("landmarks: {nasion: [0, -93, 40], inion: [0, 89, 6]}\n" + hole, scene).graph();
-  EXPECT_LT(given.landmarks, 0);
+  EXPECT_LT(given.result(DataKind::landmarks), 0);
   const Graph found = Read("landmarks: {inion: [0, 89, 6]}\n" + hole, scene).graph();
-  ASSERT_GE(found.landmarks, 0);
-  EXPECT_EQ(source(found, "burr_hole_1", "landmarks"), found.landmarks);
+  ASSERT_GE(found.result(DataKind::landmarks), 0);
+  EXPECT_EQ(source(found, "burr_hole_1", "landmarks"), found.result(DataKind::landmarks));
   const Graph moved = Read("landmarks: {inion: [0, 88, 6]}\n" + hole, scene).graph();
-  EXPECT_NE(moved.nodes[moved.landmarks].key, found.nodes[found.landmarks].key);
+  EXPECT_NE(moved.nodes[moved.result(DataKind::landmarks)].key, found.nodes[found.result(DataKind::landmarks)].key);
 }
 
 TEST(HeadGraph, TheGateSeesWhatTheSceneShows) {
   const Graph two = Read("", "anatomies: {skull: , brain: }\n" + keep).graph();
-  ASSERT_GE(two.anatomy_gate, 0);
+  ASSERT_GE(two.find("anatomy"), 0);
   EXPECT_EQ(source(two, "anatomy", "skull"), two.find("skull.segment"));
   EXPECT_EQ(source(two, "anatomy", "skin"), -1);
-  EXPECT_LT(two.landmarks, 0);  // there are no ventricles whose shift could be measured
+  EXPECT_LT(two.result(DataKind::landmarks), 0);  // there are no ventricles whose shift could be measured
   const Graph all = Read("", "anatomies: {skin: , skull: , brain: , ventricles: }\n" + keep).graph();
-  EXPECT_EQ(source(all, "anatomy", "landmarks"), all.landmarks);
-  EXPECT_GE(all.landmarks, 0);
+  EXPECT_EQ(source(all, "anatomy", "landmarks"), all.result(DataKind::landmarks));
+  EXPECT_GE(all.result(DataKind::landmarks), 0);
 }
 
 // What a stage takes off the scan is drawn, but not where it might have lain on a face that is taken away.
@@ -223,7 +223,7 @@ TEST(HeadGraph, TheFaceIsGoneBeforeAnythingIsMade) {
   const std::string scene = "anatomies: {skin: , ventricles: }\n";
   const Graph kept = Read("", scene + keep).graph(), gone = Read("", scene + "face: {policy: deface}\n").graph();
   EXPECT_EQ(kept.scan, 0);
-  EXPECT_LT(kept.face_gate, 0);
+  EXPECT_LT(kept.find("face"), 0);
   ASSERT_EQ(gone.scan, gone.find("deface"));
   for (const char* made : {"skin.segment", "skull.segment", "brain.brain", "ventricles.ventricles"})
     EXPECT_EQ(source(gone, made, "volume"), gone.scan) << made;
@@ -245,7 +245,7 @@ TEST(HeadGraph, TheFaceIsGoneBeforeAnythingIsMade) {
   EXPECT_EQ(given.nodes[static_cast<std::size_t>(found)].sources.count("given"), 0u);
   EXPECT_EQ(source(given, "deface", "found"), found);
   EXPECT_EQ(source(given, "face", "found"), found);
-  EXPECT_EQ(source(given, "original.landmarks", "given"), given.given_landmarks);
+  EXPECT_EQ(source(given, "original.landmarks", "given"), given.find("given_landmarks"));
   const Graph cropped = Read("", scene + "face: {policy: crop}\n").graph();
   EXPECT_NE(cropped.nodes[cropped.scan].key, gone.nodes[gone.scan].key);
   // A scene that says nothing of the face is held against it as well, in the scan as it is.
@@ -261,7 +261,7 @@ TEST(HeadContent, ALandmarkThatIsNotSureEnoughIsRefusedSayingHowToGiveIt) {
   HeadLandmarks found;
   found.landmarks = {{"nasion", {0, -93, 40}, 0.55, "found"}, {"inion", {0, 89, 6}, 1, "given"}};
   const auto content = [&] {
-    results[g.landmarks].data = std::make_shared<const HeadLandmarks>(found);
+    results[std::size_t(g.result(DataKind::landmarks))].data = std::make_shared<const HeadLandmarks>(found);
     CaseManifest m;
     add_head_content(r.config, g, results, m);
     return m;

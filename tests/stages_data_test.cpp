@@ -29,15 +29,45 @@ TEST(StageData, AVolumeIsNoFieldForContour) {
   for (const char* name : {"field.nrrd", "mask.nrrd"}) EXPECT_EQ(kind(name), DataKind::field) << name;
 }
 
-TEST(Stages, EachRoleOfTheGraphIsPlayedByOneStage) {
-  std::map<StageRole, int> players;
-  for (const StageType& stage : stage_types()) ++players[stage.role];
-  for (int role = static_cast<int>(StageRole::step) + 1; role <= static_cast<int>(StageRole::measure); ++role)
-    if (const auto r = static_cast<StageRole>(role); r == StageRole::prepare || r == StageRole::landmarks)
-      EXPECT_GE(players[r], 1);  // a recipe may name several, or one of several
-    else
-      EXPECT_EQ(players[static_cast<StageRole>(role)], 1) << role;
-  for (const StageType* stage : stages_of(StagePlace::anatomy)) EXPECT_EQ(stage->role, StageRole::step) << stage->name;
+// The graph of a case finds stages by kind and by their parameters, so that it need not know names.
+TEST(Stages, WhatTheGraphAsksForHasOneStage) {
+  std::map<const ParameterSet*, int> with_params;
+  int face_removals = 0, haptic = 0;
+  for (const StageType& stage : stage_types()) {
+    ++with_params[stage.make_params().set];
+    face_removals += stage.removes_face;
+    haptic += stage.output == DataKind::haptic;
+  }
+  for (const StageType* stage : stages_of(StagePlace::scene))
+    EXPECT_EQ(with_params[stage->make_params().set], 1) << stage->name;
+  EXPECT_EQ(face_removals, 1);
+  EXPECT_EQ(haptic, 1);
+}
+
+TEST(Stages, APortsSourceIsOneThatItsStageCanHave) {
+  for (const StageType& stage : stage_types())
+    for (const Port& port : stage.ports) {
+      const std::string where = stage.name + "." + port.name;
+      const bool recipe = port.from == From::recipe, scan = port.from == From::scan || port.from == From::ct;
+      if (stage.place == StagePlace::anatomy) {
+        EXPECT_TRUE(recipe || scan) << where;
+      }
+      // What the scan is made of is not known before it is made.
+      if (stage.place == StagePlace::scan && stage.output == DataKind::volume && !stage.removes_face) {
+        EXPECT_TRUE(port.from == From::import || port.from == From::scan) << where;
+      }
+      EXPECT_EQ(port.from == From::anatomies, bool(port.anatomies)) << where;
+      if (port.from == From::role) {
+        EXPECT_NE(port.role, "") << where;
+      }
+      const bool is_mesh = port.from >= From::role && port.from <= From::felt_surfaces;
+      if (is_mesh) {
+        EXPECT_EQ(port.kind, DataKind::mesh) << where;
+      }
+      EXPECT_EQ(port.kind == DataKind::volume, port.from <= From::published_ct) << where;
+      EXPECT_EQ(port.kind == DataKind::cutters, port.from == From::cutters) << where;
+      EXPECT_EQ(port.kind == DataKind::haptic, port.from == From::haptic) << where;
+    }
 }
 
 // A text that stands at the wrong port says something else than the port's name.

@@ -43,11 +43,6 @@ namespace {
 
 constexpr const char* landmark_flag = "landmark";
 
-bool is_many(const Port& port) { return port.name.size() > 2 && port.name.compare(port.name.size() - 2, 2, ".*") == 0; }
-std::string flag_name(const Port& port) {
-  return is_many(port) ? port.name.substr(0, port.name.size() - 2) : port.name;
-}
-
 bool takes_landmarks(const StageType& stage) {
   return std::any_of(stage.ports.begin(), stage.ports.end(),
                      [](const Port& p) { return p.kind == DataKind::landmarks; });
@@ -55,14 +50,14 @@ bool takes_landmarks(const StageType& stage) {
 
 Argument argument_of(const Port& port, bool positional) {
   Argument a;
-  a.name = flag_name(port);
+  a.name = port.group();
   a.positional = positional;
   a.required = port.required;
   std::string extension = file_extension(port.kind);
   if (port.or_field) extension += ", .nrrd";
   if (port.kind == DataKind::landmarks) extension += ", .mrk.json, .fcsv";
   a.help = port.help + " (" + extension + ").";
-  if (!is_many(port)) return a;
+  if (!port.is_many()) return a;
   a.kind = Argument::Kind::text;
   a.repeated = true;
   a.help = (port.kind == DataKind::cutters ? "FILE: " : "NAME=FILE: ") + a.help;
@@ -129,11 +124,11 @@ StageInputs stage_inputs(const StageType& stage, const ParsedCommand& parsed, co
   StageInputs inputs;
   bool took_landmarks = false;  // --landmark is of the first such port; another one holds what nobody gave
   for (const Port& port : stage.ports) {
-    const std::string flag = flag_name(port);
+    const std::string flag = port.group();
     const bool takes_flags = port.kind == DataKind::landmarks && !std::exchange(took_landmarks, true);
     if (takes_flags && (parsed.has(flag) || parsed.has(landmark_flag))) {
       inputs.by_port[port.name] = load_landmarks(parsed, flag);
-    } else if (is_many(port)) {
+    } else if (port.is_many()) {
       const std::vector<std::string> given = parsed.all(flag);
       for (std::size_t i = 0; i < given.size(); ++i) {
         const bool named = port.kind != DataKind::cutters;
@@ -158,7 +153,7 @@ Command make_stage_command(const StageType& stage) {
   c.description = stage.description;
   c.examples = stage.examples;
   for (const Port& port : stage.ports)
-    c.arguments.push_back(argument_of(port, &port == &stage.ports[0] && !is_many(port)));
+    c.arguments.push_back(argument_of(port, &port == &stage.ports[0] && !port.is_many()));
   if (takes_landmarks(stage)) {
     Argument landmark;
     landmark.name = landmark_flag;

@@ -37,7 +37,7 @@ std::string ConfigReading::fault_of_anatomy(const std::string& name) const {
 }
 
 std::string ConfigReading::fault_of_landmark(const std::string& name) const {
-  const RecipeStep* looked_for = out.find_scan_step(StageRole::landmarks);
+  const RecipeStep* looked_for = out.landmarks_step();
   if (looked_for && looked_for->type->finds(name)) return "";
   std::vector<std::string> known;
   if (looked_for)
@@ -65,16 +65,42 @@ const RecipeAnatomy* CaseConfig::find_anatomy(const std::string& name) const {
   return nullptr;
 }
 
-const RecipeStep* CaseConfig::find_scan_step(StageRole role) const {
+std::string CaseConfig::in_role(const std::string& role) const {
+  const AnyParams all = AnyParams::make(roles);
+  for (const ParameterLeaf& leaf : leaves_of(all))
+    if (leaf.path == role) return std::get<std::string>(leaf.value());
+  throw Error(ExitCode::internal, "", role, "no recipe has such a role");
+}
+
+bool CaseConfig::needs_landmarks() const {
+  if (!landmarks_step()) return false;
+  if (!scene_landmarks.empty()) return true;
+  const auto given = landmark_positions_mm();
+  return std::any_of(burr_holes.begin(), burr_holes.end(), [&](const CaseDrill& hole) {
+    return !missing_landmark(hole.params.as<BurrHoleParams>(), given).empty();
+  });
+}
+
+const RecipeStep* CaseConfig::landmarks_step() const {
   for (const RecipeStep& s : scan_steps)
-    if (s.type->role == role) return &s;
+    if (s.type->output == DataKind::landmarks) return &s;
   return nullptr;
 }
 
-bool CaseConfig::is_shown(const std::string& anatomy) const {
-  return std::any_of(scene.begin(), scene.end(), [&](const SceneAnatomy& a) { return a.name == anatomy; }) ||
-         std::any_of(haptic.shapes.begin(), haptic.shapes.end(),
+const RecipeStep* CaseConfig::face_step() const {
+  for (const RecipeStep& s : scan_steps)
+    if (s.type->removes_face) return &s;
+  return nullptr;
+}
+
+bool CaseConfig::is_felt(const std::string& anatomy) const {
+  return std::any_of(haptic.shapes.begin(), haptic.shapes.end(),
                      [&](const SceneShape& s) { return s.name == anatomy; });
+}
+
+bool CaseConfig::is_shown(const std::string& anatomy) const {
+  return is_felt(anatomy) ||
+         std::any_of(scene.begin(), scene.end(), [&](const SceneAnatomy& a) { return a.name == anatomy; });
 }
 
 void CaseConfig::leave_out(const std::string& anatomy) {

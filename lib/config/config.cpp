@@ -311,7 +311,7 @@ class Reader {
             throw Error(ExitCode::bad_config, "", "avoid." + zone, what);
         if (const std::string what = params.toward.empty() ? "" : r_.fault_of_landmark(params.toward); !what.empty())
           throw Error(ExitCode::bad_config, "", "toward", what);
-        if (out.find_scan_step(StageRole::landmarks))
+        if (out.landmarks_step())
           check_request(params, ExitCode::bad_config);  // a landmark that is not given is searched for
         else
           request_of(params, out.landmark_positions_mm(), ExitCode::bad_config);
@@ -332,7 +332,7 @@ class Reader {
     std::vector<std::string> used = findable_landmarks();
     for (const CaseDrill& hole : out.burr_holes) used.push_back(hole.params.as<BurrHoleParams>().toward);
     for (const SceneLandmark& l : out.scene_landmarks) used.push_back(l.name);
-    const RecipeStep* looked_for = out.find_scan_step(StageRole::landmarks);
+    const RecipeStep* looked_for = out.landmarks_step();
     const auto is_used = [&](const std::string& name) {
       return is_in(used, name) || (looked_for && looked_for->type->finds(name));
     };

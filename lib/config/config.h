@@ -101,10 +101,19 @@ struct CaseConfig {
   std::map<std::string, Vec3> landmark_positions_mm() const;
   const RecipeAnatomy* find_anatomy(const std::string& name) const;
   const CaseScan* find_scan(const std::string& name) const;
-  /// The recipe's step with that role: resample is in every recipe and used where a spacing is set, landmarks where the
-  /// scene or a burr hole needs one, deface where the scene's face policy is crop or deface, check for those of its
-  /// anatomies that the scene computes.
-  const RecipeStep* find_scan_step(StageRole role) const;
+  /// The anatomy to which the recipe gives a role ("burr_holes.bone"); empty: none. Throws Error 70 for an unknown
+  /// role.
+  std::string in_role(const std::string& role) const;
+  /// Whether the scene or a burr hole needs a landmark that is not given, and the recipe finds landmarks.
+  bool needs_landmarks() const;
+  /// The recipe's step that finds landmarks, or null.
+  const RecipeStep* landmarks_step() const;
+  /// The recipe's step that takes the face off the scan, or null.
+  const RecipeStep* face_step() const;
+  /// Whether the scene's policy is that the face is taken away: crop or deface.
+  bool takes_face_away() const { return face == "crop" || face == "deface"; }
+  /// Whether the scene has the anatomy in its haptic volume.
+  bool is_felt(const std::string& anatomy) const;
   /// Whether the scene shows the anatomy by its surface or by the haptic volume.
   bool is_shown(const std::string& anatomy) const;
   /// Takes an anatomy that may be missing out of the scene: what is shown, felt and drilled of it.

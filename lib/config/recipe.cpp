@@ -36,7 +36,7 @@ class RecipeReader {
     for (const StepChoice& choice : recipe_steps(StagePlace::scan))
       if (const AnyParams* said = find_item(said_.scan_steps, choice.name))
         add_scan_step(step_of(choice.name, *said));
-      else if (choice.name == stage_of(StageRole::resample).name)  // any scan can be resampled
+      else if (find_stage(choice.name)->in_every_recipe)
         add_scan_step(step_of(choice.name, {choice.set, choice.set->make()}));
   }
 
@@ -109,9 +109,8 @@ class RecipeReader {
               std::string("works on a ") + to_text(wanted) + " but gets a " + to_text(fed));
       // Of a later step only a further volume is left to be said.
       const auto& ports = step.type->ports;
-      const bool reads = anatomy.steps.empty() || std::any_of(ports.begin() + 1, ports.end(), [](const Port& p) {
-                           return p.kind == DataKind::volume && p.name != first_scan;
-                         });
+      const bool reads = anatomy.steps.empty() || std::any_of(ports.begin() + 1, ports.end(),
+                                                              [](const Port& p) { return p.from == From::scan; });
       if (!step.scan.empty() && !reads)
         fault(at_.at(where + "." + stage + ".scan"), where + "." + stage + ".scan",
               "the stage works on what the one before it gives, say the scan there");

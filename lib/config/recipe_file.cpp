@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "config/recipe_file.h"
 
-#include "config/case_scans.h"
-
 namespace trephine {
 namespace {
 
-// The ports whose source a recipe names. The first port of an anatomy's step takes what the step before it gives; for a
-// stage of the whole scan, volume and landmarks are connected by the program.
+// The ports whose source a recipe names. The first port of an anatomy's step takes what the step before it gives.
 bool is_named(const StageType& stage, const Port& port) {
-  if (port.name == first_scan && port.kind == DataKind::volume) return false;  // always the CT
-  if (stage.place == StagePlace::anatomy) return &port != &stage.ports[0];
-  return port.kind == DataKind::field;
+  return port.from == From::recipe && (stage.place != StagePlace::anatomy || &port != &stage.ports[0]);
 }
 
 Parameter port_parameter(const Port& port) {

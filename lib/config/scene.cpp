@@ -79,8 +79,7 @@ class SceneReader {
     if (!said.burr_holes.empty() && r_.out.roles.burr_holes.bone.empty())
       fault("burr_holes", "burr_holes",
             "the pipeline does not say which bone they are placed on: burr_holes: {bone: ANATOMY, over: ANATOMY}");
-    if (said.face && said.face->policy != FacePolicy::keep &&
-        !(r_.out.find_scan_step(StageRole::deface) && r_.out.find_scan_step(StageRole::landmarks)))
+    if (said.face && said.face->policy != FacePolicy::keep && !(r_.out.face_step() && r_.out.landmarks_step()))
       fault("face", "face.policy", "crop and deface need `landmarks` and `deface` in the pipeline");
     if (!said.haptic) return;
     for (const auto& [name, shape] : said.haptic->shapes)

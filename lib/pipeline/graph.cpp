@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "boolean/cut_surface.h"
-#include "grid/resample.h"
 #include "stages/import.h"
 #include "stages/points.h"
 
@@ -21,53 +20,160 @@ std::string parameters_text(const Node& node) {
   return text;
 }
 
+// What the ports of a node are connected to, as far as it differs between nodes of one stage.
+struct Place {
+  const RecipeStep* step = nullptr;    // what a recipe says of the stage
+  int scan = 0;                        // the scan that it reads
+  int before = -1;                     // the step before it in an anatomy
+  bool original = false;               // of the scan before its face is taken away
+  bool required_only = false;          // anatomies that it can do without are left out
+  bool without_given = false;          // so are the landmarks that a person placed
+  int further_scan = -1;               // the import of a further scan
+  const Graph::Anatomy* of = nullptr;  // the anatomy whose surfaces it reads
+};
+
+// Inputs are looked for in the order of From, those that a recipe names in the order of their names.
+std::vector<const Port*> in_order(const std::vector<Port>& ports) {
+  std::vector<const Port*> all;
+  for (const Port& p : ports) all.push_back(&p);
+  std::stable_sort(all.begin(), all.end(), [](const Port* a, const Port* b) {
+    return a->from != b->from ? a->from < b->from : a->from == From::recipe && a->name < b->name;
+  });
+  return all;
+}
+
+// A stage that every recipe has does nothing with its default parameters.
+bool is_idle(const RecipeStep& step) {
+  return step.type->in_every_recipe && to_text(step.params) == to_text(step.type->make_params());
+}
+
+bool is_of_anatomy(const StageType& type) { return type.reads(From::first_surface); }
+
 class Builder {
  public:
   Builder(const CaseConfig& config, const std::string& input_hash, const HashOfScan& hash_of_scan)
       : config_(config), hash_of_scan_(hash_of_scan) {
-    ImportStageParams params;
-    static_cast<ImportParams&>(params) = config.import;
-    params.input = config.series.string();
-    Node import = node_of_role(StageRole::import, "import", AnyParams::make(params));
-    import.file_sha256["input"] = input_hash;
-    add(std::move(import));
+    add(import_node("import", {config.series, config.import}, input_hash));
   }
 
   Graph build() {
-    if (const RecipeStep* step = config_.find_scan_step(StageRole::suitability)) {
-      Node node = node_of_step(*step, step->type->name);
-      give_scan(node, 0);
-      graph_.quality = add(std::move(node));
+    add_checks_of_scan(true);
+    for (const From from : {From::import, From::scan})
+      for (const RecipeStep& step : config_.scan_steps)
+        if (step.type->output == DataKind::volume && step.type->reads(from) && !is_idle(step)) prepare(step);
+    original_ = graph_.scan;
+    if (config_.takes_face_away()) {
+      defacing_ = true;
+      const RecipeStep& step = *config_.face_step();
+      graph_.scan = add(node_of_step(step, step.type->name), {&step});
     }
-    original_ = graph_.scan = prepared(resampled());
-    if (config_.face == "crop" || config_.face == "deface") graph_.scan = deface();
-    if (config_.ct) graph_.ct = graph_.scan;
-    for (const SceneAnatomy& wanted : config_.scene) {
-      const RecipeAnatomy& recipe = *config_.find_anatomy(wanted.name);
-      Graph::Anatomy anatomy;
-      anatomy.name = wanted.name;
-      anatomy.surface = anatomy.finished = node_of(recipe, recipe.steps.size() - 1);
-      anatomy.first_surface = first_surface_of(recipe);
-      anatomy.measure = measure_of(wanted.name, anatomy);
-      graph_.anatomies.push_back(anatomy);
-    }
+    if (config_.ct) want(graph_.scan, "CT that is published");
+    for (const SceneAnatomy& wanted : config_.scene) add_anatomy(*config_.find_anatomy(wanted.name));
     for (const SceneShape& shape : config_.haptic.shapes)
       if (config_.haptic.encoding() == HapticEncoding::occupancy) first_surface_of(shape.name);
-    if (config_.find_scan_step(StageRole::check)) graph_.anatomy_gate = anatomy_gate();
-    if (needs_landmarks()) landmarks();
-    for (const CaseDrill& hole : config_.burr_holes) graph_.burr_holes.push_back(burr_hole(hole));
+    add_checks_of_scan(false);
+    if (config_.needs_landmarks()) landmarks();
+    for (const CaseDrill& hole : config_.burr_holes) want(add(node_with(hole.name, hole.params), Place()));
     for (const SceneDrill& drilled : config_.drilled)
       for (Graph::Anatomy& anatomy : graph_.anatomies)
-        if (anatomy.name == drilled.anatomy) anatomy.surface = cut(anatomy, drilled);
+        if (anatomy.name == drilled.anatomy) cut(anatomy, drilled);
+    for (const Graph::Anatomy& a : graph_.anatomies)
+      want(a.surface, "the surface of " + a.name + " that the scene shows");
     if (config_.haptic.wanted) {
-      graph_.haptic = haptic();
-      graph_.mismatch = mismatch();
+      Node node = node_with("", config_.haptic.params);
+      node.name = node.type->name_in_case();
+      want(add(std::move(node), {nullptr, graph_.scan}), "the scene's haptic volume");
     }
-    if (config_.find_scan_step(StageRole::deface) && config_.face != "keep") graph_.face_gate = face_gate();
+    // Whether the face is gone is asked of all that will be published, so last.
+    for (const bool of_face : {false, true})
+      for (const StageType* type : stages_of(StagePlace::scene))
+        if (type->is_check() && !is_of_anatomy(*type) && type->sees_face() == of_face) add_check_of_scene(*type);
     return std::move(graph_);
   }
 
  private:
+  void connect(Node& node, const Place& place) {
+    for (const Port* port : in_order(node.type->ports)) {
+      if (port->asked && !port->asked(node.params)) continue;
+      for (const auto& [name, source] : sources_of(*port, node, place))
+        if (source >= 0) node.sources[port->is_many() ? port->group() + "." + name : port->name] = source;
+    }
+  }
+
+  // Where an input comes from, and the name of each of many; a source that the case has not is -1.
+  std::vector<std::pair<std::string, int>> sources_of(const Port& port, const Node& node, const Place& place) {
+    std::vector<std::pair<std::string, int>> all;
+    if (port.from == From::anatomies) {
+      for (const std::string& name : port.anatomies(node.params))
+        if (!name.empty()) all.emplace_back(name, first_surface_of(name));
+    } else if (port.from == From::surfaces || port.from == From::felt_surfaces) {
+      for (const Graph::Anatomy& a : graph_.anatomies)
+        if (port.from == From::surfaces || config_.is_felt(a.name)) all.emplace_back(a.name, a.surface);
+    } else if (port.from == From::cutters) {
+      for (const int hole : graph_.results(DataKind::cutters)) all.emplace_back(graph_.nodes[hole].name, hole);
+    } else {
+      all.emplace_back("", source_of(port, node, place));
+    }
+    return all;
+  }
+
+  int source_of(const Port& port, const Node& node, const Place& place) {
+    if (place.before >= 0 && &port == &node.type->ports[0]) return place.before;
+    switch (port.from) {
+      case From::scan:
+        return place.scan;
+      case From::ct:
+        return place.original ? original_ : graph_.scan;
+      case From::import:
+        return 0;
+      case From::original_scan:
+        return original_;
+      case From::further_scan:
+        return place.further_scan;
+      case From::published_ct:
+        return config_.ct ? graph_.scan : -1;
+      case From::given_landmarks:
+        return place.without_given ? -1 : given_landmarks();
+      case From::known_landmarks:
+        return graph_.result(DataKind::landmarks) >= 0 ? graph_.result(DataKind::landmarks) : given_landmarks();
+      case From::recipe:
+        return named(port, node, place);
+      case From::landmarks:
+        return config_.landmarks_step() && is_shown(port.role) ? landmarks() : -1;
+      case From::original_landmarks:
+        return original_landmarks();
+      case From::found_landmarks:
+        return found_landmarks();
+      case From::role: {
+        const std::string anatomy = config_.in_role(port.role);
+        return anatomy.empty() ? -1 : first_surface_of(anatomy);
+      }
+      case From::first_surface:
+        return place.of->first_surface;
+      case From::finished_surface:
+        return place.of->finished;
+      case From::haptic:
+        return graph_.result(DataKind::haptic);
+      default:  // of many: sources_of
+        return -1;
+    }
+  }
+
+  // What the recipe names for a port. What sees the face reads what was made of the original scan, and of what it can
+  // do without only what is made anyway; a check reads what the scene shows, not what merely helps to find it.
+  int named(const Port& port, const Node& node, const Place& place) {
+    if (!place.step || !place.step->ports.count(port.name)) return -1;
+    const std::string& source = place.step->ports.at(port.name);
+    if (node.type->sees_face())
+      return port.required                             ? node_named(source, true)
+             : !place.required_only && is_made(source) ? node_named(source)
+                                                       : -1;
+    if (node.type->is_check() && !config_.is_shown(anatomy_of(source))) return -1;
+    return node_named(source, place.original);
+  }
+
+  bool is_shown(const std::string& role) const { return role.empty() || config_.is_shown(config_.in_role(role)); }
+
   // The scan that a recipe's step reads, laid on the CT's voxels before the face is taken off: what is made of it is
   // checked for the face like all else.
   int scan_named(const std::string& name, const std::string& reader) {
@@ -79,17 +185,24 @@ class Builder {
     if (scan->series.empty())
       throw Error(ExitCode::usage, "", "scans." + name + ".series",
                   "is not said, and " + reader + " reads it: give --scan " + name + "=PATH");
-    ImportStageParams params;
-    static_cast<ImportParams&>(params) = scan->import.as<ImportParams>();
-    params.input = scan->series.string();
-    Node imported = node_of_role(StageRole::import, name + ".import", AnyParams::make(params));
-    imported.file_sha256["input"] = with_field("scans." + name, [&] {
-      return hash_of_scan_ ? hash_of_scan_(name, {scan->series, params}) : hash_of_series_input(scan->series, params);
+    const SeriesChoice series{scan->series, scan->import.as<ImportParams>()};
+    const std::string hash = with_field("scans." + name, [&] {
+      return hash_of_scan_ ? hash_of_scan_(name, series) : hash_of_series_input(series.folder_or_file, series.params);
     });
-    Node node = node_of_role(StageRole::second_scan, name + ".register", scan->registration);
+    Place place;
+    place.further_scan = add(import_node(name + ".import", series, hash));
+    Node node = node_with(name + ".register", scan->registration);
     add_file_hashes(node);
-    node.sources = {{"volume", original_}, {"moving", add(std::move(imported))}};
-    return graph_.scans[name] = add(std::move(node));
+    return graph_.scans[name] = add(std::move(node), place);
+  }
+
+  static Node import_node(const std::string& name, const SeriesChoice& series, const std::string& hash) {
+    ImportStageParams params;
+    static_cast<ImportParams&>(params) = series.params;
+    params.input = series.folder_or_file.string();
+    Node node = node_with(name, AnyParams::make(params));
+    node.file_sha256["input"] = hash;
+    return node;
   }
 
   static void add_file_hashes(Node& node) {
@@ -98,199 +211,47 @@ class Builder {
         node.file_sha256[p] = sha256_of_file(file);
   }
 
-  static Node node_of_role(StageRole role, const std::string& name, AnyParams params) {
+  static Node node_of(const StageType& type, const std::string& name, AnyParams params) {
     Node node;
     node.name = name;
-    node.type = &stage_of(role);
+    node.type = &type;
     node.params = std::move(params);
-    node.output = node.type->output;
+    node.output = type.output;
     return node;
   }
-  static Node node_of_role(StageRole role, const std::string& name) {
-    return node_of_role(role, name, stage_of(role).make_params());
+  static Node node_with(const std::string& name, const AnyParams& params) {
+    return node_of(stage_with(*params.set), name, params);
   }
-
   static Node node_of_step(const RecipeStep& step, const std::string& name) {
-    Node node;
-    node.name = name;
-    node.type = step.type;
-    node.params = step.params;
-    node.output = step.type->output;
+    Node node = node_of(*step.type, name, step.params);
     add_file_hashes(node);
     return node;
   }
 
-  // A stage that also reads the scan gets it without being told.
-  static void give_scan(Node& node, int scan) {
-    for (const Port& port : node.type->ports)
-      if (port.kind == DataKind::volume && !node.sources.count(port.name)) node.sources[port.name] = scan;
-  }
-
-  // With `before`, the node of the scan before its face is taken away.
-  int node_of(const RecipeAnatomy& anatomy, std::size_t index, bool before = false) {
+  // A step of an anatomy; `original`: on the scan before its face is taken away.
+  int node_of(const RecipeAnatomy& anatomy, std::size_t index, bool original = false) {
     const RecipeStep& step = anatomy.steps[index];
-    before &= graph_.scan != original_ || defacing_;
-    const int ct = before ? original_ : graph_.scan;
-    const std::string name = (before ? "original." : "") + anatomy.name + "." + step.type->name;
+    Place place{&step};
+    place.original = original && (graph_.scan != original_ || defacing_);
+    const std::string name = (place.original ? "original." : "") + anatomy.name + "." + step.type->name;
     if (const int known = graph_.find(name); known >= 0) return known;
-    const int scan = step.scan.empty() || step.scan == first_scan ? ct : scan_named(step.scan, name);
+    const bool is_ct = step.scan.empty() || step.scan == first_scan;
+    place.scan = !is_ct ? scan_named(step.scan, name) : place.original ? original_ : graph_.scan;
     Node node = node_of_step(step, name);
-    node.may_be_missing = may_be_missing(anatomy.name);
-    if (step.type->find_port(first_scan)) node.sources[first_scan] = ct;
-    node.sources[step.type->ports[0].name] = index == 0 ? scan : node_of(anatomy, index - 1, before);
-    for (const auto& [port, source] : step.ports) node.sources[port] = node_named(source, before);
-    give_scan(node, scan);
-    return add(std::move(node));
+    place.before = index == 0 ? place.scan : node_of(anatomy, index - 1, place.original);
+    node.may_be_missing = std::any_of(config_.scene.begin(), config_.scene.end(), [&](const SceneAnatomy& a) {
+      return a.name == anatomy.name && a.may_be_missing;
+    });
+    return add(std::move(node), place);
   }
 
-  bool may_be_missing(const std::string& anatomy) const {
-    return std::any_of(config_.scene.begin(), config_.scene.end(),
-                       [&](const SceneAnatomy& a) { return a.name == anatomy && a.may_be_missing; });
-  }
+  static std::string anatomy_of(const std::string& source) { return source.substr(0, source.find('.')); }
 
-  int node_named(const std::string& path, bool before = false) {
-    const std::size_t dot = path.find('.');
-    const RecipeAnatomy& anatomy = *config_.find_anatomy(path.substr(0, dot));
+  int node_named(const std::string& path, bool original = false) {
+    const RecipeAnatomy& anatomy = *config_.find_anatomy(anatomy_of(path));
     for (std::size_t i = 0; i < anatomy.steps.size(); ++i)
-      if (anatomy.steps[i].type->name == path.substr(dot + 1)) return node_of(anatomy, i, before);
+      if (anatomy.name + "." + anatomy.steps[i].type->name == path) return node_of(anatomy, i, original);
     return -1;  // unreachable: read_case_config checked it
-  }
-
-  // Skin and skull before the face was taken away; the landmarks for defacing are found on them.
-  Node whole_head(const RecipeStep& step, const std::string& name, bool required_only) {
-    Node node = node_of_step(step, name);
-    give_scan(node, original_);
-    for (const auto& [port, source] : step.ports)
-      if (step.type->find_port(port)->required)
-        node.sources[port] = node_named(source, true);
-      else if (!required_only && is_made(source))
-        node.sources[port] = node_named(source);
-    return node;
-  }
-
-  // Whether the scene computes the source anyway, or a wanted landmark is found by it.
-  bool is_made(const std::string& source) const {
-    if (graph_.find(source) >= 0) return true;
-    const std::string anatomy = source.substr(0, source.find('.'));
-    for (const SceneLandmark& l : config_.scene_landmarks)
-      if (config_.target_in(l.name) == anatomy) return true;
-    for (const CaseDrill& hole : config_.burr_holes)
-      if (config_.target_in(hole.params.as<BurrHoleParams>().toward) == anatomy) return true;
-    return false;
-  }
-
-  // The landmarks that a person placed, as a source node of their own; -1 where none are given.
-  int given_landmarks() {
-    if (graph_.given_landmarks >= 0 || config_.landmarks.empty()) return graph_.given_landmarks;
-    PointsParams points;
-    for (const CaseLandmark& l : config_.landmarks)
-      points.landmarks.emplace_back(
-          l.name, PointParams{{l.position_mm.x, l.position_mm.y, l.position_mm.z}, l.confidence, l.source});
-    return graph_.given_landmarks =
-               add(node_of_role(StageRole::given_landmarks, "given_landmarks", AnyParams::make(points)));
-  }
-
-  int landmarks_node(const std::string& before, bool required_only) {
-    const int given = given_landmarks();
-    const RecipeStep& step = *config_.find_scan_step(StageRole::landmarks);
-    Node node = whole_head(step, before + step.type->name, required_only);
-    if (given >= 0) node.sources["given"] = given;
-    return add(std::move(node));
-  }
-
-  int landmarks() {
-    if (graph_.landmarks < 0) graph_.landmarks = landmarks_node("", false);
-    return graph_.landmarks;
-  }
-
-  int original_landmarks() {
-    if (graph_.scan == original_ && !defacing_) return landmarks();
-    if (original_landmarks_ < 0) original_landmarks_ = landmarks_node("original.", true);
-    return original_landmarks_;
-  }
-
-  // What is removed and what is checked must not rest on given landmarks alone.
-  void add_found_landmarks(Node& node) {
-    if (config_.landmarks.empty()) return;
-    const std::string name = "original.found_landmarks";
-    const int known = graph_.find(name);
-    node.sources["found"] =
-        known >= 0 ? known : add(whole_head(*config_.find_scan_step(StageRole::landmarks), name, true));
-  }
-
-  bool needs_landmarks() const {
-    if (!config_.find_scan_step(StageRole::landmarks)) return false;
-    if (!config_.scene_landmarks.empty()) return true;
-    const auto given = config_.landmark_positions_mm();
-    for (const CaseDrill& hole : config_.burr_holes)
-      if (!missing_landmark(hole.params.as<BurrHoleParams>(), given).empty()) return true;
-    return false;
-  }
-
-  // The scan on the voxels that the case asks for; the original scan where it asks for none.
-  int resampled() {
-    const RecipeStep* step = config_.find_scan_step(StageRole::resample);
-    if (!step) return 0;
-    const auto& spacing_mm = step->params.as<ResampleParams>().spacing_mm;
-    if (std::all_of(spacing_mm.begin(), spacing_mm.end(), [](double s) { return s == 0; })) return 0;
-    Node node = node_of_step(*step, step->type->name);
-    give_scan(node, 0);
-    return add(std::move(node));
-  }
-
-  // The scan after the recipe's stages that prepare it, in the recipe's order.
-  int prepared(int scan) {
-    for (const RecipeStep& step : config_.scan_steps) {
-      if (step.type->role != StageRole::prepare) continue;
-      Node node = node_of_step(step, step.type->name);
-      give_scan(node, scan);
-      const int after = add(std::move(node));
-      if (step.type->draws_removal && config_.face == "keep") graph_.removals.push_back({scan, after});
-      scan = after;
-    }
-    return scan;
-  }
-
-  int deface() {
-    defacing_ = true;
-    const RecipeStep& step = *config_.find_scan_step(StageRole::deface);
-    Node node = whole_head(step, step.type->name, true);
-    node.sources["landmarks"] = original_landmarks();
-    add_found_landmarks(node);
-    return graph_.deface = add(std::move(node));
-  }
-
-  int anatomy_gate() {
-    const RecipeStep& step = *config_.find_scan_step(StageRole::check);
-    Node node = node_of_step(step, step.type->name);
-    // Only anatomies that the scene shows are checked, not those that merely help to find them.
-    for (const auto& [port, source] : step.ports)
-      if (config_.is_shown(source.substr(0, source.find('.')))) node.sources[port] = node_named(source);
-    if (node.sources.size() < 2) return -1;
-    give_scan(node, graph_.scan);
-    // The figure by which the case is classed is measured against the midline.
-    const bool classed = !config_.roles.class_of.empty() && config_.is_shown(config_.roles.class_of);
-    if (classed && config_.find_scan_step(StageRole::landmarks)) node.sources["landmarks"] = landmarks();
-    return add(std::move(node));
-  }
-
-  int face_gate() {
-    const RecipeStep& step = *config_.find_scan_step(StageRole::deface);
-    Node node = node_of_role(StageRole::face_check, "face", AnyParams::make<FaceBeliefParams>(config_.face_belief));
-    for (const auto& [port, source] : step.ports)
-      if (node.type->find_port(port)) node.sources[port] = node_named(source, true);
-    node.sources["landmarks"] = original_landmarks();
-    add_found_landmarks(node);
-    for (const Graph::Anatomy& a : graph_.anatomies) node.sources["surface." + a.name] = a.surface;
-    if (graph_.haptic >= 0) node.sources["haptic"] = graph_.haptic;
-    if (graph_.ct >= 0) node.sources["ct"] = graph_.ct;
-    return add(std::move(node));
-  }
-
-  int measure_of(const std::string& name, const Graph::Anatomy& anatomy) {
-    Node node = node_of_role(StageRole::measure, name + ".measure");
-    node.sources = {{"surface", anatomy.finished}, {"reference", anatomy.first_surface}};
-    return add(std::move(node));
   }
 
   int first_surface_of(const RecipeAnatomy& recipe) {
@@ -300,51 +261,117 @@ class Builder {
   }
   int first_surface_of(const std::string& name) { return first_surface_of(*config_.find_anatomy(name)); }
 
-  void add_cutters(Node& node) {
-    for (const int hole : graph_.burr_holes) node.sources["cutters." + graph_.nodes[hole].name] = hole;
+  void add_anatomy(const RecipeAnatomy& recipe) {
+    Graph::Anatomy anatomy;
+    anatomy.name = recipe.name;
+    anatomy.surface = anatomy.finished = node_of(recipe, recipe.steps.size() - 1);
+    anatomy.first_surface = first_surface_of(recipe);
+    Place place;
+    place.of = &anatomy;
+    for (const StageType* type : stages_of(StagePlace::scene))
+      if (type->is_check() && is_of_anatomy(*type))
+        want(add(node_of(*type, recipe.name + "." + type->name_in_case(), type->make_params()), place),
+             type->serves + " " + recipe.name);
+    graph_.anatomies.push_back(anatomy);
   }
 
-  int burr_hole(const CaseDrill& hole) {
-    Node node = node_of_role(StageRole::burr_hole, hole.name, hole.params);
-    const int known = graph_.landmarks >= 0 ? graph_.landmarks : given_landmarks();
-    if (known >= 0) node.sources["landmarks"] = known;
-    node.sources[node.type->ports[0].name] = first_surface_of(config_.roles.burr_holes.bone);
-    if (!config_.roles.burr_holes.over.empty()) node.sources["over"] = first_surface_of(config_.roles.burr_holes.over);
-    for (const auto& [zone, clear] : hole.params.as<BurrHoleParams>().avoid)
-      node.sources["zone." + zone] = first_surface_of(zone);
-    return add(std::move(node));
-  }
-
-  int cut(const Graph::Anatomy& anatomy, const SceneDrill& drilled) {
+  void cut(Graph::Anatomy& anatomy, const SceneDrill& drilled) {
     CutSurfaceParams params;
     params.widen_mm = drilled.widen_mm;
-    Node node = node_of_role(StageRole::cut, anatomy.name + ".boolean", AnyParams::make(params));
-    node.sources["surface"] = anatomy.finished;
-    add_cutters(node);
-    return add(std::move(node));
+    Place place;
+    place.of = &anatomy;
+    anatomy.surface = add(node_with(anatomy.name + ".boolean", AnyParams::make(params)), place);
   }
 
-  int haptic() {
-    const auto& params = config_.haptic.params.as<VoxelizeStageParams>();
-    Node node = node_of_role(StageRole::haptic, "haptic.voxelize", config_.haptic.params);
-    node.sources["volume"] = graph_.scan;
-    const bool of_surfaces = params.encoding == HapticEncoding::occupancy;
-    for (const auto& [name, shape] : params.shapes) {
-      if (of_surfaces) node.sources["shape." + name] = first_surface_of(name);
-      if (!shape.clear_of.empty()) node.sources["clear." + shape.clear_of] = first_surface_of(shape.clear_of);
+  void prepare(const RecipeStep& step) {
+    const int before = graph_.scan;
+    graph_.scan = add(node_of_step(step, step.type->name), {&step, before});
+    if (step.type->draws_removal && config_.face == "keep") graph_.removals.push_back({before, graph_.scan});
+  }
+
+  // The checks that a recipe names: of the scan as it was read, or of what was made of it.
+  void add_checks_of_scan(bool as_read) {
+    for (const RecipeStep& step : config_.scan_steps) {
+      if (!step.type->is_check() || step.type->reads(From::import) != as_read) continue;
+      const auto shown = std::count_if(step.ports.begin(), step.ports.end(),
+                                       [&](const auto& p) { return config_.is_shown(anatomy_of(p.second)); });
+      if (shown >= step.type->least_inputs)
+        want(add(node_of_step(step, step.type->name), {&step, graph_.scan}), step.type->serves);
     }
-    if (!params.region_of.empty()) node.sources["region"] = first_surface_of(params.region_of);
-    if (!params.drill.empty()) add_cutters(node);
-    return add(std::move(node));
   }
 
-  int mismatch() {
-    Node node = node_of_role(StageRole::mismatch, "haptic.mismatch");
-    node.sources["haptic"] = graph_.haptic;
-    for (const Graph::Anatomy& anatomy : graph_.anatomies)
-      for (const SceneShape& shape : config_.haptic.shapes)
-        if (shape.name == anatomy.name) node.sources["surface." + shape.name] = anatomy.surface;
-    return node.sources.size() > 1 ? add(std::move(node)) : -1;
+  // The checks that no recipe names are made where the case has what they need.
+  void add_check_of_scene(const StageType& type) {
+    const RecipeStep* face = config_.face_step();
+    if (type.sees_face() && (!face || config_.face == "keep")) return;
+    const AnyParams of_face = AnyParams::make(config_.face_belief), defaults = type.make_params();
+    Node node = node_of(type, type.name_in_case(), defaults.set == of_face.set ? of_face : defaults);
+    connect(node, {type.sees_face() ? face : nullptr, graph_.scan});
+    for (const Port& port : type.ports)
+      if (port.required && std::none_of(node.sources.begin(), node.sources.end(), [&](const auto& s) {
+            return s.first == port.name || (port.is_many() && s.first.rfind(port.group() + ".", 0) == 0);
+          }))
+        return;
+    want(add(std::move(node)), type.serves);
+  }
+
+  // Whether the scene computes the source anyway, or a wanted landmark is found by it.
+  bool is_made(const std::string& source) const {
+    if (graph_.find(source) >= 0) return true;
+    const std::string anatomy = anatomy_of(source);
+    for (const SceneLandmark& l : config_.scene_landmarks)
+      if (config_.target_in(l.name) == anatomy) return true;
+    for (const CaseDrill& hole : config_.burr_holes)
+      if (config_.target_in(hole.params.as<BurrHoleParams>().toward) == anatomy) return true;
+    return false;
+  }
+
+  // The landmarks that a person placed, as a source node of their own; -1 where none are given.
+  int given_landmarks() {
+    if (config_.landmarks.empty()) return -1;
+    PointsParams points;
+    for (const CaseLandmark& l : config_.landmarks)
+      points.landmarks.emplace_back(
+          l.name, PointParams{{l.position_mm.x, l.position_mm.y, l.position_mm.z}, l.confidence, l.source});
+    Node node = node_with("", AnyParams::make(points));
+    node.name = node.type->name_in_case();
+    const int known = graph_.find(node.name);
+    return known >= 0 ? known : add(std::move(node));
+  }
+
+  int landmarks_node(const std::string& name, bool required_only, bool without_given) {
+    if (const int known = graph_.find(name); known >= 0) return known;
+    const RecipeStep& step = *config_.landmarks_step();
+    Place place{&step};
+    place.required_only = required_only;
+    place.without_given = without_given;
+    return add(node_of_step(step, name), place);
+  }
+
+  int landmarks() {
+    return want(landmarks_node(config_.landmarks_step()->type->name, false, false),
+                "landmarks that the scene, a burr hole or a check needs");
+  }
+
+  int original_landmarks() {
+    if (graph_.scan == original_ && !defacing_) return landmarks();
+    return landmarks_node("original." + config_.landmarks_step()->type->name, true, false);
+  }
+
+  // What is removed and what is checked must not rest on given landmarks alone.
+  int found_landmarks() {
+    return config_.landmarks.empty() ? -1 : landmarks_node("original.found_landmarks", true, true);
+  }
+
+  int want(int node, const std::string& for_what = "") {
+    graph_.nodes[node].wanted = true;
+    graph_.nodes[node].serves = for_what;
+    return node;
+  }
+
+  int add(Node node, const Place& place) {
+    connect(node, place);
+    return add(std::move(node));
   }
 
   int add(Node node) {
@@ -361,28 +388,10 @@ class Builder {
   const HashOfScan& hash_of_scan_;
   Graph graph_;
   bool defacing_ = false;
-  int original_landmarks_ = -1;
   int original_ = 0;  // the scan before a face is taken away
 };
 
 }  // namespace
-
-int Graph::find(const std::string& name) const {
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (nodes[i].name == name) return static_cast<int>(i);
-  return -1;
-}
-
-void require_allowed(const Graph& graph, bool allow_external) {
-  if (allow_external) return;
-  for (const Node& node : graph.nodes)
-    if (node.type->runs_program) {
-      const Parameter* program = node.params.set->find("program");
-      throw Error(ExitCode::usage, "", node.name,
-                  "runs the program " + (program ? to_text(node.params.get(*program)) : std::string()) +
-                      " that the recipe names; where you trust it, say --allow-external");
-    }
-}
 
 Graph make_graph(const CaseConfig& config, const std::string& input_hash, const HashOfScan& hash_of_scan) {
   return Builder(config, input_hash, hash_of_scan).build();

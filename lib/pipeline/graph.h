@@ -22,6 +22,8 @@ struct Node {
   std::string key;  ///< SHA-256 of what the output depends on: stage, version, parameters, sources' keys
   DataKind output = DataKind::volume;
   bool may_be_missing = false;  ///< it belongs to an anatomy that the scene can do without
+  bool wanted = false;          ///< the case itself reads its data or report
+  std::string serves;           ///< what the case has of it, in words
   /// The parameters that a case records, nested ones by their path: their values, or a file's hash. Of a stage that
   /// runs somebody else's program, the absolute paths without their folders.
   std::vector<std::pair<std::string, ParameterValue>> recorded() const;
@@ -34,28 +36,24 @@ struct Graph {
   std::vector<Node> nodes;
   struct Anatomy {
     std::string name;
-    int first_surface = -1;  ///< the contour, against which deviations are measured
-    int finished = -1;       ///< decimated and smoothed
-    int surface = -1;        ///< the published one: `finished`, or `finished` with its burr holes
-    int measure = -1;        ///< measures `finished`, because a burr hole is no deviation
+    int first_surface = 0;  ///< the contour, against which deviations are measured
+    int finished = 0;       ///< decimated and smoothed; a burr hole is no deviation
+    int surface = 0;        ///< the published one: `finished`, or `finished` with its burr holes
   };
   std::vector<Anatomy> anatomies;  ///< as in the scene
-  int quality = -1;                ///< what the scan is suited for; -1: the recipe does not ask
   struct Removal {
-    int before = -1, after = -1;
+    int before = 0, after = 0;
   };
   /// The scan before and after each stage that draws what it takes off. Empty where the scene takes the face away:
   /// apparatus that lies on a face has its shape.
   std::vector<Removal> removals;
-  int scan = 0;              ///< the volume that anatomies, pictures and haptic volume are made of
-  int ct = -1;               ///< the scan where the case publishes it; -1: it does not
-  int landmarks = -1;        ///< -1: none need be found
-  int given_landmarks = -1;  ///< -1: none are given or none are needed
-  int deface = -1;           ///< -1: the face is not taken away
-  int anatomy_gate = -1, face_gate = -1;
+  int scan = 0;  ///< the volume that anatomies, pictures and haptic volume are made of, and the CT that is published
   std::map<std::string, int> scans;  ///< further scans that a stage reads, on the CT's voxels, by name
-  std::vector<int> burr_holes;       ///< the nodes of their cutters, in the configuration's order
-  int haptic = -1, mismatch = -1;    ///< -1: not wanted
+  /// What the case has of that kind, such as its haptic volume and its landmarks: the first such node that it reads
+  /// itself; -1: none. Of burr holes, all.
+  int result(DataKind kind) const;
+  std::vector<int> results(DataKind kind) const;
+  /// -1: none.
   int find(const std::string& name) const;
 };
 

@@ -58,9 +58,9 @@ class Builder {
     }
     use_published_volumes();
     hold_against_budget();
-    if (graph_.haptic >= 0) add_haptic();
+    if (haptic_ >= 0) add_haptic();
     if (config_.ct) add_ct();
-    for (const int hole : graph_.burr_holes) add_burr_hole(hole);
+    for (const int hole : graph_.results(DataKind::cutters)) add_burr_hole(hole);
     if (pictures) add_pictures(progress.part(0.4, 1));
     progress.report(1);
     return std::move(out_);
@@ -77,7 +77,7 @@ class Builder {
   CaseManifest& manifest() { return out_.manifest; }
   const NodeResult& at(int node) const { return results_[static_cast<std::size_t>(node)]; }
   const TriMesh& mesh(int node) const { return *std::get<std::shared_ptr<const TriMesh>>(at(node).data); }
-  const HapticVolume& haptic() const { return *std::get<std::shared_ptr<const HapticVolume>>(at(graph_.haptic).data); }
+  const HapticVolume& haptic() const { return *std::get<std::shared_ptr<const HapticVolume>>(at(haptic_).data); }
   const Report& report_of(const std::string& node) const {
     static const Report none;
     const int i = graph_.find(node);
@@ -143,7 +143,7 @@ class Builder {
   void add_anatomy(const Graph::Anatomy& nodes, const SceneAnatomy& limit) {
     const RecipeAnatomy& recipe = *config_.find_anatomy(nodes.name);
     const TriMesh& surface = mesh(nodes.surface);
-    const Report& measured = at(nodes.measure).report;
+    const Report& measured = report_of(nodes.name + ".measure");
 
     GlbParams glb;
     glb.center_mm = manifest().center_mm;
@@ -203,8 +203,7 @@ class Builder {
   }
 
   void add_haptic() {
-    HapticContent made = make_haptic_content(config_, haptic(), at(graph_.haptic).report,
-                                             graph_.mismatch < 0 ? Report{} : at(graph_.mismatch).report);
+    HapticContent made = make_haptic_content(config_, haptic(), at(haptic_).report, report_of("haptic.mismatch"));
     add_file("haptic", ".nrrd", std::move(made.bytes), made.manifest.file);
     if (!made.hardness_bytes.empty())
       add_file("hardness", ".nrrd", std::move(made.hardness_bytes), made.manifest.hardness_file);
@@ -217,9 +216,9 @@ class Builder {
   void add_ct() {
     Bounds shown;
     for (const Graph::Anatomy& a : graph_.anatomies) include(shown, bounds_of(mesh(a.surface)));
-    if (graph_.haptic >= 0) include(shown, bounds_of_lattice(haptic().voxels));
+    if (haptic_ >= 0) include(shown, bounds_of_lattice(haptic().voxels));
     const Grid<std::int16_t> ct =
-        published_ct(*std::get<std::shared_ptr<const HuVolume>>(at(graph_.ct).data), shown, config_.ct->margin_mm);
+        published_ct(*std::get<std::shared_ptr<const HuVolume>>(at(graph_.scan).data), shown, config_.ct->margin_mm);
     CaseCt& out = manifest().ct;
     out.size = ct.size;
     out.spacing_mm = ct.spacing_mm;
@@ -244,10 +243,9 @@ class Builder {
       if (cut >= 0) add_removed(hole, "mesh.", drilled.anatomy, result_of<RemovedResult>(at(cut).report, name + "."));
       if (drilled.anatomy == bone) require_free(drilled, cutter, name);
     }
-    if (graph_.haptic >= 0)
+    if (haptic_ >= 0)
       for (const auto& [shape, drill] : config_.haptic.params.as<VoxelizeStageParams>().drill)
-        add_removed(hole, "haptic.", shape,
-                    result_of<RemovedResult>(at(graph_.haptic).report, name + "." + shape + "."));
+        add_removed(hole, "haptic.", shape, result_of<RemovedResult>(at(haptic_).report, name + "." + shape + "."));
     compare_removed(hole, bone);
     manifest().burr_holes.push_back(std::move(hole));
   }
@@ -287,7 +285,7 @@ class Builder {
         throw refusal(name, "is not free in the surface of " + a.name,
                       {"lower `max_deviation_mm` of `decimate`, or raise `widen_mm`"});
     const Bore bore{own.position_mm, own.direction, own.radius_mm, own.above_mm, own.depth_mm};
-    if (graph_.haptic >= 0 && haptic().find_shape(drilled.anatomy) && !hole_is_free(haptic(), drilled.anatomy, bore))
+    if (haptic_ >= 0 && haptic().find_shape(drilled.anatomy) && !hole_is_free(haptic(), drilled.anatomy, bore))
       throw refusal(name, "is not free in the haptic volume of " + drilled.anatomy,
                     {"set a smaller `spacing_mm`, or raise `widen_mm`"});
   }
@@ -327,25 +325,21 @@ class Builder {
   const CaseConfig& config_;
   const Graph& graph_;
   const std::vector<NodeResult>& results_;
+  const int haptic_ = graph_.result(DataKind::haptic);
   CaseContent out_;
 };
 
 }  // namespace
 
 std::vector<int> wanted_nodes(const Graph& graph, bool pictures, bool page) {
-  std::vector<int> wanted = graph.burr_holes;
+  std::vector<int> wanted;
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i)
+    if (graph.nodes[i].wanted) wanted.push_back(int(i));
   if (pictures) wanted.push_back(graph.scan);
   for (std::size_t r = 0; pictures && r < graph.removals.size(); ++r)
     wanted.insert(wanted.end(), {graph.removals[r].before, graph.removals[r].after});
-  if (graph.ct >= 0) wanted.push_back(graph.ct);
-  for (const Graph::Anatomy& a : graph.anatomies) {
-    wanted.push_back(a.surface);
-    wanted.push_back(a.measure);
-    if (page) wanted.insert(wanted.end(), {a.first_surface, a.finished});
-  }
-  for (const int node :
-       {graph.quality, graph.landmarks, graph.anatomy_gate, graph.face_gate, graph.haptic, graph.mismatch})
-    if (node >= 0) wanted.push_back(node);
+  for (std::size_t a = 0; page && a < graph.anatomies.size(); ++a)
+    wanted.insert(wanted.end(), {graph.anatomies[a].first_surface, graph.anatomies[a].finished});
   return wanted;
 }
 

@@ -54,18 +54,8 @@ class Forecast {
 
 std::string why_needed(const Graph& graph, int node, bool pictured) {
   std::vector<std::string> why, readers;
-  for (const Graph::Anatomy& a : graph.anatomies) {
-    if (a.surface == node) why.push_back("the surface of " + a.name + " that the scene shows");
-    if (a.measure == node) why.push_back("what decimation and smoothing did to " + a.name);
-  }
-  if (graph.haptic == node) why.emplace_back("the scene's haptic volume");
-  if (graph.mismatch == node) why.emplace_back("how far what is felt lies from what is seen");
-  if (graph.landmarks == node) why.emplace_back("landmarks that the scene, a burr hole or a check needs");
-  if (graph.quality == node) why.emplace_back("what the scan is suited for");
-  if (graph.anatomy_gate == node) why.emplace_back("the consistency check of the anatomies that the scene shows");
-  if (graph.face_gate == node) why.emplace_back("the check that no face is published");
   if (pictured && graph.scan == node) why.emplace_back("the pictures");
-  if (graph.ct == node) why.emplace_back("CT that is published");
+  if (const std::string& serves = graph.nodes[std::size_t(node)].serves; !serves.empty()) why.push_back(serves);
   for (const Node& reader : graph.nodes)
     for (const auto& [port, source] : reader.sources)
       if (source == node && std::find(readers.begin(), readers.end(), reader.name) == readers.end())
@@ -90,10 +80,10 @@ std::string why_pruned(const CaseConfig& config, const RecipeAnatomy& anatomy) {
   return "the scene neither shows nor feels " + anatomy.name;
 }
 
-std::string why_scan_step_pruned(const CaseConfig& config, StageRole role) {
-  if (role == StageRole::resample) return "no spacing is set, the scan stays as it is";
-  if (role == StageRole::landmarks) return "nothing in the scene needs a landmark";
-  if (role == StageRole::deface)
+std::string why_scan_step_pruned(const CaseConfig& config, const StageType& type) {
+  if (type.in_every_recipe) return "no spacing is set, the scan stays as it is";
+  if (type.output == DataKind::landmarks) return "nothing in the scene needs a landmark";
+  if (type.removes_face)
     return config.face.empty() ? "the scene has no face policy" : "the scene's face policy is " + config.face;
   return "the scene shows too few of its anatomies";
 }
@@ -105,7 +95,7 @@ bool begins_with(const std::string& text, const std::string& start) { return tex
 bool is_shown(const ValueRow& row, const CaseConfig& config, const Graph& graph) {
   if (begins_with(row.path, "scene.")) return true;
   for (const Node& node : graph.nodes)
-    if (begins_with(row.path, node.type->role == StageRole::haptic ? "haptic." : node.name + ".")) return true;
+    if (begins_with(row.path, node.output == DataKind::haptic ? "haptic." : node.name + ".")) return true;
   for (const SceneShape& shape : config.haptic.shapes)
     if (begins_with(row.path, "materials." + shape.material.name + ".")) return true;
   const AnyParams roles = AnyParams::make(config.roles);
@@ -137,18 +127,19 @@ Explanation explain(const CaseConfig& config, const Graph& graph, const std::vec
   for (const ValueRow& row : config.values)
     if (is_shown(row, config, graph)) out.values.push_back(row);
   const Forecast forecast(graph, wanted, cache);
-  const bool pictured = std::count(wanted.begin(), wanted.end(), graph.scan) > (graph.ct >= 0);
+  const bool pictured =
+      std::count(wanted.begin(), wanted.end(), graph.scan) > graph.nodes[std::size_t(graph.scan)].wanted;
   for (std::size_t i = 0; i < graph.nodes.size(); ++i)
     out.stages.push_back({graph.nodes[i].name, forecast.state(i), forecast.seconds(i),
                           why_needed(graph, static_cast<int>(i), pictured)});
   for (const RecipeStep& step : config.scan_steps)
     if (graph.find(step.type->name) < 0)
-      out.pruned.push_back({step.type->name, why_scan_step_pruned(config, step.type->role)});
+      out.pruned.push_back({step.type->name, why_scan_step_pruned(config, *step.type)});
   for (const RecipeAnatomy& anatomy : config.anatomies)
     for (const RecipeStep& step : anatomy.steps)
       if (const std::string name = anatomy.name + "." + step.type->name; graph.find(name) < 0)
         out.pruned.push_back({name, why_pruned(config, anatomy)});
-  if (graph.haptic < 0) out.pruned.push_back({"haptic.voxelize", "the scene wants no haptic volume"});
+  if (!config.haptic.wanted) out.pruned.push_back({"haptic.voxelize", "the scene wants no haptic volume"});
   return out;
 }
 

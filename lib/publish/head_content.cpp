@@ -44,35 +44,41 @@ void require(const SceneLandmark& wanted, const std::vector<CaseLandmark>& known
                 {"give it in mm, LPS: `landmarks: {" + wanted.name + ": [x, y, z]}`, or a `landmarks_file`"});
 }
 
+// Of the patient, of what was checked, and of what changed the scan.
+enum class FiguresOf { patient, checks, changes };
+
+void add_figures(const Graph& graph, const std::vector<NodeResult>& results, FiguresOf which, CaseManifest& manifest) {
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    const StageType& type = *graph.nodes[i].type;
+    if (!type.case_figures) continue;
+    const FiguresOf of = type.case_figures->empty() ? FiguresOf::patient
+                         : type.is_check()          ? FiguresOf::checks
+                                                    : FiguresOf::changes;
+    if (of != which) continue;
+    for (const auto& [name, value] : results[i].report.figures)
+      manifest.figures.emplace_back(*type.case_figures + name, value);
+  }
+}
+
 }  // namespace
 
 void add_head_content(const CaseConfig& config, const Graph& graph, const std::vector<NodeResult>& results,
                       CaseManifest& manifest) {
   manifest.landmarks = config.landmarks;
-  if (graph.landmarks >= 0)
+  if (const int found = graph.result(DataKind::landmarks); found >= 0)
     manifest.landmarks =
-        std::get<std::shared_ptr<const HeadLandmarks>>(results[static_cast<std::size_t>(graph.landmarks)].data)
-            ->landmarks;
+        std::get<std::shared_ptr<const HeadLandmarks>>(results[static_cast<std::size_t>(found)].data)->landmarks;
   for (const SceneLandmark& wanted : config.scene_landmarks) require(wanted, manifest.landmarks);
   for (const auto& [landmark, anatomy] : config.roles.targets)
     if (const CaseLandmark* l = config.is_shown(anatomy.name) ? find(manifest.landmarks, landmark) : nullptr)
       manifest.targets.push_back({l->name, l->position_mm, l->confidence, anatomy.name});
-  if (graph.anatomy_gate >= 0)
-    for (const auto& figure : results[static_cast<std::size_t>(graph.anatomy_gate)].report.figures)
-      manifest.figures.push_back(figure);
+  add_figures(graph, results, FiguresOf::patient, manifest);
   if (const bool classed = std::any_of(manifest.figures.begin(), manifest.figures.end(),
                                        [](const auto& f) { return f.first == "class"; });
       classed && !config.roles.class_of.empty())
     manifest.figures.emplace_back("class_of", config.roles.class_of);
-  if (graph.quality >= 0)
-    for (const auto& figure : results[static_cast<std::size_t>(graph.quality)].report.figures)
-      manifest.figures.emplace_back("scan." + figure.first, figure.second);
-  if (graph.face_gate >= 0)
-    for (const auto& figure : results[static_cast<std::size_t>(graph.face_gate)].report.figures)
-      manifest.figures.emplace_back("face." + figure.first, figure.second);
-  if (graph.deface >= 0)
-    for (const auto& figure : results[static_cast<std::size_t>(graph.deface)].report.figures)
-      manifest.figures.emplace_back("face." + figure.first, figure.second);
+  add_figures(graph, results, FiguresOf::checks, manifest);
+  add_figures(graph, results, FiguresOf::changes, manifest);
   manifest.face_policy = config.face.empty() ? "none" : config.face;
   manifest.face_reason = config.face_reason;
 }

@@ -13,6 +13,7 @@
 #include "picture/render.h"
 #include "picture/slice.h"
 #include "publish/scan_checks.h"
+#include "publish/series_hashes.h"
 #include "surface/bounds.h"
 #include "voxel/shape_field.h"
 
@@ -266,14 +267,11 @@ Preview preview_stage(const PreviewRequest& request, RunObserver& observer) {
     throw Error(ExitCode::usage, request.config.string(), "series",
                 "the configuration names none, give --series FOLDER");
   const Progress cancelled({}, &cancel_requested());
-  const Graph whole = make_graph(config, hash_of_series_input(config.series, config.import, cancelled),
-                                 [&](const std::string&, const SeriesChoice& scan) {
-                                   return hash_of_series_input(scan.folder_or_file, scan.params, cancelled);
-                                 });
-  const bool without_face = config.face == "crop" || config.face == "deface";
+  const Graph whole = SeriesHashes(cancelled).graph_of(config);
+  const bool without_face = config.takes_face_away();
   std::vector<int> wanted{find_stage_node(whole, request.params.stage), without_face ? whole.scan : 0};
   if (without_face && whole.nodes[std::size_t(wanted[0])].output != DataKind::landmarks &&
-      !depends_on(whole, wanted[0], whole.deface))
+      !depends_on(whole, wanted[0], whole.scan))
     throw Error(ExitCode::privacy, "", "--stage",
                 request.params.stage + " is made before the face is taken away, which the scene demands");
   // A second scan shows the face wherever it is not confined to the cavity; a run's gate is not asked here.

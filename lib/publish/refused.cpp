@@ -42,7 +42,6 @@ class Made {
   Shared<TriMesh> surface_of(const Graph::Anatomy& a) const {
     for (const int node : {a.surface, a.finished, a.first_surface})
       if (auto mesh = find<TriMesh>(node)) return mesh;
-    if (a.first_surface < 0) return {};
     for (const auto& [port, source] : run_.graph.nodes[a.first_surface].sources) {
       const auto field = find<Field>(source);
       if (!field) continue;
@@ -64,7 +63,7 @@ class Made {
 bool may_show_face(const RefusedRun& run, const Made& made) {
   const bool face_in_it = std::any_of(run.config.anatomies.begin(), run.config.anatomies.end(),
                                       [](const RecipeAnatomy& a) { return a.shows_face; });
-  return !face_in_it || run.graph.deface < 0 || made.is_done(run.graph.face_gate);
+  return !face_in_it || !run.config.takes_face_away() || made.is_done(run.graph.find("face"));
 }
 
 std::vector<CasePicture> pictures_of(const RefusedRun& run, const Error& refusal) {
@@ -80,7 +79,7 @@ std::vector<CasePicture> pictures_of(const RefusedRun& run, const Error& refusal
       surfaces.push_back(std::move(mesh));
     }
   }
-  const auto marks = made.find<HeadLandmarks>(run.graph.landmarks);
+  const auto marks = made.find<HeadLandmarks>(run.graph.result(DataKind::landmarks));
   const std::vector<CaseLandmark> landmarks = marks && whole ? marks->landmarks : std::vector<CaseLandmark>();
   const auto scan = whole ? made.find<HuVolume>(run.graph.scan) : Shared<HuVolume>();
   std::vector<CasePicture> pictures = make_case_pictures(scan.get(), shown, landmarks);

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "publish/run_case.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <map>
 #include <random>
 
 #include "base/error.h"
 #include "base/log.h"
-#include "base/parallel.h"
 #include "base/progress.h"
 #include "base/text.h"
 #include "base/write_file.h"
@@ -25,6 +21,7 @@
 #include "publish/refused.h"
 #include "publish/run_json.h"
 #include "publish/scan_checks.h"
+#include "publish/series_hashes.h"
 
 namespace trephine {
 namespace fs = std::filesystem;
@@ -97,54 +94,32 @@ void require_outside(const fs::path& case_folder, const fs::path& output, const 
   throw Error(ExitCode::usage, output.string(), flag, "lies in the case's own folder, choose another");
 }
 
-// Collects the results of a run on the way to the case.
-struct Run {
-  explicit Run(const RunRequest& r) : request(r) {}
-  const RunRequest& request;
-  CaseConfig config;
+bool tells_at_once(const std::string& node) {
+  const StageType* type = find_stage(node);
+  return type && type->tells_at_once;
+}
+
+// What was made for a case on the way to its content.
+struct Made {
   Graph graph;
   std::vector<NodeResult> results;
-  std::string input_sha256;
-  std::map<std::string, std::string> scans_sha256;
-  std::map<std::string, Report> folders;    // other content of the folders of series, by the node that imports each
-  std::vector<std::string> about_patients;  // whether all scans are of one
-  std::vector<std::string> warnings;
   std::vector<CaseMissing> missing;  // what was refused and left out
+  Clock::time_point publishing_began = Clock::now();
 };
 
-std::string hash_input(Run& run, const Progress& cancelled) {
-  try {
-    return hash_of_series_input(run.config.series, run.config.import, cancelled, &run.folders["import"]);
-  } catch (const Error& e) {
-    if (e.code() != ExitCode::usage) throw;
-    throw Error(e.code(), e.file(), e.field(), std::string(e.what()) + "; --set import.series=s1 chooses the first");
-  }
-}
-
-// Every series is hashed once, though an anatomy that is left out needs another graph.
-void make_graph_of(Run& run, const Progress& cancelled) {
-  if (run.input_sha256.empty()) run.input_sha256 = hash_input(run, cancelled);
-  run.graph = make_graph(run.config, run.input_sha256, [&](const std::string& name, const SeriesChoice& scan) {
-    std::string& sha256 = run.scans_sha256[name];
-    if (sha256.empty())
-      sha256 = hash_of_series_input(scan.folder_or_file, scan.params, cancelled, &run.folders[name + ".import"]);
-    return sha256;
-  });
-}
-
-// Logs the warnings of every stage that the case needs, published or not. This happens before anything is refused,
-// because they may say why it will be.
-void tell_warnings(Run& run) {
-  run.warnings.insert(run.warnings.end(), run.about_patients.begin(), run.about_patients.end());
-  for (const auto& [import, folder] : run.folders)
-    for (const std::string& w : folder.warnings) run.warnings.push_back(import + ": " + w);
-  for (const CaseMissing& m : run.missing) run.warnings.push_back(m.anatomy + ": left out: " + m.why);
-  for (std::size_t i = 0; i < run.graph.nodes.size(); ++i)
-    for (const std::string& w : run.results[i].report.warnings)
-      run.warnings.push_back(run.graph.nodes[i].name + ": " + w);
-  const std::string early = stage_of(StageRole::suitability).name + ": ";  // EarlyWarnings has told these
-  for (const std::string& w : run.warnings)
-    if (w.rfind(early, 0) != 0) log_warning(run.config.case_token + ": " + w);
+// Logs the warnings of every stage that the case needs, published or not, and returns them. This happens before
+// anything is refused, because they may say why it will be.
+std::vector<std::string> tell_warnings(const std::string& token, const std::vector<std::string>& about_patients,
+                                       const std::map<std::string, Report>& folders, const Made& made) {
+  std::vector<std::string> all = about_patients;
+  for (const auto& [import, folder] : folders)
+    for (const std::string& w : folder.warnings) all.push_back(import + ": " + w);
+  for (const CaseMissing& m : made.missing) all.push_back(m.anatomy + ": left out: " + m.why);
+  for (std::size_t i = 0; i < made.results.size(); ++i)
+    for (const std::string& w : made.results[i].report.warnings) all.push_back(made.graph.nodes[i].name + ": " + w);
+  for (const std::string& w : all)  // EarlyWarnings has told the others
+    if (!tells_at_once(w.substr(0, w.find(": ")))) log_warning(token + ": " + w);
+  return all;
 }
 
 // Tells at once what the scan is not suited for: a run that is refused later may be refused because of it.
@@ -160,7 +135,7 @@ class EarlyWarnings : public RunObserver {
   void started(const std::string& node) override { observer_.started(node); }
   void progressed(const std::string& node, double fraction) override { observer_.progressed(node, fraction); }
   void finished(const std::string& node, const std::string& how, double seconds, const Report& report) override {
-    if (node == stage_of(StageRole::suitability).name)
+    if (tells_at_once(node))
       for (const std::string& w : report.warnings) log_warning(token_ + ": " + node + ": " + w);
     observer_.finished(node, how, seconds, report);
   }
@@ -172,21 +147,20 @@ class EarlyWarnings : public RunObserver {
 };
 
 // The seconds of what was computed in this run, by node.
-std::map<std::string, double> seconds_of(const Run& run) {
+std::map<std::string, double> seconds_of(const Made& made) {
   std::map<std::string, double> seconds;
-  for (std::size_t i = 0; i < run.results.size(); ++i)
-    if (run.results[i].state == NodeResult::State::computed) seconds[run.graph.nodes[i].name] = run.results[i].seconds;
+  for (std::size_t i = 0; i < made.results.size(); ++i)
+    if (made.results[i].state == NodeResult::State::computed)
+      seconds[made.graph.nodes[i].name] = made.results[i].seconds;
   return seconds;
 }
 
 // A budget of time cannot be enforced: the case is complete and valid, only later than wanted.
-void tell_overrun(Run& run, double seconds) {
-  const double budget_s = run.config.trade.rule.seconds;
-  if (budget_s <= 0 || seconds <= budget_s) return;
-  run.warnings.push_back("took " + to_text(ParameterValue(std::round(10 * seconds) / 10)) + " s, the budget is " +
-                         to_text(ParameterValue(budget_s)) + " s: this machine or its load is not that of " +
-                         run.config.trade.front_names());
-  log_warning(run.config.case_token + ": " + run.warnings.back());
+std::vector<std::string> overrun(const CaseTrade& trade, double seconds) {
+  const double budget_s = trade.rule.seconds;
+  if (budget_s <= 0 || seconds <= budget_s) return {};
+  return {"took " + to_text(ParameterValue(std::round(10 * seconds) / 10)) + " s, the budget is " +
+          to_text(ParameterValue(budget_s)) + " s: this machine or its load is not that of " + trade.front_names()};
 }
 
 // What a run leaves in the report folder.
@@ -210,7 +184,7 @@ void remove_other_pictures(const fs::path& folder, const std::vector<CasePicture
 // Publishes the case. Everything has been made and checked, so only the disk can still fail. Pictures and page are not
 // part of the case's checksummed bytes; they are written last, just before case.json, so that both change at nearly the
 // same moment.
-void publish(const Run& run, const fs::path& folder, const CaseContent& content) {
+void publish(const fs::path& folder, const CaseContent& content) {
   for (const CaseContent::File& f : content.files) write_case_file(folder, f.stem, f.extension, f.bytes);
   for (const CasePicture& p : content.pictures) write_file(folder / "report" / p.name, p.png);
   publish_case(folder, content.manifest);
@@ -218,16 +192,15 @@ void publish(const Run& run, const fs::path& folder, const CaseContent& content)
   try {
     remove_unnamed_case_files(folder);
   } catch (const std::exception& e) {  // the case is published, whatever old files remain beside it
-    log_warning(run.config.case_token + ": files of the older case are left: " + e.what());
+    log_warning(content.manifest.case_token + ": files of the older case are left: " + e.what());
   }
 }
 
 // What was made is kept beside the case's folder, which may hold the last valid case or not exist.
-void show_refusal(const Run& run, const StageCache& cache, const Error& e, RunObserver& observer) {
+void show_refusal(const fs::path& folder, const RefusedRun& run, const Error& e, RunObserver& observer) {
   if (e.code() != ExitCode::quality && e.code() != ExitCode::privacy) return;
-  const fs::path folder = refused_folder(run.request.library, run.config.case_token);
   try {
-    keep_refused(folder, {run.config, run.graph, run.results, cache, run.warnings}, e);
+    keep_refused(folder, run, e);
     observer.kept(folder);
   } catch (const Error& failed) {  // the reason of the refusal matters more than this failure
     log_warning(run.config.case_token + ": what was made could not be kept for looking: " + failed.what());
@@ -264,29 +237,81 @@ void tell_choice(const CaseConfig& config) {
 }  // namespace
 
 Explanation explain_case(const RunRequest& request) {
-  Run run(request);
-  run.config = read_config(request);
-  make_graph_of(run, Progress({}, &cancel_requested()));
+  const CaseConfig config = read_config(request);
+  const Progress cancelled({}, &cancel_requested());
+  const Graph graph = SeriesHashes(cancelled).graph_of(config);
   std::error_code ignored;
   const fs::path cache = cache_folder_of(request);
-  return explain(run.config, run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page),
+  return explain(config, graph, wanted_nodes(graph, request.params.pictures, request.params.page),
                  StageCache(fs::exists(cache, ignored) ? cache : fs::path()));
 }
 
+namespace {
+
+// Computes what the case needs and makes its content of it. An anatomy that may be missing is taken out of `config`
+// where it is refused. Where this throws, `made` holds what there is.
+CaseContent compute(const RunRequest& request, CaseConfig& config, SeriesHashes& series, ExecuteOptions execution,
+                    RunObserver& observer, const Progress& progress, Made& made) {
+  execution.made = &made.results;
+  while (true) try {
+      made.results = execute(made.graph, wanted_nodes(made.graph, request.params.pictures, request.params.page),
+                             execution, observer);
+      require_modalities(config, made.graph, made.results);
+      made.publishing_began = Clock::now();
+      observer.publishing();
+      CaseContent content = make_case_content(config, made.graph, made.results, "trephine " + request.program_version,
+                                              series.input(config), request.params.pictures, progress);
+      content.manifest.missing = made.missing;
+      return content;
+    } catch (const Error& e) {
+      const std::string anatomy = refused_anatomy(config, e);
+      if (anatomy.empty()) throw;
+      made.missing.push_back({anatomy, e.what()});
+      config.leave_out(anatomy);
+      keep_made(made.graph, made.results, execution.known);
+      made.graph = series.graph_of(config);
+    }
+}
+
+// Publishes and remembers for the next run what this one took.
+void publish_and_remember(const RunRequest& request, const fs::path& folder, const CaseContent& content,
+                          const Made& made, const StageCache& cache, RunObserver& observer) {
+  publish(folder, content);
+  observer.progressed(publishing_step, 1);
+  remove_refused(refused_folder(request.library, content.manifest.case_token));
+  std::map<std::string, double> seconds_by_node = seconds_of(made);
+  seconds_by_node[publishing_step] = std::chrono::duration<double>(Clock::now() - made.publishing_began).count();
+  cache.remember_seconds(seconds_by_node);
+  cache.shrink_to(static_cast<std::uint64_t>(request.params.cache_limit_mb) * 1'000'000);
+}
+
+RunResult result_of(const fs::path& folder, const CaseContent& content) {
+  RunResult result;
+  result.case_folder = folder;
+  result.case_token = content.manifest.case_token;
+  result.anatomies = content.anatomies;
+  result.table = case_table(content.anatomies);
+  if (content.manifest.face_policy == "keep")
+    result.table += "\nface: the case shows it (" + content.manifest.face_reason +
+                    "); `--set scene.face.policy=deface` takes it off\n";
+  return result;
+}
+
+}  // namespace
+
 RunResult run_case(const RunRequest& request, RunObserver& observer) {
   const auto start = Clock::now();
-  Run run(request);
-  run.config = read_config(request);
-  if (run.config.case_token.empty()) run.config.case_token = random_token();
-  const std::string token = run.config.case_token;
+  CaseConfig config = read_config(request);
+  if (config.case_token.empty()) config.case_token = random_token();
+  const std::string token = config.case_token;
   try {
     const fs::path folder = request.library / token;
     const fs::path cache_folder = cache_folder_of(request);
     require_outside(folder, request.keep, "--keep");
     require_outside(folder, request.cache, "--cache");
     require_outside(folder, request.json, "--json");
-    require_face_policy(run.config);
-    tell_choice(run.config);
+    require_face_policy(config);
+    tell_choice(config);
 
     NewFolders new_folders;
     for (const fs::path& f : {request.library, cache_folder, request.keep})
@@ -303,69 +328,45 @@ RunResult run_case(const RunRequest& request, RunObserver& observer) {
     const Progress cancelled({}, &cancel_requested());
     const Progress publishing([&](double share) { observer.progressed(publishing_step, share); }, &cancel_requested());
     const double content_share = request.params.page ? (request.params.pictures ? 0.5 : 0.2) : 0.9;
+    SeriesHashes series(cancelled);
+    Made made;
+    made.graph = series.graph_of(config);
     ExecuteOptions execution;
-    make_graph_of(run, cancelled);
     execution.keep = request.keep;
     execution.cache = &cache;
     execution.cancel = &cancel_requested();
     execution.allow_external = request.params.allow_external;
-    run.about_patients = require_one_patient(run.config, names_of_scans(run.graph), cancelled);
+    const std::vector<std::string> about_patients = require_one_patient(config, names_of_scans(made.graph), cancelled);
     execution.seconds_before = cache.seconds_before();
     const auto before = execution.seconds_before.find(publishing_step);
     EarlyWarnings early(observer, token, before == execution.seconds_before.end() ? 4 : before->second);
-    auto publishing_began = Clock::now();
     CaseContent content;
     try {
-      execution.made = &run.results;
-      for (bool complete = false; !complete;) try {
-          run.results = execute(run.graph, wanted_nodes(run.graph, request.params.pictures, request.params.page),
-                                execution, early);
-          require_modalities(run.config, run.graph, run.results);
-          publishing_began = Clock::now();
-          observer.publishing();
-          content = make_case_content(run.config, run.graph, run.results, "trephine " + request.program_version,
-                                      run.input_sha256, request.params.pictures, publishing.part(0, content_share));
-          complete = true;
-        } catch (const Error& e) {
-          const std::string anatomy = refused_anatomy(run.config, e);
-          if (anatomy.empty()) throw;
-          run.missing.push_back({anatomy, e.what()});
-          run.config.leave_out(anatomy);
-          keep_made(run.graph, run.results, execution.known);
-          make_graph_of(run, cancelled);
-        }
-      content.manifest.missing = run.missing;
-      tell_warnings(run);
+      content = compute(request, config, series, execution, early, publishing.part(0, content_share), made);
     } catch (const Error& e) {
-      if (run.warnings.empty() && !run.results.empty()) tell_warnings(run);
-      show_refusal(run, cache, e, observer);
+      std::vector<std::string> warnings;
+      if (!made.results.empty()) warnings = tell_warnings(token, about_patients, series.folders(), made);
+      show_refusal(refused_folder(request.library, token), {config, made.graph, made.results, cache, warnings}, e,
+                   observer);
       throw;
     }
+    std::vector<std::string> warnings = tell_warnings(token, about_patients, series.folders(), made);
     if (request.params.page)
-      for (CasePicture& file : make_page_files(run.config, run.graph, run.results, content, run.warnings,
-                                               publishing.part(content_share, 0.95)))
+      for (CasePicture& file :
+           make_page_files(config, made.graph, made.results, content, warnings, publishing.part(content_share, 0.95)))
         content.pictures.push_back(std::move(file));
     cancelled.check();
-    publish(run, made_in, content);
-    observer.progressed(publishing_step, 1);
-    remove_refused(refused_folder(request.library, token));
-    std::map<std::string, double> seconds_by_node = seconds_of(run);
-    seconds_by_node[publishing_step] = std::chrono::duration<double>(Clock::now() - publishing_began).count();
-    cache.remember_seconds(seconds_by_node);
-    cache.shrink_to(static_cast<std::uint64_t>(request.params.cache_limit_mb) * 1'000'000);
+    publish_and_remember(request, made_in, content, made, cache, observer);
 
-    RunResult result;
-    result.case_folder = folder;
-    result.case_token = token;
-    result.anatomies = content.anatomies;
-    result.table = case_table(content.anatomies);
-    if (content.manifest.face_policy == "keep")
-      result.table += "\nface: the case shows it (" + content.manifest.face_reason +
-                      "); `--set scene.face.policy=deface` takes it off\n";
+    RunResult result = result_of(folder, content);
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    tell_overrun(run, seconds);
-    result.warnings = run.warnings;
-    result.json = run_json(run.graph, run.results, run.folders["import"], content.anatomies, run.warnings, seconds);
+    for (const std::string& late : overrun(config.trade, seconds)) {
+      log_warning(token + ": " + late);
+      warnings.push_back(late);
+    }
+    result.json =
+        run_json(made.graph, made.results, series.folders().at("import"), content.anatomies, warnings, seconds);
+    result.warnings = std::move(warnings);
     write_file(made_in / "run.json", result.json);
     place.appear();
     return result;

@@ -10,7 +10,9 @@ StageType anatomy_stage() {
   s.version = 4;
   s.typical_s = 3;
   s.place = StagePlace::scan;
-  s.role = StageRole::check;
+  s.serves = "the consistency check of the anatomies that the scene shows";
+  s.case_figures = "";
+  s.least_inputs = 2;
   s.summary = "checks a head's anatomies against each other and measures them";
   s.description =
       "Checks the given ones of skin, skull, brain and ventricles against each other (consistency check): the "
@@ -29,7 +31,10 @@ StageType anatomy_stage() {
       port("skull", DataKind::field).optional().help("the skull"),
       port("brain", DataKind::field).optional().help("the brain"),
       port("ventricles", DataKind::field).optional().help("the ventricles"),
-      port("landmarks", DataKind::landmarks).optional().help("landmarks and the midsagittal plane"),
+      port("landmarks", DataKind::landmarks)
+          .where_shown("class_of")
+          .optional()
+          .help("landmarks and the midsagittal plane"),
       port("volume", DataKind::volume).optional().help("CT volume, for its noise and a picture of what is wrong")};
   s.output = DataKind::nothing;
   s.make_params = [] { return AnyParams::make<AnatomyGateParams>(); };

@@ -11,7 +11,6 @@ StageType body_stage() {
   s.version = 3;
   s.typical_s = 1;
   s.place = StagePlace::scan;
-  s.role = StageRole::prepare;
   s.draws_removal = true;
   s.summary = "takes mask, couch and other apparatus off a scan";
   s.description =

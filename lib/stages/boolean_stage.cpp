@@ -11,7 +11,6 @@ StageType boolean_stage() {
   s.version = 2;
   s.typical_s = 1.5;
   s.place = StagePlace::scene;
-  s.role = StageRole::cut;
   s.summary = "cuts burr holes and other solids out of a surface";
   s.description =
       "The cut is an exact corefinement in a bounded child process. Operands and result are checked: they must be "
@@ -19,7 +18,7 @@ StageType boolean_stage() {
   s.examples = {"trephine boolean skull.vtp --cutters hole.json --output drilled.vtp",
                 "trephine boolean haptic.nrrd --cutters hole.json --shape skull --shape skin --output drilled.nrrd",
                 "trephine boolean skull.vtp --kind sphere --position-mm 10,-40,60 --radius-mm 8 --output cut.vtp"};
-  s.ports = {port("surface", DataKind::mesh).help("closed surface"),
+  s.ports = {port("surface", DataKind::mesh).from(From::finished_surface).help("closed surface"),
              port("cutters.*", DataKind::cutters).help("what is cut away")};
   s.output = DataKind::mesh;
   s.make_params = [] { return AnyParams::make<CutSurfaceParams>(); };

@@ -94,6 +94,12 @@ void check_zones(const BurrHoleParams& params, const BurrHole& hole, const Stage
   }
 }
 
+std::vector<std::string> avoided(const AnyParams& any) {
+  std::vector<std::string> names;
+  for (const auto& zone : any.as<BurrHoleParams>().avoid) names.push_back(zone.first);
+  return names;
+}
+
 }  // namespace
 
 StageType burrhole_stage() {
@@ -101,7 +107,6 @@ StageType burrhole_stage() {
   s.name = "burrhole";
   s.version = 8;
   s.place = StagePlace::scene;
-  s.role = StageRole::burr_hole;
   s.summary = "places a burr hole on a head";
   s.description =
       "The hole is placed at Kocher's point, measured over the skin from landmarks, or at a position. Kocher's point "
@@ -114,10 +119,16 @@ StageType burrhole_stage() {
       "trephine burrhole skull.vtp --over skin.vtp --landmark nasion=0,-95,10 --landmark inion=0,98,0 --output "
       "hole.json",
       "trephine burrhole skull.vtp --at position --position-mm -30,-40,70 --diameter-mm 12 --output hole.json"};
-  s.ports = {port("bone", DataKind::mesh).help("surface of the bone, not decimated"),
-             port("over", DataKind::mesh).optional().help("surface of the skin, over which Kocher's point is measured"),
-             port("landmarks", DataKind::landmarks).optional().help("landmarks, found and given ones"),
-             port("zone.*", DataKind::mesh).optional().help("zones that `avoid` names")};
+  s.ports = {port("bone", DataKind::mesh).of_role("burr_holes.bone").help("surface of the bone, not decimated"),
+             port("over", DataKind::mesh)
+                 .of_role("burr_holes.over")
+                 .optional()
+                 .help("surface of the skin, over which Kocher's point is measured"),
+             port("landmarks", DataKind::landmarks)
+                 .from(From::known_landmarks)
+                 .optional()
+                 .help("landmarks, found and given ones"),
+             port("zone.*", DataKind::mesh).of(avoided).optional().help("zones that `avoid` names")};
   s.output = DataKind::cutters;
   s.make_params = [] { return AnyParams::make<BurrHoleParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress&) -> StageData {

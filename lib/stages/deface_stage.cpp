@@ -11,7 +11,8 @@ StageType deface_stage() {
   s.version = 3;
   s.typical_s = 3;
   s.place = StagePlace::scan;
-  s.role = StageRole::deface;
+  s.removes_face = true;
+  s.case_figures = "face.";
   s.summary = "takes the face off a CT volume";
   s.description =
       "In front of the plane through the tragi and below the nasion, everything near the skin of the original scan "
@@ -20,11 +21,15 @@ StageType deface_stage() {
   s.examples = {"trephine deface head.nrrd --skin skin.nrrd --landmarks landmarks.json --output defaced.nrrd",
                 "trephine deface head.nrrd --skin skin.nrrd --landmarks landmarks.json --policy crop "
                 "--output cropped.nrrd"};
-  s.ports = {
-      port("volume", DataKind::volume).help("CT volume in HU"),
-      port("skin", DataKind::field).help("the skin of this volume, as segment finds it"),
-      port("landmarks", DataKind::landmarks).help("landmarks nasion, tragus_left and tragus_right"),
-      port("found", DataKind::landmarks).optional().help("the same landmarks, found without any that a person gave")};
+  s.ports = {port("volume", DataKind::volume).from(From::original_scan).help("CT volume in HU"),
+             port("skin", DataKind::field).help("the skin of this volume, as segment finds it"),
+             port("landmarks", DataKind::landmarks)
+                 .from(From::original_landmarks)
+                 .help("landmarks nasion, tragus_left and tragus_right"),
+             port("found", DataKind::landmarks)
+                 .from(From::found_landmarks)
+                 .optional()
+                 .help("the same landmarks, found without any that a person gave")};
   s.output = DataKind::volume;
   s.make_params = [] { return AnyParams::make<DefaceParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

@@ -33,17 +33,23 @@ StageType face_gate_stage() {
   s.version = 2;
   s.typical_s = 2;
   s.place = StagePlace::scene;
-  s.role = StageRole::face_check;
+  s.case_name = "face";
+  s.serves = "the check that no face is published";
+  s.case_figures = "face.";
   s.summary = "refuses what still shows the face";
   s.description = "Compares every surface and volume that is about to be published with the original skin.";
   s.examples = {"trephine face-gate skin.nrrd --landmarks landmarks.json --surface skin=skin.vtp"};
-  s.ports = {
-      port("skin", DataKind::field).help("the skin of the original scan"),
-      port("landmarks", DataKind::landmarks).help("landmarks nasion, tragus_left and tragus_right"),
-      port("found", DataKind::landmarks).optional().help("the same landmarks, found without any that a person gave"),
-      port("surface.*", DataKind::mesh).optional().help("surfaces that are published"),
-      port("haptic", DataKind::haptic).optional().help("the haptic volume that is published"),
-      port("ct", DataKind::volume).optional().help("the CT that is published")};
+  s.ports = {port("skin", DataKind::field).help("the skin of the original scan"),
+             port("landmarks", DataKind::landmarks)
+                 .from(From::original_landmarks)
+                 .help("landmarks nasion, tragus_left and tragus_right"),
+             port("found", DataKind::landmarks)
+                 .from(From::found_landmarks)
+                 .optional()
+                 .help("the same landmarks, found without any that a person gave"),
+             port("surface.*", DataKind::mesh).from(From::surfaces).optional().help("surfaces that are published"),
+             port("haptic", DataKind::haptic).optional().help("the haptic volume that is published"),
+             port("ct", DataKind::volume).from(From::published_ct).optional().help("the CT that is published")};
   s.output = DataKind::nothing;
   s.make_params = [] { return AnyParams::make<FaceBeliefParams>(); };
   s.run = run_gate;

@@ -10,7 +10,6 @@ StageType head_region_stage() {
   s.name = "head_region";
   s.version = 2;
   s.place = StagePlace::scan;
-  s.role = StageRole::prepare;
   s.summary = "cuts a scan to the region of the head";
   s.description =
       "Finds the cranial cavity and the foramen magnum, and keeps the head with a part of the neck, on the same "

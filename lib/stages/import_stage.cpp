@@ -10,7 +10,6 @@ StageType import_stage() {
   s.name = "import";
   s.version = 5;
   s.place = StagePlace::scene;
-  s.role = StageRole::import;
   s.summary = "reads a CT series from a DICOM folder or ZIP archive into a volume in HU";
   s.output = DataKind::volume;
   s.make_params = [] { return AnyParams::make<ImportStageParams>(); };

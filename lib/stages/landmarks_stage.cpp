@@ -11,7 +11,6 @@ StageType landmarks_stage() {
   s.version = 8;
   s.typical_s = 1.5;
   s.place = StagePlace::scan;
-  s.role = StageRole::landmarks;
   s.summary = "finds the landmarks of a head";
   s.description =
       "Finds the midsagittal plane by symmetry; nasion, inion, tragi and vertex from the skin and the bone below it; "
@@ -26,13 +25,15 @@ StageType landmarks_stage() {
       "landmarks.json",
       "trephine landmarks volume.nrrd --skin skin.nrrd --skull skull.nrrd --given points.mrk.json --output "
       "landmarks.json"};
-  s.ports = {
-      port("volume", DataKind::volume).help("CT volume in HU"),
-      port("skin", DataKind::field).help("the head's skin"),
-      port("skull", DataKind::field).help("the head's skull"),
-      port("brain", DataKind::field).optional().help("the head's brain"),
-      port("ventricles", DataKind::field).optional().help("the head's ventricles, for the foramina of Monro"),
-      port("given", DataKind::landmarks).optional().help("landmarks that a person placed; they replace found ones")};
+  s.ports = {port("volume", DataKind::volume).from(From::original_scan).help("CT volume in HU"),
+             port("skin", DataKind::field).help("the head's skin"),
+             port("skull", DataKind::field).help("the head's skull"),
+             port("brain", DataKind::field).optional().help("the head's brain"),
+             port("ventricles", DataKind::field).optional().help("the head's ventricles, for the foramina of Monro"),
+             port("given", DataKind::landmarks)
+                 .from(From::given_landmarks)
+                 .optional()
+                 .help("landmarks that a person placed; they replace found ones")};
   // A landmark on the midline is best seen in a sagittal slice, the foramina of Monro in an axial one.
   s.points = {{"nasion", SlicePlane::sagittal},     {"inion", SlicePlane::sagittal},
               {"vertex", SlicePlane::sagittal},     {"bregma", SlicePlane::sagittal},

@@ -11,7 +11,7 @@ StageType measure_stage() {
   s.version = 3;
   s.typical_s = 2.5;
   s.place = StagePlace::scene;
-  s.role = StageRole::measure;
+  s.serves = "what decimation and smoothing did to";
   s.summary = "measures a surface, also against a reference";
   s.description =
       "Measures validity (closed, 2-manifold, oriented, free of self-intersections; of each kind of fault how many "
@@ -22,8 +22,8 @@ StageType measure_stage() {
                 "trephine measure fewer.vtp --reference skull.vtp --certify --picture deviation.png",
                 "trephine measure skull.vtp --truth head/truth/truth.json --anatomy skull",
                 "trephine measure ventricles.nrrd --truth head/truth/truth.json --anatomy ventricles"};
-  s.ports = {port("surface", DataKind::mesh).help("surface to measure"),
-             port("reference", DataKind::mesh).optional().help("surface to compare with")};
+  s.ports = {port("surface", DataKind::mesh).from(From::finished_surface).help("surface to measure"),
+             port("reference", DataKind::mesh).from(From::first_surface).optional().help("surface to compare with")};
   s.output = DataKind::nothing;
   s.make_params = [] { return AnyParams::make<MeasureParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

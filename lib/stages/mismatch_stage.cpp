@@ -13,12 +13,13 @@ StageType mismatch_stage() {
   s.version = 2;
   s.typical_s = 1.5;
   s.place = StagePlace::scene;
-  s.role = StageRole::mismatch;
+  s.case_name = "haptic.mismatch";
+  s.serves = "how far what is felt lies from what is seen";
   s.summary = "measures how far the felt surfaces lie from the displayed ones";
   s.description = "Looks along the normals of the displayed surfaces for the surface of the haptic volume.";
   s.examples = {"trephine mismatch haptic.nrrd --surface skull=skull.vtp"};
   s.ports = {port("haptic", DataKind::haptic).help("haptic volume"),
-             port("surface.*", DataKind::mesh).help("displayed surfaces")};
+             port("surface.*", DataKind::mesh).from(From::felt_surfaces).help("displayed surfaces")};
   s.output = DataKind::nothing;
   s.make_params = [] { return AnyParams::make<MismatchParams>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

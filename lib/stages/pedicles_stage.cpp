@@ -75,7 +75,6 @@ StageType pedicles_stage() {
   s.version = 2;
   s.typical_s = 3;
   s.place = StagePlace::scan;
-  s.role = StageRole::landmarks;
   s.summary = "finds the pedicles of a spine and the axis of each";
   s.description =
       "Finds the pedicles beside the spinal canal, and for each the line of largest clearance through it: its entry "
@@ -88,11 +87,13 @@ StageType pedicles_stage() {
   s.examples = {"trephine pedicles volume.nrrd --bone bone.nrrd --canal canal.nrrd --output landmarks.json",
                 "trephine pedicles volume.nrrd --bone bone.nrrd --canal canal.nrrd --given points.mrk.json --output "
                 "landmarks.json"};
-  s.ports = {
-      port("volume", DataKind::volume).help("CT volume in HU, in axial slices"),
-      port("bone", DataKind::field).help("the spine's bone, filled"),
-      port("canal", DataKind::field).help("the spinal canal"),
-      port("given", DataKind::landmarks).optional().help("landmarks that a person placed; they replace found ones")};
+  s.ports = {port("volume", DataKind::volume).from(From::original_scan).help("CT volume in HU, in axial slices"),
+             port("bone", DataKind::field).help("the spine's bone, filled"),
+             port("canal", DataKind::field).help("the spinal canal"),
+             port("given", DataKind::landmarks)
+                 .from(From::given_landmarks)
+                 .optional()
+                 .help("landmarks that a person placed; they replace found ones")};
   s.points = {{"pedicle", SlicePlane::axial, true}};
   s.output = DataKind::landmarks;
   s.make_params = [] { return AnyParams::make<PediclesParams>(); };

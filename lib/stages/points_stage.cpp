@@ -11,7 +11,7 @@ StageType points_stage() {
   s.name = "points";
   s.version = 1;
   s.place = StagePlace::scene;
-  s.role = StageRole::given_landmarks;
+  s.case_name = "given_landmarks";
   s.summary = "makes a list of landmarks that a person placed";
   s.description =
       "Makes the landmarks that `landmarks` and `burrhole` take as given. Each has a name, a position, and a "

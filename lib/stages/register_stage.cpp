@@ -15,7 +15,6 @@ StageType register_stage() {
   s.name = "register";
   s.version = 3;
   s.place = StagePlace::scene;  // a case names its further scans, and a recipe's steps read them by `scan`
-  s.role = StageRole::second_scan;
   s.typical_s = 12;
   s.provenance = {"transform",     "turn_deg",     "spread_mm",   "inverse_mm",
                   "overlap_ratio", "margin_ratio", "scale_ratio", "bone_ratio"};
@@ -28,8 +27,8 @@ StageType register_stage() {
       "transform to begin with.";
   s.examples = {"trephine register head.nrrd mr.nrrd --transform mr.tfm --picture check.png --output mr_on_ct.nrrd"};
   s.ports = {
-      port("volume", DataKind::volume).help("CT volume in HU, which stays"),
-      port("moving", DataKind::volume).help("the second scan"),
+      port("volume", DataKind::volume).from(From::original_scan).help("CT volume in HU, which stays"),
+      port("moving", DataKind::volume).from(From::further_scan).help("the second scan"),
       port("within", DataKind::field).optional().help("an anatomy of the CT; places outside of it are not compared")};
   s.output = DataKind::volume;
   s.make_params = [] { return AnyParams::make<RegistrationParams>(); };

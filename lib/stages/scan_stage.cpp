@@ -9,14 +9,16 @@ StageType scan_stage() {
   s.name = "scan";
   s.version = 2;
   s.place = StagePlace::scan;
-  s.role = StageRole::suitability;
+  s.serves = "what the scan is suited for";
+  s.case_figures = "scan.";
+  s.tells_at_once = true;
   s.summary = "measures noise, kernel and artefacts of a head's scan and says what it is suited for";
   s.description =
       "Noise is the standard deviation of a voxel and of the mean over a cube of 2 mm, in tiles of even soft tissue "
       "within the skull; the kernel shows in how neighbours go together and in the skin's edge. The verdict on brain, "
       "ventricles and skull is suited, doubtful or unsuited, each with what to do.";
   s.examples = {"trephine scan head.nrrd --report scan.json"};
-  s.ports = {port("volume", DataKind::volume).help("CT volume in HU")};
+  s.ports = {port("volume", DataKind::volume).from(From::import).help("CT volume in HU")};
   s.output = DataKind::nothing;
   s.make_params = [] { return AnyParams::make<ScanLimits>(); };
   s.run = [](const AnyParams& params, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

@@ -29,6 +29,20 @@ const char* to_text(DataKind kind) {
   return "";
 }
 
+PortDeclaration::PortDeclaration(std::string name, DataKind kind) {
+  port_.name = std::move(name);
+  port_.kind = kind;
+  port_.from = kind == DataKind::volume      ? From::scan
+               : kind == DataKind::cutters   ? From::cutters
+               : kind == DataKind::haptic    ? From::haptic
+               : kind == DataKind::landmarks ? From::landmarks
+                                             : From::recipe;
+}
+
+bool StageType::reads(From from) const {
+  return std::any_of(ports.begin(), ports.end(), [&](const Port& p) { return p.from == from; });
+}
+
 const Port* StageType::find_port(const std::string& port) const {
   for (const Port& p : ports)
     if (p.name == port) return &p;
@@ -54,10 +68,11 @@ const StageType& stage_named(const std::string& name) {
   throw Error(ExitCode::internal, "", name, "no such stage is declared");
 }
 
-const StageType& stage_of(StageRole role) {
+const StageType& stage_with(const ParameterSet& params) {
   for (const StageType& t : stage_types())
-    if (t.role == role) return t;
-  throw Error(ExitCode::internal, "", "role " + std::to_string(static_cast<int>(role)), "no stage has it");
+    if (t.make_params().set == &params) return t;
+  throw Error(ExitCode::internal, "", params.parameters.empty() ? "" : params.parameters[0].name,
+              "no stage is declared with these parameters");
 }
 
 bool StageType::finds(const std::string& landmark) const {

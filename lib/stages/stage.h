@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -35,32 +36,39 @@ using StageData = std::variant<std::monostate, std::shared_ptr<const HuVolume>, 
                                std::shared_ptr<const std::vector<Cutter>>, std::shared_ptr<const HeadLandmarks>,
                                std::shared_ptr<const LabelFile>>;
 
-/// Where a stage is used.
+/// Where a stage is used. What a case uses it for follows from its output: of the whole scan, a volume takes the scan's
+/// place, landmarks are looked for where something needs them, and a stage that hands on nothing is a check, made where
+/// the case has its inputs. A check of the scene is made of every anatomy where it reads one anatomy's surface.
 enum class StagePlace {
   anatomy,  ///< a step of an anatomy in a recipe
   scan,     ///< once for the whole scan, where a recipe has its name as a key and the scene needs it
   scene,    ///< what a scene or a case asks for: burr holes, the haptic volume, gates; no recipe names it
 };
 
-/// What the graph of a case uses a stage for where it is no step that a recipe puts in order. At most one stage has
-/// each role, so the graph need not know names.
-enum class StageRole {
-  step,             ///< a step of an anatomy, or a tool that no case uses
-  import,           ///< reads the series
-  suitability,      ///< says what the scan is suited for, right after the import
-  second_scan,      ///< lays a further scan of the patient on the first
-  resample,         ///< puts the scan on other voxels
-  prepare,          ///< makes the scan ready before anything is found on it; there may be several
-  given_landmarks,  ///< holds the landmarks that a person placed
-  landmarks,        ///< finds landmarks; there are several, of which a recipe names one
-  deface,           ///< takes the face off the scan
-  face_check,       ///< checks that nothing to be published shows the face
-  check,            ///< checks anatomies against each other
-  burr_hole,        ///< places a burr hole
-  cut,              ///< cuts burr holes from a surface
-  haptic,           ///< makes the haptic volume
-  mismatch,         ///< compares what is felt with what is seen
-  measure,          ///< measures what decimation and smoothing did
+/// Where the graph of a case takes an input from; a single tool takes every input from a file. What its source makes
+/// first stands before it in the graph, in this order. An input whose source the case has not is left open.
+enum class From {
+  scan,                ///< the scan that the step names, or as the stages of the whole scan left it (volumes)
+  ct,                  ///< the CT, whichever scan the step names
+  import,              ///< the scan as it was read
+  original_scan,       ///< the scan before its face is taken away
+  further_scan,        ///< a further scan of the case, as it was read
+  published_ct,        ///< the CT that the case holds
+  given_landmarks,     ///< landmarks that a person placed
+  known_landmarks,     ///< those of the case where they are looked for anyway, else the given ones
+  recipe,              ///< what the recipe names as anatomy.stage; by its first port an anatomy's step takes the one
+                       ///< before it (fields, labels, surfaces)
+  landmarks,           ///< those of the case, which are looked for
+  original_landmarks,  ///< those of the scan before its face is taken away
+  found_landmarks,     ///< the same without those that a person placed; open where nobody placed any
+  role,                ///< the surface before decimation of the anatomy that has the role Port::role in the recipe
+  anatomies,           ///< the same of the anatomies that the parameters name: Port::anatomies
+  first_surface,       ///< of one anatomy the surface before decimation
+  finished_surface,    ///< of one anatomy the surface before burr holes
+  surfaces,            ///< every published surface
+  felt_surfaces,       ///< those of shapes that are felt as well
+  cutters,             ///< every burr hole of the case (cutters)
+  haptic,              ///< the haptic volume of the case (haptic volumes)
 };
 
 /// A landmark that a stage finds, and the slice in which it is best seen; or a family of them, of which there are as
@@ -74,8 +82,7 @@ struct StagePoint {
   }
 };
 
-/// An input of a stage. A name that ends in ".*" stands for any number of them ("cutters.*": cutters.1, ...). The first
-/// port of a stage takes the output of the stage before it in a recipe.
+/// An input of a stage. A name that ends in ".*" stands for any number of them ("cutters.*": cutters.1, ...).
 struct Port {
   std::string name;
   DataKind kind = DataKind::volume;
@@ -83,19 +90,32 @@ struct Port {
   std::string help;
   bool or_volume = false;  ///< takes a field or a CT volume
   bool or_field = false;   ///< as a file takes a surface, or a field, which is contoured
+  From from = From::recipe;
+  std::string role;  ///< of From::role: "burr_holes.bone"; of others: open unless the anatomy of that role is shown
+  std::function<std::vector<std::string>(const AnyParams&)> anatomies;  ///< of From::anatomies
+  std::function<bool(const AnyParams&)> asked;  ///< whether the parameters ask for the input; empty: always
+
+  bool is_many() const { return group() != name; }
+  /// The name without ".*".
+  std::string group() const { return name.substr(0, name.find(".*")); }
 };
 
-/// Declares a port by the names of what it says: port("cutters.*", DataKind::cutters).optional().help("...").
+/// Declares a port by the names of what it says: port("cutters.*", DataKind::cutters).optional().help("..."). Its
+/// source follows from its kind where `from` does not say another one.
 class PortDeclaration {
  public:
-  PortDeclaration(std::string name, DataKind kind) {
-    port_.name = std::move(name);
-    port_.kind = kind;
-  }
+  PortDeclaration(std::string name, DataKind kind);
   PortDeclaration& optional() { return port_.required = false, *this; }
   PortDeclaration& or_volume() { return port_.or_volume = true, *this; }
   PortDeclaration& or_field() { return port_.or_field = true, *this; }
   PortDeclaration& help(std::string text) { return port_.help = std::move(text), *this; }
+  PortDeclaration& from(From from) { return port_.from = from, *this; }
+  PortDeclaration& of_role(std::string role) { return port_.role = std::move(role), from(From::role); }
+  PortDeclaration& where_shown(std::string role) { return port_.role = std::move(role), *this; }
+  PortDeclaration& of(std::function<std::vector<std::string>(const AnyParams&)> anatomies) {
+    return port_.anatomies = std::move(anatomies), from(From::anatomies);
+  }
+  PortDeclaration& where(std::function<bool(const AnyParams&)> asked) { return port_.asked = std::move(asked), *this; }
   operator Port() const { return port_; }
 
  private:
@@ -131,9 +151,18 @@ struct StageType {
   std::string name;
   int version = 1;  ///< raised whenever the same inputs and parameters give other bytes; part of the cache's key
   StagePlace place = StagePlace::anatomy;
-  StageRole role = StageRole::step;
-  bool draws_removal = false;   ///< takes something off the scan, on the same voxels: a picture shows what
-  bool changes_raster = false;  ///< its field is not on the scan's voxels, so that no correction can be laid on it
+  /// What a case calls it where that is not the stage's name: "haptic.mismatch".
+  std::string case_name;
+  /// Of a check: what a case has of it ("what the scan is suited for"; of an anatomy, its name follows).
+  std::string serves;
+  /// With this before their names, a case records the report's figures; nothing: it does not.
+  std::optional<std::string> case_figures;
+  int least_inputs = 0;          ///< of a check: with fewer anatomies shown it is left out
+  bool removes_face = false;     ///< takes the face off the scan, where the scene's policy says so
+  bool in_every_recipe = false;  ///< a recipe need not name it; with its default parameters it does nothing
+  bool tells_at_once = false;    ///< its warnings are told when it has run: a later refusal may be because of it
+  bool draws_removal = false;    ///< takes something off the scan, on the same voxels: a picture shows what
+  bool changes_raster = false;   ///< its field is not on the scan's voxels, so that no correction can be laid on it
   /// Seconds on a head of 30 million voxels: a weight of the overall progress until a run of the library has told.
   double typical_s = 0.5;
   std::string summary, description;
@@ -150,6 +179,11 @@ struct StageType {
   std::function<StageData(const AnyParams&, const StageInputs&, Report&, const Progress&)> run;
 
   const Port* find_port(const std::string& port) const;
+  bool is_check() const { return place != StagePlace::anatomy && output == DataKind::nothing; }
+  bool reads(From from) const;
+  /// Whether it reads the scan before its face is taken away, or what was made of it.
+  bool sees_face() const { return reads(From::original_scan) || reads(From::original_landmarks); }
+  const std::string& name_in_case() const { return case_name.empty() ? name : case_name; }
   /// Whether it finds landmarks of that name.
   bool finds(const std::string& landmark) const;
   /// The parameters that name files to be read (declared with names("file")). Their paths are relative to the file that
@@ -163,8 +197,9 @@ const std::vector<StageType>& stage_types();
 const StageType* find_stage(const std::string& name);
 /// The stage with a name that the program's own code uses. Throws Error 70 where there is none.
 const StageType& stage_named(const std::string& name);
-/// The stage with that role. Throws Error 70 where there is none.
-const StageType& stage_of(StageRole role);
+/// The stage that has these parameters: a part of a case's configuration is the parameters of one stage. Throws Error
+/// 70 where there is none.
+const StageType& stage_with(const ParameterSet& params);
 /// The slice in which a landmark is best seen; coronal where no stage finds it.
 SlicePlane plane_of_landmark(const std::string& name);
 /// The stages of a place, by name.

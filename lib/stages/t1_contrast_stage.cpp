@@ -19,7 +19,7 @@ StageType t1_contrast_stage() {
   s.examples = {"trephine t1-contrast mr_on_ct.nrrd --ct head.nrrd --skull skull.nrrd --output t1.nrrd",
                 "trephine ventricles t1.nrrd --brain brain.nrrd --output ventricles.nrrd"};
   s.ports = {port("volume", DataKind::volume).help("T1-weighted MR on the CT's voxels"),
-             port("ct", DataKind::volume).help("CT volume in HU"),
+             port("ct", DataKind::volume).from(From::ct).help("CT volume in HU"),
              port("skull", DataKind::field)
                  .optional()
                  .help("the skull that encloses the brain; without it, bone is every voxel above 226 HU")};

@@ -22,7 +22,7 @@ StageType vessels_stage() {
       "--output hole.json"};
   s.ports = {
       port("volume", DataKind::volume).help("CT angiography on the CT's voxels"),
-      port("ct", DataKind::volume).help("CT volume in HU"),
+      port("ct", DataKind::volume).from(From::ct).help("CT volume in HU"),
       port("skull", DataKind::field)
           .optional()
           .help("the skull that encloses the brain, or all bone of a trunk; without it, bone is every voxel above 226 "

@@ -112,6 +112,25 @@ void check_shapes(const VoxelizeStageParams& params) {
       throw Error(ExitCode::usage, "", "drill." + name, "is no shape of the haptic volume");
 }
 
+// What the graph of a case has to find for the parameters.
+std::vector<std::string> surfaces_of_shapes(const AnyParams& any) {
+  const auto& params = any.as<VoxelizeStageParams>();
+  std::vector<std::string> names;
+  if (params.encoding == HapticEncoding::occupancy)
+    for (const auto& shape : params.shapes) names.push_back(shape.first);
+  return names;
+}
+
+std::vector<std::string> kept_clear_of(const AnyParams& any) {
+  std::vector<std::string> names;
+  for (const auto& shape : any.as<VoxelizeStageParams>().shapes) names.push_back(shape.second.clear_of);
+  return names;
+}
+
+std::vector<std::string> region_of(const AnyParams& any) { return {any.as<VoxelizeStageParams>().region_of}; }
+
+bool is_drilled(const AnyParams& any) { return !any.as<VoxelizeStageParams>().drill.empty(); }
+
 }  // namespace
 
 std::string HapticShapeParams::fault() const {
@@ -128,7 +147,7 @@ StageType voxelize_stage() {
   s.version = 3;
   s.typical_s = 8;
   s.place = StagePlace::scene;
-  s.role = StageRole::haptic;
+  s.case_name = "haptic.voxelize";
   s.summary = "makes the haptic volume, which is what the hand feels";
   s.description =
       "Each voxel says which shape fills it and how much of it, so that one lookup serves any number of shapes and the "
@@ -142,12 +161,19 @@ StageType voxelize_stage() {
   s.ports = {
       port("volume", DataKind::volume).help("CT volume in HU, on whose axes the haptic volume lies"),
       port("shape.*", DataKind::mesh)
+          .of(surfaces_of_shapes)
           .optional()
           .or_field()
           .help("surfaces of the shapes, or fields, which are contoured"),
-      port("region", DataKind::mesh).optional().help("surface whose box is the region, where region_of names no shape"),
-      port("clear.*", DataKind::mesh).optional().help("surfaces, other than shapes, that shapes keep clear of"),
-      port("cutters.*", DataKind::cutters).optional().help("what is cut away, such as burr holes")};
+      port("clear.*", DataKind::mesh)
+          .of(kept_clear_of)
+          .optional()
+          .help("surfaces, other than shapes, that shapes keep clear of"),
+      port("region", DataKind::mesh)
+          .of(region_of)
+          .optional()
+          .help("surface whose box is the region, where region_of names no shape"),
+      port("cutters.*", DataKind::cutters).where(is_drilled).optional().help("what is cut away, such as burr holes")};
   s.output = DataKind::haptic;
   s.make_params = [] { return AnyParams::make<VoxelizeStageParams>(); };
   s.run = [](const AnyParams& any, const StageInputs& in, Report& report, const Progress& progress) -> StageData {

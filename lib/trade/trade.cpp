@@ -171,7 +171,7 @@ class Sweep {
     add_stage(out, "publish", published);
     out.total.bytes = static_cast<std::int64_t>(number_of(published.report, "bytes"));
     for (std::size_t i = 0; i < p.graph.anatomies.size(); ++i) add_anatomy(p, i, published.report, out);
-    if (p.graph.haptic >= 0)
+    if (p.config.haptic.wanted)
       for (const SceneShape& shape : p.config.haptic.shapes) add_shape(p, shape.name, out);
     return out;
   }
@@ -248,8 +248,8 @@ class Sweep {
             add_deviation(report, measure_deviation(mesh(p, nodes.surface), mesh(finest, reference), params));
           }));
     if (truth_) add_truth(p, nodes, a);
-    if (p.graph.mismatch >= 0) {
-      const Report& report = store_.find(key_of(p, p.graph.mismatch))->report;
+    if (const int mismatch = p.graph.find("haptic.mismatch"); mismatch >= 0) {
+      const Report& report = store_.find(key_of(p, mismatch))->report;
       if (report.find(a.name + ".mismatch_rms_mm")) a.mismatch_rms_mm = number_of(report, a.name + ".mismatch_rms_mm");
     }
     out.total.triangles_count += a.triangles_count;
@@ -302,18 +302,19 @@ class Sweep {
 
   void add_shape(const Prepared& p, const std::string& name, PointTrade& out) {
     const Prepared& finest = prepared_[0];
-    const auto& sources = finest.graph.nodes[std::size_t(finest.graph.haptic)].sources;
+    const int haptic = p.graph.result(DataKind::haptic);
+    const auto& sources = finest.graph.nodes[std::size_t(finest.graph.result(DataKind::haptic))].sources;
     const auto contour = sources.find("shape." + name);
     if (contour == sources.end()) return;  // the volume holds raw HU
     const Report& report =
-        compared("felt " + name, {key_of(p, p.graph.haptic), name, key_of(finest, contour->second)}, [&](Report& r) {
-          const auto haptic = std::get<std::shared_ptr<const HapticVolume>>(stages_.data(p.graph, p.graph.haptic));
+        compared("felt " + name, {key_of(p, haptic), name, key_of(finest, contour->second)}, [&](Report& r) {
+          const auto felt_in = std::get<std::shared_ptr<const HapticVolume>>(stages_.data(p.graph, haptic));
           const TriMesh surface = mesh(finest, contour->second);
           for (const FeltSurface felt : {FeltSurface::sub_voxel, FeltSurface::nearest}) {
             MismatchParams params;
             params.sample_count = request_.params.sample_count;
             params.felt = felt;
-            const Mismatch m = measure_mismatch(surface, *haptic, *haptic->find_shape(name), params);
+            const Mismatch m = measure_mismatch(surface, *felt_in, *felt_in->find_shape(name), params);
             const std::string prefix = felt == FeltSurface::nearest ? "nearest_" : "sub_voxel_";
             r.add(prefix + "rms_mm", m.rms_mm);
             r.add(prefix + "p99_mm", m.p99_mm);

@@ -40,4 +40,33 @@ std::vector<std::pair<std::string, ParameterValue>> Node::recorded() const {
   return all;
 }
 
+std::vector<int> Graph::results(DataKind kind) const {
+  std::vector<int> all;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (nodes[i].wanted && nodes[i].output == kind) all.push_back(static_cast<int>(i));
+  return all;
+}
+
+int Graph::result(DataKind kind) const {
+  const std::vector<int> all = results(kind);
+  return all.empty() ? -1 : all[0];
+}
+
+int Graph::find(const std::string& name) const {
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (nodes[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+void require_allowed(const Graph& graph, bool allow_external) {
+  if (allow_external) return;
+  for (const Node& node : graph.nodes)
+    if (node.type->runs_program) {
+      const Parameter* program = node.params.set->find("program");
+      throw Error(ExitCode::usage, "", node.name,
+                  "runs the program " + (program ? to_text(node.params.get(*program)) : std::string()) +
+                      " that the recipe names; where you trust it, say --allow-external");
+    }
+}
+
 }  // namespace trephine

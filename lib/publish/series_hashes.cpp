@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "publish/series_hashes.h"
+
+#include "base/error.h"
+
+namespace trephine {
+
+Graph SeriesHashes::graph_of(const CaseConfig& config) {
+  return make_graph(config, input(config),
+                    [&](const std::string& name, const SeriesChoice& scan) { return hash(name + ".import", scan); });
+}
+
+const std::string& SeriesHashes::input(const CaseConfig& config) {
+  try {
+    return hash("import", {config.series, config.import});
+  } catch (const Error& e) {
+    if (e.code() != ExitCode::usage) throw;
+    throw Error(e.code(), e.file(), e.field(), std::string(e.what()) + "; --set import.series=s1 chooses the first");
+  }
+}
+
+const std::string& SeriesHashes::hash(const std::string& import, const SeriesChoice& series) {
+  std::string& sha256 = sha256_[import];
+  if (sha256.empty())
+    sha256 = hash_of_series_input(series.folder_or_file, series.params, cancelled_, &folders_[import]);
+  return sha256;
+}
+
+}  // namespace trephine
