@@ -78,6 +78,7 @@ TEST(Actions, WordsAreReadAsTheRemoteSendsThem) {
   EXPECT_FALSE(Words("trace toggle").on(true));
   EXPECT_THROW(Words("trace maybe").on(true), Error);
   EXPECT_EQ(Words("").verb(), "");
+  EXPECT_EQ(Words("", "orbit_more").word(), "orbit_more") << "of an action that only keys have";
 }
 
 TEST(Actions, KeysHaveNames) {

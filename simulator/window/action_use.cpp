@@ -51,10 +51,15 @@ std::string in_table(std::string text) {
 
 }  // namespace
 
-Words::Words(const std::string& text) {
+Words::Words(std::string verb, const std::string& text) : verb_(std::move(verb)) {
   std::istringstream in(text);
-  in >> verb_;
   for (std::string w; in >> w;) words_.push_back(w);
+}
+
+Words::Words(const std::string& line) : Words("", line) {
+  if (words_.empty()) return;
+  verb_ = words_.front();
+  words_.erase(words_.begin());
 }
 
 std::string Words::word() { return more() ? words_[next_++] : ""; }
@@ -79,7 +84,7 @@ bool Words::on(bool now) {
 
 Reply act(const Action& action, Player& player, Screen& screen, const std::string& words) {
   if (Answer why = action.why_not(player)) return why;
-  Words given(action.name + " " + words);
+  Words given(action.name, words);
   return action.run(player, screen, given);
 }
 

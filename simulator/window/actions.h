@@ -21,7 +21,8 @@ struct Screen {
 /// asked for.
 class Words {
  public:
-  explicit Words(const std::string& text);
+  explicit Words(const std::string& line);
+  Words(std::string verb, const std::string& text);
   const std::string& verb() const { return verb_; }
   bool more() const { return next_ < words_.size(); }
   std::string word();  ///< empty where there is none left
