@@ -105,6 +105,10 @@ bool operator==(const Note& a, const Note& b) { return a.id == b.id && a.values 
 
 const Wording& wording_of(NoteId id) { return table[std::size_t(id)].wording; }
 
+bool is_for_log(NoteId id) {
+  return (id >= NoteId::coarse_beyond && id <= NoteId::memory_pictures) || id == NoteId::ticks;
+}
+
 std::string text_of(const Note& note, Language language) {
   std::vector<std::string> values = note.values;
   std::string listed;

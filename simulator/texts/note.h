@@ -81,6 +81,8 @@ bool operator==(const Note& a, const Note& b);
 using Answer = std::optional<Note>;
 
 const Wording& wording_of(NoteId id);
+/// Whether it tells how the program does (times, memory, coarser surfaces), not what somebody at work should know.
+bool is_for_log(NoteId id);
 std::string text_of(const Note& note, Language language);
 
 }  // namespace trephine

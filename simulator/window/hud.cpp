@@ -9,7 +9,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "window/hud_parts.h"
@@ -21,6 +23,7 @@ using namespace hud;
 namespace {
 
 constexpr float letter_px = 13;
+constexpr const char* typeface = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";  // of fonts-dejavu-core
 constexpr float lines_of_notes = 7;
 
 }  // namespace
@@ -87,7 +90,10 @@ Hud::Hud(GlfwWindow& window, double scale, Language language) : scale_(scale), l
   ImGui::GetStyle().ScaleAllSizes(float(scale));
   ImFontConfig font;
   font.SizePixels = std::round(letter_px * float(scale));
-  ImGui::GetIO().Fonts->AddFontDefault(&font);
+  if (std::filesystem::exists(typeface))
+    ImGui::GetIO().Fonts->AddFontFromFileTTF(typeface, font.SizePixels, &font);
+  else
+    ImGui::GetIO().Fonts->AddFontDefault(&font);
   if (!ImGui_ImplGlfw_InitForOpenGL(window.handle(), true) || !ImGui_ImplOpenGL3_Init("#version 430 core"))
     throw Error(ExitCode::io, "", "OpenGL", "the panels cannot be drawn");
 }
@@ -110,11 +116,10 @@ void Hud::keys_list(const Player& player) {
 }
 
 void Hud::patient_panel(Player& player, Screen& screen) {
-  ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
-  // As high as what it shows: a cut adds to it. Where the window is too low for that it is scrolled.
-  const float across = ImGui::GetFontSize() * 23.5f;
-  ImGui::SetNextWindowSizeConstraints({across, 0},
-                                      {across, std::max(ImGui::GetFontSize() * 4, float(screen.cursor.height) - 16)});
+  // As high as what it shows: a cut adds to it. Where its place is too low for that it is scrolled.
+  const Place& at = layout_.work;
+  ImGui::SetNextWindowPos({at.x, at.y}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSizeConstraints({at.width, 0}, {at.width, at.height});
   ImGui::Begin(player.view().manifest().case_token.c_str(), nullptr,
                ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::PushItemWidth(ImGui::GetFontSize() * 14);
@@ -147,13 +152,12 @@ void Hud::patient_panel(Player& player, Screen& screen) {
 
 void Hud::status_panel(const Player& player, const Screen& screen, const PictureTimes& times) {
   const CaseView& view = player.view();
-  ImGui::SetNextWindowPos({float(screen.cursor.width) - 8, 8}, ImGuiCond_Always, {1, 0});
-  // With large letters it leaves the other half to the other panel.
-  ImGui::SetNextWindowSize({std::min(ImGui::GetFontSize() * 27, 0.5f * float(screen.cursor.width) - 12), 0},
-                           ImGuiCond_Always);
+  const Place& at = layout_.status;
+  ImGui::SetNextWindowPos({at.x, at.y}, ImGuiCond_Always);
+  ImGui::SetNextWindowSizeConstraints({at.width, 0}, {at.width, at.height});
   ImGui::Begin("##status", nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoFocusOnAppearing);
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoFocusOnAppearing);
   const ServoFrame& f = view.frame();
   const bool working = player.in_lesson();
   if (!working) line(say(Text::time), fmt::format("{:.2f} s", f.time_s));
@@ -161,19 +165,41 @@ void Hud::status_panel(const Player& player, const Screen& screen, const Picture
        translated_name(language_, player.tool()) +
            (f.buttons & Drilling::pedal ? fmt::format(" [{}]", say(Text::pedal)) : ""),
        f.buttons & Drilling::pedal ? orange : white);
-  line(say(Text::inside), f.inside ? view.shape_name(f.inside) : say(Text::nothing));
-  line(say(Text::depth), fmt::format("{:.1f} mm", view.depth_mm()));
+  if (!working) {  // a surgeon is not told where the tip is
+    line(say(Text::inside), f.inside ? view.shape_name(f.inside) : say(Text::nothing));
+    line(say(Text::depth), fmt::format("{:.1f} mm", view.depth_mm()));
+  }
   if (view.target_mm() >= 0 && !working) line(say(Text::to_target), fmt::format("{:.1f} mm", view.target_mm()));
   if (player.live() && player.live()->ink_mm() > 0)
     line(say(Text::last_trace), fmt::format("{:.0f}", player.live()->ink_mm()), sky);
   if (view.traces()) line(say(Text::trace), fmt::format("{:.0f} mm", view.trace_mm()));
   const double force =
       std::sqrt(f.force_n[0] * f.force_n[0] + f.force_n[1] * f.force_n[1] + f.force_n[2] * f.force_n[2]);
-  line(say(Text::force), fmt::format("{:.2f} N{}", force, f.touched ? ", " + view.shape_name(f.touched) : ""),
+  line(say(Text::force),
+       fmt::format("{:.2f} N{}", force, f.touched && !working ? ", " + view.shape_name(f.touched) : ""),
        force > 1 ? orange : white);
   const std::vector<float> forces(view.forces().begin(), view.forces().end());
   ImGui::PlotLines("##forces", forces.data(), int(forces.size()), 0, nullptr, 0, 3.5f,
                    {ImGui::GetContentRegionAvail().x, ImGui::GetFontSize() * 3});
+  if (!working) show_times(player, times);
+  if (f.faults != 0) ImGui::TextColored(vermilion, "%s: %s", say(Text::lost_device), fault_names(f.faults).c_str());
+  const std::string under = has_mouse() || working ? "" : view.under(screen.cursor);
+  if (!working) line(say(Text::under_cursor), under.empty() ? "-" : under);
+  ImGui::PushTextWrapPos(0);
+  if (screen.answer) ImGui::TextColored(orange, "%s", text_of(*screen.answer, language_).c_str());
+  ImGui::PopTextWrapPos();
+  for (const TimedNote& note : player.notes.since(notes_seen_))
+    note_lines_.push_back(clock_text(note.at_s) + "  " + text_of(note.note, language_));
+  while (note_lines_.size() > player.notes.kept().size()) note_lines_.pop_front();
+  note_list(player.notes, false, screen.cursor.height);
+  if (ImGui::CollapsingHeader(say(Text::log))) {
+    if (working) show_times(player, times);
+    note_list(player.notes, true, screen.cursor.height);
+  }
+  ImGui::End();
+}
+
+void Hud::show_times(const Player& player, const PictureTimes& times) {
   line(say(Text::picture), fmt::format("{:.1f} ms, {:.0f}/s", times.ms, times.per_s));
   if (!times.reduced.empty()) {
     ImGui::PushTextWrapPos(0);
@@ -183,36 +209,30 @@ void Hud::status_panel(const Player& player, const Screen& screen, const Picture
   if (player.live())
     line(say(Text::servo), fmt::format("{:.0f} Hz, {} {:.1f} ms", player.live()->servo_hz(), say(Text::late),
                                        player.live()->late_us() / 1000));
-  if (f.faults != 0) ImGui::TextColored(vermilion, "%s: %s", say(Text::lost_device), fault_names(f.faults).c_str());
-  const std::string under = has_mouse() || working ? "" : view.under(screen.cursor);
-  if (!working) line(say(Text::under_cursor), under.empty() ? "-" : under);
-  ImGui::PushTextWrapPos(0);
-  if (screen.answer) ImGui::TextColored(orange, "%s", text_of(*screen.answer, language_).c_str());
-  ImGui::PopTextWrapPos();
-  note_list(player.notes, screen.cursor.height);
-  ImGui::End();
 }
 
 // The newest first, and as bright as it is new; the others are reached by scrolling. However large the letters are, the
-// list keeps within the window.
-void Hud::note_list(const Notes& all, int height) {
+// list keeps within the window. `log`: what tells how the program does, in place of what the user should know.
+void Hud::note_list(const Notes& all, bool log, int height) {
   const std::deque<TimedNote>& notes = all.kept();
-  if (notes.empty()) return;
-  ImGui::Separator();
-  ImGui::TextColored(sky, "%s (%d)", say(Text::notes), int(all.count()));
-  for (const TimedNote& note : all.since(notes_seen_))
-    note_lines_.push_back(clock_text(note.at_s) + "  " + text_of(note.note, language_));
-  while (note_lines_.size() > notes.size()) note_lines_.pop_front();
+  std::vector<std::size_t> listed;
+  for (std::size_t n = notes.size(); n-- > 0;)
+    if (is_for_log(notes[n].note.id) == log) listed.push_back(n);
+  if (listed.empty()) return;
+  if (!log) {
+    ImGui::Separator();
+    ImGui::TextColored(sky, "%s (%d)", say(Text::notes), int(listed.size()));
+  }
   const float letter = ImGui::GetTextLineHeightWithSpacing(), across = ImGui::GetContentRegionAvail().x;
   const float left = float(height) - 8 - ImGui::GetCursorScreenPos().y - ImGui::GetStyle().WindowPadding.y;
   const float most = std::clamp(left, 2 * letter, lines_of_notes * letter);
   float high = 0;
-  for (std::size_t n = notes.size(); n-- > 0 && high < most;)
+  for (const std::size_t n : listed)
     high += ImGui::CalcTextSize(note_lines_[n].c_str(), nullptr, false, across).y + ImGui::GetStyle().ItemSpacing.y;
-  ImGui::BeginChild("##notes", {0, std::min(high, most)});
+  ImGui::BeginChild(log ? "##log" : "##notes", {0, std::min(high, most)});
   const double now_s = all.now_s();
   ImGui::PushTextWrapPos(0);
-  for (std::size_t n = notes.size(); n-- > 0;) {
+  for (const std::size_t n : listed) {
     const float share = float(freshness(notes[n], now_s));
     ImGui::TextColored({share, share, share, 1}, "%s", note_lines_[n].c_str());
   }
@@ -220,10 +240,11 @@ void Hud::note_list(const Notes& all, int height) {
   ImGui::EndChild();
 }
 
-void Hud::playback_panel(ShownRecording& shown, const Cursor& size) {
+void Hud::playback_panel(ShownRecording& shown) {
   const Playback& p = shown.playback();
-  ImGui::SetNextWindowPos({float(size.width) / 2, float(size.height) - 8}, ImGuiCond_Always, {0.5f, 1});
-  ImGui::SetNextWindowSize({float(size.width) * 0.7f, 0}, ImGuiCond_Always);
+  const Place& place = layout_.time;
+  ImGui::SetNextWindowPos({place.x, place.y}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({place.width, place.height}, ImGuiCond_Always);
   ImGui::Begin(say(Text::playback), nullptr, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
   if (ImGui::Button(say(shown.paused ? Text::go_on : Text::pause))) shown.paused = !shown.paused;
   ImGui::SameLine();
@@ -241,17 +262,21 @@ void Hud::draw(Player& player, Screen& screen, const PictureTimes& times) {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
+  const bool has_shots = player.shots() && !player.shots()->shots().empty();
+  layout_ =
+      Layout(float(screen.cursor.width), float(screen.cursor.height), ImGui::GetFontSize(),
+             player.xrays() && player.live(), player.lesson() && player.shown(), has_shots, player.shown() != nullptr);
   if (screen.panels_shown) {
     if (player.in_lesson())
       lesson_panel(player, screen);
     else
       patient_panel(player, screen);
-    if (player.lesson() && player.shown()) score_panel(*player.lesson(), screen.cursor);
+    if (player.lesson() && player.shown()) score_panel(*player.lesson());
     status_panel(player, screen, times);
-    if (player.shown()) playback_panel(*player.shown(), screen.cursor);
+    if (player.shown()) playback_panel(*player.shown());
   }
   if (player.xrays() && player.live()) xray_panel(player, screen);
-  if (player.shots() && !player.shots()->shots().empty()) shot_panel(player, screen.cursor);
+  if (has_shots) shot_panel(player);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }

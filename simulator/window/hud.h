@@ -6,6 +6,7 @@
 
 #include "window/actions.h"
 #include "window/glfw_window.h"
+#include "window/layout.h"
 #include "window/texts.h"
 
 namespace trephine {
@@ -34,14 +35,16 @@ class Hud {
   void patient_panel(Player& player, Screen& screen);
   void keys_list(const Player& player);
   void status_panel(const Player& player, const Screen& screen, const PictureTimes& times);
-  void note_list(const Notes& notes, int height);
+  void show_times(const Player& player, const PictureTimes& times);
+  void note_list(const Notes& notes, bool log, int height);
   void lesson_panel(Player& player, Screen& screen);
-  void score_panel(const LessonDesk& lesson, const Cursor& size);
+  void score_panel(const LessonDesk& lesson);
   void xray_panel(Player& player, Screen& screen);
-  void shot_panel(Player& player, const Cursor& size);  // of a review
+  void shot_panel(Player& player);  // of a review
   void xray_picture(const XrayPictures& pictures, float edge);
-  void playback_panel(ShownRecording& shown, const Cursor& size);
+  void playback_panel(ShownRecording& shown);
   const char* say(Text text) const { return text_of(language_, text); }
+  Layout layout_{1, 1, 1, false, false, false, false};  // of the picture that is drawn
   double scale_;
   Language language_;
   std::deque<std::string> note_lines_;  // of the notes that are kept, as they are shown

@@ -14,9 +14,10 @@ using namespace hud;
 
 void Hud::lesson_panel(Player& player, Screen& screen) {
   const LessonDesk& lesson = *player.lesson();
-  ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({ImGui::GetFontSize() * 22, 0}, ImGuiCond_FirstUseEver);
-  ImGui::Begin(say(Text::lesson), nullptr, ImGuiWindowFlags_NoFocusOnAppearing);
+  const Place& at = layout_.work;
+  ImGui::SetNextWindowPos({at.x, at.y}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSizeConstraints({at.width, 0}, {at.width, at.height});
+  ImGui::Begin(say(Text::lesson), nullptr, ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_AlwaysAutoResize);
   if (lesson.judging()) {
     ImGui::TextColored(sky, "%s", say(Text::judging));
     ImGui::End();
@@ -47,14 +48,13 @@ void Hud::lesson_panel(Player& player, Screen& screen) {
   ImGui::End();
 }
 
-void Hud::score_panel(const LessonDesk& lesson, const Cursor& size) {
+void Hud::score_panel(const LessonDesk& lesson) {
   const ScoredLesson* scored = lesson.scored();
   if (!scored) return;
   const ScoreSum sum = sum_of(scored->score);
-  // Above the recording's panel, beside the anatomies.
-  ImGui::SetNextWindowPos({float(size.width) - 8, float(size.height) - 5 * ImGui::GetFontSize()},
-                          ImGuiCond_FirstUseEver, {1, 1});
-  ImGui::SetNextWindowSize({ImGui::GetFontSize() * 30, 0}, ImGuiCond_FirstUseEver);
+  const Place& at = layout_.scores;
+  ImGui::SetNextWindowPos({at.x, at.y}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({at.width, at.height}, ImGuiCond_FirstUseEver);
   ImGui::Begin(fmt::format("{}###scores", say(Text::lesson)).c_str(), nullptr, ImGuiWindowFlags_NoFocusOnAppearing);
   ImGui::TextColored(sky, "%s: %d / %d", say(Text::points), sum.points, sum.most);
   ImGui::PushTextWrapPos(0);

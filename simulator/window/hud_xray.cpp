@@ -46,13 +46,13 @@ void Hud::xray_picture(const XrayPictures& pictures, float edge) {
 }
 
 // What X-rays had shown last at the moment that a review shows, with the way to the shots before and after it.
-void Hud::shot_panel(Player& player, const Cursor& size) {
+void Hud::shot_panel(Player& player) {
   const std::vector<LessonShot>& shots = player.shots()->shots();
   const int shown = player.shots()->shown(), count = int(shots.size());
-  const float letter = ImGui::GetFontSize(),
-              side = std::clamp(0.45f * float(std::min(size.width, size.height)), 120.f, 512.f);
-  ImGui::SetNextWindowPos({8, float(size.height) - 5 * letter}, ImGuiCond_FirstUseEver, {0, 1});
-  ImGui::SetNextWindowSize({side, side + 6 * letter}, ImGuiCond_FirstUseEver);
+  const float letter = ImGui::GetFontSize();
+  const Place& at = layout_.shots;
+  ImGui::SetNextWindowPos({at.x, at.y}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({at.width, at.height}, ImGuiCond_FirstUseEver);
   ImGui::Begin(fmt::format("{}###shots", say(Text::fluoroscopy)).c_str(), nullptr,
                ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::TextColored(sky, "%s %d / %d", say(Text::shots), shown + 1, count);
@@ -78,12 +78,11 @@ void Hud::shot_panel(Player& player, const Cursor& size) {
 }
 
 void Hud::xray_panel(Player& player, Screen& screen) {
-  const Cursor& size = screen.cursor;
   const LessonXray x = player.lesson()->xray();
-  const float letter = ImGui::GetFontSize(),
-              side = std::clamp(0.5f * float(std::min(size.width, size.height)), 120.f, 512.f);
-  ImGui::SetNextWindowPos({float(size.width) - 8, float(size.height) - 8}, ImGuiCond_FirstUseEver, {1, 1});
-  ImGui::SetNextWindowSize({side, side + 7 * letter}, ImGuiCond_FirstUseEver);
+  const float letter = ImGui::GetFontSize();
+  const Place& at = layout_.xray;
+  ImGui::SetNextWindowPos({at.x, at.y}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({at.width, at.height}, ImGuiCond_FirstUseEver);
   ImGui::Begin(fmt::format("{}###xray", say(Text::fluoroscopy)).c_str(), nullptr,
                ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   const std::string pose = x.now.view == "free" ? "" : translated_name(language_, x.now.view);

@@ -81,6 +81,7 @@ constexpr Row table[] = {
     {Text::arm_turned, {{"turned", "gedreht"}}},
     {Text::arm_tilted, {{"tilted", "gekippt"}}},
     {Text::notes, {{"Notes", "Meldungen"}}},
+    {Text::log, {{"Log", "Protokoll"}}},
 };
 
 // Of tools, views, cuts and places of the C-arm.

@@ -75,6 +75,7 @@ enum class Text {
   arm_turned,
   arm_tilted,
   notes,
+  log,
   count
 };
 const std::vector<std::pair<std::string, Language>>& languages();
