@@ -24,7 +24,7 @@ Layout::Layout(float width, float height, float letter, bool has_xray, bool has_
   status = {width - margin - right, margin, right, room};
   // The lower part of a column; the panel above it keeps the rest.
   const auto below = [&](Place& above, float wide, float high, bool on_right) {
-    const float w = std::min(wide, half), h = std::min(high, 0.7f * room);
+    const float w = std::min(std::max(wide, 14 * letter), half), h = std::min(high, 0.7f * room);
     above.height = room - h - margin;
     return Place{on_right ? width - margin - w : margin, bottom - h, w, h};
   };
