@@ -39,7 +39,7 @@ SessionOptions short_session(const std::filesystem::path& case_folder) {
 }
 
 const std::atomic<bool> never{false}, at_once{true};
-const auto silent = [](const std::string&) {};
+const auto silent = [](const Note&) {};
 
 }  // namespace
 

@@ -104,9 +104,9 @@ TEST(RenderCoarse, AThinPartThatVanishesIsMeasuredToo) {
   const SceneSurface coarse = coarse_surface(whole, 2.5);
   const CoarseFacts facts = coarse_facts(whole, coarse);
   EXPECT_NEAR(facts.worst_mm, 40, 1);
-  EXPECT_EQ(facts.text(), std::to_string(facts.left) + " of " + std::to_string(facts.whole) + " triangles, " +
-                              std::to_string(facts.places) + " places measured, the worst " +
-                              std::to_string(facts.worst_mm).substr(0, 5) + " mm off");
+  EXPECT_EQ(facts.values("ball"),
+            (std::vector<std::string>{"ball", std::to_string(facts.left), std::to_string(facts.whole),
+                                      std::to_string(facts.places), std::to_string(facts.worst_mm).substr(0, 5)}));
 }
 
 TEST(RenderCoarse, WhatWouldVanishStaysWhole) {

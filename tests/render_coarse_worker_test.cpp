@@ -99,14 +99,14 @@ TEST(RenderCoarseWorker, ItMakesWhatItIsAskedFor) {
     EXPECT_EQ(made[0].whole, whole);
     if (made[0].beside) {
       EXPECT_EQ(made[0].beside->indices, here->indices);
-      EXPECT_EQ(made[0].facts.text(), here->facts.text());
+      EXPECT_EQ(made[0].facts.values(""), here->facts.values(""));
     }
     EXPECT_FALSE(made[1].beside || made[1].instead) << "there is no less of it";
     EXPECT_EQ(bool(made[2].beside), most_bytes == any_bytes) << "the first took the bytes";
     EXPECT_NE(bool(made[2].beside), bool(made[2].instead));
     ASSERT_TRUE(made[3].instead);
     EXPECT_EQ(made[3].instead->indices, parts_of(coarse_surface(fine, mm)).indices);
-    EXPECT_EQ(made[3].facts.text(), here->facts.text());
+    EXPECT_EQ(made[3].facts.values(""), here->facts.values(""));
   }
 }
 
@@ -191,7 +191,7 @@ TEST_F(RenderCoarseMeanwhile, PicturesGoOnMeanwhile) {
   EXPECT_TRUE(shot(stage, camera(stage)).rgb == whole.rgb);
   EXPECT_TRUE(stage.notes().empty());
   stage.wait_for_coarse();
-  const std::vector<std::string> notes = stage.notes();
+  const std::vector<Note> notes = stage.notes();
   EXPECT_FALSE(notes.empty());
   const trephine::Picture coarse = shot(stage, camera(stage));
   EXPECT_FALSE(coarse.rgb == whole.rgb);

@@ -39,7 +39,7 @@ class RenderMemory : public PlayCase {
   }
   static std::string all_notes(const Stage& stage) {
     std::string all;
-    for (const std::string& note : stage.notes()) all += note + "; ";
+    for (const Note& note : stage.notes()) all += text_of(note, Language::english) + "; ";
     return all;
   }
   static std::size_t count(const std::string& text, const std::string& part) {
@@ -91,7 +91,7 @@ TEST_F(RenderMemory, TooLittleMemoryIsToldAndKeptTo) {
     shot(stage, camera_of(view_, loaded_.manifest, stage.scene()));
     EXPECT_LE(double(stage.renderer().graphics_bytes()), mb * 1e6);
     std::string all;
-    for (const std::string& note : stage.notes()) all += note + "; ";
+    for (const Note& note : stage.notes()) all += text_of(note, Language::english) + "; ";
     return all;
   };
   // A screen's picture takes 83 MB with four samples, 17 with one; the CT 24, 3 in voxels of twice the side.

@@ -43,7 +43,7 @@ class RenderStage : public Picture {
   }
   void record() const {
     std::atomic<bool> stop{false};
-    Session session(hole(), stop, [](const std::string&) {});
+    Session session(hole(), stop, [](const Note&) {});
     session.start();
     const SessionResult r = session.finish();
     ASSERT_TRUE(r.outcome);
@@ -176,7 +176,7 @@ TEST_F(RenderStage, EarlierRecordingsAreRunAsTheyWereFelt) {
   const std::atomic<bool> stop{false};
   const auto run = [&](const SessionOptions& options, std::shared_ptr<Patient> patient) {
     Session session(
-        options, stop, [](const std::string&) {}, std::move(patient));
+        options, stop, [](const Note&) {}, std::move(patient));
     session.start();
     return session.finish();
   };

@@ -5,11 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "haptics/proxy.h"
 #include "haptics/tool.h"
 #include "render/coarse.h"
 #include "scene/view_params.h"
+#include "window/texts.h"
 
 using namespace trephine;
 
@@ -18,26 +20,27 @@ TEST(Notes, OnlyTheLastAreKeptAndNoneIsTakenTwice) {
   std::size_t told = 0;
   EXPECT_TRUE(notes.since(told).empty());
   EXPECT_EQ(notes_line(notes, 8, Language::english), "none");
-  for (int n = 0; n < 3; ++n) notes.add(n, std::to_string(n));
+  const auto add = [&](double at_s, int n) { notes.add(at_s, {NoteId::verbatim, {std::to_string(n)}}); };
+  for (int n = 0; n < 3; ++n) add(n, n);
   EXPECT_EQ(notes.since(told).size(), 3u);
   EXPECT_TRUE(notes.since(told).empty());
-  notes.add(65.9, "3");
+  add(65.9, 3);
   ASSERT_EQ(notes.since(told).size(), 1u);
   EXPECT_EQ(notes_line(notes, 2, Language::english), "1:05 3 | 0:02 2") << "the newest first";
   EXPECT_EQ(notes_line(notes, 8, Language::english), "1:05 3 | 0:02 2 | 0:01 1 | 0:00 0");
-  for (int n = 4; n < 400; ++n) notes.add(100, std::to_string(n));
+  for (int n = 4; n < 400; ++n) add(100, n);
   EXPECT_EQ(notes.count(), 400u);
   ASSERT_EQ(notes.kept().size(), Notes::most_kept);
-  EXPECT_EQ(notes.kept().front().text, "300");
-  const std::deque<Note> last = notes.since(told);
+  EXPECT_EQ(text_of(notes.kept().front().note, Language::german), "300");
+  const std::deque<TimedNote> last = notes.since(told);
   ASSERT_EQ(last.size(), Notes::most_kept);
-  EXPECT_EQ(last.front().text, "300");
+  EXPECT_EQ(text_of(last.front().note, Language::english), "300");
   EXPECT_EQ(told, 400u);
   EXPECT_EQ(clock_text(3725), "1:02:05");
 }
 
 TEST(Notes, AnOldNoteFadesAndCanStillBeRead) {
-  const Note note{100, ""};
+  const TimedNote note{100, NoteId::nothing_there};
   EXPECT_EQ(freshness(note, 100), 1);
   EXPECT_EQ(freshness(note, 109), 1);
   EXPECT_LT(freshness(note, 125), freshness(note, 115));
@@ -47,43 +50,67 @@ TEST(Notes, AnOldNoteFadesAndCanStillBeRead) {
   EXPECT_GT((grey + 0.05) / (std::pow(0.06, 2.2) + 0.05), 7);
 }
 
-// Names and figures stay, in their places; the words are the language's. Nothing of the English is left over.
-TEST(Notes, EachIsSaidInTheOtherLanguage) {
-  CoarseFacts facts{983832, 241358, 622542, 2.414, 0};
-  const std::pair<std::string, std::string> both[] = {
-      {"fault: " + fault_names(haptic_fault::device_lost) + ": the force is zero from now on",
-       "Fehler: Gerät verloren: die Kraft ist ab jetzt null"},
-      {"beyond 30 mm of the tool skull is shown coarse: " + facts.text(),
-       "weiter als 30 mm vom Instrument ist skull grob gezeigt: 241358 von 983832 Dreiecken, 622542 Stellen gemessen, "
-       "die schlechteste 2.41 mm daneben"},
-      {"third_ventricle is shown coarse: " + facts.text(),
-       "third_ventricle ist grob gezeigt: 241358 von 983832 Dreiecken, 622542 Stellen gemessen, die schlechteste 2.41 "
-       "mm daneben"},
-      {"graphics memory: skin shown coarse: " + facts.text(),
-       "Grafikspeicher: skin grob gezeigt: 241358 von 983832 Dreiecken, 622542 Stellen gemessen, die schlechteste 2.41 "
-       "mm daneben"},
-      {"graphics memory: rough edges", "Grafikspeicher: raue Kanten"},
-      {"graphics memory: pictures of 12 x 8 pixels in place of 2560 x 1600",
-       "Grafikspeicher: Bilder von 12 x 8 Bildpunkten statt 2560 x 1600"},
-      {"burr removed skull 12.3 mm3, dura 0.1 mm3", "burr hat entfernt: skull 12.3 mm3, dura 0.1 mm3"},
-      {"burr: 196 ticks, tick time p50 5.6, p99 41.6 us, woken late p50 0.220, p99 4.015 ms, 473 overruns",
-       "burr: 196 Takte, Dauer p50 5.6, p99 41.6 us, verspätet p50 0.220, p99 4.015 ms, 473 zu lange"},
-      {"burr: 196 ticks, tick time p50 5.6, p99 41.6 us, woken late p50 0.220, p99 4.015 ms, 473 overruns, faults time "
+std::size_t blanks(const std::string& wording) {
+  std::size_t n = 0;
+  for (std::size_t at = 0; (at = wording.find("{}", at)) != std::string::npos; at += 2) ++n;
+  return n;
+}
+
+// Every note is worded in each language, with the same names and figures in it.
+TEST(Notes, EachIsWordedInEachLanguage) {
+  for (int n = 0; n < int(NoteId::count); ++n) {
+    const std::string english = wording_of(NoteId(n)).of(Language::english),
+                      german = wording_of(NoteId(n)).of(Language::german);
+    SCOPED_TRACE(english);
+    EXPECT_FALSE(english.empty());
+    EXPECT_EQ(blanks(english), blanks(german));
+    EXPECT_TRUE(NoteId(n) == NoteId::verbatim || english != german);
+    Note note{NoteId(n)};
+    for (std::size_t v = 0; v < blanks(english); ++v) note.values.push_back("<" + std::to_string(v) + ">");
+    for (const Language language : {Language::english, Language::german}) {
+      const std::string text = text_of(note, language);
+      EXPECT_EQ(blanks(text), 0u);
+      std::size_t at = 0;
+      for (const std::string& value : note.values) EXPECT_NE(at = text.find(value, at), std::string::npos) << text;
+    }
+  }
+  for (int n = 0; n < haptic_fault::count; ++n)
+    EXPECT_STREQ(wording_of(NoteId(int(NoteId::fault_pose) + n)).of(Language::english), haptic_fault::names[n]);
+}
+
+// Names and figures stay, in their places; the words are the language's.
+TEST(Notes, NamesAndFiguresStayInTheirPlaces) {
+  const CoarseFacts facts{983832, 241358, 622542, 2.414, 0};
+  const std::tuple<Note, std::string, std::string> all[] = {
+      {{NoteId::force_is_zero, {}, {NoteId::fault_pose, NoteId::fault_device_lost}},
+       "fault: pose, device lost: the force is zero from now on",
+       "Fehler: Lage, Gerät verloren: die Kraft ist ab jetzt null"},
+      {{NoteId::coarse, facts.values("skull")},
+       "skull is shown coarse: 241358 of 983832 triangles, 622542 places measured, the worst 2.41 mm off",
+       "skull ist grob gezeigt: 241358 von 983832 Dreiecken, 622542 Stellen gemessen, die schlechteste 2.41 mm "
+       "daneben"},
+      {{NoteId::ticks_with_faults, {"burr", "196", "5.6", "41.6", "0.220", "4.015", "473"}, {NoteId::fault_time_step}},
+       "burr: 196 ticks, tick time p50 5.6, p99 41.6 us, woken late p50 0.220, p99 4.015 ms, 473 overruns, faults time "
        "step",
        "burr: 196 Takte, Dauer p50 5.6, p99 41.6 us, verspätet p50 0.220, p99 4.015 ms, 473 zu lange, Fehler: "
        "Zeitschritt"},
-      {"the lesson is judged: 12 of 15 points", "die Lektion ist bewertet: 12 von 15 Punkten"},
-      {"the lesson is judged: 12 of 15 points, out/a.html", "die Lektion ist bewertet: 12 von 15 Punkten, out/a.html"},
-      {"waiting for a device on 127.0.0.1:5000", "warte auf ein Gerät an 127.0.0.1:5000"},
+      {{NoteId::judged_in, {"12", "15", "out/a.html"}},
+       "the lesson is judged: 12 of 15 points, out/a.html",
+       "die Lektion ist bewertet: 12 von 15 Punkten, out/a.html"},
   };
-  for (const auto& [english, german] : both) {
-    EXPECT_EQ(translated_note(Language::english, english), english);
-    EXPECT_EQ(translated_note(Language::german, english), german);
+  for (const auto& [note, english, german] : all) {
+    EXPECT_EQ(text_of(note, Language::english), english);
+    EXPECT_EQ(text_of(note, Language::german), german);
   }
-  EXPECT_EQ(translated_note(Language::german, "nothing is there"), "da ist nichts");
-  for (const char* other : {"", "something new", "graphics memory: ", " removed ", "{} removed {}x{}"}) {
-    const std::string said = translated_note(Language::german, other);
-    EXPECT_TRUE(said == other || said == "{} hat entfernt: {}x{}") << said;
+}
+
+// No sentence is read back: what stands in a note stays as it is, though it be another note's English.
+TEST(Notes, NoSentenceIsParsed) {
+  for (int n = 1; n < int(NoteId::count); ++n) {
+    const std::string sentence = wording_of(NoteId(n)).of(Language::english);
+    EXPECT_EQ(text_of({NoteId::verbatim, {sentence}}, Language::german), sentence);
+    EXPECT_EQ(text_of({NoteId::removed, {sentence, "{} und {}"}}, Language::german),
+              sentence + " hat entfernt: {} und {}");
   }
 }
 

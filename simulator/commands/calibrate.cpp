@@ -45,7 +45,7 @@ ExitCode run_calibrate(const ParsedCommand& given) {
                           touchable_of(patient.felt.feels),
                           params.in_real_time,
                           false,
-                          say,
+                          [&](const Note& note) { say(text_of(note, Language::english)); },
                           Progress({}, &cancel_requested()),
                           0,
                           0,

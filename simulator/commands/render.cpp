@@ -67,7 +67,8 @@ class Pictures {
  private:
   // There may be more of them after each picture.
   void tell_notes() {
-    for (; told_notes_ < stage_.notes().size(); ++told_notes_) std::cout << stage_.notes()[told_notes_] << "\n";
+    for (; told_notes_ < stage_.notes().size(); ++told_notes_)
+      std::cout << text_of(stage_.notes()[told_notes_], Language::english) << "\n";
   }
 
   const PictureParams params_;

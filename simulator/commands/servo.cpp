@@ -178,8 +178,8 @@ ExitCode run_servo(const ParsedCommand& parsed) {
   refuse_one_file_twice(parsed);
   SessionOptions options = session_options_of(parsed);
   options.seconds = parsed.params<RunParams>().seconds;
-  Session session(options, cancel_requested(), [](const std::string& line) {
-    std::cout << line << "\n" << std::flush;
+  Session session(options, cancel_requested(), [](const Note& note) {
+    std::cout << text_of(note, Language::english) << "\n" << std::flush;
   });
   print_start(session, options.servo, session.start());
   follow(session);

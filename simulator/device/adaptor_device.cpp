@@ -226,7 +226,7 @@ DeviceType adaptor_device() {
   type.lives = true;
   type.make = [](const DeviceChoice& choice, const DeviceScene& scene) {
     auto device = std::make_unique<AdaptorDevice>(choice.files.at("adaptor"), choice.of<AdaptorParams>());
-    scene.say("holding " + device->name());
+    scene.say({NoteId::holding, {device->name()}});
     device->wait(scene.progress);
     return device;
   };

@@ -13,6 +13,7 @@
 #include "contact/contact.h"
 #include "device/device.h"
 #include "device/mailbox.h"
+#include "texts/note.h"
 
 namespace trephine {
 
@@ -46,7 +47,7 @@ struct DeviceScene {
   const ContactVolume& contact;
   TouchableFaces faces;
   bool paced = true, realtime = false;  ///< as in ServoParams
-  std::function<void(const std::string& line)> say;
+  std::function<void(const Note&)> say;
   Progress progress;          ///< ends a wait
   std::uint64_t drilled = 0;  ///< the shapes that the tool drills, bit n for shape n; 0: it does not
   double tool_radius_mm = 0;

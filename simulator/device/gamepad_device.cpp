@@ -141,7 +141,7 @@ DeviceType gamepad_device() {
       pad = std::make_unique<Pad>(file);
       if (!pad->fault().empty()) throw Error(ExitCode::no_input, file, "--gamepad", pad->fault());
     }
-    scene.say("holding " + pad->name());
+    scene.say({NoteId::holding, {pad->name()}});
     return std::make_unique<Gamepad>(std::move(pad), choice.of<RateHandParams>(), scene);
   };
   return type;

@@ -101,7 +101,7 @@ DeviceType spacemouse_device() {
   type.lives = true;
   type.make = [](const DeviceChoice& choice, const DeviceScene& scene) -> std::unique_ptr<Device> {
     auto device = std::make_unique<Spacemouse>(choice.of<RateHandParams>(), scene);
-    scene.say("holding a 3D mouse");
+    scene.say(NoteId::holding_mouse_3d);
     return device;
   };
   return type;

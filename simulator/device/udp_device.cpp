@@ -227,7 +227,7 @@ DeviceType udp_device() {
   type.lives = true;
   type.make = [](const DeviceChoice& choice, const DeviceScene& scene) {
     auto device = std::make_unique<UdpDevice>(choice.of<UdpParams>(), scene.realtime);
-    scene.say("waiting for a device on " + device->endpoint());
+    scene.say({NoteId::waiting_for_device, {device->endpoint()}});
     device->wait(scene.progress);
     return device;
   };

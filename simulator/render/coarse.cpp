@@ -121,8 +121,8 @@ CoarseFacts coarse_facts(const std::vector<SceneVertex>& vertices, std::size_t w
   return facts;
 }
 
-std::string CoarseFacts::text() const {
-  return fmt::format("{} of {} triangles, {} places measured, the worst {:.2f} mm off", left, whole, places, worst_mm);
+std::vector<std::string> CoarseFacts::values(const std::string& name) const {
+  return {name, std::to_string(left), std::to_string(whole), std::to_string(places), fmt::format("{:.2f}", worst_mm)};
 }
 
 }  // namespace trephine

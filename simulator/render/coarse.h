@@ -43,7 +43,8 @@ struct CoarseFacts {
   std::size_t places = 0;           ///< vertices of the whole surface: all of them were measured
   double worst_mm = 0;              ///< the largest distance of one of these from the coarser surface
   std::size_t bytes = 0;            ///< that it takes beside the whole one; 0 where it stands in place of it
-  std::string text() const;
+  /// The name, and these figures but `bytes`, as the notes on coarser surfaces have them.
+  std::vector<std::string> values(const std::string& name) const;
 };
 /// Measures every vertex of the whole surface, exactly; a thin part that vanished counts as far as it is then off. The
 /// coarser one has a triangle at least.

@@ -10,6 +10,7 @@
 #include "render/renderer.h"
 #include "scene/view_params.h"
 #include "session/playback.h"
+#include "texts/note.h"
 #include "voxel/decode.h"
 
 namespace trephine {
@@ -57,8 +58,8 @@ class Stage {
   Renderer& renderer() { return *renderer_; }
   const Renderer& renderer() const { return *renderer_; }
   const DriverFacts& driver() const { return driver_; }
-  /// What was left out, for want of graphics memory or because pictures took too long, a line each; may grow.
-  const std::vector<std::string>& notes() const { return notes_; }
+  /// What was left out, for want of graphics memory or because pictures took too long; may grow.
+  const std::vector<Note>& notes() const { return notes_; }
   /// Who makes the surfaces that are cut; empty where none is.
   const std::string& surfaces_by() const { return surfaces_by_; }
 
@@ -86,7 +87,7 @@ class Stage {
   const LoadedCase& loaded_;
   std::size_t budget_bytes_ = 0;  ///< 0: any
   int most_samples_ = 64;
-  std::vector<std::string> notes_;
+  std::vector<Note> notes_;
   ViewParams params_;
   DriverFacts driver_;
   SceneData scene_;
@@ -105,8 +106,8 @@ class Stage {
   int samples_ = 1;  ///< of the pictures that are drawn now
   Coarseness coarse_;
   bool uploading_ = false;
-  std::map<std::string, std::string> told_coarse_;  ///< by surface the last note of it
-  CoarseWorker worker_;                             // reads scene_: it ends first
+  std::map<std::string, Note> told_coarse_;  ///< by surface the last note of it
+  CoarseWorker worker_;                      // reads scene_: it ends first
 };
 
 }  // namespace trephine

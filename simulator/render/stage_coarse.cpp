@@ -81,18 +81,22 @@ void Stage::wait_for_coarse() {
 void Stage::show_coarse(CoarseMade made) {
   const std::size_t n = std::size_t(made.surface);
   const std::string& name = scene_.surfaces[n].name;
-  const auto tell = [&](const std::string& note) {
-    if (std::exchange(told_coarse_[name], note) != note) notes_.push_back(note);
+  const auto tell = [&](const Note& note) {
+    if (told_coarse_.count(name) && told_coarse_.at(name) == note) return;
+    told_coarse_.insert_or_assign(name, note);
+    notes_.push_back(note);
   };
   if (made.instead) {
     shown_mm_[n] = coarse_.within_mm;
     renderer_->set_surface(made.surface, std::move(made.instead));
-    tell(fmt::format("{} is shown coarse: {}", name, made.facts.text()));
+    tell({NoteId::coarse, made.facts.values(name)});
     return;
   }
   if (made.beside) {
     uploading_ = true;
-    tell(fmt::format("beyond {:.0f} mm of the tool {} is shown coarse: {}", coarse_.fine_mm, name, made.facts.text()));
+    std::vector<std::string> values = made.facts.values(name);
+    values.insert(values.begin(), fmt::format("{:.0f}", coarse_.fine_mm));
+    tell({NoteId::coarse_beyond, values});
   }
   const bool fits_beside = fits(renderer_->scene_bytes() + room() + made.facts.bytes);
   renderer_->set_coarse(made.surface, std::move(made.beside), fits_beside);

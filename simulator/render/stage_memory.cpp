@@ -107,7 +107,7 @@ void Stage::fit_memory() {
   if (!try_it(halvings, false)) {
     if (samples_of(params_) > 1) {
       most_samples_ = 1;
-      notes_.push_back("graphics memory: rough edges");
+      notes_.push_back(NoteId::memory_edges);
     }
     while (!try_it(halvings, true)) {
       if (!loaded_.has_ct() || halvings > most_halvings)
@@ -125,8 +125,8 @@ void Stage::fit_memory() {
     needed_[n] = std::make_shared<const SurfaceParts>(parts_of(shown));
     renderer_->set_surface(int(n), needed_[n]);
     if (shown_mm_[n] > 0)
-      notes_.push_back(fmt::format("graphics memory: {} shown coarse: {}", scene_.surfaces[n].name,
-                                   coarse_facts(scene_.surfaces[n], shown).text()));
+      notes_.push_back(
+          {NoteId::memory_coarse, coarse_facts(scene_.surfaces[n], shown).values(scene_.surfaces[n].name)});
   }
   show_ct(halvings);
 }
@@ -138,12 +138,12 @@ void Stage::show_ct(int halvings) {
     return;
   }
   if (halvings > most_halvings) {
-    notes_.push_back("graphics memory: no CT on cuts and slices");
+    notes_.push_back(NoteId::memory_no_ct);
     return;
   }
   Grid<std::int16_t> less = halved(loaded_.ct);
   for (int n = 1; n < halvings; ++n) less = halved(less);
-  notes_.push_back(fmt::format("graphics memory: the CT in voxels of {:.1f} mm", less.spacing_mm.x));
+  notes_.push_back({NoteId::memory_ct, {fmt::format("{:.1f}", less.spacing_mm.x)}});
   renderer_->set_ct(less);
 }
 
@@ -155,11 +155,10 @@ void Stage::fit_incisions(std::size_t of_newest) {
     renderer_->drop_oldest_incision();
     dropped = true;
   }
-  if (dropped && !std::exchange(told_incisions_, true))
-    notes_.push_back("graphics memory: the oldest incisions look closed, and are not");
+  if (dropped && !std::exchange(told_incisions_, true)) notes_.push_back(NoteId::memory_old_incisions);
   if (over() && !std::exchange(told_over_, true))
-    notes_.push_back(fmt::format("graphics memory: the newest incision takes {:.2f} MB more than graphics_budget_mb",
-                                 1e-6 * double(renderer_->scene_bytes() + room() - budget_bytes_)));
+    notes_.push_back({NoteId::memory_new_incision,
+                      {fmt::format("{:.2f}", 1e-6 * double(renderer_->scene_bytes() + room() - budget_bytes_))}});
 }
 
 // A window may be larger than the screen that was reckoned with: it then has fewer pixels.
@@ -177,8 +176,9 @@ double Stage::picture_scale(int width, int height) {
   double scale = std::min(scale_, std::sqrt(double(left) / double(bytes(1))));
   while (bytes(scale) > left && scale > 0.01) scale *= 0.99;
   if (std::exchange(told_picture_, {width, height}) != std::pair(width, height))
-    notes_.push_back(fmt::format("graphics memory: pictures of {} x {} pixels in place of {} x {}", sized(scale).first,
-                                 sized(scale).second, width, height));
+    notes_.push_back({NoteId::memory_pictures,
+                      {std::to_string(sized(scale).first), std::to_string(sized(scale).second), std::to_string(width),
+                       std::to_string(height)}});
   return scale;
 }
 

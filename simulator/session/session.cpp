@@ -40,7 +40,7 @@ double SessionResult::cpu_us_a_tick() const {
 }
 
 Session::Session(const SessionOptions& options, const std::atomic<bool>& stop,
-                 const std::function<void(const std::string&)>& say, std::shared_ptr<Patient> patient)
+                 const std::function<void(const Note&)>& say, std::shared_ptr<Patient> patient)
     : options_(options),
       stop_(stop),
       patient_(patient ? std::move(patient)
@@ -71,7 +71,7 @@ Session::~Session() {
   if (thread_.joinable()) thread_.join();
 }
 
-DeviceScene Session::scene_of(const SessionOptions& options, const std::function<void(const std::string&)>& say) {
+DeviceScene Session::scene_of(const SessionOptions& options, const std::function<void(const Note&)>& say) {
   DeviceScene scene{patient_->contact,
                     touchable_of(patient_->felt.feels),
                     options.servo.paced,

@@ -87,8 +87,8 @@ class Session {
   ///
   /// `stop` ends a wait and the loop, and must outlive the session. A patient that is given is not loaded, and only
   /// one session at a time may run on it; what was cut of it stays cut.
-  Session(const SessionOptions& options, const std::atomic<bool>& stop,
-          const std::function<void(const std::string&)>& say, std::shared_ptr<Patient> patient = nullptr);
+  Session(const SessionOptions& options, const std::atomic<bool>& stop, const std::function<void(const Note&)>& say,
+          std::shared_ptr<Patient> patient = nullptr);
   /// Waits for the loop's end. Without finish() the recording is lost.
   ~Session();
   Session(const Session&) = delete;
@@ -117,7 +117,7 @@ class Session {
 
  private:
   RecordingHeader header_of(const SessionOptions& options) const;
-  DeviceScene scene_of(const SessionOptions& options, const std::function<void(const std::string&)>& say);
+  DeviceScene scene_of(const SessionOptions& options, const std::function<void(const Note&)>& say);
   std::size_t queue_size() const;
   void drain();
   void run();

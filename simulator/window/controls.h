@@ -1,34 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <map>
 #include <set>
 #include <vector>
 
+#include "window/actions.h"
 #include "window/glfw_window.h"
-#include "window/player.h"
 
 namespace trephine {
 
-/// Mouse and keyboard: what they do is listed in texts.cpp (keys_help) and docs/play.md.
+/// Mouse and keyboard: the actions whose keys they are.
 class Controls {
  public:
-  explicit Controls(const ScreenHandParams& params) : params_(params) {}
   /// `panel_has_mouse`, `panel_has_keys`: what is pressed now is for a panel of the window.
-  void apply(const std::vector<InputEvent>& events, Player& player, int width, int height, bool panel_has_mouse,
+  void apply(const std::vector<InputEvent>& events, Player& player, Screen& screen, bool panel_has_mouse,
              bool panel_has_keys);
-  /// What keys do for as long as they are down.
-  void hold(double wall_s, Player& player, int width, int height);
-
-  bool panels_shown = true;
-  double cursor_x = 0, cursor_y = 0;
-  std::string said;  ///< the answer to the last key that could not do what it should
+  /// What keys do for as long as they are down. `wall_s`: since the last call.
+  void hold(double wall_s, Player& player, Screen& screen);
 
  private:
-  void press(int key, int mods, Player& player, int width, int height);
-  void move(double x, double y, Player& player, int width, int height);
-  ScreenHandParams params_;
-  std::set<int> keys_, buttons_;
+  void press(int key, Player& player, Screen& screen);
+  void release(int key, Player& player, Screen& screen);
+  void drag(int part, double x, double y, Player& player, const Screen& screen);
+  std::set<int> down_;  // keys, and parts of the mouse
   bool cursor_known_ = false;
-  double finish_asked_s_ = -1, held_s_ = 0, arm_again_s_ = 0;
+  double held_s_ = 0, again_s_ = 0;
+  std::map<const Action*, double> asked_s_;  // when a key that must be pressed twice was
 };
 
 }  // namespace trephine

@@ -9,6 +9,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "window/hud_parts.h"
@@ -20,6 +23,7 @@ using namespace hud;
 namespace {
 
 constexpr float letter_px = 13;
+constexpr const char* typeface = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";  // of fonts-dejavu-core
 constexpr float lines_of_notes = 7;
 
 }  // namespace
@@ -47,19 +51,32 @@ void flow_on(const std::string& label) {
   if (end <= ImGui::GetWindowPos().x + ImGui::GetWindowContentRegionMax().x) ImGui::SameLine();
 }
 
-bool name_button(Language language, const std::string& name) {
-  return button((translated_name(language, name) + "##" + name).c_str());
+void choice_buttons(const char* name, Player& player, Screen& screen, const std::string& held) {
+  const Action& action = action_of(name);
+  bool first = true;
+  for (const std::string& choice : action.choices(player)) {
+    const std::string label = translated_name(screen.language, choice);
+    if (!std::exchange(first, false)) flow_on(label);
+    if (choice == held) ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.1f, 0.45f, 0.65f, 1));
+    if (button((label + "##" + name + choice).c_str())) screen.answer = act(action, player, screen, choice).fault;
+    if (choice == held) ImGui::PopStyleColor();
+  }
 }
 
-void tool_buttons(Language language, Player& player, int a_line) {
-  int on_line = 0;
-  for (const std::string& name : player.tools()) {
-    if (on_line++ % a_line != 0) ImGui::SameLine();
-    const bool held = player.tool() == name;
-    if (held) ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(0.1f, 0.45f, 0.65f, 1));
-    if (name_button(language, name)) player.take_tool(name);
-    if (held) ImGui::PopStyleColor();
-  }
+void action_button(const char* name, Player& player, Screen& screen, bool flows) {
+  const Action& action = action_of(name);
+  const std::string keys = keys_text(action, screen.language);
+  const std::string label = action.label.of(screen.language) + (keys.empty() ? "" : " (" + keys + ")");
+  if (flows) flow_on(label);
+  if (!button(label.c_str())) return;
+  const std::string words = action.keys.empty() ? "" : action.keys.front().words;
+  screen.answer = act(action, player, screen, words).fault;
+}
+
+void action_box(const char* name, bool on, Player& player, Screen& screen) {
+  const Action& action = action_of(name);
+  if (ImGui::Checkbox(action.label.of(screen.language), &on))
+    screen.answer = act(action, player, screen, on ? "on" : "off").fault;
 }
 
 }  // namespace hud
@@ -73,7 +90,10 @@ Hud::Hud(GlfwWindow& window, double scale, Language language) : scale_(scale), l
   ImGui::GetStyle().ScaleAllSizes(float(scale));
   ImFontConfig font;
   font.SizePixels = std::round(letter_px * float(scale));
-  ImGui::GetIO().Fonts->AddFontDefault(&font);
+  if (std::filesystem::exists(typeface))
+    ImGui::GetIO().Fonts->AddFontFromFileTTF(typeface, font.SizePixels, &font);
+  else
+    ImGui::GetIO().Fonts->AddFontDefault(&font);
   if (!ImGui_ImplGlfw_InitForOpenGL(window.handle(), true) || !ImGui_ImplOpenGL3_Init("#version 430 core"))
     throw Error(ExitCode::io, "", "OpenGL", "the panels cannot be drawn");
 }
@@ -88,80 +108,98 @@ Hud::~Hud() {
 bool Hud::has_mouse() const { return ImGui::GetIO().WantCaptureMouse; }
 bool Hud::has_keys() const { return ImGui::GetIO().WantTextInput; }
 
-void Hud::patient_panel(Player& player, int height) {
-  ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
-  // As high as what it shows: a cut adds to it. Where the window is too low for that it is scrolled.
-  const float across = ImGui::GetFontSize() * 23.5f;
-  ImGui::SetNextWindowSizeConstraints({across, 0}, {across, std::max(ImGui::GetFontSize() * 4, float(height) - 16)});
-  ImGui::Begin(player.patient().felt.loaded.manifest.case_token.c_str(), nullptr,
+void Hud::keys_list(const Player& player) {
+  if (!ImGui::CollapsingHeader(say(Text::keys))) return;
+  ImGui::PushTextWrapPos(0);
+  ImGui::TextUnformatted(keys_help(player, language_).c_str());
+  ImGui::PopTextWrapPos();
+}
+
+void Hud::patient_panel(Player& player, Screen& screen) {
+  // As high as what it shows: a cut adds to it. Where its place is too low for that it is scrolled.
+  const Place& at = layout_.work;
+  ImGui::SetNextWindowPos({at.x, at.y}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSizeConstraints({at.width, 0}, {at.width, at.height});
+  ImGui::Begin(player.view().manifest().case_token.c_str(), nullptr,
                ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::PushItemWidth(ImGui::GetFontSize() * 14);
   ImGui::TextColored(sky, "%s", say(Text::anatomies));
-  Stage& stage = player.stage();
+  Stage& stage = player.view().stage();
   for (std::size_t n = 0; n < stage.scene().surfaces.size(); ++n) {
     float opacity = float(stage.state.opacity[n]);
     if (ImGui::SliderFloat(stage.scene().surfaces[n].name.c_str(), &opacity, 0, 1, "%.2f"))
-      player.set_opacity(stage.scene().surfaces[n].name, opacity);
+      player.view().set_opacity(stage.scene().surfaces[n].name, opacity);
   }
   ImGui::TextColored(sky, "%s", say(Text::view));
-  int on_line = 0;
-  for (const auto& [name, value] : view_presets()) {
-    if (on_line++ % 4 != 0) ImGui::SameLine();
-    if (name_button(language_, name)) player.set_view(name);
-  }
-  bool places = !stage.state.markers.empty();
-  if (ImGui::Checkbox(say(Text::places), &places)) player.set_places(places);
-  if (stage.loaded().has_ct()) {
-    bool slices = !stage.state.ct_planes.empty();
-    if (ImGui::Checkbox(say(Text::ct_slices), &slices)) player.set_ct_slices(slices);
-  }
+  choice_buttons("view", player, screen);
+  action_box("places", !stage.state.markers.empty(), player, screen);
+  if (stage.loaded().has_ct()) action_box("slices", !stage.state.ct_planes.empty(), player, screen);
   ImGui::TextColored(sky, "%s", say(Text::cut_away));
-  for (const char* how : {"none", "tool", "axial", "coronal", "sagittal"}) {
-    if (how[0] != 'n') flow_on(translated_name(language_, how));
-    if (name_button(language_, how)) player.cut(how);
-  }
+  choice_buttons("cut", player, screen);
   if (stage.state.cut) {
     float moved = 0;
-    if (ImGui::SliderFloat(say(Text::move_plane), &moved, -5, 5, "%.1f")) player.move_cut(moved);
+    if (ImGui::SliderFloat(say(Text::move_plane), &moved, -5, 5, "%.1f")) player.view().move_cut(moved);
     ImGui::Checkbox(say(Text::shows_ct), &stage.state.cut_shows_ct);
   }
   if (player.live()) {
     ImGui::TextColored(sky, "%s", say(Text::tool));
-    on_line = 0;
-    tool_buttons(language_, player, 3);
+    choice_buttons("tool", player, screen, player.tool());
   }
-  if (ImGui::CollapsingHeader(say(Text::keys))) ImGui::TextUnformatted(say(Text::keys_help));
+  keys_list(player);
   ImGui::PopItemWidth();
   ImGui::End();
 }
 
-void Hud::status_panel(Player& player, const Controls& controls, const PictureTimes& times, int width, int height) {
-  ImGui::SetNextWindowPos({float(width) - 8, 8}, ImGuiCond_Always, {1, 0});
-  // With large letters it leaves the other half to the other panel.
-  ImGui::SetNextWindowSize({std::min(ImGui::GetFontSize() * 27, 0.5f * float(width) - 12), 0}, ImGuiCond_Always);
+void Hud::status_panel(const Player& player, const Screen& screen, const PictureTimes& times) {
+  const CaseView& view = player.view();
+  const Place& at = layout_.status;
+  ImGui::SetNextWindowPos({at.x, at.y}, ImGuiCond_Always);
+  ImGui::SetNextWindowSizeConstraints({at.width, 0}, {at.width, at.height});
   ImGui::Begin("##status", nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoFocusOnAppearing);
-  const ServoFrame& f = player.frame();
-  const bool working = player.desk() && player.live();
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoFocusOnAppearing);
+  const ServoFrame& f = view.frame();
+  const bool working = player.in_lesson();
   if (!working) line(say(Text::time), fmt::format("{:.2f} s", f.time_s));
   line(say(Text::tool),
        translated_name(language_, player.tool()) +
            (f.buttons & Drilling::pedal ? fmt::format(" [{}]", say(Text::pedal)) : ""),
-       f.buttons & Drilling::pedal ? orange : ImVec4(1, 1, 1, 1));
-  // In a lesson nothing is told that a surgeon would not see.
-  if (!working) line(say(Text::inside), f.inside ? player.shape_name(f.inside) : say(Text::nothing));
-  if (!working) line(say(Text::depth), fmt::format("{:.1f} mm", player.depth_mm()));
-  if (player.target_mm() >= 0 && !working) line(say(Text::to_target), fmt::format("{:.1f} mm", player.target_mm()));
-  if (!player.desk() && player.ink_mm() > 0) line(say(Text::last_trace), fmt::format("{:.0f}", player.ink_mm()), sky);
-  if (player.trace_on()) line(say(Text::trace), fmt::format("{:.0f} mm", player.trace_mm()));
+       f.buttons & Drilling::pedal ? orange : white);
+  if (!working) {  // a surgeon is not told where the tip is
+    line(say(Text::inside), f.inside ? view.shape_name(f.inside) : say(Text::nothing));
+    line(say(Text::depth), fmt::format("{:.1f} mm", view.depth_mm()));
+  }
+  if (view.target_mm() >= 0 && !working) line(say(Text::to_target), fmt::format("{:.1f} mm", view.target_mm()));
+  if (player.live() && player.live()->ink_mm() > 0)
+    line(say(Text::last_trace), fmt::format("{:.0f}", player.live()->ink_mm()), sky);
+  if (view.traces()) line(say(Text::trace), fmt::format("{:.0f} mm", view.trace_mm()));
   const double force =
       std::sqrt(f.force_n[0] * f.force_n[0] + f.force_n[1] * f.force_n[1] + f.force_n[2] * f.force_n[2]);
-  line(say(Text::force), fmt::format("{:.2f} N{}", force, f.touched ? ", " + player.shape_name(f.touched) : ""),
-       force > 1 ? orange : ImVec4(1, 1, 1, 1));
-  const std::vector<float> forces(player.forces().begin(), player.forces().end());
+  line(say(Text::force),
+       fmt::format("{:.2f} N{}", force, f.touched && !working ? ", " + view.shape_name(f.touched) : ""),
+       force > 1 ? orange : white);
+  const std::vector<float> forces(view.forces().begin(), view.forces().end());
   ImGui::PlotLines("##forces", forces.data(), int(forces.size()), 0, nullptr, 0, 3.5f,
                    {ImGui::GetContentRegionAvail().x, ImGui::GetFontSize() * 3});
+  if (!working) show_times(player, times);
+  if (f.faults != 0) ImGui::TextColored(vermilion, "%s: %s", say(Text::lost_device), fault_names(f.faults).c_str());
+  const std::string under = has_mouse() || working ? "" : view.under(screen.cursor);
+  if (!working) line(say(Text::under_cursor), under.empty() ? "-" : under);
+  ImGui::PushTextWrapPos(0);
+  if (screen.answer) ImGui::TextColored(orange, "%s", text_of(*screen.answer, language_).c_str());
+  ImGui::PopTextWrapPos();
+  for (const TimedNote& note : player.notes.since(notes_seen_))
+    note_lines_.push_back(clock_text(note.at_s) + "  " + text_of(note.note, language_));
+  while (note_lines_.size() > player.notes.kept().size()) note_lines_.pop_front();
+  note_list(player.notes, false, screen.cursor.height);
+  if (ImGui::CollapsingHeader(say(Text::log))) {
+    if (working) show_times(player, times);
+    note_list(player.notes, true, screen.cursor.height);
+  }
+  ImGui::End();
+}
+
+void Hud::show_times(const Player& player, const PictureTimes& times) {
   line(say(Text::picture), fmt::format("{:.1f} ms, {:.0f}/s", times.ms, times.per_s));
   if (!times.reduced.empty()) {
     ImGui::PushTextWrapPos(0);
@@ -169,39 +207,32 @@ void Hud::status_panel(Player& player, const Controls& controls, const PictureTi
     ImGui::PopTextWrapPos();
   }
   if (player.live())
-    line(say(Text::servo),
-         fmt::format("{:.0f} Hz, {} {:.1f} ms", player.servo_hz(), say(Text::late), player.late_us() / 1000));
-  if (f.faults != 0) ImGui::TextColored(vermilion, "%s: %s", say(Text::lost_device), fault_names(f.faults).c_str());
-  const std::string under =
-      has_mouse() || working ? "" : player.under(controls.cursor_x, controls.cursor_y, width, height);
-  if (!working) line(say(Text::under_cursor), under.empty() ? "-" : under);
-  ImGui::PushTextWrapPos(0);
-  if (!controls.said.empty()) ImGui::TextColored(orange, "%s", translated_note(language_, controls.said).c_str());
-  ImGui::PopTextWrapPos();
-  note_list(player, height);
-  ImGui::End();
+    line(say(Text::servo), fmt::format("{:.0f} Hz, {} {:.1f} ms", player.live()->servo_hz(), say(Text::late),
+                                       player.live()->late_us() / 1000));
 }
 
 // The newest first, and as bright as it is new; the others are reached by scrolling. However large the letters are, the
-// list keeps within the window.
-void Hud::note_list(const Player& player, int height) {
-  const std::deque<Note>& notes = player.notes().kept();
-  if (notes.empty()) return;
-  ImGui::Separator();
-  ImGui::TextColored(sky, "%s (%d)", say(Text::notes), int(player.notes().count()));
-  for (const Note& note : player.notes().since(notes_seen_))
-    note_lines_.push_back(clock_text(note.at_s) + "  " + translated_note(language_, note.text));
-  while (note_lines_.size() > notes.size()) note_lines_.pop_front();
+// list keeps within the window. `log`: what tells how the program does, in place of what the user should know.
+void Hud::note_list(const Notes& all, bool log, int height) {
+  const std::deque<TimedNote>& notes = all.kept();
+  std::vector<std::size_t> listed;
+  for (std::size_t n = notes.size(); n-- > 0;)
+    if (is_for_log(notes[n].note.id) == log) listed.push_back(n);
+  if (listed.empty()) return;
+  if (!log) {
+    ImGui::Separator();
+    ImGui::TextColored(sky, "%s (%d)", say(Text::notes), int(listed.size()));
+  }
   const float letter = ImGui::GetTextLineHeightWithSpacing(), across = ImGui::GetContentRegionAvail().x;
   const float left = float(height) - 8 - ImGui::GetCursorScreenPos().y - ImGui::GetStyle().WindowPadding.y;
   const float most = std::clamp(left, 2 * letter, lines_of_notes * letter);
   float high = 0;
-  for (std::size_t n = notes.size(); n-- > 0 && high < most;)
+  for (const std::size_t n : listed)
     high += ImGui::CalcTextSize(note_lines_[n].c_str(), nullptr, false, across).y + ImGui::GetStyle().ItemSpacing.y;
-  ImGui::BeginChild("##notes", {0, std::min(high, most)});
-  const double now_s = player.now_s();
+  ImGui::BeginChild(log ? "##log" : "##notes", {0, std::min(high, most)});
+  const double now_s = all.now_s();
   ImGui::PushTextWrapPos(0);
-  for (std::size_t n = notes.size(); n-- > 0;) {
+  for (const std::size_t n : listed) {
     const float share = float(freshness(notes[n], now_s));
     ImGui::TextColored({share, share, share, 1}, "%s", note_lines_[n].c_str());
   }
@@ -209,38 +240,43 @@ void Hud::note_list(const Player& player, int height) {
   ImGui::EndChild();
 }
 
-void Hud::playback_panel(Player& player, int width, int height) {
-  const Playback& p = *player.playback();
-  ImGui::SetNextWindowPos({float(width) / 2, float(height) - 8}, ImGuiCond_Always, {0.5f, 1});
-  ImGui::SetNextWindowSize({float(width) * 0.7f, 0}, ImGuiCond_Always);
+void Hud::playback_panel(ShownRecording& shown) {
+  const Playback& p = shown.playback();
+  const Place& place = layout_.time;
+  ImGui::SetNextWindowPos({place.x, place.y}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({place.width, place.height}, ImGuiCond_Always);
   ImGui::Begin(say(Text::playback), nullptr, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
-  if (ImGui::Button(say(player.paused() ? Text::go_on : Text::pause))) player.pause(!player.paused());
+  if (ImGui::Button(say(shown.paused ? Text::go_on : Text::pause))) shown.paused = !shown.paused;
   ImGui::SameLine();
-  float speed = float(player.speed);
+  float speed = float(shown.speed);
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 8);
-  if (ImGui::SliderFloat(say(Text::speed), &speed, -4, 8, "%.1f")) player.speed = speed;
+  if (ImGui::SliderFloat(say(Text::speed), &speed, -4, 8, "%.1f")) shown.speed = speed;
   ImGui::SameLine();
   float at = float(p.time_s());
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::SliderFloat("##time", &at, float(p.begin_s()), float(p.end_s()), "%.2f s")) player.go_to(at);
+  if (ImGui::SliderFloat("##time", &at, float(p.begin_s()), float(p.end_s()), "%.2f s")) shown.go_to(at);
   ImGui::End();
 }
 
-void Hud::draw(Player& player, Controls& controls, const PictureTimes& times, int width, int height) {
+void Hud::draw(Player& player, Screen& screen, const PictureTimes& times) {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
-  if (controls.panels_shown) {
-    if (player.desk() && player.live())
-      lesson_panel(player, controls);
+  const bool has_shots = player.shots() && !player.shots()->shots().empty();
+  layout_ =
+      Layout(float(screen.cursor.width), float(screen.cursor.height), ImGui::GetFontSize(),
+             player.xrays() && player.live(), player.lesson() && player.shown(), has_shots, player.shown() != nullptr);
+  if (screen.panels_shown) {
+    if (player.in_lesson())
+      lesson_panel(player, screen);
     else
-      patient_panel(player, height);
-    if (player.desk() && player.playback()) score_panel(player, width, height);
-    status_panel(player, controls, times, width, height);
-    if (player.playback()) playback_panel(player, width, height);
+      patient_panel(player, screen);
+    if (player.lesson() && player.shown()) score_panel(*player.lesson());
+    status_panel(player, screen, times);
+    if (player.shown()) playback_panel(*player.shown());
   }
-  if (player.has_xray()) xray_panel(player, controls, width, height);
-  if (!player.shots_taken().empty()) shot_panel(player, width, height);
+  if (player.xrays() && player.live()) xray_panel(player, screen);
+  if (has_shots) shot_panel(player);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }

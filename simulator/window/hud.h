@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
-#include "window/controls.h"
+#include "window/actions.h"
 #include "window/glfw_window.h"
-#include "window/player.h"
+#include "window/layout.h"
 #include "window/texts.h"
 
 namespace trephine {
@@ -29,25 +29,28 @@ class Hud {
   /// Whether mouse and keys are for a panel.
   bool has_mouse() const;
   bool has_keys() const;
-  void draw(Player& player, Controls& controls, const PictureTimes& times, int width, int height);
+  void draw(Player& player, Screen& screen, const PictureTimes& times);
 
  private:
-  void patient_panel(Player& player, int height);
-  void status_panel(Player& player, const Controls& controls, const PictureTimes& times, int width, int height);
-  void note_list(const Player& player, int height);
-  void lesson_panel(Player& player, Controls& controls);
-  void score_panel(const Player& player, int width, int height);
-  void xray_panel(Player& player, Controls& controls, int width, int height);
-  void shot_panel(Player& player, int width, int height);  // of a review
-  void xray_picture(const Player& player, float edge);
-  void playback_panel(Player& player, int width, int height);
+  void patient_panel(Player& player, Screen& screen);
+  void keys_list(const Player& player);
+  void status_panel(const Player& player, const Screen& screen, const PictureTimes& times);
+  void show_times(const Player& player, const PictureTimes& times);
+  void note_list(const Notes& notes, bool log, int height);
+  void lesson_panel(Player& player, Screen& screen);
+  void score_panel(const LessonDesk& lesson);
+  void xray_panel(Player& player, Screen& screen);
+  void shot_panel(Player& player);  // of a review
+  void xray_picture(const XrayPictures& pictures, float edge);
+  void playback_panel(ShownRecording& shown);
   const char* say(Text text) const { return text_of(language_, text); }
+  Layout layout_{1, 1, 1, false, false, false, false};  // of the picture that is drawn
   double scale_;
   Language language_;
   std::deque<std::string> note_lines_;  // of the notes that are kept, as they are shown
   std::size_t notes_seen_ = 0;
   unsigned texture_ = 0;          // of the fluoroscopic picture; 0 before the first
-  std::uint64_t in_texture_ = 0;  // Player::xrays_made of what it holds
+  std::uint64_t in_texture_ = 0;  // XrayPictures::made of what it holds
 };
 
 }  // namespace trephine

@@ -30,28 +30,29 @@ void upload(const FluoroPicture& picture) {
 
 }  // namespace
 
-void Hud::xray_picture(const Player& player, float edge) {
-  const MadeFluoro* seen = player.xray();
+void Hud::xray_picture(const XrayPictures& pictures, float edge) {
+  const MadeFluoro* seen = pictures.last();
   if (!seen) return ImGui::Dummy({edge, edge});
   if (texture_ == 0) glGenTextures(1, &texture_);
-  if (in_texture_ != player.xrays_made()) {
+  if (in_texture_ != pictures.made()) {
     GLint before = 0;
     glGetIntegerv(GL_TEXTURE_BINDING_2D, &before);
     glBindTexture(GL_TEXTURE_2D, texture_);
     upload(seen->picture);
     glBindTexture(GL_TEXTURE_2D, GLuint(before));
-    in_texture_ = player.xrays_made();
+    in_texture_ = pictures.made();
   }
   ImGui::Image(reinterpret_cast<ImTextureID>(std::intptr_t(texture_)), {edge, edge});
 }
 
 // What X-rays had shown last at the moment that a review shows, with the way to the shots before and after it.
-void Hud::shot_panel(Player& player, int width, int height) {
-  const std::vector<LessonShot>& shots = player.shots_taken();
-  const int shown = player.shot_shown(), count = int(shots.size());
-  const float letter = ImGui::GetFontSize(), side = std::clamp(0.45f * float(std::min(width, height)), 120.f, 512.f);
-  ImGui::SetNextWindowPos({8, float(height) - 5 * letter}, ImGuiCond_FirstUseEver, {0, 1});
-  ImGui::SetNextWindowSize({side, side + 6 * letter}, ImGuiCond_FirstUseEver);
+void Hud::shot_panel(Player& player) {
+  const std::vector<LessonShot>& shots = player.shots()->shots();
+  const int shown = player.shots()->shown(), count = int(shots.size());
+  const float letter = ImGui::GetFontSize();
+  const Place& at = layout_.shots;
+  ImGui::SetNextWindowPos({at.x, at.y}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({at.width, at.height}, ImGuiCond_FirstUseEver);
   ImGui::Begin(fmt::format("{}###shots", say(Text::fluoroscopy)).c_str(), nullptr,
                ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::TextColored(sky, "%s %d / %d", say(Text::shots), shown + 1, count);
@@ -65,35 +66,33 @@ void Hud::shot_panel(Player& player, int width, int height) {
   const ImVec2 room = ImGui::GetContentRegionAvail();
   const float edge = std::max(32.f, std::min(room.x, room.y - 2 * letter));
   if (shown >= 0)
-    xray_picture(player, edge);
+    xray_picture(*player.xrays(), edge);
   else
     ImGui::Dummy({edge, edge});
   for (const int by : {-1, 1}) {
     if (by > 0) ImGui::SameLine();
     const int to = shown + by;
-    if (button(by < 0 ? " < " : " > ") && to >= 0 && to < count) player.go_to(shots[std::size_t(to)].end_s);
+    if (button(by < 0 ? " < " : " > ") && to >= 0 && to < count) player.shown()->go_to(shots[std::size_t(to)].end_s);
   }
   ImGui::End();
 }
 
-void Hud::xray_panel(Player& player, Controls& controls, int width, int height) {
-  const LessonXray x = player.desk()->xray();
-  const float letter = ImGui::GetFontSize(), side = std::clamp(0.5f * float(std::min(width, height)), 120.f, 512.f);
-  ImGui::SetNextWindowPos({float(width) - 8, float(height) - 8}, ImGuiCond_FirstUseEver, {1, 1});
-  ImGui::SetNextWindowSize({side, side + 7 * letter}, ImGuiCond_FirstUseEver);
+void Hud::xray_panel(Player& player, Screen& screen) {
+  const LessonXray x = player.lesson()->xray();
+  const float letter = ImGui::GetFontSize();
+  const Place& at = layout_.xray;
+  ImGui::SetNextWindowPos({at.x, at.y}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({at.width, at.height}, ImGuiCond_FirstUseEver);
   ImGui::Begin(fmt::format("{}###xray", say(Text::fluoroscopy)).c_str(), nullptr,
                ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse);
-  const std::string pose = x.now.view == "ap"        ? say(Text::arm_ap)
-                           : x.now.view == "lateral" ? say(Text::arm_lateral)
-                           : x.now.view == "oblique" ? say(Text::arm_oblique)
-                                                     : "";
+  const std::string pose = x.now.view == "free" ? "" : translated_name(language_, x.now.view);
   ImGui::TextColored(sky, "%s%s%s %.0f, %s %.0f", pose.c_str(), pose.empty() ? "" : "  ", say(Text::arm_turned),
                      x.now.orbit_deg, say(Text::arm_tilted), x.now.tilt_deg);
   ImGui::TextColored(x.on ? vermilion : grey, "%s",
                      say(x.on                ? Text::xrays_on
                          : x.shots_count > 0 ? Text::picture_held
                                              : Text::no_xray));
-  const MadeFluoro* seen = player.xray();
+  const MadeFluoro* seen = player.xrays()->last();
   if (seen && (seen->arm.orbit_deg != x.now.orbit_deg || seen->arm.tilt_deg != x.now.tilt_deg)) {  // it moved since
     ImGui::SameLine();
     ImGui::TextColored(orange, "(%.0f, %.0f)", seen->arm.orbit_deg, seen->arm.tilt_deg);
@@ -101,15 +100,8 @@ void Hud::xray_panel(Player& player, Controls& controls, int width, int height) 
   ImGui::SameLine();
   ImGui::TextUnformatted(fmt::format(" {:.1f} s, {}: {}", x.exposure_s, say(Text::shots), x.shots_count).c_str());
   const ImVec2 room = ImGui::GetContentRegionAvail();
-  xray_picture(player, std::max(32.f, std::min(room.x, room.y - 3.2f * letter)));
-  const auto button = [&](const char* label, const char* how, bool on_line) {
-    if (on_line) ImGui::SameLine();
-    if (hud::button(label)) controls.said = player.move_arm(how);
-  };
-  button(say(Text::arm_ap), "ap", false);
-  button(say(Text::arm_lateral), "lateral", true);
-  button(say(Text::arm_oblique), "oblique", true);
-  ImGui::TextColored(grey, "%s", say(Text::arm_keys));
+  xray_picture(*player.xrays(), std::max(32.f, std::min(room.x, room.y - 3.2f * letter)));
+  choice_buttons("arm", player, screen, x.now.view);
   ImGui::End();
 }
 

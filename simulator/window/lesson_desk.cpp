@@ -101,44 +101,44 @@ void LessonDesk::note_step(int tool, int command) {
     if (command != belt_command::none ? steps_[n].command == command : steps_[n].tool == tool) step_ = n;
 }
 
-std::string LessonDesk::take(const std::string& name) {
+Answer LessonDesk::take(const std::string& name) {
   for (std::size_t n = 0; n < tools().size(); ++n)
     if (tools()[n].name == name) {
       tool_ = int(n);
       pedal_ = false;
       note_step(tool_, belt_command::none);
       press();
-      return "";
+      return {};
     }
-  return name + ": the lesson has no such tool";
+  return Note{NoteId::no_tool_of_lesson, {name}};
 }
 
-std::string LessonDesk::give(const std::string& name) {
+Answer LessonDesk::give(const std::string& name) {
   for (int n = 1; n < belt_command::count; ++n)
     if (name == belt_command::names[n]) {
       if (belt_->paused() && n != belt_command::pause && n != belt_command::resume && n != belt_command::finish)
-        return "the lesson is paused: go on first";
-      if (n == belt_command::incise && !belt_->has_mark()) return "the marker has not touched yet";
+        return NoteId::lesson_is_paused;
+      if (n == belt_command::incise && !belt_->has_mark()) return NoteId::marker_untouched;
       commands_.push_back(n);
       note_step(-1, n);
       press();
-      return "";
+      return {};
     }
-  return name + ": there is no such command";
+  return Note{NoteId::no_lesson_command, {name}};
 }
 
-std::string LessonDesk::next() {
-  if (step_ + 1 >= steps_.size()) return "this is the last step";
+Answer LessonDesk::next() {
+  if (step_ + 1 >= steps_.size()) return NoteId::last_step;
   const LessonStep& s = steps_[step_ + 1];
   // A pedal pressed once too often must not end the lesson, which cannot be taken back.
-  if (s.tool < 0 && s.command == belt_command::finish) return "only the end is left: press Enter twice";
+  if (s.tool < 0 && s.command == belt_command::finish) return NoteId::only_end_left;
   return s.tool >= 0 ? take(tools()[std::size_t(s.tool)].name) : give(belt_command::names[s.command]);
 }
 
-std::string LessonDesk::back() {
+Answer LessonDesk::back() {
   for (std::size_t n = step_; n-- > 0;)
     if (steps_[n].tool >= 0) return take(tools()[std::size_t(steps_[n].tool)].name);
-  return "this is the first step";
+  return NoteId::first_step;
 }
 
 void LessonDesk::watch(const std::vector<ServoFrame>& frames, const Drilling* drilling) {

@@ -47,12 +47,12 @@ class LessonDesk {
   /// Tools, module, participant, board and recording.
   void set_session(SessionOptions& session) const;
 
-  // What the hand does besides moving. Each returns an empty text, or what is wrong with it.
-  std::string take(const std::string& tool);
-  std::string give(const std::string& command);           ///< a name of belt_command
+  // What the hand does besides moving.
+  Answer take(const std::string& tool);
+  Answer give(const std::string& command);                ///< a name of belt_command
   bool commanding() const { return !commands_.empty(); }  ///< whether a command waits for the servo
-  std::string next();                                     ///< does the next step
-  std::string back();                                     ///< takes the tool of an earlier step: what was cut stays cut
+  Answer next();                                          ///< does the next step
+  Answer back();                                          ///< takes the tool of an earlier step: what was cut stays cut
   void set_pedal(bool down);
 
   /// What the servo did. `drilling`: the session's, null where nothing can be cut.

@@ -13,14 +13,14 @@ constexpr double new_for_s = 10, fades_in_s = 30, least = 0.7;
 
 }  // namespace
 
-void Notes::add(double at_s, std::string text) {
-  kept_.push_back({at_s, std::move(text)});
+void Notes::add(double at_s, Note note) {
+  kept_.push_back({at_s, std::move(note)});
   if (kept_.size() <= most_kept) return;
   kept_.pop_front();
   ++first_;
 }
 
-std::deque<Note> Notes::since(std::size_t& n) const {
+std::deque<TimedNote> Notes::since(std::size_t& n) const {
   const std::size_t from = std::min(count(), std::max(n, first_));
   n = count();
   return {kept_.begin() + std::ptrdiff_t(from - first_), kept_.end()};
@@ -34,13 +34,13 @@ std::string clock_text(double seconds) {
 
 std::string notes_line(const Notes& notes, std::size_t most, Language language) {
   std::string line;
-  const std::deque<Note>& kept = notes.kept();
+  const std::deque<TimedNote>& kept = notes.kept();
   for (std::size_t n = kept.size(); n-- > 0 && kept.size() - n <= most;)
-    line += (line.empty() ? "" : " | ") + clock_text(kept[n].at_s) + " " + translated_note(language, kept[n].text);
+    line += (line.empty() ? "" : " | ") + clock_text(kept[n].at_s) + " " + text_of(kept[n].note, language);
   return line.empty() ? "none" : line;
 }
 
-double freshness(const Note& note, double now_s) {
+double freshness(const TimedNote& note, double now_s) {
   const double old = (now_s - note.at_s - new_for_s) / fades_in_s;
   return 1 - (1 - least) * std::clamp(old, 0.0, 1.0);
 }

@@ -1,32 +1,36 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <chrono>
 #include <cstddef>
 #include <deque>
 #include <string>
 
-#include "window/texts.h"
+#include "texts/note.h"
 
 namespace trephine {
 
-/// What a window told its user, in English, and when: seconds after its start.
-struct Note {
+/// What a window told its user, and when: seconds after its start.
+struct TimedNote {
   double at_s = 0;
-  std::string text;
+  Note note;
 };
 
 /// The last notes of a window; those of a whole day would take its memory.
 class Notes {
  public:
   static constexpr std::size_t most_kept = 100;
-  void add(double at_s, std::string text);
+  void add(double at_s, Note note);
+  void add(Note note) { add(now_s(), std::move(note)); }
   std::size_t count() const { return first_ + kept_.size(); }  ///< that there ever were
   /// Of those since note number `n` (from 0), the ones that are kept; moves `n` behind the last one.
-  std::deque<Note> since(std::size_t& n) const;
-  const std::deque<Note>& kept() const { return kept_; }
+  std::deque<TimedNote> since(std::size_t& n) const;
+  const std::deque<TimedNote>& kept() const { return kept_; }
+  double now_s() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count(); }
 
  private:
-  std::deque<Note> kept_;
+  std::deque<TimedNote> kept_;
   std::size_t first_ = 0;
+  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
 };
 
 /// "1:05", "1:00:05".
@@ -34,6 +38,6 @@ std::string clock_text(double seconds);
 /// The last of them in a line, the newest first: "0:12 text | 0:03 text"; "none" where there is none.
 std::string notes_line(const Notes& notes, std::size_t most, Language language);
 /// How much of its colour a note has: all while it is new, and never so little that it cannot be read.
-double freshness(const Note& note, double now_s);
+double freshness(const TimedNote& note, double now_s);
 
 }  // namespace trephine

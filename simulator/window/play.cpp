@@ -23,7 +23,6 @@ using Clock = std::chrono::steady_clock;
 double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
 
 constexpr std::size_t kept_times = 200;
-constexpr std::size_t answered_notes = 8;
 constexpr std::uint64_t first_pictures = 3;  // that compile shaders
 
 double median(std::deque<double> values) {
@@ -38,10 +37,11 @@ class Loop {
       : player_(player),
         window_(window),
         params_(params),
-        controls_(options.hand),
         hud_(window, params.letters, params.language),
-        reduction_(params.target_ms, options.view, params.fine_mm, player.stage().driver().software) {
-    controls_.panels_shown = params.panels;
+        reduction_(params.target_ms, options.view, params.fine_mm, player.view().stage().driver().software) {
+    screen_.panels_shown = params.panels;
+    screen_.language = params.language;
+    screen_.hand = options.hand;
     reduce();
   }
 
@@ -51,11 +51,11 @@ class Loop {
     const auto begin = Clock::now();
     const double wall_s = std::min(1.0, std::chrono::duration<double>(begin - last_).count());
     last_ = begin;
-    int width = 0, height = 0;
+    int &width = screen_.cursor.width, &height = screen_.cursor.height;
     window_.width_height(width, height);
-    controls_.apply(events, player_, width, height, hud_.has_mouse(), hud_.has_keys());
-    controls_.hold(wall_s, player_, width, height);
-    if (remote) remote->poll([&](const std::string& line) { return answer(line); });
+    controls_.apply(events, player_, screen_, hud_.has_mouse(), hud_.has_keys());
+    controls_.hold(wall_s, player_, screen_);
+    if (remote) remote->poll([&](const std::string& line) { return answer_line(line, player_, screen_); });
     if (head) head->poll(player_.head_mm);
     player_.step(wall_s);
     if (player_.stages() != stages_) reduce();
@@ -82,23 +82,14 @@ class Loop {
  private:
   void reduce() {
     stages_ = player_.stages();
-    player_.stage().set_quality(reduction_.view(), reduction_.scale(), reduction_.coarse());
+    player_.view().stage().set_quality(reduction_.view(), reduction_.scale(), reduction_.coarse());
     told_reduced_ = false;
-    if (!player_.stage().coarse_comes()) tell_reduced();
-  }
-
-  // What the panels show is answered here: in their language, or in the one that is asked for.
-  std::string answer(const std::string& line) const {
-    if (line == "notes") return notes_line(player_.notes(), answered_notes, params_.language);
-    for (const auto& [name, language] : languages())
-      if (line == "notes " + name) return notes_line(player_.notes(), answered_notes, language);
-    if (line.rfind("notes ", 0) == 0) return "error: notes: the window has no language of that name";
-    return player_.command(line);
+    if (!player_.view().stage().coarse_comes()) tell_reduced();
   }
 
   // While coarser triangles come, pictures say nothing of what is reduced.
   void adapt(double ms) {
-    if (player_.stage().coarse_comes()) return;
+    if (player_.view().stage().coarse_comes()) return;
     tell_reduced();
     if (pictures_ > first_pictures && reduction_.look(ms)) reduce();
   }
@@ -110,12 +101,12 @@ class Loop {
   }
 
   void picture(int width, int height) {
-    player_.stage().draw(
-        player_.camera, width, height, [](Eye eye) { bind_screen(eye); }, player_.head_mm);
+    player_.view().stage().draw(
+        player_.view().camera, width, height, [](Eye eye) { bind_screen(eye); }, player_.head_mm);
     if (player_.takes_shot()) take_shot(width, height);
-    const ViewParams::Stereo stereo = player_.stage().view().stereo;
+    const ViewParams::Stereo stereo = player_.view().stage().view().stereo;
     if (stereo != ViewParams::Stereo::side_by_side && stereo != ViewParams::Stereo::top_bottom)
-      hud_.draw(player_, controls_, shown_, width, height);
+      hud_.draw(player_, screen_, shown_);
   }
 
   // A folder that cannot be written is no reason to end somebody's session.
@@ -123,13 +114,14 @@ class Loop {
     const std::filesystem::path file = player_.next_shot();
     try {
       write_file(file, png_of(read_picture(width, height)));
-      if (const MadeFluoro* xray = player_.xray(); xray && (player_.has_xray() || player_.shot_shown() >= 0))
+      const MadeFluoro* xray = player_.xrays() ? player_.xrays()->last() : nullptr;
+      if (xray && (player_.live() || player_.shots()->shown() >= 0))
         write_file(file.parent_path() / (file.stem().string() + "-xray.png"),
                    grey_png(xray->picture.size, xray->picture.size, xray->picture.grey));
-      controls_.said = file.string();
+      screen_.answer = Note{NoteId::verbatim, {file.string()}};
     } catch (const Error& e) {
       if (e.file().empty()) throw;  // what the driver said
-      player_.note("a picture could not be written: " + e.file() + ": " + e.what());
+      player_.notes.add({NoteId::picture_not_written, {e.file(), e.what()}});
     }
   }
 
@@ -137,6 +129,7 @@ class Loop {
   GlfwWindow& window_;
   const WindowParams params_;
   Controls controls_;
+  Screen screen_;
   Hud hud_;
   Reduction reduction_;
   PictureTimes shown_;
@@ -184,7 +177,7 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
   }
   player->set_stage();
   PlayOutcome outcome;
-  outcome.driver = player->stage().driver().renderer;
+  outcome.driver = player->view().stage().driver().renderer;
   Loop loop(*player, *window, params, options);
   std::size_t told = 0;
   std::string reduced;
@@ -196,7 +189,7 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
         outcome.first_picture_s = since(begun);
         say(fmt::format("first picture after {:.2f} s, drawn by {}", outcome.first_picture_s, outcome.driver));
       }
-      for (const Note& note : player->notes().since(told)) say(note.text);
+      for (const TimedNote& n : player->notes.since(told)) say(text_of(n.note, Language::english));
       if (std::string now = loop.reduced(); now != reduced) {
         reduced = std::move(now);
         say(reduced.empty() ? "reduced: nothing any more" : "reduced: " + reduced);
@@ -208,16 +201,15 @@ PlayOutcome play(const PlayOptions& options, const WindowParams& params, int rem
     throw;
   }
   player->finish();
-  for (const Note& note : player->notes().since(told)) say(note.text);
+  for (const TimedNote& n : player->notes.since(told)) say(text_of(n.note, Language::english));
   outcome.seconds = since(begun);
   outcome.pictures = loop.pictures();
   outcome.faults = player->faults();
-  outcome.graphics_mb = 1e-6 * double(player->stage().renderer().graphics_bytes());
+  outcome.graphics_mb = 1e-6 * double(player->view().stage().renderer().graphics_bytes());
   outcome.picture_ms = loop.typical_ms();
   outcome.longest_ms = loop.longest_ms();
-  if (player->desk() && player->desk()->scored())
-    outcome.score =
-        score_text(player->desk()->scored()->head, *player->desk()->scored()->facts, player->desk()->scored()->score);
+  if (const ScoredLesson* scored = player->lesson() ? player->lesson()->scored() : nullptr)
+    outcome.score = score_text(scored->head, *scored->facts, scored->score);
   return outcome;
 }
 

@@ -2,6 +2,7 @@
 // The window's words. A further language is a further column, and an entry in languages().
 #include "window/texts.h"
 
+#include "haptics/tool.h"
 #include "lessons/lesson_type.h"
 
 namespace trephine {
@@ -9,95 +10,74 @@ namespace {
 
 struct Row {
   Text text;
-  const char* in[2];
+  Wording in;
 };
 
 constexpr Row table[] = {
-    {Text::anatomies, {"Anatomies", "Anatomie"}},
-    {Text::view, {"View", "Ansicht"}},
-    {Text::cut_away, {"Cut away", "Schnittebene"}},
-    {Text::shows_ct, {"CT on the cut", "CT im Schnitt"}},
-    {Text::move_plane, {"Move, mm", "Verschieben, mm"}},
-    {Text::tool, {"Tool", "Instrument"}},
-    {Text::hand, {"Hand", "Hand"}},
-    {Text::step, {"Step", "Schritt"}},
-    {Text::time, {"Time", "Zeit"}},
-    {Text::inside, {"The tip is in", "Spitze in"}},
-    {Text::nothing, {"air", "Luft"}},
-    {Text::depth, {"Depth", "Tiefe"}},
-    {Text::force, {"Force", "Kraft"}},
-    {Text::to_target, {"To the target", "Zum Ziel"}},
-    {Text::picture, {"Picture", "Bild"}},
-    {Text::servo, {"Servo", "Servo"}},
-    {Text::late, {"woken late", "verspätet"}},
-    {Text::under_cursor, {"Under the cursor", "Unter dem Zeiger"}},
-    {Text::pedal, {"Pedal", "Pedal"}},
-    {Text::incise, {"Incise", "Inzision"}},
-    {Text::playback, {"Recording", "Aufnahme"}},
-    {Text::speed, {"Speed", "Tempo"}},
-    {Text::pause, {"Pause", "Anhalten"}},
-    {Text::go_on, {"Go on", "Weiter"}},
-    {Text::keys, {"Keys", "Tasten"}},
-    {Text::keys_help,
-     {"Mouse: moves the tool in the picture's plane\nLeft button, space: pedal\nWheel, W, S: along the tool\n"
-      "Right button: turn   Middle: shift\nCtrl + wheel, + and -: nearer, farther\nArrows: tilt the tool   Home: "
-      "towards you\nT: aim at the target\nG: tool to the surface under the cursor\nM: incise   X: cut away at the tool"
-      "\n[ and ]: move the cut\n1 to 9: tools   F1 to F8: views\nC, I: CT slices   K: trace   P: pause\nF12: picture "
-      "to a "
-      "file   H: hide "
-      "this   Esc: end",
-      "Maus: bewegt das Instrument in der Bildebene\nLinke Taste, Leertaste: Pedal\nRad, W, S: längs des Instruments\n"
-      "Rechte Taste: drehen   Mitte: schieben\nStrg + Rad, + und -: näher, weiter\nPfeile: kippen   Pos1: zum "
-      "Betrachter\nT: auf das Ziel "
-      "richten\nG: an die Fläche unter dem Zeiger\nM: Inzision   X: Schnitt am Instrument\n[ und ]: Schnitt "
-      "verschieben\n1 bis 9: Instrumente   F1 bis F8: Ansichten\nC, I: CT-Schichten   K: Spur   P: Pause\nF12: Bild in "
-      "eine Datei   H: "
-      "ausblenden   Esc: Ende"}},
-    {Text::lost_device, {"FAULT: the force is zero", "FEHLER: die Kraft ist null"}},
-    {Text::trace, {"Trace", "Spur"}},
-    {Text::reduced, {"Reduced", "Vereinfacht"}},
-    {Text::places, {"Landmarks and targets", "Landmarken und Ziele"}},
-    {Text::ct_slices, {"CT slices at the tip", "CT-Schichten an der Spitze"}},
-    {Text::lesson, {"Lesson", "Lektion"}},
-    {Text::step_finish, {"Finished", "Beendet"}},
-    {Text::last_trace, {"Last trace, mm", "Letzte Spur, mm"}},
-    {Text::passes, {"Passes", "Durchgänge"}},
-    {Text::paused, {"PAUSED: nothing is felt", "PAUSE: nichts ist zu spüren"}},
-    {Text::next, {"Next (N)", "Weiter (N)"}},
-    {Text::back, {"Back (Backspace)", "Zurück (Rücktaste)"}},
-    {Text::erase, {"Erase (E)", "Löschen (E)"}},
-    {Text::incise_key, {"Incise (M)", "Schnitt (M)"}},
-    {Text::aspirate_key, {"Aspirate (A)", "Aspirieren (A)"}},
-    {Text::pause_key, {"Pause (P)", "Pause (P)"}},
-    {Text::finish_key, {"Finish (Enter, twice)", "Beenden (Eingabe, zweimal)"}},
-    {Text::judging, {"The lesson is judged ...", "Die Lektion wird bewertet ..."}},
-    {Text::not_judged, {"not judged", "nicht bewertet"}},
-    {Text::points, {"Points", "Punkte"}},
-    {Text::report, {"Report", "Bericht"}},
+    {Text::anatomies, {{"Anatomies", "Anatomie"}}},
+    {Text::view, {{"View", "Ansicht"}}},
+    {Text::cut_away, {{"Cut away", "Schnittebene"}}},
+    {Text::shows_ct, {{"CT on the cut", "CT im Schnitt"}}},
+    {Text::move_plane, {{"Move, mm", "Verschieben, mm"}}},
+    {Text::tool, {{"Tool", "Instrument"}}},
+    {Text::time, {{"Time", "Zeit"}}},
+    {Text::inside, {{"The tip is in", "Spitze in"}}},
+    {Text::nothing, {{"air", "Luft"}}},
+    {Text::depth, {{"Depth", "Tiefe"}}},
+    {Text::force, {{"Force", "Kraft"}}},
+    {Text::to_target, {{"To the target", "Zum Ziel"}}},
+    {Text::picture, {{"Picture", "Bild"}}},
+    {Text::servo, {{"Servo", "Servo"}}},
+    {Text::late, {{"woken late", "verspätet"}}},
+    {Text::under_cursor, {{"Under the cursor", "Unter dem Zeiger"}}},
+    {Text::pedal, {{"Pedal", "Pedal"}}},
+    {Text::playback, {{"Recording", "Aufnahme"}}},
+    {Text::speed, {{"Speed", "Tempo"}}},
+    {Text::pause, {{"Pause", "Anhalten"}}},
+    {Text::go_on, {{"Go on", "Weiter"}}},
+    {Text::keys, {{"Keys", "Tasten"}}},
+    {Text::lost_device, {{"FAULT: the force is zero", "FEHLER: die Kraft ist null"}}},
+    {Text::trace, {{"Trace", "Spur"}}},
+    {Text::reduced, {{"Reduced", "Vereinfacht"}}},
+    {Text::lesson, {{"Lesson", "Lektion"}}},
+    {Text::step_finish, {{"Finished", "Beendet"}}},
+    {Text::last_trace, {{"Last trace, mm", "Letzte Spur, mm"}}},
+    {Text::passes, {{"Passes", "Durchgänge"}}},
+    {Text::paused, {{"PAUSED: nothing is felt", "PAUSE: nichts ist zu spüren"}}},
+    {Text::judging, {{"The lesson is judged ...", "Die Lektion wird bewertet ..."}}},
+    {Text::not_judged, {{"not judged", "nicht bewertet"}}},
+    {Text::points, {{"Points", "Punkte"}}},
+    {Text::report, {{"Report", "Bericht"}}},
     {Text::review_help,
-     {"Review: orange your own way, green the expert's.\nX: cut away at the tool. F1 to F8: views.",
-      "Nachbetrachtung: orange der eigene Weg, grün der des Experten.\nX: Schnitt am Instrument. F1 bis F8: "
-      "Ansichten."}},
-    {Text::without_darkening, {"no darkening of creases, rough edges", "ohne Abdunkeln von Falten, raue Kanten"}},
-    {Text::without_grain, {"no grain", "ohne Körnung"}},
+     {{"Review: orange your own way, green the expert's.\nX: cut away at the tool. F1 to F8: views.",
+       "Nachbetrachtung: orange der eigene Weg, grün der des Experten.\nX: Schnitt am Instrument. F1 bis F8: "
+       "Ansichten."}}},
+    {Text::without_darkening, {{"no darkening of creases, rough edges", "ohne Abdunkeln von Falten, raue Kanten"}}},
+    {Text::without_grain, {{"no grain", "ohne Körnung"}}},
     {Text::coarse_surfaces,
-     {"coarse surfaces ({:g} mm) beyond {:.0f} mm of the tool",
-      "grobe Flächen ({:g} mm) weiter als {:.0f} mm vom Instrument"}},
-    {Text::without_shadow, {"no shadow of the tool", "ohne Schatten des Instruments"}},
-    {Text::half_the_pixels, {"half the pixels", "halb so viele Bildpunkte"}},
-    {Text::shots, {"Shots", "Aufnahmen"}},
-    {Text::xrays, {"X-rays, s", "Strahlung, s"}},
-    {Text::fluoroscopy, {"Fluoroscopy", "Durchleuchtung"}},
-    {Text::xrays_on, {"X-RAYS ON", "STRAHLUNG EIN"}},
-    {Text::picture_held, {"last picture", "letztes Bild"}},
-    {Text::no_xray, {"Space or left button: X-rays", "Leertaste, linke Taste: Strahlung"}},
-    {Text::arm_ap, {"AP (F)", "a.-p. (F)"}},
-    {Text::arm_lateral, {"lateral (L)", "seitlich (L)"}},
-    {Text::arm_oblique, {"oblique (O)", "schräg (O)"}},
-    {Text::arm_turned, {"turned", "gedreht"}},
-    {Text::arm_tilted, {"tilted", "gekippt"}},
-    {Text::arm_keys, {"Comma, period: turn   Page up, down: tilt", "Komma, Punkt: drehen   Bild auf, ab: kippen"}},
-    {Text::notes, {"Notes", "Meldungen"}},
+     {{"coarse surfaces ({:g} mm) beyond {:.0f} mm of the tool",
+       "grobe Flächen ({:g} mm) weiter als {:.0f} mm vom Instrument"}}},
+    {Text::without_shadow, {{"no shadow of the tool", "ohne Schatten des Instruments"}}},
+    {Text::half_the_pixels, {{"half the pixels", "halb so viele Bildpunkte"}}},
+    {Text::shots, {{"Shots", "Aufnahmen"}}},
+    {Text::xrays, {{"X-rays, s", "Strahlung, s"}}},
+    {Text::fluoroscopy, {{"Fluoroscopy", "Durchleuchtung"}}},
+    {Text::xrays_on, {{"X-RAYS ON", "STRAHLUNG EIN"}}},
+    {Text::picture_held, {{"last picture", "letztes Bild"}}},
+    {Text::no_xray, {{"Space or left button: X-rays", "Leertaste, linke Taste: Strahlung"}}},
+    {Text::arm_turned, {{"turned", "gedreht"}}},
+    {Text::arm_tilted, {{"tilted", "gekippt"}}},
+    {Text::notes, {{"Notes", "Meldungen"}}},
+    {Text::log, {{"Log", "Protokoll"}}},
+};
+
+// Of views, cuts and places of the C-arm; a tool brings its own.
+constexpr Wording names[] = {
+    {{"surgeon", "Chirurg"}},  {{"front", "vorn"}},           {{"back", "hinten"}},
+    {{"left", "links"}},       {{"right", "rechts"}},         {{"top", "oben"}},
+    {{"bottom", "unten"}},     {{"oblique", "schräg"}},       {{"ap", "a.-p."}},
+    {{"lateral", "seitlich"}}, {{"none", "keine"}},           {{"tool", "Instrument"}},
+    {{"axial", "axial"}},      {{"coronal", "koronal"}},      {{"sagittal", "sagittal"}},
 };
 
 constexpr bool complete() {
@@ -117,13 +97,22 @@ const std::vector<std::pair<std::string, Language>>& languages() {
 
 std::string translated(Language language, const std::string& english) {
   for (const Row& row : table)
-    if (english == row.in[0]) return row.in[std::size_t(language)];
+    if (english == row.in.of(Language::english)) return row.in.of(language);
   for (const LessonType& lesson : lesson_types())
     for (const LessonText& text : lesson.texts)
       if (english == text.in[0]) return text.in[std::size_t(language)];
   return english;
 }
 
-const char* text_of(Language language, Text text) { return table[std::size_t(text)].in[std::size_t(language)]; }
+std::string translated_name(Language language, const std::string& english) {
+  if (language == Language::german)
+    for (const ToolKind& kind : all_tool_kinds())
+      if (english == kind.name) return kind.german;
+  for (const Wording& name : names)
+    if (english == name.of(Language::english)) return name.of(language);
+  return english;
+}
+
+const char* text_of(Language language, Text text) { return table[std::size_t(text)].in.of(language); }
 
 }  // namespace trephine

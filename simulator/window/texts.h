@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "texts/language.h"
+
 namespace trephine {
 
 /// The words of the window. texts.cpp has a table of them, one row a word and one column a language.
@@ -14,8 +16,6 @@ enum class Text {
   shows_ct,
   move_plane,
   tool,
-  hand,
-  step,
   time,
   inside,
   nothing,
@@ -27,30 +27,19 @@ enum class Text {
   late,
   under_cursor,
   pedal,
-  incise,
   playback,
   speed,
   pause,
   go_on,
   keys,
-  keys_help,
   lost_device,
   trace,
   reduced,
-  places,
-  ct_slices,
   lesson,
   step_finish,
   last_trace,
   passes,
   paused,
-  next,
-  back,
-  erase,
-  incise_key,
-  aspirate_key,
-  pause_key,
-  finish_key,
   judging,
   not_judged,
   points,
@@ -67,24 +56,17 @@ enum class Text {
   xrays_on,
   picture_held,
   no_xray,
-  arm_ap,
-  arm_lateral,
-  arm_oblique,
   arm_turned,
   arm_tilted,
-  arm_keys,
   notes,
+  log,
   count
 };
-enum class Language { english, german };
 const std::vector<std::pair<std::string, Language>>& languages();
 const char* text_of(Language language, Text text);
 /// The word in that language for a lesson's step or figure, which has an English name; the name where there is none.
 std::string translated(Language language, const std::string& english);
-/// The name of a tool, a view or a cut as the panels show it; the remote takes the English one.
+/// The name of a tool, a view, a cut or a place of the C-arm as the panels show it; the remote takes the English one.
 std::string translated_name(Language language, const std::string& english);
-/// A note of the window, or its answer to a key, in that language, with its names and figures; the note where there is
-/// none.
-std::string translated_note(Language language, const std::string& english);
 
 }  // namespace trephine

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "texts/note.h"
+
+namespace trephine {
+namespace {
+
+struct Row {
+  NoteId id;
+  Wording wording;
+};
+
+constexpr Row table[] = {
+    {NoteId::verbatim, {{"{}", "{}"}}},
+    {NoteId::fault_pose, {{"pose", "Lage"}}},
+    {NoteId::fault_time_step, {{"time step", "Zeitschritt"}}},
+    {NoteId::fault_force, {{"force", "Kraft"}}},
+    {NoteId::fault_device_lost, {{"device lost", "Gerät verloren"}}},
+    {NoteId::force_is_zero, {{"fault: {}: the force is zero from now on", "Fehler: {}: die Kraft ist ab jetzt null"}}},
+    {NoteId::waiting_for_device, {{"waiting for a device on {}", "warte auf ein Gerät an {}"}}},
+    {NoteId::holding_mouse_3d, {{"holding a 3D mouse", "eine 3D-Maus hält das Instrument"}}},
+    {NoteId::holding, {{"holding {}", "{} hält das Instrument"}}},
+    {NoteId::coarse_beyond,
+     {{"beyond {} mm of the tool {} is shown coarse: {} of {} triangles, {} places measured, the worst {} mm off",
+       "weiter als {} mm vom Instrument ist {} grob gezeigt: {} von {} Dreiecken, {} Stellen gemessen, die "
+       "schlechteste "
+       "{} mm daneben"}}},
+    {NoteId::coarse,
+     {{"{} is shown coarse: {} of {} triangles, {} places measured, the worst {} mm off",
+       "{} ist grob gezeigt: {} von {} Dreiecken, {} Stellen gemessen, die schlechteste {} mm daneben"}}},
+    {NoteId::memory_coarse,
+     {{"graphics memory: {} shown coarse: {} of {} triangles, {} places measured, the worst {} mm off",
+       "Grafikspeicher: {} grob gezeigt: {} von {} Dreiecken, {} Stellen gemessen, die schlechteste {} mm daneben"}}},
+    {NoteId::memory_edges, {{"graphics memory: rough edges", "Grafikspeicher: raue Kanten"}}},
+    {NoteId::memory_no_ct,
+     {{"graphics memory: no CT on cuts and slices", "Grafikspeicher: kein CT in Schnitten und Schichten"}}},
+    {NoteId::memory_ct, {{"graphics memory: the CT in voxels of {} mm", "Grafikspeicher: das CT in Voxeln von {} mm"}}},
+    {NoteId::memory_old_incisions,
+     {{"graphics memory: the oldest incisions look closed, and are not",
+       "Grafikspeicher: die ältesten Inzisionen sehen geschlossen aus und sind es nicht"}}},
+    {NoteId::memory_new_incision,
+     {{"graphics memory: the newest incision takes {} MB more than graphics_budget_mb",
+       "Grafikspeicher: die neueste Inzision braucht {} MB mehr als graphics_budget_mb"}}},
+    {NoteId::memory_pictures,
+     {{"graphics memory: pictures of {} x {} pixels in place of {} x {}",
+       "Grafikspeicher: Bilder von {} x {} Bildpunkten statt {} x {}"}}},
+    {NoteId::many_incisions,
+     {{"more than {} incisions: the oldest look closed, and are not",
+       "mehr als {} Inzisionen: die ältesten sehen geschlossen aus und sind es nicht"}}},
+    {NoteId::frames_lost,
+     {{"{} frames were not recorded: the disk is too slow",
+       "{} Zeitschritte fehlen in der Aufnahme: die Platte ist zu langsam"}}},
+    {NoteId::ticks,
+     {{"{}: {} ticks, tick time p50 {}, p99 {} us, woken late p50 {}, p99 {} ms, {} overruns",
+       "{}: {} Takte, Dauer p50 {}, p99 {} us, verspätet p50 {}, p99 {} ms, {} zu lange"}}},
+    {NoteId::ticks_with_faults,
+     {{"{}: {} ticks, tick time p50 {}, p99 {} us, woken late p50 {}, p99 {} ms, {} overruns, faults {}",
+       "{}: {} Takte, Dauer p50 {}, p99 {} us, verspätet p50 {}, p99 {} ms, {} zu lange, Fehler: {}"}}},
+    {NoteId::removed, {{"{} removed {}", "{} hat entfernt: {}"}}},
+    {NoteId::judged, {{"the lesson is judged: {} of {} points", "die Lektion ist bewertet: {} von {} Punkten"}}},
+    {NoteId::judged_in,
+     {{"the lesson is judged: {} of {} points, {}", "die Lektion ist bewertet: {} von {} Punkten, {}"}}},
+    {NoteId::picture_not_written,
+     {{"a picture could not be written: {}: {}", "ein Bild konnte nicht geschrieben werden: {}: {}"}}},
+    {NoteId::nothing_there, {{"nothing is there", "da ist nichts"}}},
+    {NoteId::no_lesson, {{"this is no lesson", "das ist keine Lektion"}}},
+    {NoteId::no_arm, {{"this lesson has no C-arm", "diese Lektion hat keinen C-Bogen"}}},
+    {NoteId::no_ct,
+     {{"the case holds no CT, so there are no X-rays", "der Fall enthält kein CT, also keine Durchleuchtung"}}},
+    {NoteId::no_target, {{"the case has no target", "der Fall hat kein Ziel"}}},
+    {NoteId::no_view, {{"{}: there is no such view", "{}: diese Ansicht gibt es nicht"}}},
+    {NoteId::no_cut,
+     {{"{}: a cut is none, tool, axial, coronal or sagittal",
+       "{}: ein Schnitt ist none, tool, axial, coronal oder sagittal"}}},
+    {NoteId::no_arm_place,
+     {{"{}: the arm goes to ap, lateral, oblique, or by orbit_more, orbit_less, tilt_more, tilt_less",
+       "{}: der C-Bogen geht nach ap, lateral, oblique, oder um orbit_more, orbit_less, tilt_more, tilt_less"}}},
+    {NoteId::no_anatomy, {{"{}: the case shows none of that name", "{}: der Fall zeigt nichts dieses Namens"}}},
+    {NoteId::no_opacity, {{"an opacity is a number from 0 to 1", "eine Deckkraft ist eine Zahl von 0 bis 1"}}},
+    {NoteId::no_tool_of_lesson, {{"{}: the lesson has no such tool", "{}: dieses Instrument hat die Lektion nicht"}}},
+    {NoteId::no_lesson_command, {{"{}: there is no such command", "{}: diesen Befehl gibt es nicht"}}},
+    {NoteId::no_command, {{"{}: no such command", "{}: kein solcher Befehl"}}},
+    {NoteId::recording_shown, {{"a recording is shown", "eine Aufnahme wird gezeigt"}}},
+    {NoteId::after_lesson, {{"not before the lesson's end", "nicht vor dem Ende der Lektion"}}},
+    {NoteId::enter_again, {{"Enter again: the lesson ends", "noch einmal Eingabe: die Lektion endet"}}},
+    {NoteId::only_end_left, {{"only the end is left: press Enter twice", "es bleibt nur das Ende: zweimal Eingabe"}}},
+    {NoteId::lesson_is_paused, {{"the lesson is paused: go on first", "die Lektion ist angehalten: erst weiter"}}},
+    {NoteId::marker_untouched, {{"the marker has not touched yet", "der Stift hat noch nichts berührt"}}},
+    {NoteId::last_step, {{"this is the last step", "das ist der letzte Schritt"}}},
+    {NoteId::first_step, {{"this is the first step", "das ist der erste Schritt"}}},
+    {NoteId::not_now,
+     {{"not now: the lesson waits for its device, or has ended",
+       "nicht jetzt: die Lektion wartet auf ihr Gerät oder ist zu Ende"}}},
+};
+
+constexpr bool complete() {
+  for (int n = 0; n < int(NoteId::count); ++n)
+    if (n >= int(sizeof table / sizeof *table) || table[n].id != NoteId(n)) return false;
+  return true;
+}
+static_assert(complete(), "one wording for each note, in the order of NoteId");
+
+}  // namespace
+
+bool operator==(const Note& a, const Note& b) { return a.id == b.id && a.values == b.values && a.words == b.words; }
+
+const Wording& wording_of(NoteId id) { return table[std::size_t(id)].wording; }
+
+bool is_for_log(NoteId id) {
+  return (id >= NoteId::coarse_beyond && id <= NoteId::memory_pictures) || id == NoteId::ticks;
+}
+
+std::string text_of(const Note& note, Language language) {
+  std::vector<std::string> values = note.values;
+  std::string listed;
+  for (const NoteId word : note.words) listed += (listed.empty() ? "" : ", ") + text_of(word, language);
+  if (!note.words.empty()) values.push_back(listed);
+  std::string text = wording_of(note.id).of(language);
+  std::size_t from = 0;
+  for (const std::string& value : values) {
+    const std::size_t at = text.find("{}", from);
+    if (at == std::string::npos) break;
+    text.replace(at, 2, value);
+    from = at + value.size();
+  }
+  return text;
+}
+
+}  // namespace trephine

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "window/layout.h"
+
+#include <algorithm>
+
+namespace trephine {
+namespace {
+
+constexpr float margin = 8;
+
+}  // namespace
+
+Layout::Layout(float width, float height, float letter, bool has_xray, bool has_scores, bool has_shots, bool has_time) {
+  const float half = 0.5f * width - 1.5f * margin;
+  float bottom = height - margin;
+  if (has_time) {
+    const float high = 4.5f * letter;
+    time = {0.15f * width, bottom - high, 0.7f * width, high};
+    bottom -= high + margin;
+  }
+  const float room = bottom - margin;
+  work = {margin, margin, std::min(23.5f * letter, half), room};
+  const float right = std::min(27 * letter, half);
+  status = {width - margin - right, margin, right, room};
+  // The lower part of a column; the panel above it keeps the rest.
+  const auto below = [&](Place& above, float wide, float high, bool on_right) {
+    const float w = std::min(std::max(wide, 14 * letter), half), h = std::min(high, 0.7f * room);
+    above.height = room - h - margin;
+    return Place{on_right ? width - margin - w : margin, bottom - h, w, h};
+  };
+  const float side = std::clamp(0.5f * std::min(width, height), 120.f, 512.f);
+  if (has_xray) xray = below(status, side, side + 5 * letter, true);
+  if (has_scores) scores = below(status, 30 * letter, 0.55f * room, true);
+  if (has_shots) shots = below(work, 0.9f * side, 0.9f * side + 6 * letter, false);
+}
+
+}  // namespace trephine
