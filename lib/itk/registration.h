@@ -50,12 +50,15 @@ struct RegistrationParams {
     v.integer(&P::samples_count, "samples_count", Range{2000, 2000000}, "Places that the last step compares.");
     v.number(&P::largest_spread_mm, "largest_spread_mm", Range{0.01, 100},
              "How far apart registrations may end that begin 8 mm and 8 degrees off the result.");
-    v.number(&P::largest_inverse_mm, "largest_inverse_mm", Range{0.01, 100},
-             "How far the registration of the CT onto the second scan may be from the inverse, with voxels of up to 2 mm; "
-             "with coarser ones in proportion to their longest side. Another patient's head, or a mirrored one, lies above.");
-    v.number(&P::largest_given_mm, "largest_given_mm", Range{0.01, 100},
-             "How far a given transform may lead from where the images themselves lie best upon each other, anywhere in "
-             "the body.");
+    v.number(
+        &P::largest_inverse_mm, "largest_inverse_mm", Range{0.01, 100},
+        "How far the registration of the CT onto the second scan may be from the inverse, with voxels of up to 2 mm; "
+        "with coarser ones in proportion to their longest side. Another patient's head, or a mirrored one, lies "
+        "above.");
+    v.number(
+        &P::largest_given_mm, "largest_given_mm", Range{0.01, 100},
+        "How far a given transform may lead from where the images themselves lie best upon each other, anywhere in "
+        "the body.");
     v.number(&P::least_overlap_ratio, "least_overlap_ratio", Range{0.3, 1},
              "Share of the head's samples in the CT that must lie within the second scan.");
     v.number(&P::least_margin_ratio, "least_margin_ratio", Range{0, 1},

@@ -24,7 +24,8 @@ StageType register_stage() {
       "Registers the second scan onto the CT by Mattes' mutual information, from coarse voxels to fine ones, and gives "
       "it on the CT's voxels. The registration checks itself: it is done again from three places 8 mm and 8 degrees "
       "off and in the other direction, and compared with an affine one. A result that is doubtful is refused with exit "
-      "code 80 and the figures that say why. A transform that is given is held against the images. Offsets up to 30 mm and 20 degrees are within reach; for others give a "
+      "code 80 and the figures that say why. A transform that is given is held against the images. Offsets up to 30 mm "
+      "and 20 degrees are within reach; for others give a "
       "transform to begin with.";
   s.examples = {"trephine register head.nrrd mr.nrrd --transform mr.tfm --picture check.png --output mr_on_ct.nrrd"};
   s.ports = {{"volume", DataKind::volume, true, "CT volume in HU, which stays"},
