@@ -4,6 +4,8 @@ if(TARGET trephine AND TARGET trephine-sim)
 set(attack ${PROJECT_SOURCE_DIR}/bench/attack)
 set(attack_programs --trephine $<TARGET_FILE:trephine> --sim $<TARGET_FILE:trephine-sim>)
 add_test(NAME program.LongAttack_dicom COMMAND python3 ${attack}/dicom.py ${attack_programs} --seed 21 --count 600)
+add_test(NAME program.LongAttack_attributes COMMAND python3 ${attack}/attributes.py ${attack_programs} --seed 21 --count 400)
+add_test(NAME program.LongAttack_identity COMMAND python3 ${attack}/identity.py ${attack_programs} --seed 21 --count 200)
 add_test(NAME program.LongAttack_cases
   COMMAND bash -c "work=$(mktemp -d) && trap 'rm -rf \"$work\"' EXIT && \"$0\" \"$work/sample\" && python3 \"$@\" --case \"$work/sample\""
     $<TARGET_FILE:write_sample_case> ${attack}/cases.py ${attack_programs} --seed 21 --count 600)
@@ -14,7 +16,7 @@ add_test(NAME program.LongAttack_volumes COMMAND python3 ${attack}/volumes.py ${
 add_test(NAME program.LongAttack_cache COMMAND python3 ${attack}/cache.py ${attack_programs} --seed 21 --count 20
   --config ${PROJECT_SOURCE_DIR}/configs/sample.yaml)
 add_test(NAME program.LongAttack_landmarks COMMAND python3 ${attack}/landmarks.py ${attack_programs} --seed 21 --count 200)
-set_tests_properties(program.LongAttack_dicom program.LongAttack_cases program.LongAttack_cases_with_ct
+set_tests_properties(program.LongAttack_dicom program.LongAttack_attributes program.LongAttack_identity program.LongAttack_cases program.LongAttack_cases_with_ct
   program.LongAttack_volumes program.LongAttack_cache program.LongAttack_landmarks
   PROPERTIES TIMEOUT 7200 ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 endif()

@@ -52,7 +52,7 @@ std::string refusal_of(const std::vector<ZipMember>& members, ExitCode expected 
     import_series(file, {});
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), expected) << e.line("");
-    EXPECT_EQ(e.file(), file.string());
+    EXPECT_EQ(e.file().rfind("scan (", 0), 0u) << e.file();
     EXPECT_EQ(e.field(), "archive");
     return e.what();
   }

@@ -118,7 +118,7 @@ TEST_P(Compressed, DamageIsTold) {
       ADD_FAILURE() << "damage number " << (&bytes - bad.data()) << " was read";
     } catch (const Error& e) {
       EXPECT_TRUE(e.code() == ExitCode::bad_input || e.code() == ExitCode::internal) << e.line("import");
-      EXPECT_EQ(e.file(), "slice1003.dcm") << e.line("import");
+      EXPECT_EQ(e.file().rfind("scan: file 4 of ", 0), 0u) << e.line("import");
     }
   }
 }

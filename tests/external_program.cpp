@@ -2,15 +2,22 @@
 // external_program MODE INPUT OUTPUT [MORE]: a stand-in for a program that labels scans, and all that can be wrong with
 // one. `good` labels what is above 300 HU with 2, and what else is above -200 HU with 1.
 #include <arpa/inet.h>
+#include <fcntl.h>
+#include <sched.h>
 #include <signal.h>
+#include <sys/mount.h>
+#include <sys/ptrace.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/uio.h>
 #include <sys/un.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -51,6 +58,9 @@ int try_network() {
 }
 
 }  // namespace
+
+/// A leak checker reads the process as ptrace does, which a confined program may not.
+extern "C" const char* __asan_default_options() { return "detect_leaks=0"; }
 
 int main(int argc, char** argv) {
   if (argc == 2 && std::strcmp(argv[1], "--version") == 0) return std::cout << "labeller 1.7 (test)\nmore\n", 0;
@@ -118,6 +128,31 @@ int main(int argc, char** argv) {
     write(more, "written");
     write(std::string(getenv("HOME")) + "/note", "written");
     if (!std::ifstream(std::string(getenv("HOME")) + "/note")) return 6;
+    write(output, encode_nifti(labelled(input), true));
+  } else if (mode == "attributes") {  // changes a file that it may read, and one of its own
+    const std::string own = std::string(getenv("HOME")) + "/note";
+    write(own, "written");
+    const timespec times[2] = {{1, 0}, {1, 0}};
+    if (chmod(more.c_str(), 0777) == 0) return 11;
+    if (utimensat(AT_FDCWD, more.c_str(), times, 0) == 0) return 12;
+    if (setxattr(more.c_str(), "user.note", "x", 1, 0) == 0) return 13;
+    if (chown(more.c_str(), getuid(), getgid()) == 0) return 14;
+    if (chmod(own.c_str(), 0700) != 0 || utimensat(AT_FDCWD, own.c_str(), times, 0) != 0) return 15;
+    write(output, encode_nifti(labelled(input), true));
+  } else if (mode == "processes") {  // looks for a process by its command line, and into it
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+      std::ifstream in(entry.path() / "cmdline", std::ios::binary);
+      const std::string line{std::istreambuf_iterator<char>(in), {}};
+      if (line.find("external_test") != std::string::npos) return 21;
+    }
+    if (ptrace(PTRACE_TRACEME, 0, nullptr, nullptr) == 0) return 22;
+    if (unshare(CLONE_NEWUSER) == 0) return 23;
+    if (mount("none", "/tmp", "tmpfs", 0, nullptr) == 0) return 24;
+    char byte = 0;
+    iovec here{&byte, 1}, there{&byte, 1};
+    if (process_vm_readv(getpid(), &here, 1, &there, 1, 0) >= 0) return 25;
+    std::thread([] {}).join();  // what it needs goes on
+    if (const pid_t child = fork(); child == 0) _exit(0);
     write(output, encode_nifti(labelled(input), true));
   } else if (mode == "services") {  // speaks to a socket file, and leaves data in shared memory
     sockaddr_un to{};

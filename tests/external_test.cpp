@@ -227,6 +227,28 @@ TEST(External, HasNoNetworkAndWritesNowhereElse) {
   EXPECT_TRUE(fs::exists(sign));
 }
 
+// Not skipped where the kernel does not confine: then nobody can say that the confinement works.
+TEST(External, RunsConfinedForReal) {
+  const ScratchFolder folder;
+  const fs::path file = folder.path() / "private";
+  std::ofstream(file) << "of the user";
+  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
+  const auto before = fs::last_write_time(file);
+  for (const char* mode : {"good", "attributes", "processes", "network", "services"}) {
+    ExternalParams p = params_of(mode, file.string());
+    p.require_confined = true;
+    const Refused is = refused(p);
+    EXPECT_EQ(is.code, 0) << mode << ": " << is.text;
+  }
+  EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_EQ(fs::last_write_time(file), before);
+  // A folder that it may write to is its own in this, too.
+  ExternalParams p = params_of("attributes", file.string());
+  p.require_confined = true;
+  p.may_write = {{folder.path().string()}};
+  EXPECT_NE(refused(p).text.find("ended with code 11"), std::string::npos) << refused(p).text;
+}
+
 TEST(External, ReachesNoServiceAndLeavesNoSharedMemory) {
   if (!Kernel().services) GTEST_SKIP() << "this kernel hides no service";
   const ScratchFolder folder;

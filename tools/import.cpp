@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "dicom/import.h"
 
+#include <sys/stat.h>
+
 #include <iostream>
 
 #include "base/error.h"
@@ -8,6 +10,7 @@
 #include "base/write_file.h"
 #include "cli/progress_display.h"
 #include "commands.h"
+#include "dicom/input_files.h"
 #include "stage_command.h"
 #include "stages/data_files.h"
 
@@ -30,10 +33,20 @@ void check_usage(const ParsedCommand& parsed) {
   if (!list && !parsed.has("output")) contradicts("output", "is needed: give --output FILE.nrrd, or --list");
   if (list && parsed.has("output")) contradicts("output", "contradicts --list, which reads no volume");
   if (list && parsed.has("report")) contradicts("report", "contradicts --list: give --json");
+  if (!list && parsed.has("file_map")) contradicts("file_map", "is for --list");
   if (!list && parsed.has("json")) contradicts("json", "is for --list: give --report");
 }
 
+/// For its owner's eyes alone.
+void write_private_file(const std::filesystem::path& file, const std::string& bytes) {
+  const mode_t before = ::umask(077);
+  write_file(file, bytes);
+  ::umask(before);
+}
+
 ExitCode list(const ParsedCommand& parsed) {
+  // First, so that it is there also where the list is refused.
+  if (parsed.has("file_map")) write_private_file(parsed.path("file_map"), scan_file_map(parsed.path("input")));
   SeriesList found;
   {
     ProgressDisplay display(parsed.quiet);
@@ -59,12 +72,13 @@ Command import_command() {
       "air. A series that cannot be read correctly is refused, naming file and tag. Names, IDs and UIDs of the patient "
       "are never written anywhere. A volume file that is no DICOM (NIfTI, MetaImage, NRRD, GIPL, VTK, MINC), or a "
       "volume of a 3D Slicer scene (.mrml, .mrb), is read where --volume-values says what its values are.";
-  c.examples = {"trephine import DICOM-FOLDER --list", "trephine import DICOM-FOLDER-OR-ZIP --output head.nrrd",
+  c.examples = {"trephine import DICOM-FOLDER --list", "trephine import DICOM-FOLDER --list --file-map private.tsv",
+                "trephine import DICOM-FOLDER-OR-ZIP --output head.nrrd",
                 "trephine import DICOM-FOLDER --series s2 --gaps interpolate --output head.nrrd",
                 "trephine import head.nii.gz --volume-values hu --output head.nrrd"};
   Argument from;
   from.name = "input";
-  from.kind = Argument::Kind::in_path;
+  from.kind = Argument::Kind::in_scan;
   from.help = "Folder (searched five levels deep), ZIP archive or file with the series.";
   from.required = from.positional = true;
   Argument to;
@@ -75,7 +89,11 @@ Command import_command() {
   json.name = "json";
   json.kind = Argument::Kind::out_file;
   json.help = "With --list: write the table as JSON.";
-  c.arguments = {from, to, report_argument(), json};
+  Argument map;
+  map.name = "file_map";
+  map.kind = Argument::Kind::out_file;
+  map.help = "With --list: write which file has which number in messages, readable for its owner alone.";
+  c.arguments = {from, to, report_argument(), json, map};
   c.groups = {ParameterGroup::of<ImportParams>("Parameters"), ParameterGroup::of<ListParams>("Listing")};
   c.run = [](const ParsedCommand& parsed) {
     check_usage(parsed);

@@ -106,7 +106,7 @@ Command preview_command() {
   c.arguments = {input,
                  output,
                  argument("volume", Kind::in_file, "Of a result's file: the CT volume that the slices show (.nrrd)."),
-                 argument("series", Kind::in_path, "Folder of the CT series; overrides the configuration's."),
+                 argument("series", Kind::in_scan, "Folder of the CT series; overrides the configuration's."),
                  argument("landmarks", Kind::in_file, "Landmarks that a person placed, as for `run`."),
                  scan,
                  set,

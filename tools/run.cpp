@@ -74,7 +74,7 @@ Command run_command() {
   modality.choices = {"ct"};
   c.arguments = {config,
                  out,
-                 argument("series", Kind::in_path,
+                 argument("series", Kind::in_scan,
                           "Folder, ZIP archive or volume file with the CT; overrides the configuration's."),
                  modality,
                  argument("landmarks", Kind::in_file,

@@ -30,7 +30,7 @@ Command trade_command() {
                  out,
                  argument("plan", Kind::in_file,
                           "What is swept (.yaml). Without it, bounds, counts, smoothing and voxel sizes are swept."),
-                 argument("series", Kind::in_path, "Folder of the CT series; overrides the configuration's."),
+                 argument("series", Kind::in_scan, "Folder of the CT series; overrides the configuration's."),
                  argument("truth", Kind::in_file, "Truth of a phantom (truth.json)."),
                  argument("landmarks", Kind::in_file, "Landmarks that a person placed, as for `run`."),
                  set,

@@ -71,6 +71,7 @@ void check_paths(const ParsedCommand& parsed) {
           fault = input_fault(value, false, true);
           break;
         case Argument::Kind::in_path:
+        case Argument::Kind::in_scan:
           fault = input_fault(value, true, true);
           break;
         case Argument::Kind::out_file:
@@ -85,7 +86,9 @@ void check_paths(const ParsedCommand& parsed) {
         case Argument::Kind::choice:
           break;
       }
-      if (!fault.empty()) faults.emplace_back(code, value, a.positional ? usage_of(a) : flag_of(a.name), fault);
+      const bool is_scan = a.kind == Argument::Kind::in_scan;
+      if (!fault.empty())
+        faults.emplace_back(code, is_scan ? "scan" : value, a.positional ? usage_of(a) : flag_of(a.name), fault);
     }
   if (!faults.empty()) throw ErrorList(faults);
 }

@@ -22,6 +22,7 @@ struct Argument {
     in_file,     ///< a file that must exist (66)
     in_folder,   ///< a folder that must exist (66)
     in_path,     ///< a file or folder that must exist (66)
+    in_scan,     ///< the same, of a scan: its name may be a patient's, so that messages do not repeat it
     out_file,    ///< a file whose folder must exist and be writable (73)
     out_folder,  ///< a folder that must be writable, or possible to create (73)
     text,

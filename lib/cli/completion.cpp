@@ -30,6 +30,7 @@ std::string argument_action(const Argument& a) {
     case Argument::Kind::in_file:
     case Argument::Kind::out_file:
     case Argument::Kind::in_path:
+    case Argument::Kind::in_scan:
       return "COMPREPLY=($(compgen -f -- \"$word\"))";
     case Argument::Kind::choice:
       return words_action(a.choices);

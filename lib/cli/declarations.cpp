@@ -42,6 +42,7 @@ std::string placeholder_of(const Argument& argument) {
     case Argument::Kind::out_folder:
       return "FOLDER";
     case Argument::Kind::in_path:
+    case Argument::Kind::in_scan:
       return "PATH";
     case Argument::Kind::text:
       return "TEXT";

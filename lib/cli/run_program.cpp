@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <iostream>
@@ -173,6 +174,26 @@ void flush_output() {
   throw Error(ExitCode::io, "standard output", "", "cannot be written");
 }
 
+// `trephine @3`: the words stand in file descriptor 3, each ended by a NUL, so that nobody reads them in the list of
+// processes. `@-` is standard input.
+std::vector<std::string> words_of(int argc, char** argv) {
+  const std::vector<std::string> words(argv + std::min(1, argc), argv + argc);
+  if (words.size() != 1 || words[0].size() < 2 || words[0][0] != '@') return words;
+  const std::string where = words[0].substr(1);
+  if (where.find_first_not_of("0123456789") != std::string::npos && where != "-") return words;
+  const int fd = where == "-" || where.size() > 4 ? 0 : std::stoi(where);
+  constexpr std::size_t most = 16 << 20;
+  std::string bytes;
+  char part[4096];
+  for (ssize_t n = 0; (n = ::read(fd, part, sizeof part)) != 0;) {
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0 || bytes.size() > most) throw Error(ExitCode::usage, "", words[0], "no words can be read there");
+    bytes.append(part, static_cast<std::size_t>(n));
+  }
+  if (!bytes.empty() && bytes.back() == '\0') bytes.pop_back();
+  return bytes.empty() ? std::vector<std::string>{} : split_at(bytes, '\0');
+}
+
 }  // namespace
 
 int run_program(const char* name, const std::function<Program()>& declare, int argc, char** argv) {
@@ -183,7 +204,7 @@ int run_program(const char* name, const std::function<Program()>& declare, int a
     const PlainOutput plain;
     Program program = declare();
     add_own_commands(program);
-    const std::vector<std::string> words(argv + std::min(1, argc), argv + argc);
+    const std::vector<std::string> words = words_of(argc, argv);
     const ExitCode code = run(program, words, who);
     flush_output();
     return number(code);

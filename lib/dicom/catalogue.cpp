@@ -2,7 +2,6 @@
 #include "dicom/catalogue.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +12,9 @@
 #include <tuple>
 
 #include "base/error.h"
-#include "base/open_beneath.h"
 #include "base/parallel.h"
+#include "dicom/header_tags.h"
+#include "dicom/input_files.h"
 #include "dicom/mixtures.h"
 
 namespace trephine::dicom {
@@ -22,52 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int max_depth = 5;
-constexpr std::size_t max_files = 200000;
 constexpr double orientation_tolerance = 1e-3;  // cosine units: 0.06 degrees
-
-bool is_hidden(const fs::path& p) {
-  const std::string s = p.filename().string();
-  return !s.empty() && s[0] == '.';
-}
-
-// A link to a file beneath the folder is a file; what it leads to elsewhere is no part of the series that was named.
-bool leads_out(const fs::path& link, const fs::path& folder) {
-  const int fd = open_beneath(folder, link.lexically_relative(folder));
-  if (fd >= 0) ::close(fd);
-  return fd < 0;
-}
-
-void list_files(const fs::path& top, const fs::path& folder, int depth, std::vector<fs::path>& files, Catalogue& c) {
-  std::error_code ec;
-  std::vector<fs::path> entries;
-  for (fs::directory_iterator it(folder, ec), end; !ec && it != end; it.increment(ec)) entries.push_back(it->path());
-  if (ec) {
-    if (depth == 0) throw Error(ExitCode::no_input, folder.string(), "", "the folder cannot be read: " + ec.message());
-    c.broken.push_back({folder.filename().string(), "", "a folder that cannot be read", false});
-    return;
-  }
-  std::sort(entries.begin(), entries.end());
-  for (const fs::path& p : entries) {
-    if (is_hidden(p)) {
-      ++c.hidden;
-      continue;
-    }
-    const fs::file_status own = fs::symlink_status(p, ec);
-    if (fs::is_directory(own)) {  // links to folders are not followed: they may lead round in circles
-      if (depth < max_depth) list_files(top, p, depth + 1, files, c);
-    } else if (fs::is_symlink(own)) {
-      if (leads_out(p, top) || !fs::is_regular_file(fs::status(p, ec)))
-        ++c.links;  // to a folder, out of the folder that was named, or nowhere
-      else
-        files.push_back(p);
-    } else if (fs::is_regular_file(own)) {
-      files.push_back(p);
-      if (files.size() > max_files)
-        throw Error(ExitCode::bad_input, folder.string(), "", fmt::format("more than {} files", max_files));
-    }
-  }
-}
 
 /// Everything except positions by which slices are ordered and series are told apart.
 auto stack_key(const FrameRef& r) {
@@ -161,12 +116,12 @@ Series make_series(std::vector<FrameRef> slices, ModalityPolicy modality) {
 
 /// Splits a group into stacks and adds them.
 void add_series(Group& group, ModalityPolicy modality, std::vector<Series>& out) {
-  // Files are ordered by content. Names decide only between files that agree in all of it, so that messages do not
-  // vary.
+  // Files are ordered by content. Their places in the sorted list decide only between files that agree in all of it, so
+  // that messages do not vary.
   std::sort(group.slices.begin(), group.slices.end(), [](const FrameRef& a, const FrameRef& b) {
     const Vec3 p = *frame_of(a).position_mm, q = *frame_of(b).position_mm;
-    return std::make_tuple(stack_key(a), p.x, p.y, p.z, std::cref(a.header->name), a.frame) <
-           std::make_tuple(stack_key(b), q.x, q.y, q.z, std::cref(b.header->name), b.frame);
+    return std::make_tuple(stack_key(a), p.x, p.y, p.z, a.header, a.frame) <
+           std::make_tuple(stack_key(b), q.x, q.y, q.z, b.header, b.frame);
   });
   std::vector<std::vector<FrameRef>> stacks;
   for (const FrameRef& r : group.slices) {
@@ -178,7 +133,7 @@ void add_series(Group& group, ModalityPolicy modality, std::vector<Series>& out)
   for (auto& stack : stacks)
     for (auto& part : part_mixture(std::move(stack))) parts.push_back(std::move(part));
   stacks = std::move(parts);
-  std::sort(group.faulty.begin(), group.faulty.end(), [](const auto* a, const auto* b) { return a->name < b->name; });
+  std::sort(group.faulty.begin(), group.faulty.end());
   if (stacks.empty() && !group.faulty.empty()) {
     Series s;
     fill_summary(*group.faulty.front(), s);
@@ -194,12 +149,6 @@ void add_series(Group& group, ModalityPolicy modality, std::vector<Series>& out)
   }
 }
 
-/// A file to look into, and its name in messages.
-struct Input {
-  Origin origin;
-  std::string name;
-};
-
 // A DICOMDIR is DICOM, and names every UID, but no slice is lost with it.
 bool is_index(const std::string& what) { return what.rfind("a DICOMDIR", 0) == 0; }
 
@@ -213,13 +162,15 @@ bool begins_as_dicom(const Origin& origin) {
   }
 }
 
-void read_headers(const std::vector<Input>& files, Catalogue& c, const Progress& progress) {
+void read_headers(const std::vector<InputFile>& files, Catalogue& c, const Progress& progress) {
   std::vector<FileHeader> headers(files.size());
   std::vector<WalkFault> faults(files.size());
   std::vector<char> good(files.size(), 0);
+  std::vector<std::string> names(files.size());
   parallel_for(0, static_cast<std::int64_t>(files.size()), 16, [&](std::int64_t from, std::int64_t to) {
     progress.report(static_cast<double>(from) / static_cast<double>(files.size()));
     for (auto i = static_cast<std::size_t>(from); i < static_cast<std::size_t>(to); ++i) {
+      names[i] = name_of_input(files, i);
       try {
         headers[i] = read_header(files[i].origin);
         good[i] = 1;
@@ -232,10 +183,10 @@ void read_headers(const std::vector<Input>& files, Catalogue& c, const Progress&
   });
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (good[i]) {
-      headers[i].name = files[i].name;
+      headers[i].name = names[i];
       c.headers.push_back(std::move(headers[i]));
     } else {
-      c.broken.push_back({files[i].name, faults[i].field, faults[i].what,
+      c.broken.push_back({names[i], faults[i].field, faults[i].what,
                           !faults[i].field.empty() || (!is_index(faults[i].what) && begins_as_dicom(files[i].origin)),
                           static_cast<int>(i) + 1});
     }
@@ -243,7 +194,7 @@ void read_headers(const std::vector<Input>& files, Catalogue& c, const Progress&
 }
 
 /// What has lost its beginning, but holds the UID of a series of the folder, is a lost slice of that series.
-void know_by_uid(const std::vector<Input>& files, Catalogue& c) {
+void know_by_uid(const std::vector<InputFile>& files, Catalogue& c) {
   std::set<std::string> uids;
   for (const FileHeader& h : c.headers)
     if (h.series_uid.size() >= 6) uids.insert(h.series_uid);
@@ -296,24 +247,16 @@ Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Pr
   Catalogue c;
   std::error_code ec;
   const fs::file_status status = fs::status(folder_or_file, ec);
-  if (!fs::exists(status)) throw Error(ExitCode::no_input, folder_or_file.string(), "", "no such file or folder");
-  std::vector<Input> files;
-  Progress rest = progress;
-  if (fs::is_directory(status)) {
-    std::vector<fs::path> paths;
-    list_files(folder_or_file, folder_or_file, 0, paths, c);
-    for (const fs::path& p : paths)
-      files.push_back({Origin::beneath(folder_or_file, p), p.lexically_relative(folder_or_file).string()});
-  } else if (is_zip(folder_or_file)) {
-    c.archive = read_archive(folder_or_file, progress.part(0, 0.8));
-    rest = progress.part(0.8, 1);
-    c.hidden = c.archive.hidden;
-    c.links = c.archive.links;
-    for (const Archive::Member& m : c.archive.members) files.push_back({Origin::memory(m.bytes), m.name});
-  } else {
-    c.is_single_file = true;
-    files.push_back({folder_or_file, folder_or_file.filename().string()});
-  }
+  if (!fs::exists(status)) throw Error(ExitCode::no_input, "", "", "no such file or folder");
+  c.is_single_file = fs::is_regular_file(status) && !is_zip(folder_or_file);
+  InputList list = list_inputs(folder_or_file, progress.part(0, 0.8));
+  const Progress rest = list.archive.members.empty() ? progress : progress.part(0.8, 1);
+  c.archive = std::move(list.archive);
+  c.hidden = list.hidden;
+  c.links = list.links;
+  for (int n = 0; n < list.unreadable_folders; ++n)
+    c.broken.push_back({"", "", "a folder that cannot be read", false, 0});
+  const std::vector<InputFile>& files = list.files;
   c.files = static_cast<int>(files.size());
   read_headers(files, c, rest);
   know_by_uid(files, c);
@@ -322,6 +265,7 @@ Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Pr
   for (const FileHeader& h : c.headers) {
     if (h.is_localizer()) {
       ++c.localizers;
+      c.left_out.push_back({&h, t_image_type, "is that of a localizer"});
       continue;
     }
     Group& g = groups[{h.series_uid, h.modality, h.is_ct()}];
@@ -331,26 +275,30 @@ Catalogue scan(const fs::path& folder_or_file, ModalityPolicy modality, const Pr
       for (int f = 0; f < static_cast<int>(h.frames.size()); ++f) g.slices.push_back({&h, f});
     else if (h.has_geometry() || !secondary || !h.is_ct())
       g.faulty.push_back(&h);
-    else
+    else {
       ++c.without_geometry;  // a screen capture among the slices
+      c.left_out.push_back({&h, h.faults.front().tag, h.faults.front().what});
+    }
   }
   for (auto& [key, group] : groups) {
     if (!std::get<2>(key) && modality == ModalityPolicy::ct && group.slices.empty() && !group.faulty.empty()) {
       // Its tags are not to blame: this modality is not read at all.
       Series s;
-      const FileHeader& h = **std::min_element(group.faulty.begin(), group.faulty.end(),
-                                               [](const auto* a, const auto* b) { return a->name < b->name; });
+      const FileHeader& h = **std::min_element(group.faulty.begin(), group.faulty.end());
       fill_summary(h, s);
       s.summary.size[2] = static_cast<int>(group.faulty.size());
       refuse(s, h.name, "Modality (0008,0060)", s.summary.modality + ", only CT is read, unless --modality any");
       c.series.push_back(std::move(s));
       continue;
     }
-    if (!std::get<2>(key) && modality == ModalityPolicy::ct) group.faulty.clear();
+    if (!std::get<2>(key) && modality == ModalityPolicy::ct) {
+      for (const FileHeader* h : group.faulty) c.left_out.push_back({h, t_sop_class, "is none of CT"});
+      group.faulty.clear();
+    }
     add_series(group, modality, c.series);
   }
   sort_series(c.series);
-  find_odd_slices(c.series);
+  find_odd_slices(c.series, c.left_out);
   return c;
 }
 

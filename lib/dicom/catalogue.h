@@ -13,10 +13,17 @@
 
 namespace trephine::dicom {
 
-/// A slice that has a series' UID and was parted from it, and how it differs.
+/// An image that was left out before it came to any series, and why.
+struct LeftOut {
+  const FileHeader* header = nullptr;
+  std::uint32_t tag = 0;
+  std::string what;
+};
+
+/// A slice that has a series' UID or continues it, and was parted from it, and how it differs.
 struct OddSlice {
   std::string file, field, what;
-  double along_mm = 0;  ///< along the normal of the series' slices
+  double along_mm = 0;  ///< along the normal of the series' slices; NaN: it has no position
   bool within = false;  ///< between its first and last slice
 };
 
@@ -45,6 +52,7 @@ struct Catalogue {
     bool is_dicom;   ///< it begins as a DICOM file does
     int number = 0;  ///< among the files by name, from 1
   };
+  std::vector<LeftOut> left_out;
   std::vector<Broken> broken;  ///< files that are not DICOM or end before their pixel data
   int files = 0, hidden = 0, links = 0, without_geometry = 0, localizers = 0;
   bool is_single_file = false;

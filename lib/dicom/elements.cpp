@@ -13,6 +13,8 @@
 
 #include "base/error.h"
 #include "base/open_beneath.h"
+#include "dicom/attributes.h"
+#include "dicom/identity.h"
 
 namespace trephine::dicom {
 
@@ -245,89 +247,11 @@ std::string tag_name(std::uint32_t tag) {
     case make_tag(0x0002, 0x0010):
       name = "TransferSyntaxUID";
       break;
-    case make_tag(0x0008, 0x0008):
-      name = "ImageType";
-      break;
-    case make_tag(0x0008, 0x0016):
-      name = "SOPClassUID";
-      break;
-    case make_tag(0x0008, 0x0060):
-      name = "Modality";
-      break;
-    case make_tag(0x0010, 0x0020):
-      name = "PatientID";
-      break;
-    case make_tag(0x0018, 0x0050):
-      name = "SliceThickness";
-      break;
-    case make_tag(0x0018, 0x1210):
-      name = "ConvolutionKernel";
-      break;
     case make_tag(0x0020, 0x000d):
       name = "StudyInstanceUID";
       break;
-    case make_tag(0x0020, 0x0012):
-      name = "AcquisitionNumber";
-      break;
-    case make_tag(0x0020, 0x0052):
-      name = "FrameOfReferenceUID";
-      break;
-    case make_tag(0x0028, 0x0301):
-      name = "BurnedInAnnotation";
-      break;
-    case make_tag(0x0028, 0x1054):
-      name = "RescaleType";
-      break;
-    case make_tag(0x0020, 0x000e):
-      name = "SeriesInstanceUID";
-      break;
-    case make_tag(0x0020, 0x0032):
-      name = "ImagePositionPatient";
-      break;
-    case make_tag(0x0020, 0x0037):
-      name = "ImageOrientationPatient";
-      break;
-    case make_tag(0x0028, 0x0002):
-      name = "SamplesPerPixel";
-      break;
-    case make_tag(0x0028, 0x0004):
-      name = "PhotometricInterpretation";
-      break;
     case make_tag(0x0028, 0x0008):
       name = "NumberOfFrames";
-      break;
-    case make_tag(0x0028, 0x0010):
-      name = "Rows";
-      break;
-    case make_tag(0x0028, 0x0011):
-      name = "Columns";
-      break;
-    case make_tag(0x0028, 0x0030):
-      name = "PixelSpacing";
-      break;
-    case make_tag(0x0028, 0x0100):
-      name = "BitsAllocated";
-      break;
-    case make_tag(0x0028, 0x0101):
-      name = "BitsStored";
-      break;
-    case make_tag(0x0028, 0x0102):
-      name = "HighBit";
-      break;
-    case make_tag(0x0028, 0x0103):
-      name = "PixelRepresentation";
-      break;
-    case make_tag(0x0028, 0x0120):
-      name = "PixelPaddingValue";
-      break;
-    case make_tag(0x0028, 0x0121):
-      name = "PixelPaddingRangeLimit";
-      break;
-    case make_tag(0x0028, 0x1052):
-      name = "RescaleIntercept";
-      break;
-    case make_tag(0x0028, 0x1053):
-      name = "RescaleSlope";
       break;
     case make_tag(0x7fe0, 0x0008):
       name = "FloatPixelData";
@@ -339,7 +263,9 @@ std::string tag_name(std::uint32_t tag) {
       name = "PixelData";
       break;
     default:
-      break;
+      if (const int a = find_attribute(tag); a >= 0) name = attributes()[static_cast<std::size_t>(a)].keyword;
+      for (int which = 0; which < identity_count; ++which)
+        if (identity_tag(which) == tag) name = identity_keyword(which);
   }
   const std::string number = fmt::format("({:04X},{:04X})", tag >> 16, tag & 0xffff);
   return name ? std::string(name) + " " + number : number;

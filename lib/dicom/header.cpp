@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 
+#include "dicom/attributes.h"
 #include "dicom/header_frame.h"
 #include "dicom/header_pixels.h"
 #include "dicom/header_tags.h"
@@ -17,6 +18,7 @@ namespace {
 
 bool descend(std::uint32_t tag) {
   switch (tag) {
+    case t_modality_lut:  // only that it is there
     case t_shared_groups:
     case t_frame_groups:
     case make_tag(0x0020, 0x9113):  // plane position
@@ -49,16 +51,20 @@ std::uint32_t macro_of(std::uint32_t tag) {
 /// Tags, other than those of RawFrame, on which HU or the choice of files depends.
 bool matters(std::uint32_t tag) {
   static constexpr std::uint32_t all[] = {
-      t_image_type,    t_sop_class,        t_modality,  t_series,      t_samples,     t_photometric,    t_frames,
-      t_rows,          t_columns,          t_allocated, t_stored,      t_high_bit,    t_representation, t_padding,
-      t_padding_limit, t_patient,          t_study,     t_frame_uid,   t_acquisition, t_kernel,         t_kvp,
-      t_contrast,      t_patient_position, t_burned_in, t_rescale_type};
-  return std::find(std::begin(all), std::end(all), tag) != std::end(all);
+      t_image_type,  t_sop_class,        t_modality,       t_series,       t_samples,
+      t_photometric, t_frames,           t_rows,           t_columns,      t_allocated,
+      t_stored,      t_high_bit,         t_representation, t_padding,      t_padding_limit,
+      t_study,       t_frame_uid,        t_acquisition,    t_kernel,       t_kvp,
+      t_contrast,    t_patient_position, t_burned_in,      t_rescale_type, t_aspect};
+  return is_identity_tag(tag) || std::find(std::begin(all), std::end(all), tag) != std::end(all);
 }
 
 class HeaderReader {
  public:
-  explicit HeaderReader(const Origin& origin) : source_(origin) { h_.origin = origin; }
+  explicit HeaderReader(const Origin& origin) : source_(origin) {
+    h_.origin = origin;
+    h_.said.resize(attributes().size());
+  }
 
   FileHeader read() {
     if (source_.size() == 0) throw WalkFault{"", "an empty file, not a DICOM file"};
@@ -133,8 +139,24 @@ class HeaderReader {
     return le16(p);
   }
 
+  // What is compared over the series; of a long text the beginning.
+  void compare(const Element& e) {
+    const int which = find_attribute(e.tag);
+    if (which < 0) return;
+    const Attribute& a = attributes()[static_cast<std::size_t>(which)];
+    if (a.rule == AttributeRule::own || a.rule == AttributeRule::fixed) return;
+    const std::uint32_t length = std::min<std::uint32_t>(e.length, 4096);
+    const std::uint8_t* p = source_.get(e.offset, length);
+    std::string_view value(reinterpret_cast<const char*>(p), p ? length : 0);
+    if (e.tag == t_image_type)  // what follows names a scanner's own steps, which differ by slice
+      for (std::size_t at = 0, parts = 0; at < value.size(); ++at)
+        if (value[at] == '\\' && ++parts == 3) value = value.substr(0, at);
+    h_.said[static_cast<std::size_t>(which)] = digest_of(value, a.vr);
+  }
+
   void take(const Element& e, const std::vector<Level>& levels) {
     if (!levels.empty()) {
+      if (levels[0].tag == t_modality_lut && levels.size() == 1) modality_lut_ = true;
       RawFrame* frame = nullptr;
       if (levels[0].tag == t_shared_groups) frame = &shared_;
       if (levels[0].tag == t_frame_groups) {
@@ -152,6 +174,7 @@ class HeaderReader {
       }
       return;
     }
+    compare(e);
     if (auto* slot = top_.slot(e.tag)) {
       if (*slot) fault(e.tag, "given twice");
       *slot = text(e);
@@ -188,8 +211,14 @@ class HeaderReader {
       case t_burned_in:
         h_.burned_in = trimmed(text(e)) == "YES";
         break;
-      case t_patient:
-        h_.patient_id = std::string(trimmed(text(e)));
+      case t_lossy:
+        h_.lossy = trimmed(text(e)) == "01";
+        break;
+      case t_quality:
+        h_.quality_control = trimmed(text(e)) == "YES";
+        break;
+      case t_aspect:
+        aspect_ = parse_decimals(text(e));
         break;
       case t_study:
         h_.study_uid = std::string(trimmed(text(e)));
@@ -247,6 +276,7 @@ class HeaderReader {
         padding(e, h_.padding_limit);
         break;
       default:
+        if (is_identity_tag(e.tag)) h_.identity.take(e.tag, text(e));
         break;
     }
   }
@@ -293,6 +323,8 @@ class HeaderReader {
   }
 
   void check_frames() {
+    if (modality_lut_)
+      fault(t_modality_lut, "must be absent: values come from RescaleSlope and RescaleIntercept alone");
     if (h_.frame_count < 1 || h_.frame_count > max_frames) return;
     if (h_.frame_count > 1 && per_frame_.empty())
       return fault(t_frames, fmt::format("{} frames without functional groups: no geometry", h_.frame_count));
@@ -306,6 +338,15 @@ class HeaderReader {
       h_.frames.push_back(frame_of(raw, h_.is_ct(), h_.faults));
       if (h_.faults.size() > before) return;  // the first is enough
     }
+    check_aspect();
+  }
+
+  void check_aspect() {
+    if (!aspect_ || h_.frames.empty() || !h_.frames.front().spacing_mm) return;
+    const auto [x, y] = *h_.frames.front().spacing_mm;
+    const std::vector<double>& a = *aspect_;  // of the height of a pixel to its width
+    if (a.size() != 2 || !(a[0] > 0 && a[1] > 0) || !(std::abs(a[0] / a[1] / (y / x) - 1) <= 0.01))
+      fault(t_aspect, "contradicts PixelSpacing");
   }
 
   ByteSource source_;
@@ -315,6 +356,8 @@ class HeaderReader {
   std::vector<std::uint32_t> seen_;
   std::uint32_t last_tag_ = 0;
   int representation_ = -1;
+  bool modality_lut_ = false;
+  std::optional<std::vector<double>> aspect_;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "base/vec3.h"
 #include "dicom/elements.h"
+#include "dicom/identity.h"
 #include "dicom/values.h"
 
 namespace trephine::dicom {
@@ -36,12 +37,15 @@ struct FileHeader {
   const TransferSyntax* syntax = nullptr;
   const SopClass* sop_class = nullptr;  ///< null: unknown or absent
   bool has_sop_class = false;
-  std::string series_uid, frame_uid, study_uid, patient_id, acquisition;  ///< never to leave this module
-  std::string modality;                                                   ///< known_modality
+  std::string series_uid, frame_uid, study_uid, acquisition;  ///< never to leave this module
+  Identity identity;
+  std::vector<std::uint64_t> said;  ///< digests of the values, by the place in attributes(); 0: absent, or rule own
+  std::string modality;             ///< known_modality
   std::string image_type, kernel, patient_position;
   std::string raw_image_type;
   bool contrast = false, burned_in = false;  ///< burned_in: the pixels are said to hold text
-  std::string rescale_type;                  ///< known_rescale_type
+  bool lossy = false, quality_control = false;
+  std::string rescale_type;  ///< known_rescale_type
   std::optional<double> kvp;
   std::optional<double> tilt_tag_deg;
 

@@ -21,11 +21,12 @@ constexpr std::uint32_t t_transfer_syntax = make_tag(0x0002, 0x0010), t_media_cl
                         t_high_bit = make_tag(0x0028, 0x0102), t_representation = make_tag(0x0028, 0x0103),
                         t_padding = make_tag(0x0028, 0x0120), t_padding_limit = make_tag(0x0028, 0x0121),
                         t_intercept = make_tag(0x0028, 0x1052), t_slope = make_tag(0x0028, 0x1053),
-                        t_patient = make_tag(0x0010, 0x0020), t_study = make_tag(0x0020, 0x000d),
-                        t_acquisition = make_tag(0x0020, 0x0012), t_kvp = make_tag(0x0018, 0x0060),
-                        t_burned_in = make_tag(0x0028, 0x0301), t_rescale_type = make_tag(0x0028, 0x1054),
-                        t_shared_groups = make_tag(0x5200, 0x9229), t_frame_groups = make_tag(0x5200, 0x9230),
-                        t_pixels = make_tag(0x7fe0, 0x0010);
+                        t_study = make_tag(0x0020, 0x000d), t_acquisition = make_tag(0x0020, 0x0012),
+                        t_kvp = make_tag(0x0018, 0x0060), t_burned_in = make_tag(0x0028, 0x0301),
+                        t_rescale_type = make_tag(0x0028, 0x1054), t_aspect = make_tag(0x0028, 0x0034),
+                        t_lossy = make_tag(0x0028, 0x2110), t_quality = make_tag(0x0028, 0x0300),
+                        t_modality_lut = make_tag(0x0028, 0x3000), t_shared_groups = make_tag(0x5200, 0x9229),
+                        t_frame_groups = make_tag(0x5200, 0x9230), t_pixels = make_tag(0x7fe0, 0x0010);
 
 /// More frames than that are not read from one file.
 constexpr int max_frames = 65536;

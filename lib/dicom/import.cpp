@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -18,6 +19,7 @@
 #include "dicom/catalogue.h"
 #include "dicom/frame_of_reference.h"
 #include "dicom/hu.h"
+#include "dicom/input_files.h"
 #include "dicom/mixtures.h"
 #include "dicom/resample.h"
 #include "dicom/values.h"
@@ -245,6 +247,9 @@ std::string hash_of_series(const Series& series, const Progress& progress) {
   Sha256 sha;
   sha.text("trephine dicom series 1").integer(static_cast<std::int64_t>(hashes.size()));
   for (const std::string& h : hashes) sha.text(h);
+  Report told;  // a stored result must not keep quiet about what this series says otherwise
+  warn_of_changes(series, HuCounts(), told);
+  for (const std::string& w : told.warnings) sha.text(w);
   return sha.hex();
 }
 
@@ -279,6 +284,10 @@ Report describe(const Series& series, const Plan& plan, const HuCounts& counts, 
   r.add("contrast", series.summary.contrast);
   r.add("transfer_syntax", series.summary.transfer_syntax);
   if (h.tilt_tag_deg) r.add("tilt_by_tag_deg", *h.tilt_tag_deg);
+  constexpr double same_tilt_deg = 1;  // the tag's sign is not reliable, and often it is rounded
+  if (h.tilt_tag_deg && std::abs(std::abs(*h.tilt_tag_deg) - std::abs(g.tilt_deg)) > same_tilt_deg)
+    r.warn(fmt::format("GantryDetectorTilt is {:.4g} degrees, by the slices' positions it is {:.1f}: these count",
+                       *h.tilt_tag_deg, g.tilt_deg));
 
   warn_of_changes(series, counts, r);
   if (g.resampled) r.warn("resampled from the true positions: " + g.reason);
@@ -303,10 +312,11 @@ Report describe(const Series& series, const Plan& plan, const HuCounts& counts, 
 
 ImportResult import_series(const std::filesystem::path& folder_or_file, const ImportParams& params,
                            const Progress& progress) {
-  const VolumeSource volume = chosen_volume(folder_or_file, params.series, progress.part(0, 0.1));
+  const VolumeSource volume =
+      with_scan(folder_or_file, [&] { return chosen_volume(folder_or_file, params.series, progress.part(0, 0.1)); });
   if (!volume.file.empty())
-    return with_file(folder_or_file.string(), [&] { return import_volume(folder_or_file, volume, params, progress); });
-  return with_file(folder_or_file.string(), [&] {
+    return with_scan(folder_or_file, [&] { return import_volume(folder_or_file, volume, params, progress); });
+  return with_scan(folder_or_file, [&] {
     const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.2));
     const Series& series = choose(catalogue, params.series);
     const Plan plan = make_plan(series, params);
@@ -315,6 +325,7 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
     result.volume = read_volume(plan, counts, progress.part(0.2, 0.95));
     result.report = describe(series, plan, counts, result.volume);
     if (!params.burned_in_reason.empty()) result.report.add("burned_in_reason", params.burned_in_reason);
+    if (!params.same_patient_reason.empty()) result.report.add("same_patient_reason", params.same_patient_reason);
     result.folder = describe_rest(catalogue, &series);
     result.input_sha256 = hash_of_series(series, progress.part(0.95, 1));
     return result;
@@ -323,11 +334,13 @@ ImportResult import_series(const std::filesystem::path& folder_or_file, const Im
 
 std::string hash_of_series_input(const std::filesystem::path& folder_or_file, const ImportParams& params,
                                  const Progress& progress, Report* folder) {
-  const VolumeSource volume = chosen_volume(folder_or_file, params.series, progress);
-  if (!volume.file.empty()) return hash_of_volume(folder_or_file, volume);
-  return with_file(folder_or_file.string(), [&] {
+  const VolumeSource volume =
+      with_scan(folder_or_file, [&] { return chosen_volume(folder_or_file, params.series, progress); });
+  if (!volume.file.empty()) return with_scan(folder_or_file, [&] { return hash_of_volume(folder_or_file, volume); });
+  return with_scan(folder_or_file, [&] {
     const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.5));
     const Series& series = choose(catalogue, params.series);
+    analyse_series(series, params);  // what import would refuse is refused also where its result is stored
     if (folder) *folder = describe_rest(catalogue, &series);
     return hash_of_series(series, progress.part(0.5, 1));
   });
@@ -349,13 +362,6 @@ std::optional<std::array<std::string, 2>> said_by(const SeriesChoice& a, const S
 }
 
 }  // namespace
-
-std::optional<bool> of_one_patient(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress) {
-  const auto ids = said_by(a, b, progress, [](const FileHeader& h) { return h.patient_id; });
-  if (!ids || (*ids)[0].empty() || (*ids)[1].empty()) return std::nullopt;
-  if ((*ids)[0] == (*ids)[1] && is_shared_patient_id((*ids)[0])) return std::nullopt;
-  return (*ids)[0] == (*ids)[1];
-}
 
 std::optional<bool> of_one_frame(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress) {
   const auto uids = said_by(a, b, progress, [](const FileHeader& h) { return h.frame_uid; });

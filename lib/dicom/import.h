@@ -27,7 +27,8 @@ struct ImportParams {
   double max_gap_mm = 8;
   double clamp_low_hu = -1e6;
   double clamp_high_hu = 1e6;
-  std::string burned_in_reason;  ///< empty: pixels that are said to hold text are refused
+  std::string burned_in_reason;     ///< empty: pixels that are said to hold text are refused
+  std::string same_patient_reason;  ///< empty: slices that say they are of several patients are refused
 
   template <class V>
   static void describe(V& v) {
@@ -53,6 +54,9 @@ struct ImportParams {
     v.text(&P::burned_in_reason, "burned_in_reason",
            "Why slices may be used whose tag BurnedInAnnotation says that their pixels hold text, which may be a "
            "name. The reason is recorded.");
+    v.text(&P::same_patient_reason, "same_patient_reason",
+           "Why slices are of one patient although they contradict each other in who it is (PatientID, PatientName, "
+           "PatientBirthDate, PatientSex, ...). The reason is recorded.");
   }
 };
 
@@ -104,8 +108,9 @@ struct ImportResult {
 /// A ZIP archive is uncompressed in a bounded child into shared memory, and nothing of it to disk: this needs as much
 /// memory as its images have bytes, in addition to the volume.
 ///
-/// Slices that have one SeriesInstanceUID but not one patient, study, frame of reference, or that are of acquisitions
-/// or kernels within each other, are several series. What changes within a series and should not is warned of.
+/// Slices that have one SeriesInstanceUID but not one study or frame of reference, or that are of acquisitions or
+/// kernels within each other, are several series. What changes within a series is warned of or refused by the rules of
+/// dicom/attributes.h; slices of several patients are refused (dicom/identity.h) unless a reason is given.
 ///
 /// Where the path is a volume file (itk/volume_file.h) that file is read instead; volume_values must say what it holds.
 ///
@@ -127,12 +132,6 @@ struct SeriesChoice {
   std::filesystem::path folder_or_file;
   ImportParams params;
 };
-
-/// Whether two series are of one patient, by PatientID; nothing where one of them does not say (a volume file, an
-/// anonymised series without ID), or where both have the same one that anonymising programs give to everybody
-/// (is_shared_patient_id). The IDs are compared here and leave nothing behind. Throws as import_series does up
-/// to the decoding.
-std::optional<bool> of_one_patient(const SeriesChoice& a, const SeriesChoice& b, const Progress& progress = {});
 
 /// Everything that a folder holds.
 struct SeriesList {

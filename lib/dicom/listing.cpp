@@ -13,6 +13,7 @@
 #include "dicom/catalogue.h"
 #include "dicom/hu.h"
 #include "dicom/import.h"
+#include "dicom/input_files.h"
 #include "dicom/mixtures.h"
 #include "dicom/volume_import.h"
 #include "itk/volume_file.h"
@@ -109,7 +110,7 @@ SeriesList list_series(const std::filesystem::path& folder_or_file, const Import
                        const Progress& progress) {
   if (auto volumes = volume_sources(folder_or_file, progress.part(0, 0.1)); !volumes.empty())
     return list_volumes(folder_or_file, std::move(volumes), params, progress);
-  return with_file(folder_or_file.string(), [&] {
+  return with_scan(folder_or_file, [&] {
     const Catalogue catalogue = scan(folder_or_file, params.modality, progress.part(0, 0.5));
     if (catalogue.series.empty()) choose(catalogue, "");  // says what there is instead
     SeriesList list;

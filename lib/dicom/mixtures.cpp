@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "dicom/attributes.h"
 #include "dicom/header_tags.h"
 
 namespace trephine::dicom {
@@ -78,7 +79,7 @@ std::vector<Stack> by_interleaved(Stack s, std::string FileHeader::*member) {
   return values_of(parts);
 }
 
-/// How a slice differs from those of a series; an empty field where it does not.
+/// How a slice differs from those of a series.
 struct Difference {
   std::uint32_t tag = 0;
   std::string what;
@@ -87,9 +88,9 @@ Difference difference(const FrameRef& odd, const Series& s) {
   const FileHeader &h = *odd.header, &g = *s.slices.front().header;
   const Frame &f = frame_of(odd), &e = frame_of(s.slices.front());
   const auto apart = [](double a, double b) { return std::abs(a - b) > 1e-4 * b; };
-  if (h.patient_id != g.patient_id) return {t_patient, "is that of another patient"};
   if (h.study_uid != g.study_uid) return {t_study, "is that of another study"};
-  if (h.modality != g.modality) return {make_tag(0x0008, 0x0060), "is another one"};
+  if (h.modality != g.modality) return {t_modality, "is another one"};
+  if (h.is_ct() != g.is_ct() || h.sop_class != g.sop_class) return {t_sop_class, "is another one than the others'"};
   if (h.rows != g.rows || h.columns != g.columns)
     return {t_rows, fmt::format("{} x {}, the others have {} x {}", h.columns, h.rows, g.columns, g.rows)};
   if (apart((*f.spacing_mm)[0], (*e.spacing_mm)[0]) || apart((*f.spacing_mm)[1], (*e.spacing_mm)[1]))
@@ -105,7 +106,96 @@ Difference difference(const FrameRef& odd, const Series& s) {
   if (h.frame_uid != g.frame_uid) return {t_frame_uid, "is another one than the others'"};
   if (h.kernel != g.kernel) return {t_kernel, "is another one than the others'"};
   if (h.acquisition != g.acquisition) return {t_acquisition, "is another one than the others'"};
-  return {};
+  return {t_series, "is the series', but the slice is none of it"};
+}
+
+struct Extent {
+  double from = 1e300, to = -1e300;
+};
+Extent extent_of(const Series& s) {
+  Extent range;
+  for (const FrameRef& r : s.slices) {
+    range.from = std::min(range.from, along(r, s.stack.normal()));
+    range.to = std::max(range.to, along(r, s.stack.normal()));
+  }
+  return range;
+}
+
+// One or two slices that differ in nothing but the series' UID, right beyond an end: they would be missed.
+bool continues(const Series& other, const Series& s, const Extent& range) {
+  if (other.slices.size() >= s.slices.size() || count_levels(other.stack) >= least_slices) return false;
+  const FileHeader &h = *other.slices.front().header, &g = *s.slices.front().header;
+  if (h.study_uid != g.study_uid || h.frame_uid != g.frame_uid || h.kernel != g.kernel || h.rows != g.rows ||
+      h.columns != g.columns || h.modality != g.modality || h.raw_image_type != g.raw_image_type)
+    return false;
+  const Stack both = {other.slices.front(), s.slices.front()};
+  for (int i = 0; i < 2; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (norm((*frame_of(both[0]).orientation)[at] - (*frame_of(both[1]).orientation)[at]) > 1e-3) return false;
+    if (std::abs((*frame_of(both[0]).spacing_mm)[at] - (*frame_of(both[1]).spacing_mm)[at]) > 1e-4) return false;
+  }
+  const double at = along(both[0], s.stack.normal()), step = 1.5 * s.summary.spacing_mm.z;
+  return (at < range.from && at > range.from - step) || (at > range.to && at < range.to + step);
+}
+
+// A slice that was left out before it came to any series: a localizer by its ImageType, one whose tags are wrong.
+std::optional<OddSlice> odd_slice(const LeftOut& left, const Series& s, const Extent& range, double reach) {
+  const FileHeader &h = *left.header, &g = *s.slices.front().header;
+  if (h.series_uid != s.sort_uid || h.rows != g.rows || h.columns != g.columns) return {};
+  OddSlice odd{h.name, tag_name(left.tag), left.what, std::nan(""), false};
+  if (h.frames.empty() || !h.frames.front().position_mm || !h.frames.front().orientation) return odd;
+  const FrameRef r{&h, 0};
+  if (norm(normal_of(r) - s.stack.normal()) > 0.1) return {};  // a localizer that is one
+  odd.along_mm = along(r, s.stack.normal());
+  if (!(odd.along_mm > range.from - reach && odd.along_mm < range.to + reach)) return {};
+  odd.within = odd.along_mm > range.from && odd.along_mm < range.to;
+  return odd;
+}
+
+void refuse_several_patients(const Series& s) {
+  const SeriesIdentity said = identity_of(s.slices);
+  if (said.contradictions.empty()) return;
+  const auto& first = said.contradictions.front();
+  const auto absent = static_cast<std::size_t>(said.absent[static_cast<std::size_t>(first.which)]);
+  throw Error(ExitCode::bad_input, first.odd->header->name, tag_name(identity_tag(first.which)),
+              (first.values > 1 ? fmt::format("{} values within the series", first.values)
+                                : fmt::format("said by {} of {} slices", s.slices.size() - absent, s.slices.size())) +
+                  ": slices of several patients; take the files of the others out, or, where it is one patient after "
+                  "all, say why with same_patient_reason");
+}
+
+void refuse_unequal(const Series& s) {
+  for (std::size_t a = 0; a < attributes().size(); ++a) {
+    if (attributes()[a].rule != AttributeRule::equal) continue;
+    std::map<std::uint64_t, std::size_t> counts;
+    for (const FrameRef& r : s.slices) ++counts[r.header->said[a]];
+    if (counts.size() < 2) continue;
+    const FrameRef* odd = &s.slices.front();
+    for (const FrameRef& r : s.slices)
+      if (counts[r.header->said[a]] < counts[odd->header->said[a]]) odd = &r;
+    throw Error(ExitCode::bad_input, odd->header->name, tag_name(attributes()[a].tag),
+                fmt::format("{} values within the series, this one in {} of {} slices: they cannot be read alike; take "
+                            "these files out, and where that leaves a gap, read it with --gaps interpolate",
+                            counts.size(), counts[odd->header->said[a]], s.slices.size()));
+  }
+}
+
+void warn_of_identity(const Series& s, Report& report) {
+  const SeriesIdentity said = identity_of(s.slices);
+  for (int which = 0; which < identity_count; ++which) {
+    const auto absent = static_cast<std::size_t>(said.absent[static_cast<std::size_t>(which)]);
+    if (absent > 0 && absent < s.slices.size())
+      report.warn(
+          fmt::format("{} is said by {} of {} slices: that the others are of the same patient is taken on trust",
+                      identity_keyword(which), s.slices.size() - absent, s.slices.size()));
+  }
+  for (const int which : said.own_for_each)
+    report.warn(fmt::format("{} is another one in most slices: that all are of one patient is taken on trust",
+                            identity_keyword(which)));
+  for (const auto& c : said.contradictions)
+    if (c.values > 1)
+      report.warn(fmt::format("{} has {} values within the series, which is used for the reason given",
+                              identity_keyword(c.which), c.values));
 }
 
 template <class Get>
@@ -119,41 +209,48 @@ auto distinct(const Series& s, Get get) {
 
 std::vector<Stack> part_mixture(Stack stack) {
   std::vector<Stack> out = {std::move(stack)};
-  for (const auto member : {&FileHeader::patient_id, &FileHeader::study_uid, &FileHeader::frame_uid})
+  for (const auto member : {&FileHeader::study_uid, &FileHeader::frame_uid})
     out = parted(std::move(out), [member](Stack s) { return by_identity(std::move(s), member); });
   out = parted(std::move(out), [](Stack s) { return by_interleaved(std::move(s), &FileHeader::kernel); });
   return parted(std::move(out), [](Stack s) { return by_interleaved(std::move(s), &FileHeader::acquisition); });
 }
 
-void find_odd_slices(std::vector<Series>& series) {
+void find_odd_slices(std::vector<Series>& series, const std::vector<LeftOut>& left_out) {
   for (Series& s : series) {
     if (s.slices.empty() || !s.refusal.empty()) continue;
     const Vec3 n = s.stack.normal();
-    double from = 1e300, to = -1e300;
-    for (const FrameRef& r : s.slices) {
-      from = std::min(from, along(r, n));
-      to = std::max(to, along(r, n));
-    }
+    const Extent range = extent_of(s);
+    const auto [from, to] = range;
     const double reach = 2.5 * std::max(1.0, s.summary.spacing_mm.z);
+    for (const LeftOut& left : left_out)
+      if (auto odd = odd_slice(left, s, range, reach)) s.odd.push_back(std::move(*odd));
     for (const Series& other : series) {
-      if (&other == &s || other.slices.empty() || other.sort_uid != s.sort_uid ||
-          other.slices.size() >= s.slices.size())
+      if (&other == &s || other.slices.empty() || other.slices.size() >= s.slices.size()) continue;
+      if (other.sort_uid != s.sort_uid) {
+        if (continues(other, s, range))
+          for (const FrameRef& r : other.slices)
+            s.odd.push_back({r.header->name, tag_name(t_series), "is another one, and the slice continues the series",
+                             along(r, n), false});
         continue;
+      }
       for (const FrameRef& r : other.slices) {
         const double at = along(r, n);
         if (!(at > from - reach && at < to + reach)) continue;
         const Difference d = difference(r, s);
-        if (d.tag == 0) continue;
         s.odd.push_back({r.header->name, tag_name(d.tag), d.what, at, at > from && at < to});
       }
     }
     std::sort(s.odd.begin(), s.odd.end(), [](const OddSlice& a, const OddSlice& b) {
-      return std::tie(a.along_mm, a.field, a.file) < std::tie(b.along_mm, b.field, b.file);
+      const bool no_a = std::isnan(a.along_mm), no_b = std::isnan(b.along_mm);  // those without a position last
+      const double at_a = no_a ? 0 : a.along_mm, at_b = no_b ? 0 : b.along_mm;
+      return std::tie(no_a, at_a, a.field, a.file) < std::tie(no_b, at_b, b.field, b.file);
     });
   }
 }
 
 StackGeometry analyse_series(const Series& s, const ImportParams& params) {
+  if (trimmed(params.same_patient_reason).empty()) refuse_several_patients(s);
+  refuse_unequal(s);
   if (params.units == UnitPolicy::hu)
     for (const FrameRef& r : s.slices)
       if (const std::string& unit = r.header->rescale_type; s.is_ct && !unit.empty() && unit != "HU")
@@ -186,19 +283,37 @@ void warn_of_changes(const Series& s, const HuCounts& counts, Report& report) {
   const auto changes = [&](const char* what, std::size_t count, const char* then = "") {
     if (count > 1) report.warn(fmt::format("{} changes within the series, {} values{}", what, count, then));
   };
+  for (std::size_t a = 0; a < attributes().size(); ++a) {
+    const AttributeRule rule = attributes()[a].rule;
+    if (rule == AttributeRule::own || rule == AttributeRule::fixed || rule == AttributeRule::equal) continue;
+    const bool parted = rule == AttributeRule::parted;
+    // What parts a series is told here where it did not: slabs one after the other, or a value of each slice's own.
+    if (parted && attributes()[a].tag != t_kernel && attributes()[a].tag != t_acquisition &&
+        attributes()[a].tag != t_frame_uid)
+      continue;
+    changes(attributes()[a].keyword, distinct(s, [a](const FrameRef& r) { return r.header->said[a]; }).size(),
+            rule == AttributeRule::applied       ? ": applied slice by slice"
+            : attributes()[a].tag == t_frame_uid ? ": that all slices are of one frame is taken on trust"
+                                                 : "");
+  }
+  changes("StudyInstanceUID", distinct(s, [](const FrameRef& r) { return r.header->study_uid; }).size());
+  warn_of_identity(s, report);
+  const auto any = [&](bool FileHeader::*member) {
+    return std::any_of(s.slices.begin(), s.slices.end(), [&](const FrameRef& r) { return r.header->*member; });
+  };
+  if (any(&FileHeader::lossy)) report.warn("LossyImageCompression is 01: the pixels were compressed with loss once");
+  if (any(&FileHeader::quality_control)) report.warn("QualityControlImage is YES: the scan may be of a test object");
+  for (const FrameRef& r : s.slices)
+    if (r.header->photometric == "MONOCHROME1") {
+      report.warn("PhotometricInterpretation is MONOCHROME1, which is shown inverted; HU are taken as they are stored");
+      break;
+    }
   const auto slopes = distinct(s, [](const FrameRef& r) { return frame_of(r).slope.value_or(1); });
   const auto intercepts = distinct(s, [](const FrameRef& r) { return frame_of(r).intercept.value_or(0); });
-  changes("RescaleSlope", slopes.size(), ": applied slice by slice");
-  changes("RescaleIntercept", intercepts.size(), ": applied slice by slice");
-  changes("the kernel", distinct(s, [](const FrameRef& r) { return r.header->kernel; }).size());
-  changes("kVp", distinct(s, [](const FrameRef& r) { return r.header->kvp.value_or(0); }).size());
-  changes("the contrast agent's tag", distinct(s, [](const FrameRef& r) { return r.header->contrast; }).size());
-  changes("PatientPosition", distinct(s, [](const FrameRef& r) { return r.header->patient_position; }).size());
-  changes("PatientID", distinct(s, [](const FrameRef& r) { return r.header->patient_id; }).size(),
-          ": that all slices are of one patient is taken on trust");
-  changes("StudyInstanceUID", distinct(s, [](const FrameRef& r) { return r.header->study_uid; }).size());
-  changes("FrameOfReferenceUID", distinct(s, [](const FrameRef& r) { return r.header->frame_uid; }).size(),
-          ": that all slices are of one frame is taken on trust");
+  if (slopes.size() > 1 && s.slices.front().header->frames.size() > 1)
+    changes("RescaleSlope of the frames", slopes.size(), ": applied frame by frame");
+  if (intercepts.size() > 1 && s.slices.front().header->frames.size() > 1)
+    changes("RescaleIntercept of the frames", intercepts.size(), ": applied frame by frame");
   if (!s.is_ct) return;
   if (*slopes.begin() < 0)
     report.warn(fmt::format("RescaleSlope is {:.4g}: bright and dark are exchanged", *slopes.begin()));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "dicom/catalogue.h"
 
@@ -39,13 +40,37 @@ void warn_of_odd(const Catalogue& c, const Series& chosen, Report& r) {
   int told = 0;
   for (const OddSlice& odd : chosen.odd)
     if (++told <= most_told)
-      r.warn(fmt::format("a slice with the series' UID was left out, {:.1f} mm along the slices' normal, {}: {}: {}",
-                         odd.along_mm, odd.within ? "between the others" : "beyond an end", odd.field, odd.what));
+      r.warn(
+          std::isnan(odd.along_mm)
+              ? fmt::format("an image with the series' UID and size was left out: {}: {}", odd.field, odd.what)
+              : fmt::format("a slice with the series' UID was left out, {:.1f} mm along the slices' normal, {}: {}: {}",
+                            odd.along_mm, odd.within ? "between the others" : "beyond an end", odd.field, odd.what));
   if (told > most_told) r.warn(fmt::format("{} more slices with the series' UID were left out", told - most_told));
   for (const Series& s : c.series)
     if (&s != &chosen && s.slices.empty() && s.sort_uid == chosen.sort_uid)
       r.warn(fmt::format("{} files with the series' UID were left out: {}: {}", s.summary.size[2], s.refusal_field,
                          s.refusal));
+}
+
+/// By which attributes the series says who the patient is, and other patients' series in the same folder: the choice
+/// may have been another one than was meant.
+void describe_patients(const Catalogue& c, const Series& chosen, Report& r) {
+  const Identity own = identity_of(chosen.slices).identity;
+  std::string there;
+  for (int which = 0; which < identity_count; ++which)
+    if (own.said[static_cast<std::size_t>(which)] != 0)
+      there += (there.empty() ? "" : ", ") + std::string(identity_keyword(which));
+  r.add("patient_said_by", there.empty() ? "nothing" : there);
+  int others = 0;
+  for (const Series& s : c.series) {
+    if (&s == &chosen || s.slices.empty()) continue;
+    const Identity other = identity_of(s.slices).identity;
+    bool apart = false;
+    for (int which = 0; which < identity_count; ++which) apart = apart || own.contradicts(other, which);
+    others += apart;
+  }
+  if (others > 0)
+    r.warn(fmt::format("{} other series of the folder {} of another patient", others, others == 1 ? "is" : "are"));
 }
 
 }  // namespace
@@ -78,6 +103,7 @@ Report describe_rest(const Catalogue& c, const Series* chosen) {
   }
   warn_of_broken(c, r);
   if (chosen) warn_of_odd(c, *chosen, r);
+  if (chosen) describe_patients(c, *chosen, r);
   for (const Series& s : c.series)
     if (chosen && &s != chosen && (s.is_ct || s.sort_uid.empty()) && !s.refusal.empty())
       r.warn("not used: " + s.summary.line() + ": " + s.summary.verdict);

@@ -74,6 +74,7 @@ constexpr SopClass sop_classes[] = {
 bool is_shared_patient_id(std::string_view id) {
   std::string plain;
   for (const char c : id) {
+    if (static_cast<unsigned char>(c) >= 0x80) return false;  // letters of another alphabet
     if (c >= 'a' && c <= 'z') plain += static_cast<char>(c - 'a' + 'A');
     if ((c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9')) plain += c;
   }

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "dicom/hu.h"
+#include "dicom/input_files.h"
 #include "itk/volume_file.h"
 
 namespace trephine::dicom {
@@ -119,7 +120,7 @@ auto naming(const std::filesystem::path& path, const VolumeSource& volume, F&& f
     return std::forward<F>(f)();
   } catch (const Error& e) {
     if (!volume.unpacked) throw;
-    throw Error(e.code(), path.string(), e.field(), e.what());
+    throw Error(e.code(), name_of_scan(path), e.field(), e.what());
   }
 }
 
@@ -154,7 +155,8 @@ ImportResult import_volume(const std::filesystem::path& path, const VolumeSource
     VolumeFile read = read_volume_file(volume.file, progress);
     const std::string token = token_of(volume, lattice_of(read.volume).size);
     if (params.series.find('-') != std::string::npos && params.series != token)
-      throw Error(ExitCode::usage, path.string(), "series", params.series + " is now " + token + ": look at it again");
+      throw Error(ExitCode::usage, name_of_scan(path), "series",
+                  params.series + " is now " + token + ": look at it again");
     ImportResult result = imported(std::move(read), params);
     result.input_sha256 = hash_of_volume_file(volume.file);
     return result;

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/write_file.h"
 #include "dicom/archive.h"
+#include "dicom/input_files.h"
 #include "dicom/slicer_scene.h"
 #include "itk/volume_file.h"
 
@@ -53,11 +54,11 @@ std::vector<VolumeSource> volume_sources(const fs::path& path, const Progress& p
   std::vector<VolumeSource> sources;
   if (fs::is_regular_file(path, none) && extension == ".mrml") {
     const std::vector<char> text = read_file(path, most_scene_bytes);
-    sources = with_file(path.string(), [&] {
+    sources = with_scan(path, [&] {
       return sources_of(scene_volumes({text.data(), text.size()}), path.parent_path(), false);
     });
   } else if (fs::is_regular_file(path, none) && extension == ".mrb" && is_zip(path)) {
-    sources = with_file(path.string(), [&] { return in_archive(path, progress); });
+    sources = with_scan(path, [&] { return in_archive(path, progress); });
   } else {
     for (fs::path& file : find_volume_files(path)) {
       sources.emplace_back();
@@ -90,7 +91,7 @@ void require_beneath(const fs::path& scene, const fs::path& file) {
 }
 
 void unpack(const fs::path& path, VolumeSource& source, const Progress& progress) {
-  with_file(path.string(), [&] {
+  with_scan(path, [&] {
     if (source.transformed)
       refuse(
           "the volume lies under a transform, which is not part of its file: harden the transform in 3D Slicer and "
@@ -125,7 +126,7 @@ VolumeSource chosen_volume(const fs::path& path, const std::string& series, cons
     return series.empty() ? sources.size() == 1 : series.substr(0, series.find('-')) == s.token;
   });
   if (found == sources.end())
-    throw Error(ExitCode::usage, path.string(), "series",
+    throw Error(ExitCode::usage, name_of_scan(path), "series",
                 series.empty() ? std::to_string(sources.size()) + " volumes, choose one by its token: " + known
                                : "no such volume; there are: " + known);
   unpack(path, *found, progress);

@@ -19,6 +19,7 @@
 #include "base/child.h"
 #include "base/error.h"
 #include "external/descendants.h"
+#include "external/hide.h"
 #include "external/restrict.h"
 
 namespace trephine {
@@ -31,6 +32,8 @@ constexpr double patience_s = 30;  ///< beyond the program's own limit, for the 
 /// What the first process of the namespace tells the keeper.
 struct Told {
   int status = 0, why_not_started = 0;
+  bool confined = true;  ///< or it was not started, because it must be
+  char attributes_open[160] = {}, processes_open[160] = {};
 };
 
 std::vector<char*> pointers(std::vector<std::string>& words) {
@@ -44,9 +47,10 @@ struct Work {
   std::vector<std::string> argv, environment, may_write;
   std::string folder, log;
   rlim_t file_bytes = 0;
+  bool require_confined = false;
 };
 
-[[noreturn]] void become_program(Work& work, const Restriction& files, int failed) {
+[[noreturn]] void become_program(Work& work, const Restriction& files, bool forbid_attributes, int failed) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   setsid();  // it has no terminal into which it could write keys
   const int null = open("/dev/null", O_RDONLY);
@@ -59,7 +63,8 @@ struct Work {
   for (const int number : {SIGINT, SIGTERM, SIGPIPE, SIGXFSZ, SIGHUP}) std::signal(number, SIG_DFL);
   std::vector<char*> argv = pointers(work.argv), environment = pointers(work.environment);
   errno = 0;
-  if (chdir(work.folder.c_str()) == 0 && files.enter()) {
+  if (chdir(work.folder.c_str()) == 0 && files.enter() &&
+      (forbid_calls(forbid_attributes).empty() || !work.require_confined)) {
     fcntl(failed, F_SETFD, FD_CLOEXEC);
     for (int fd = 3; fd < 1024; ++fd)
       if (fd != failed) close(fd);
@@ -74,12 +79,20 @@ struct Work {
 [[noreturn]] void be_first(Work& work, const Restriction& files, int tell) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   Told told;
+  const Hiding hidden = hide_the_rest(work.may_write);
+  hidden.attributes_open.copy(told.attributes_open, sizeof told.attributes_open - 1);
+  hidden.processes_open.copy(told.processes_open, sizeof told.processes_open - 1);
+  told.confined = hidden.attributes_open.empty() && hidden.processes_open.empty();
+  if (work.require_confined && !told.confined) {
+    (void)!write(tell, &told, sizeof told);
+    _exit(0);
+  }
   int ends[2];
   if (pipe(ends) != 0) _exit(1);
   const pid_t program = fork();
   if (program == 0) {
     close(ends[0]);
-    become_program(work, files, ends[1]);
+    become_program(work, files, !hidden.attributes_open.empty(), ends[1]);
   }
   close(ends[1]);
   if (program < 0 || read(ends[0], &told.why_not_started, sizeof told.why_not_started) < 0)
@@ -106,17 +119,21 @@ void keep(ChildRequest& r) {
   work.folder = in.at("folder").get<std::string>();
   work.log = in.at("log").get<std::string>();
   work.file_bytes = in.at("file_bytes").get<std::uint64_t>();
+  work.may_write = in.at("may_write").get<std::vector<std::string>>();
+  work.require_confined = in.at("require_confined").get<bool>();
   const double time_limit_s = in.at("time_limit_s");
   const auto memory_bytes = in.at("memory_bytes").get<std::uint64_t>();
 
   const Separation apart = separate(memory_bytes);
-  const Restriction files(in.at("may_write").get<std::vector<std::string>>());
+  const Restriction files(work.may_write);
   std::string open;
   for (const std::string& one : {apart.network_open, apart.services_open, files.open()})
     if (!one.empty()) open += (open.empty() ? "" : ", ") + one;
-  if (in.at("require_confined").get<bool>() && !open.empty())
-    throw Error(ExitCode::internal, "", "require_confined",
-                "the kernel does not confine the program, and it was not started (" + open + ")");
+  const auto not_confined = [](const std::string& why) {
+    return Error(ExitCode::internal, "", "require_confined",
+                 "the kernel does not confine the program, and it was not started (" + why + ")");
+  };
+  if (work.require_confined && !open.empty()) throw not_confined(open);
   prctl(PR_SET_CHILD_SUBREAPER, 1);
   int ends[2];
   if (pipe(ends) != 0) throw Error(ExitCode::internal, "", "external", "no pipe can be made");
@@ -144,10 +161,16 @@ void keep(ChildRequest& r) {
     r.report(0);
   }
   end_descendants(getpid());
+  const std::string attributes_open = told.attributes_open, processes_open = told.processes_open;
+  if (work.require_confined && heard && !told.confined)
+    throw not_confined(attributes_open + (attributes_open.empty() || processes_open.empty() ? "" : ", ") +
+                       processes_open);
   const bool ended = heard && told.why_not_started == 0;
   Json out{{"timed_out", timed_out}, {"over_memory", over_memory}, {"network_open", apart.network_open}};
   out["services_open"] = apart.services_open;
   out["files_open"] = files.open();
+  out["attributes_open"] = attributes_open;
+  out["processes_open"] = processes_open;
   out["not_started"] = told.why_not_started ? std::strerror(told.why_not_started) : "";
   out["signal"] = ended && WIFSIGNALED(told.status) ? WTERMSIG(told.status) : 0;
   out["code"] = ended && WIFEXITED(told.status) ? WEXITSTATUS(told.status) : 0;
@@ -188,6 +211,8 @@ ConfinedResult run_confined(const ConfinedRequest& request, const Progress& prog
   made.network_open = out.at("network_open");
   made.services_open = out.at("services_open");
   made.files_open = out.at("files_open");
+  made.attributes_open = out.at("attributes_open");
+  made.processes_open = out.at("processes_open");
   return made;
 }
 

@@ -29,14 +29,15 @@ struct ConfinedResult {
   bool timed_out = false, over_memory = false;
   std::string not_started;  ///< why it could not be started; empty where it was
   /// What the kernel did not allow, each with the reason; empty where it is confined.
-  std::string network_open, services_open, files_open;
+  std::string network_open, services_open, files_open, attributes_open, processes_open;
 };
 
 /// Runs the program and waits. It gets no network (a user, process and network namespace of its own, in which only
-/// loopback is up), may write beneath `folder`, `may_write`, /dev and nowhere else (Landlock), gains no privilege, and
-/// leaves no core file. Where the kernel does not allow that, it runs without and the result says so. It may read what
-/// the user may read. None of its processes outlives the call, nor this program: they die with the namespace, or are
-/// found as descendants where there is none.
+/// loopback is up), may write beneath `folder`, `may_write`, /dev and nowhere else (Landlock), changes neither modes,
+/// times nor attributes of files elsewhere (a mount namespace that can only be read), sees no process but its own, may
+/// neither trace nor read others (seccomp), gains no privilege, and leaves no core file. Where the kernel does not
+/// allow that, it runs without and the result says so. It may read what the user may read. None of its processes
+/// outlives the call, nor this program: they die with the namespace, or are found as descendants where there is none.
 ///
 /// Memory is the resident memory that is not shared, looked at 20 times a second, because programs that use a GPU
 /// reserve address space far beyond what they use.

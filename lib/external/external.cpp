@@ -131,9 +131,12 @@ class Run {
     report_.add("program_sha256", sha256_of_file(program_));
     const ConfinedResult result = run_confined(request_of(params_.arguments), progress);
     require_good(result, "");
-    for (const auto& [open, what] : {std::make_pair(result.network_open, "has the network"),
-                                     {result.services_open, "may speak to services of this machine"},
-                                     {result.files_open, "may write where the user may"}}) {
+    for (const auto& [open, what] :
+         {std::make_pair(result.network_open, "has the network"),
+          {result.services_open, "may speak to services of this machine"},
+          {result.files_open, "may write where the user may"},
+          {result.attributes_open, "is kept from modes and times of files by a filter of system calls alone"},
+          {result.processes_open, "may see the command lines of other processes"}}) {
       if (open.empty()) continue;
       report_.warn(std::string("the program ") + what + ", the kernel allows no other (" + open + ")");
     }

@@ -97,7 +97,9 @@ Grid<float> looked_at(const Lattice& coarse, const Field* within) {
   return look;
 }
 
-std::string doubts_of(const RegistrationFound& f, const RegistrationParams& p) {
+std::string doubts_of(const RegistrationFound& f, const RegistrationParams& p, double longest_side_mm) {
+  constexpr double fine_mm = 2;
+  const double largest_inverse_mm = p.largest_inverse_mm * std::max(1.0, longest_side_mm / fine_mm);
   std::string doubts;
   const auto add = [&](bool bad, const std::string& text) {
     if (bad) doubts += (doubts.empty() ? "" : "; ") + text;
@@ -106,9 +108,9 @@ std::string doubts_of(const RegistrationFound& f, const RegistrationParams& p) {
   add(!(f.spread_mm <= p.largest_spread_mm),
       fmt::format("other starts end up to {:.2f} mm away, at most {} (largest_spread_mm)", f.spread_mm,
                   p.largest_spread_mm));
-  add(!(f.inverse_mm <= p.largest_inverse_mm),
-      fmt::format("the other direction differs by {:.2f} mm, at most {} (largest_inverse_mm)", f.inverse_mm,
-                  p.largest_inverse_mm));
+  add(!(f.inverse_mm <= largest_inverse_mm),
+      fmt::format("the other direction differs by {:.2f} mm, at most {:.4g} (largest_inverse_mm)", f.inverse_mm,
+                  largest_inverse_mm));
   add(!(f.overlap_ratio >= p.least_overlap_ratio),
       fmt::format("{:.2f} of the head lies in both scans, at least {} (least_overlap_ratio)", f.overlap_ratio,
                   p.least_overlap_ratio));
@@ -186,7 +188,10 @@ Registration register_scans(const HuVolume& fixed, const HuVolume& moving, const
   const ChildResult result = itk_child::run(register_worker_name, request, limits, progress.part(0.2, 1));
   MessageReader in(register_worker_name, result.bytes());
   const auto found = in.value<RegistrationFound>();
-  Registration r{found.map, doubts_of(found, params)};
+  double longest_side_mm = params.finest_mm;
+  for (const HuVolume* volume : {&fixed, &moving})
+    for (int a = 0; a < 3; ++a) longest_side_mm = std::max(longest_side_mm, lattice_of(*volume).spacing_mm[a]);
+  Registration r{found.map, doubts_of(found, params, longest_side_mm)};
   describe(r, found, report);
   return r;
 }
@@ -228,7 +233,6 @@ Registration given_registration(const HuVolume& fixed, const HuVolume& moving, c
                            found.overlap_ratio, params.least_overlap_ratio);
   describe_map(r, report);
   report.add("overlap_ratio", found.overlap_ratio);
-  report.warn("the transform was given: nothing but the overlap was checked, so look at its picture");
   return r;
 }
 

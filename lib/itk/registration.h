@@ -21,7 +21,7 @@ struct RegistrationParams {
   double lower_hu = -300, upper_hu = 300;
   double finest_mm = 1.5;
   int bins_count = 32, samples_count = 60000;
-  double largest_spread_mm = 1, largest_inverse_mm = 1;
+  double largest_spread_mm = 1, largest_inverse_mm = 0.25, largest_given_mm = 1;
   double least_overlap_ratio = 0.5, least_margin_ratio = 0.15, largest_scale_ratio = 0.04;
 
   template <class V>
@@ -41,7 +41,7 @@ struct RegistrationParams {
     v.text(&P::given, "given",
            "Transform to take instead of registering (.tfm or .h5, from the CT to the second scan), made and looked at "
            "in "
-           "another program. Only that it does not stretch and the overlap are checked.")
+           "another program. It must not stretch, and is held against the images (largest_given_mm).")
         .names("file");
     v.number(&P::lower_hu, "lower_hu", Range{-1024, 30000}, "HU below this count as this: air and foam are one.");
     v.number(&P::upper_hu, "upper_hu", Range{-1024, 30000}, "HU above this count as this: bone is one.");
@@ -50,8 +50,15 @@ struct RegistrationParams {
     v.integer(&P::samples_count, "samples_count", Range{2000, 2000000}, "Places that the last step compares.");
     v.number(&P::largest_spread_mm, "largest_spread_mm", Range{0.01, 100},
              "How far apart registrations may end that begin 8 mm and 8 degrees off the result.");
-    v.number(&P::largest_inverse_mm, "largest_inverse_mm", Range{0.01, 100},
-             "How far the registration of the CT onto the second scan may be from the inverse.");
+    v.number(
+        &P::largest_inverse_mm, "largest_inverse_mm", Range{0.01, 100},
+        "How far the registration of the CT onto the second scan may be from the inverse, with voxels of up to 2 mm; "
+        "with coarser ones in proportion to their longest side. Another patient's head, or a mirrored one, lies "
+        "above.");
+    v.number(
+        &P::largest_given_mm, "largest_given_mm", Range{0.01, 100},
+        "How far a given transform may lead from where the images themselves lie best upon each other, anywhere in "
+        "the body.");
     v.number(&P::least_overlap_ratio, "least_overlap_ratio", Range{0.3, 1},
              "Share of the head's samples in the CT that must lie within the second scan.");
     v.number(&P::least_margin_ratio, "least_margin_ratio", Range{0, 1},
@@ -85,7 +92,8 @@ Registration register_scans(const HuVolume& fixed, const HuVolume& moving, const
                             const Progress& progress = {});
 
 /// Takes the map for the registration's result. Reports it and the share of the CT's body (above -300 HU) that lies in
-/// the moving scan; doubts where that is less than least_overlap_ratio. Throws Error 65 where the kind is rigid and the
+/// the moving scan; doubts where that is less than least_overlap_ratio. (Whether the images agree is the caller's to
+/// check: apart_mm, bone_ratio.) Throws Error 65 where the kind is rigid and the
 /// map stretches by more than 1e-4.
 Registration given_registration(const HuVolume& fixed, const HuVolume& moving, const LinearMap& map,
                                 const RegistrationParams& params, Report& report);

@@ -12,6 +12,24 @@ namespace trephine {
 
 bool is_identity(const LinearMap& map) { return map.matrix == Mat3{} && map.offset_mm == Vec3{}; }
 
+double apart_mm(const HuVolume& fixed, const LinearMap& a, const LinearMap& b) {
+  constexpr float body_hu = -300;
+  constexpr int step = 4;
+  double largest = 0;
+  std::visit(
+      [&](const auto& grid) {
+        for (int k = 0; k < grid.size[2]; ++k)
+          for (int j = 0; j < grid.size[1]; j += step)
+            for (int i = 0; i < grid.size[0]; i += step) {
+              if (!(grid.at(i, j, k) > body_hu)) continue;
+              const Vec3 p = grid.to_world_mm({double(i), double(j), double(k)});
+              largest = std::max(largest, norm(a(p) - b(p)));
+            }
+      },
+      fixed);
+  return largest;
+}
+
 double bone_ratio(const HuVolume& fixed, const HuVolume& moving, const Progress& progress) {
   constexpr double bone_hu = 300, cell_mm = 2, hundredth = 0.01;
   const Lattice &at = lattice_of(fixed), &other = lattice_of(moving);

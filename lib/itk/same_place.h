@@ -18,4 +18,7 @@ constexpr double least_bone_ratio = 0.85;
 /// means. 0 where there is no bone. The same on any number of threads.
 double bone_ratio(const HuVolume& fixed, const HuVolume& moving, const Progress& progress = {});
 
+/// The largest distance between the places to which the two maps lead what is above -300 HU in the CT.
+double apart_mm(const HuVolume& fixed, const LinearMap& a, const LinearMap& b);
+
 }  // namespace trephine

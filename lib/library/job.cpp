@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -10,11 +11,13 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "base/error.h"
+#include "base/file_descriptor.h"
 #include "base/progress.h"
 #include "base/spawn.h"
 #include "base/text.h"
@@ -106,11 +109,25 @@ std::string reason_in(const std::string& log, const std::string& tool, const std
   return printable(reason.empty() ? last : reason).substr(0, most_reason);
 }
 
+// What a program that is started with @3 reads as its command line: a file without a name.
+FileDescriptor words_to_read(const std::vector<std::string>& words) {
+  std::string bytes;
+  for (const std::string& w : words) bytes += w + '\0';
+  const FileDescriptor made(memfd_create("words", MFD_CLOEXEC));
+  if (!made.valid() || write(made.get(), bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size()) ||
+      lseek(made.get(), 0, SEEK_SET) != 0)
+    throw Error(ExitCode::internal, "", "library job", std::string("no memory file: ") + std::strerror(errno));
+  constexpr int above_those_of_spawn = 16;
+  return FileDescriptor(fcntl(made.get(), F_DUPFD_CLOEXEC, above_those_of_spawn));
+}
+
 // Runs the command once, within its time limit. Afterwards none of its processes runs any more.
 Ended run_once(const LibraryJob& job, const fs::path& log) {
   SpawnRequest request;
-  request.argv = job.arguments;
-  request.argv.insert(request.argv.begin(), own_program().string());
+  // The words hold the series' path, which may hold a patient's name: they do not stand in the list of processes.
+  const FileDescriptor words = words_to_read(job.arguments);
+  request.argv = {own_program().string(), "@3"};
+  request.descriptors = {words.get()};
   request.output = log;
   const pid_t pid = spawn(request);
   const auto start = Clock::now();

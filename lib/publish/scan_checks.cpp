@@ -4,10 +4,21 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "dicom/frame_of_reference.h"
+#include "dicom/identity.h"
 #include "itk/same_place.h"
 #include "itk/transform_file.h"
 
 namespace trephine {
+namespace {
+
+/// Whether these attributes of identity are of few people: a sex or a date of birth alone are shared by many.
+bool identifies(const std::vector<std::string>& agreeing) {
+  for (const std::string& keyword : agreeing)
+    if (keyword == "PatientID" || keyword == "PatientName") return true;
+  return false;
+}
+
+}  // namespace
 
 std::vector<std::string> names_of_scans(const Graph& graph) {
   std::vector<std::string> names;
@@ -18,6 +29,28 @@ std::vector<std::string> names_of_scans(const Graph& graph) {
 std::vector<std::string> require_one_patient(const CaseConfig& config, const std::vector<std::string>& scans,
                                              const Progress& progress) {
   std::vector<std::string> warnings;
+  const auto compare_with = [&](const std::string& whose, const SeriesChoice& first, const CaseScan& scan,
+                                const SeriesChoice& second) {
+    const PatientMatch match = compare_patients(first, second, progress);
+    const auto listed = [](const std::vector<std::string>& words) {
+      std::string all;
+      for (const std::string& w : words) all += (all.empty() ? "" : ", ") + w;
+      return all;
+    };
+    const bool reason = !trimmed(scan.same_patient_reason).empty();
+    if (!match.contradicting.empty() && !reason)
+      throw Error(ExitCode::bad_input, "", "scans." + scan.name,
+                  "has another " + listed(match.contradicting) + " than " + whose +
+                      "; where it is the same patient nevertheless, say why with same_patient_reason");
+    if (!match.contradicting.empty())
+      warnings.push_back(scan.name + ".import: has another " + listed(match.contradicting) + " than " + whose +
+                         ", and is used for the reason given");
+    else if (!identifies(match.agreeing))
+      warnings.push_back(scan.name + ".import: that it is of the same patient as " + whose + " is taken on trust: " +
+                         (match.agreeing.empty()
+                              ? "one of the two does not say who it is, or both say what anybody's says"
+                              : "only " + listed(match.agreeing) + " can be compared, and agrees"));
+  };
   for (const std::string& name : scans) {
     const CaseScan& scan = *config.find_scan(name);
     const SeriesChoice ct{config.series, config.import}, other{scan.series, scan.import.as<ImportParams>()};
@@ -33,16 +66,12 @@ std::vector<std::string> require_one_patient(const CaseConfig& config, const std
             "moves nothing, and the scan has another frame of reference than the CT; leave given out, and it is "
             "registered");
     }
-    const auto same = of_one_patient(ct, other, progress);
-    if (!same)
-      warnings.push_back(name + ".import: that it is of the same patient as the CT is taken on trust: " +
-                         "one of the two has no PatientID, or both have one that says nothing");
-    else if (!*same && trimmed(scan.same_patient_reason).empty())
-      throw Error(ExitCode::bad_input, "", "scans." + name,
-                  "has another PatientID than the CT; where it is the same patient nevertheless, say why with "
-                  "same_patient_reason");
-    else if (!*same)
-      warnings.push_back(name + ".import: has another PatientID than the CT, and is used for the reason given");
+    compare_with("the CT", ct, scan, other);
+    for (const std::string& earlier : scans) {
+      if (earlier == name) break;
+      const CaseScan& one = *config.find_scan(earlier);
+      compare_with("scans." + earlier, {one.series, one.import.as<ImportParams>()}, scan, other);
+    }
   }
   return warnings;
 }

@@ -12,9 +12,10 @@ namespace trephine {
 /// The names of the further scans that the graph's stages read.
 std::vector<std::string> names_of_scans(const Graph& graph);
 
-/// A scan of another patient must not become part of the case: compares the PatientID of each of these scans with that
-/// of the CT. Returns a warning for each of which it is not sure; the IDs themselves go nowhere. Throws Error 65, field
-/// scans.NAME, where an ID is another one and the configuration does not say why; what of_one_patient throws. Also of a
+/// A scan of another patient must not become part of the case: compares what each of these scans says of the patient
+/// (dicom/identity.h) with what the CT and the other scans say. Returns a warning for each of which it is not sure;
+/// names and IDs themselves go nowhere. Throws Error 65, field scans.NAME, where two contradict each other and the
+/// configuration does not say why; what compare_patients throws. Also of a
 /// scan whose given transform moves nothing, that it has the CT's frame of reference: Error 65 where it has another.
 std::vector<std::string> require_one_patient(const CaseConfig& config, const std::vector<std::string>& scans,
                                              const Progress& progress);

@@ -19,7 +19,7 @@ StageType import_stage() {
     // If the series has changed, the new result must not be stored under the key of the old content.
     const auto expected = in.file_sha256.find("input");
     if (expected != in.file_sha256.end() && imported.input_sha256 != expected->second)
-      throw Error(ExitCode::bad_input, params.input, "", "the series changed while it was read");
+      throw Error(ExitCode::bad_input, "scan", "", "the series changed while it was read");
     report = std::move(imported.report);
     return std::make_shared<const HuVolume>(std::move(imported.volume));
   };

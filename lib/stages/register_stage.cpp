@@ -13,7 +13,7 @@ namespace trephine {
 StageType register_stage() {
   StageType s;
   s.name = "register";
-  s.version = 3;
+  s.version = 4;
   s.place = StagePlace::scene;  // a case names its further scans, and a recipe's steps read them by `scan`
   s.typical_s = 12;
   s.provenance = {"transform",     "turn_deg",     "spread_mm",   "inverse_mm",
@@ -23,7 +23,8 @@ StageType register_stage() {
       "Registers the second scan onto the CT by Mattes' mutual information, from coarse voxels to fine ones, and gives "
       "it on the CT's voxels. The registration checks itself: it is done again from three places 8 mm and 8 degrees "
       "off and in the other direction, and compared with an affine one. A result that is doubtful is refused with exit "
-      "code 80 and the figures that say why. Offsets up to 30 mm and 20 degrees are within reach; for others give a "
+      "code 80 and the figures that say why. A transform that is given is held against the images. Offsets up to 30 mm "
+      "and 20 degrees are within reach; for others give a "
       "transform to begin with.";
   s.examples = {"trephine register head.nrrd mr.nrrd --transform mr.tfm --picture check.png --output mr_on_ct.nrrd"};
   s.ports = {
@@ -43,7 +44,6 @@ StageType register_stage() {
             : given_registration(fixed, moving, read_transform(params.given), params, report);
     // A given transform that moves nothing says that both are reconstructions of one scan: that can be checked.
     if (!params.given.empty() && is_identity(r.map) && params.moving == MovingValues::hu) {
-      report.warnings.pop_back();  // of given_registration: that nothing was checked
       const double bone = bone_ratio(fixed, moving, progress.part(0, 0.9));
       report.add("bone_ratio", bone);
       if (!(bone >= least_bone_ratio))
@@ -53,6 +53,28 @@ StageType register_stage() {
                         "{} of two reconstructions of one scan",
                         bone, least_bone_ratio),
             {"leave `given` out, and they are registered"});
+    }
+    const bool by_bones = is_identity(r.map) && params.moving == MovingValues::hu;
+    if (!params.given.empty() && r.doubts.empty() && !by_bones) {
+      // The images are registered all the same, and say how far the given transform lies from their own.
+      Report ignored;
+      const Registration own =
+          register_scans(fixed, moving, in.get<Field>("within"), r.map, params, ignored, progress.part(0, 0.9));
+      if (own.doubts.empty()) {
+        const double apart = apart_mm(fixed, r.map, own.map);
+        report.add("given_apart_mm", apart);
+        if (!(apart <= params.largest_given_mm))
+          throw refusal("given",
+                        fmt::format("the transform leads up to {:.2f} mm away from where the images lie best upon each "
+                                    "other, at most {} (largest_given_mm)",
+                                    apart, params.largest_given_mm),
+                        {"leave `given` out, and they are registered; or, where the picture shows that it is right, "
+                         "raise `largest_given_mm`"});
+        report.warn(fmt::format("the transform was given; the images agree with it within {:.2f} mm", apart));
+      } else {
+        report.warn("the transform was given, and the images cannot say whether it is right, so look at its picture: " +
+                    own.doubts);
+      }
     }
     if (!r.doubts.empty())
       throw refusal("", "the registration is doubtful: " + r.doubts,

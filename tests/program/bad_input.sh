@@ -5,9 +5,9 @@
 config=$SOURCE/configs/ct_head.yaml
 run=("$TREPHINE" run --quiet)
 
-expect 66 'trephine run: .*nowhere' "${run[@]}" "$config" --series "$work/nowhere" --out "$work/out"
+expect 66 'trephine run: scan: --series: not found' "${run[@]}" "$config" --series "$work/nowhere" --out "$work/out"
 mkdir "$work/empty"
-expect 65 'trephine run: .*empty.*DICOM' "${run[@]}" "$config" --series "$work/empty" --out "$work/out"
+expect 65 'trephine run: .*scan: .*DICOM' "${run[@]}" "$config" --series "$work/empty" --out "$work/out"
 echo text >"$work/empty/notes.txt"
 expect 65 'trephine run: .*DICOM' "${run[@]}" "$config" --series "$work/empty" --out "$work/out"
 expect 66 'trephine run: .*missing.yaml' "${run[@]}" "$work/missing.yaml" --out "$work/out"

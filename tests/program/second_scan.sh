@@ -37,6 +37,23 @@ expect 80 'doubtful: .*largest_inverse_mm' "$TREPHINE" register ct.nrrd head/sec
 "$TREPHINE" register ct.nrrd head/second/scan.nrrd --given again.h5 --transform again.tfm --output mr2.nrrd --quiet 2>said
 cmp -s mr1.nrrd mr2.nrrd && cmp -s again.tfm head/second/truth.tfm || fail "HDF5 holds another transform: $(cat again.tfm)"
 
+# A given transform that is 2 mm off in plane is found by the images; what the message says to do works.
+python3 - head/second/truth.tfm >moved.tfm <<'PY'
+import sys
+lines = open(sys.argv[1]).read().splitlines()
+values = [float(w) for w in lines[3].split()[1:]]
+values[9] += 2 * 0.6
+values[10] += 2 * 0.8
+lines[3] = "Parameters: " + " ".join(map(repr, values))
+print("\n".join(lines))
+PY
+expect 80 'leads up to [12].[0-9]* mm away .*largest_given_mm' "$TREPHINE" register ct.nrrd head/second/scan.nrrd "${quick[@]}" \
+  --given moved.tfm --output moved.nrrd
+[[ ! -e moved.nrrd ]] || fail "a transform that is 2 mm off was taken"
+"$TREPHINE" register ct.nrrd head/second/scan.nrrd "${quick[@]}" --given moved.tfm --largest-given-mm 3 --output moved.nrrd 2>said
+"$TREPHINE" register ct.nrrd head/second/scan.nrrd --given head/second/truth.tfm --output right.nrrd 2>said
+grep -q 'the transform was given; the images agree' said || fail "not said: $(cat said)"
+
 # The CT in other programs' formats comes back to the last bit, also out of a scene of 3D Slicer.
 for ending in nii.gz mha gipl vtk mnc; do
   "$TREPHINE" convert ct.nrrd --output ct.$ending --quiet
