@@ -43,9 +43,10 @@ struct DrillingParams {
     v.number(&P::vibration_hz, "vibration_hz", Range{1, 1000}, "Its frequency.");
     v.number(&P::incision_radius_mm, "incision_radius_mm", Range{0.1, 30}, "Radius of an incision.");
     v.number(
-        &P::clearance_voxels, "clearance_voxels", Range{0, 10},
-        "How much narrower than it cuts the tool is felt, in diameter and voxels, so that it fits into its own hole: "
-        "what it cuts ends at the voxels' middles, up to half a voxel's diagonal inside of it.");
+         &P::clearance_voxels, "clearance_voxels", Range{0, 10},
+         "How much narrower than it cuts the tool is felt, in diameter and voxels, so that it fits into its own hole: "
+         "what it cuts ends at the voxels' middles, up to half a voxel's diagonal inside of it.")
+        .is_since(5);
   }
 };
 

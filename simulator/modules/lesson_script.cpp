@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/write_file.h"
-#include "lesson/declared_json.h"
+#include "json/declared_json.h"
 #include "modules/lesson_module.h"
 
 namespace trephine {
