@@ -69,7 +69,7 @@ TEST(CasesOld, AKeyOfItsOwnFormatMayNotBeMissing) {
     }
     return std::string("loaded");
   };
-  const std::string cut = "   \"cut\": [\n    \"outer\"\n   ],\n", drag = "      \"drag_n_s_per_mm\": 0.01,\n";
+  const std::string cut = "   \"cut\": [\n    \"outer\"\n   ],\n", drag = "     \"drag_n_s_per_mm\": 0.01,\n";
   EXPECT_EQ(without(1, cut), "burr_holes.entry.cut");
   EXPECT_EQ(without(4, cut), "burr_holes.entry.cut");
   EXPECT_EQ(without(1, drag), "haptic.shapes.outer.material.drag_n_s_per_mm");

@@ -126,8 +126,8 @@ void detail::check_manifest(const CaseManifest& m) {
   if (const std::size_t colon = fault.find(": "); colon != std::string::npos)
     contradiction(fault.substr(0, colon), fault.substr(colon + 2));
   check_files(m);
-  check_names(m);
   check_haptic(m);
+  check_names(m);
 }
 
 }  // namespace trephine
