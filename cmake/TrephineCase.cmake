@@ -2,14 +2,15 @@
 # The CMake package TrephineCase: what reads a case, for other people's simulators (docs/case-package.md). Static
 # libraries and their headers; component `development`.
 include(CMakePackageConfigHelpers)
-set(case_modules base grid surface voxel contact cases)
+set(case_modules base json grid surface voxel contact cases)
 # What other programs may include; each of these compiles alone (tests/program/case_consumer.sh).
-set(base_headers error exit_code parallel params progress report vec3)
+set(base_headers error exit_code parallel parameter params progress report vec3)
+set(json_headers declared_json)
 set(grid_headers grid gzip_limit nrrd)
 set(surface_headers bvh distance_function inside mesh_array point_to_mesh point_triangle trimesh)
 set(voxel_headers cut decode haptic_file haptic_volume mismatch voxelize)
 set(contact_headers contact contact_c)
-set(cases_headers case glb load_case)
+set(cases_headers case glb load_case material)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/TrephineCase)
 
 foreach(module ${case_modules})

@@ -281,7 +281,7 @@ TEST(LoadCase, L3AnOlderCaseLoads) {
 
 TEST(LoadCase, L3ANewerMinorVersionLoadsWithoutWhatIsUnknown) {
   MemoryCase c = case_samples::minimal_case();
-  c.manifest.version_minor = case_version_minor + 6;
+  c.manifest.version_minor = case_version_minor() + 6;
   const std::string dose = "dose-0123456789abcdef.bin";
   c.files[dose] = "what a later version needs";
   c.manifest.files.push_back({dose, "", 0});
@@ -289,7 +289,7 @@ TEST(LoadCase, L3ANewerMinorVersionLoadsWithoutWhatIsUnknown) {
   c.edit_json(" \"landmarks\"", " \"dose\": {\"file\": \"" + dose + "\", \"unit\": [\"Gy\", {}]},\n \"landmarks\"");
   c.edit_json("\"cuttable\"", "\"conductivity_s_per_m\": {\"x\": 1},\n    \"cuttable\"");
   const LoadedCase loaded = load_case_through(c.reader());
-  EXPECT_EQ(loaded.manifest.version_minor, case_version_minor + 6);
+  EXPECT_EQ(loaded.manifest.version_minor, case_version_minor() + 6);
   EXPECT_TRUE(loaded.has_haptic());
   EXPECT_EQ(loaded.surfaces.size(), 2u);
   // It is a file of the case all the same.

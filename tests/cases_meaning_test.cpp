@@ -59,10 +59,10 @@ TEST(CaseMeaning, WhatTheSpecificationForbidsIsRefused) {
   EXPECT_EQ(with(good, "/face/policy", "keep"), "");
   EXPECT_EQ(with(good, "/face/policy", "blur"), "face.policy");
   EXPECT_EQ(with(good, "/face/policy", ""), "face.policy");
-  EXPECT_EQ(with(good, "/landmarks/0/name", ""), "landmarks");
-  EXPECT_EQ(with(good, "/targets/0/name", ""), "targets");
-  EXPECT_EQ(with(good, "/burr_holes/0/name", ""), "burr_holes");
-  EXPECT_EQ(with(good, "/anatomies/0/name", ""), "anatomies");
+  EXPECT_EQ(with(good, "/landmarks/0/name", ""), "landmarks[0].name");
+  EXPECT_EQ(with(good, "/targets/0/name", ""), "targets[0].name");
+  EXPECT_EQ(with(good, "/burr_holes/0/name", ""), "burr_holes[0].name");
+  EXPECT_EQ(with(good, "/anatomies/0/name", ""), "anatomies[0].name");
   EXPECT_EQ(with(good, "/landmarks/0/source", "guessed"), "landmarks.nasion.source");
   const std::string material = "/haptic/shapes/0/material", at = "haptic.shapes.outer.material";
   EXPECT_EQ(with(good, (material + "/name").c_str(), ""), at + ".name");

@@ -127,8 +127,8 @@ TEST(CaseJson, EveryBitFlipAndTruncationIsRefused) {
 
 TEST(CaseJson, Versions) {
   CaseManifest m = sample_manifest();
-  m.version_minor = case_version_minor + 1;
-  EXPECT_EQ(parse_case_json(to_json(m)).version_minor, case_version_minor + 1);
+  m.version_minor = case_version_minor() + 1;
+  EXPECT_EQ(parse_case_json(to_json(m)).version_minor, case_version_minor() + 1);
   m.version_major = case_version_major + 1;
   try {
     parse_case_json(to_json(m));
@@ -211,32 +211,32 @@ TEST(CaseJson, EveryFaultOfTheHapticPartIsNamed) {
            {"\"encoding\": \"occupancy\"", "\"encoding\": \"octree\"", "haptic.encoding"},
            {"\"encoding\": \"occupancy\"", "\"encoding\": 1", "haptic.encoding"},
            {"   10,\n   20,\n   30", "   10,\n   20", "haptic.size"},
-           {"   10,\n   20,\n   30", "   10,\n   20,\n   0", "haptic.size[2]"},
-           {"   10,\n   20,\n   30", "   10,\n   20,\n   -30", "haptic.size[2]"},
+           {"   10,\n   20,\n   30", "   10,\n   20,\n   0", "haptic.size"},
+           {"   10,\n   20,\n   30", "   10,\n   20,\n   -30", "haptic.size"},
            {"   10,\n   20,\n   30", "   10,\n   20,\n   70000", "haptic.size"},
-           {"   10,\n   20,\n   30", "   10,\n   20,\n   18446744073709551615", "haptic.size[2]"},
-           {"   10,\n   20,\n   30", "   10,\n   20,\n   30.5", "haptic.size[2]"},
+           {"   10,\n   20,\n   30", "   10,\n   20,\n   18446744073709551615", "haptic.size"},
+           {"   10,\n   20,\n   30", "   10,\n   20,\n   30.5", "haptic.size"},
            {"   0.5,\n   0.5,\n   1.0", "   0.5,\n   0.5,\n   0.0", "haptic.spacing_mm"},
            {"   0.5,\n   0.5,\n   1.0", "   0.5,\n   0.5,\n   1e999", "json"},
-           {"   0.5,\n   0.5,\n   1.0", "   0.5,\n   0.5,\n   null", "haptic.spacing_mm[2]"},
+           {"   0.5,\n   0.5,\n   1.0", "   0.5,\n   0.5,\n   null", "haptic.spacing_mm"},
            {"\"number\": 3", "\"number\": 1", "haptic.shapes.skull.number"},
-           {"\"number\": 3", "\"number\": 0", "haptic.shapes[1].number"},
+           {"\"number\": 3", "\"number\": 0", "haptic.shapes.skull.number"},
            {"\"number\": 3", "\"number\": 33", "haptic.shapes.skull.number"},
            {"     3001,\n     3555", "     1555,\n     3555", "haptic.shapes.skull.window"},
            {"     3001,\n     3555", "     3555,\n     3001", "haptic.shapes.skull.window"},
-           {"     3001,\n     3555", "     3001,\n     40000", "haptic.shapes[1].window[1]"},
+           {"     3001,\n     3555", "     3001,\n     40000", "haptic.shapes.skull.window"},
            {"\"name\": \"skin\"", "\"name\": \"skull\"", "haptic.shapes"},
-           {"\"name\": \"skin\"", "\"name\": \"../skin\"", "haptic.shapes"},
+           {"\"name\": \"skin\"", "\"name\": \"../skin\"", "haptic.shapes[0].name"},
            {"\"displayed\": \"haptic\"", "\"displayed\": \"surface\"", "haptic.shapes.skin.displayed"},
            {"\"displayed\": \"haptic\"", "\"displayed\": \"both\"", "haptic.shapes.skin.displayed"},
-           {"\"cuttable\": true", "\"cuttable\": 1", "haptic.shapes[0].cuttable"},
+           {"\"cuttable\": true", "\"cuttable\": 1", "haptic.shapes.skin.cuttable"},
            {"\"stiffness_n_per_mm\": 0.5", "\"stiffness_n_per_mm\": -0.5",
             "haptic.shapes.skin.material.front.stiffness_n_per_mm"},
            {"\"static_friction_ratio\": 0.3", "\"static_friction_ratio\": 11",
             "haptic.shapes.skin.material.front.static_friction_ratio"},
-           {"\"pop_through_n\": 2.5", "\"pop_thru\": 2", "haptic.shapes[0].material.front.pop_through_n"},
+           {"\"pop_through_n\": 2.5", "\"pop_thru\": 2", "haptic.shapes.skin.material.front.pop_through_n"},
            {"\"missed_ratio\": 0.001", "\"missed_ratio\": 1.001", "haptic.shapes.skull.mismatch.missed_ratio"},
-           {"\"samples\": 70000", "\"samples\": -1", "haptic.shapes[1].mismatch.samples"},
+           {"\"samples\": 70000", "\"samples\": -1", "haptic.shapes.skull.mismatch.samples"},
            {"    \"skull\",\n    \"skin\"", "    \"skull\",\n    \"dura\"", "burr_holes.kocher_right.cut"},
            {"\"diameter_mm\": 14.0", "\"diameter_mm\": 0", "burr_holes.kocher_right.diameter_mm"},
            {"    0.0,\n    0.0,\n    -1.0", "    0.0,\n    0.0,\n    -1.1", "burr_holes.kocher_right.direction"},

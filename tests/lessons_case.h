@@ -45,14 +45,15 @@ inline case_samples::MemoryCase case_of(const std::string& token, const HapticVo
 }
 
 /// Adds a shape that is shown by the haptic volume itself.
-inline void add_shape(CaseManifest& m, const HapticShape& s, const CaseMaterial& material, bool cuttable,
-                      const std::array<double, 3>& colour_rgb) {
+inline void add_shape(CaseManifest& m, const HapticShape& s, const char* material, const MaterialParams& values,
+                      bool cuttable, const std::array<double, 3>& colour_rgb) {
   CaseShape shape;
   shape.name = s.name;
   shape.number = s.number;
   shape.window_low = s.window_low;
   shape.window_high = s.window_high;
-  shape.material = material;
+  static_cast<MaterialParams&>(shape.material) = values;
+  shape.material.name = material;
   shape.cuttable = cuttable;
   shape.displayed = "haptic";
   m.haptic.shapes.push_back(shape);
@@ -63,10 +64,11 @@ inline void add_shape(CaseManifest& m, const HapticShape& s, const CaseMaterial&
 }
 
 /// The same in one of four colours, by its number.
-inline void add_shape(CaseManifest& m, const HapticShape& s, const CaseMaterial& material, bool cuttable) {
+inline void add_shape(CaseManifest& m, const HapticShape& s, const char* material, const MaterialParams& values,
+                      bool cuttable) {
   const std::array<double, 3> colours[] = {
       {0.55, 0.65, 0.85}, {0.85, 0.65, 0.62}, {0.93, 0.89, 0.78}, {0.87, 0.68, 0.56}};
-  add_shape(m, s, material, cuttable, colours[(s.number - 1) % 4]);
+  add_shape(m, s, material, values, cuttable, colours[(s.number - 1) % 4]);
 }
 
 }  // namespace lessons

@@ -57,14 +57,14 @@ inline case_samples::MemoryCase chest_case(bool artery) {
   // As configs/materials.yaml has them.
   const CaseFace none{false, 0, 0, 0, 0, 0}, bone{true, 1, 0.0003, 0.35, 0.3, 0};
   const CaseFace wall{true, 0.2, 0.0002, 0.2, 0.15, 0.7}, far_wall{true, 0.2, 0.0002, 0.2, 0.15, 0.9};
-  lessons::add_shape(m, volume.shapes[0], {"bone", {}, bone, bone, 0, 0, 0.1}, false);
-  lessons::add_shape(m, volume.shapes[1], {"vein", {}, wall, far_wall, 0.001, 0.002, 0}, false);
-  lessons::add_shape(m, volume.shapes[2], {"lung", {}, none, none, 0.001, 0.001, 0}, false);
-  lessons::add_shape(m, volume.shapes[3], {"pleura", {}, {true, 0.15, 0.0002, 0.2, 0.15, 0.5}, none, 0.01, 0.01, 0},
+  lessons::add_shape(m, volume.shapes[0], "bone", {{}, bone, bone, 0, 0, 0.1}, false);
+  lessons::add_shape(m, volume.shapes[1], "vein", {{}, wall, far_wall, 0.001, 0.002, 0}, false);
+  lessons::add_shape(m, volume.shapes[2], "lung", {{}, none, none, 0.001, 0.001, 0}, false);
+  lessons::add_shape(m, volume.shapes[3], "pleura", {{}, {true, 0.15, 0.0002, 0.2, 0.15, 0.5}, none, 0.01, 0.01, 0},
                      false);
-  lessons::add_shape(m, volume.shapes[4],
-                     {"soft_tissue", {}, {true, 0.15, 0.0003, 0.3, 0.25, 0.8}, none, 0.015, 0.012, 0}, false);
-  if (artery) lessons::add_shape(m, volume.shapes[5], {"vein", {}, wall, far_wall, 0.001, 0.002, 0}, false);
+  lessons::add_shape(m, volume.shapes[4], "soft_tissue",
+                     {{}, {true, 0.15, 0.0003, 0.3, 0.25, 0.8}, none, 0.015, 0.012, 0}, false);
+  if (artery) lessons::add_shape(m, volume.shapes[5], "vein", {{}, wall, far_wall, 0.001, 0.002, 0}, false);
   c.seal();
   return c;
 }

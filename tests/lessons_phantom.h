@@ -79,14 +79,14 @@ inline case_samples::MemoryCase head_case(Kind kind, double suture_confidence = 
   m.figures = {{"class", std::string("normal")}};
   // As configs/materials.yaml has them.
   const CaseFace liquor{true, 0.12, 0.0002, 0.2, 0.15, 0.6}, none{false, 0, 0, 0, 0, 0};
-  add_shape(m, volume.shapes[0], {"csf", {}, liquor, liquor, 0.001, 0, 0}, false);
-  add_shape(m, volume.shapes[1], {"brain", {}, {true, 0.08, 0.0002, 0.3, 0.25, 0.4}, none, 0.01, 0.003, 0}, false);
+  add_shape(m, volume.shapes[0], "csf", {{}, liquor, liquor, 0.001, 0, 0}, false);
+  add_shape(m, volume.shapes[1], "brain", {{}, {true, 0.08, 0.0002, 0.3, 0.25, 0.4}, none, 0.01, 0.003, 0}, false);
   const CaseFace bone{true, 1, 0.0003, 0.35, 0.3, 0};
-  add_shape(m, volume.shapes[2], {"bone", {}, bone, bone, 0, 0, 0.1}, kind == Kind::whole);
-  add_shape(m, volume.shapes[3], {"skin", {}, {true, 0.3, 0.0003, 0.35, 0.3, 2}, none, 0.01, 0.01, 0},
+  add_shape(m, volume.shapes[2], "bone", {{}, bone, bone, 0, 0, 0.1}, kind == Kind::whole);
+  add_shape(m, volume.shapes[3], "skin", {{}, {true, 0.3, 0.0003, 0.35, 0.3, 2}, none, 0.01, 0.01, 0},
             kind == Kind::whole);
   if (dura)
-    add_shape(m, volume.shapes[4], {"dura", {}, {true, 0.35, 0.0002, 0.3, 0.25, 1}, none, 0.01, 0.01, 0}, false);
+    add_shape(m, volume.shapes[4], "dura", {{}, {true, 0.35, 0.0002, 0.3, 0.25, 1}, none, 0.01, 0.01, 0}, false);
   const auto landmark = [&](const char* name, Vec3 p, double confidence = 1) {
     m.landmarks.push_back({name, p, confidence, "truth"});
   };

@@ -68,9 +68,9 @@ inline case_samples::MemoryCase spine_case(double confidence = 1) {
   // As configs/materials.yaml has them.
   const CaseFace bone{true, 1, 0.0003, 0.35, 0.3, 0}, liquor{true, 0.12, 0.0002, 0.2, 0.15, 0.6},
       none{false, 0, 0, 0, 0, 0};
-  add_shape(m, volume.shapes[0], {"bone", {}, bone, bone, 0, 0, 0.1}, false, {0.93, 0.89, 0.78});
-  add_shape(m, volume.shapes[1], {"csf", {}, liquor, liquor, 0.001, 0, 0}, false, {0.30, 0.60, 0.80});
-  add_shape(m, volume.shapes[2], {"soft_tissue", {}, {true, 0.25, 0.0003, 0.35, 0.3, 1}, none, 0.015, 0.012, 0}, false,
+  add_shape(m, volume.shapes[0], "bone", {{}, bone, bone, 0, 0, 0.1}, false, {0.93, 0.89, 0.78});
+  add_shape(m, volume.shapes[1], "csf", {{}, liquor, liquor, 0.001, 0, 0}, false, {0.30, 0.60, 0.80});
+  add_shape(m, volume.shapes[2], "soft_tissue", {{}, {true, 0.25, 0.0003, 0.35, 0.3, 1}, none, 0.015, 0.012, 0}, false,
             {0.87, 0.68, 0.56});
   for (const phantom::Spine::Pedicle& p : spine.pedicles()) {
     const auto [entry, target] = ends_of(spine, p);

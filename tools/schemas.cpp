@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "cases/case.h"
 #include "cli/command.h"
 #include "config/case_file.h"
 #include "config/recipe_file.h"
@@ -38,6 +39,45 @@ std::string keys_table(const std::string& prefix, const AnyParams& defaults) {
         "| `" + prefix + d.path + "` | " + describe_parameter(*d.parameter, d.defaults.get()) + " | " + help + " |\n";
   }
   return rows;
+}
+
+// Of a file that the program writes: no defaults, but what may be missing, and since when there is such a key.
+std::string written_table(const ParameterSet& set, const std::string& prefix) {
+  std::string rows;
+  for (const Parameter& p : set.parameters) {
+    const std::string path = prefix + p.name;
+    const std::shared_ptr<void> defaults = set.make();
+    const std::string value = describe_parameter(p, defaults.get());
+    rows += "| `" + path + "` | " + value.substr(0, std::min(value.find(", default"), value.find(", required"))) +
+            (p.left_out ? ", may be missing" : "") + (p.since ? "; since 1." + std::to_string(p.since) : "") + " | " +
+            p.help + " |\n";
+    if (p.item_set && !p.item_set().only_value())
+      rows += written_table(p.item_set(), path + (p.kind == ParameterKind::list ? "[]." : "."));
+  }
+  return rows;
+}
+
+std::string case_version() { return std::to_string(case_version_major) + "." + std::to_string(case_version_minor()); }
+
+std::string case_page() {
+  return "# case.json\n\nEvery key of `case.json` in format " + case_version() +
+         ", from the declarations in the program (`trephine reference --out docs/reference`). `[]` stands for each "
+         "item "
+         "of a list. [The case package](../case-package.md) says how the file is read and what the other files of a "
+         "case hold.\n\n| Key | Value | Meaning |\n|---|---|---|\n"
+         "| `format` | text | `trephine-case " +
+         case_version() + "`, the first key of the file. |\n" + written_table(parameters_of<CaseManifest>(), "") +
+         "| `checksum` | text | SHA-256 of all bytes before its comma, the last key of the file. |\n";
+}
+
+Json case_schema() {
+  Json body = Json::parse(json_schema_of_written(parameters_of<CaseManifest>(), case_version_major));
+  body["properties"]["format"] = {{"type", "string"},
+                                  {"pattern", "^trephine-case " + std::to_string(case_version_major) + "\\.[0-9]+$"}};
+  body["properties"]["checksum"] = {{"type", "string"}, {"pattern", case_form::sha256.pattern}};
+  body["required"].push_back("format");
+  body["required"].push_back("checksum");
+  return body;
 }
 
 // A rubric is read by what its module declares.
@@ -81,6 +121,8 @@ std::string keys_page() {
 std::vector<std::pair<std::string, std::string>> file_schemas() {
   return {
       {"files.md", keys_page()},
+      {"case.md", case_page()},
+      {"case.schema.json", page("case.json of a Trephine case, version " + case_version(), case_schema())},
       {"recipe.schema.json", page("A recipe of Trephine (pipelines/*.yaml)", schema_of<RecipeFileParams>())},
       {"scene.schema.json", page("A scene of Trephine (configs/scenes/*.yaml)", schema_of<SceneFileParams>())},
       {"configuration.schema.json", page("The configuration of a case (configs/*.yaml)", schema_of<CaseFileParams>())},

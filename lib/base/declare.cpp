@@ -111,6 +111,42 @@ Parameter& Declarer::numbers_at(std::size_t at, std::size_t count, const char* n
   return p;
 }
 
+Parameter& Declarer::whole_numbers_at(std::vector<std::size_t> places, std::size_t bytes, bool is_signed,
+                                      const char* name, Range range, const char* help) {
+  Parameter& p = add(name, help, ParameterKind::numbers);
+  p.range = range;
+  p.count = places.size();
+  p.whole = true;
+  p.get = [=](const void* q) {
+    std::vector<double> all;
+    for (const std::size_t at : places) all.push_back(static_cast<double>(whole_number_at(q, at, bytes, is_signed)));
+    return ParameterValue(all);
+  };
+  p.set = [=](void* q, const ParameterValue& v) {
+    const auto& all = std::get<std::vector<double>>(v);
+    for (std::size_t n = 0; n < places.size(); ++n)
+      set_whole_number(q, places[n], bytes, static_cast<std::int64_t>(all[n]));
+  };
+  return p;
+}
+
+Parameter& Declarer::section_of(const char* name, const char* help, std::shared_ptr<const ParameterSet> set) {
+  Parameter& p = add(name, help, ParameterKind::group);
+  p.item_set = [set]() -> const ParameterSet& { return *set; };
+  p.items = [](void* q) { return std::vector<ParameterItem>{{"", q}}; };
+  p.add = [](void* q, const std::string&) { return q; };
+  p.clear = [](void*) {};
+  return p;
+}
+
+Parameter& Declarer::constant_of(const char* name, const char* value, const char* help) {
+  Parameter& p = add(name, help, ParameterKind::choice);
+  p.choices = {value};
+  p.get = [value](const void*) { return ParameterValue(std::string(value)); };
+  p.set = [](void*, const ParameterValue&) {};
+  return p;
+}
+
 Parameter& Declarer::integer_at(std::size_t at, std::size_t bytes, bool is_signed, const char* name, Range range,
                                 const char* help) {
   Parameter& p = add(name, help, ParameterKind::integer);
@@ -189,5 +225,42 @@ Parameter step_parameter(const StepChoice& choice, const StepsOf& of) {
   return p;
 }
 
+namespace {
+
+/// A set that stands for a plain value.
+template <class T>
+ParameterSet plain(ParameterKind kind) {
+  ParameterSet set;
+  Parameter& p = set.parameters.emplace_back();
+  p.kind = kind;
+  if constexpr (std::is_same_v<T, ParameterValue>) {
+    p.get = [](const void* q) { return *static_cast<const ParameterValue*>(q); };
+    p.set = [](void* q, const ParameterValue& v) { *static_cast<ParameterValue*>(q) = v; };
+  } else {
+    p.get = [](const void* q) { return ParameterValue(*static_cast<const T*>(q)); };
+    p.set = [](void* q, const ParameterValue& v) { *static_cast<T*>(q) = std::get<T>(v); };
+  }
+  set.make = [] { return std::make_shared<T>(); };
+  return set;
+}
+
+}  // namespace
 }  // namespace detail
+
+template <>
+const ParameterSet& parameters_of<std::string>() {
+  static const ParameterSet set = detail::plain<std::string>(ParameterKind::text);
+  return set;
+}
+template <>
+const ParameterSet& parameters_of<double>() {
+  static const ParameterSet set = detail::plain<double>(ParameterKind::number);
+  return set;
+}
+template <>
+const ParameterSet& parameters_of<ParameterValue>() {
+  static const ParameterSet set = detail::plain<ParameterValue>(ParameterKind::any);
+  return set;
+}
+
 }  // namespace trephine

@@ -2,6 +2,7 @@
 #include "base/params.h"
 
 #include <cmath>
+#include <set>
 
 #include "base/text.h"
 
@@ -23,11 +24,14 @@ std::string joined(const std::vector<std::string>& items) {
   return out;
 }
 
+constexpr double unlimited = 1e12;  ///< a limit that only keeps sums finite is not worth a word
+
 // A text such as " from 0 to 5" or " of at least 0", or nothing. Limits that are only those of the machine's integers
 // are left out.
 std::string limits(const Parameter& p, const char* from, const char* at_least, const char* at_most) {
   const auto bounded = [&](double v) {
-    return std::isfinite(v) && (p.kind != ParameterKind::integer || std::fabs(v) < 2147483647.0);
+    const bool whole = p.kind == ParameterKind::integer || p.whole;
+    return std::fabs(v) < unlimited && (!whole || std::fabs(v) < 2147483647.0);
   };
   const auto text = [&](double v) {
     return p.kind == ParameterKind::integer && std::fabs(v) > 99999 ? grouped_text(static_cast<long long>(v))
@@ -53,9 +57,12 @@ std::string what_is_asked(const Parameter& p) {
     case ParameterKind::choice:
       return "one of " + joined(p.choices);
     case ParameterKind::text:
-      return "one text";
+      return p.form ? p.form->what : "one text";
+    case ParameterKind::any:
+      return "a number, true or false, a text, or a list of numbers";
     case ParameterKind::numbers:
-      return std::to_string(p.count) + " numbers" + (range.empty() ? "" : ", each" + range);
+      return std::to_string(p.count) + (p.whole ? " whole numbers" : " numbers") +
+             (range.empty() ? "" : ", each" + range);
     case ParameterKind::group:
       return "keys and values";
     case ParameterKind::list:
@@ -78,7 +85,7 @@ bool parse(const Parameter& p, const std::vector<std::string>& items, ParameterV
     std::vector<double> numbers;
     for (const auto& item : items) {
       const auto v = parse_number(item);
-      if (!v || !in_range(p, *v)) return false;
+      if (!v || !in_range(p, *v) || (p.whole && !parse_integer(item))) return false;
       numbers.push_back(*v);
     }
     value = std::move(numbers);
@@ -109,7 +116,7 @@ bool parse(const Parameter& p, const std::vector<std::string>& items, ParameterV
       return true;
     case ParameterKind::text:
       value = item;
-      return true;
+      return !p.form || p.form->fits(item);
     default:
       break;
   }
@@ -199,6 +206,9 @@ std::string set_keys(const ParameterSet& set, void* object, const std::string& t
 
 }  // namespace
 
+const TextForm some_text{"[^\\n]|\\n", "a text that is not empty",
+                         [](const std::string& text) { return !text.empty(); }};
+
 std::string to_text(const ParameterValue& value) {
   if (const auto* v = std::get_if<double>(&value)) return to_text(*v);
   if (const auto* v = std::get_if<std::int64_t>(&value)) return std::to_string(*v);
@@ -217,6 +227,60 @@ std::string parse_parameter(const Parameter& parameter, const std::vector<std::s
     if (!near.empty()) fault += "; did you mean " + near + "?";
   }
   return fault;
+}
+
+std::string fault_of(const Parameter& p, const ParameterValue& value) {
+  const auto number = [&](double v) { return std::isfinite(v) && in_range(p, v); };
+  bool sound = true;
+  if (const auto* one = std::get_if<double>(&value)) sound = number(*one);
+  if (const auto* one = std::get_if<std::int64_t>(&value)) sound = in_range(p, static_cast<double>(*one));
+  if (const auto* all = std::get_if<std::vector<double>>(&value))
+    sound = std::all_of(all->begin(), all->end(), number) && (p.kind == ParameterKind::any || all->size() == p.count);
+  if (const auto* text = std::get_if<std::string>(&value)) {
+    if (p.kind == ParameterKind::choice)
+      sound = std::find(p.choices.begin(), p.choices.end(), *text) != p.choices.end();
+    else
+      sound = !p.form || p.form->fits(*text);
+  }
+  return sound ? "" : to_text(value).substr(0, 80) + ", must be " + what_is_asked(p);
+}
+
+std::string item_in_path(const std::string& name, std::size_t number) {
+  const auto plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  };
+  return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), plain)
+             ? "." + name
+             : "[" + std::to_string(number) + "]";
+}
+
+std::string fault_of(const ParameterSet& set, void* object) {
+  std::shared_ptr<void> defaults;
+  for (const Parameter& p : set.parameters) {
+    if (p.is_value()) {
+      const ParameterValue value = p.get(object);
+      if (p.left_out && !defaults) defaults = set.make();
+      if (p.left_out && value == p.get(defaults.get())) continue;
+      if (const std::string fault = fault_of(p, value); !fault.empty())
+        return p.name + (p.name.empty() ? "" : ": ") + fault;
+      continue;
+    }
+    std::set<std::string> names;
+    std::size_t number = 0;
+    for (const ParameterItem& item : p.items(object)) {
+      const ParameterSet& of_item = p.set_of(item);
+      if (p.kind == ParameterKind::map && !names.insert(item.name).second)
+        return p.name + ": " + quoted(item.name) + " is given twice";
+      const Parameter* named = p.kind == ParameterKind::list ? of_item.find("name") : nullptr;
+      const std::string name = named ? std::get<std::string>(named->get(item.object)) : item.name;
+      const bool by_name = named || p.kind == ParameterKind::map;
+      const std::string at = p.kind == ParameterKind::group ? "" : item_in_path(by_name ? name : "", number);
+      ++number;
+      if (const std::string fault = fault_of(of_item, item.object); !fault.empty())
+        return p.name + at + (of_item.only_value() ? ": " : ".") + fault;
+    }
+  }
+  return set.fault ? set.fault(object) : "";
 }
 
 std::string describe_parameter(const Parameter& p, const void* object) {
@@ -250,9 +314,11 @@ std::string describe_parameter(const Parameter& p, const void* object) {
     case ParameterKind::choice:
       return "one of " + joined(p.choices) + fallback();
     case ParameterKind::text:
-      return "text" + fallback();
+      return (p.form ? p.form->what : "text") + fallback();
+    case ParameterKind::any:
+      return "number, true or false, text, or list of numbers";
     case ParameterKind::numbers:
-      return std::to_string(p.count) + " numbers" + range + fallback();
+      return std::to_string(p.count) + (p.whole ? " whole numbers" : " numbers") + range + fallback();
     case ParameterKind::group:
       return "keys and values" + needed;
     case ParameterKind::list:
@@ -298,6 +364,11 @@ std::vector<DeclaredParameter> declared_of(const AnyParams& defaults) {
 }
 
 std::string to_text(const AnyParams& params) { return text_of(*params.set, params.object.get()); }
+
+Parameter& Parameter::only_where(std::function<bool(const void*)> there) {
+  items = [all = items, there = std::move(there)](void* q) { return there(q) ? all(q) : std::vector<ParameterItem>(); };
+  return not_always();
+}
 
 const StepChoice* Parameter::find_step(const std::string& step) const {
   for (const StepChoice& c : steps)

@@ -6,12 +6,16 @@
 #include <functional>
 #include <initializer_list>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include "base/parameter.h"
+#include "base/vec3.h"
 
 namespace trephine {
 
@@ -36,109 +40,6 @@ namespace trephine {
 /// stands for that value alone: `{nasion: 0.5}`. A struct may have a member `std::string fault() const`, which says
 /// what is wrong with its values taken together ("NAME: what"), or returns "". What is declared earlier is also read
 /// earlier.
-
-struct Range {
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-};
-
-enum class ParameterKind { number, integer, flag, choice, text, numbers, group, list, map, steps };
-
-/// The value of a parameter: a choice is held by its name, and numbers are a fixed count of doubles.
-using ParameterValue = std::variant<double, std::int64_t, bool, std::string, std::vector<double>>;
-
-/// A map from names to declared structs that keeps the order in which they were given.
-template <class T>
-using Named = std::vector<std::pair<std::string, T>>;
-
-/// The item with that name, or null where there is none.
-template <class T>
-const T* find_item(const Named<T>& all, const std::string& name) {
-  for (const auto& item : all)
-    if (item.first == name) return &item.second;
-  return nullptr;
-}
-
-struct ParameterSet;
-
-/// A declared struct within another. An item of a map is named by its key, an item of a list by its number from 0, a
-/// step by what it is; a group has the name "".
-struct ParameterItem {
-  std::string name;
-  void* object = nullptr;
-  const ParameterSet* set = nullptr;  ///< of a step; null: the one of the parameter
-};
-
-/// One of the structs that an item of a list of steps may be.
-struct StepChoice {
-  std::string name, help;
-  const ParameterSet* set = nullptr;
-};
-
-struct Parameter {
-  std::string name;  ///< snake_case, ends in its unit; an empty name means that the struct stands for this value alone
-  std::string help;  ///< one line, shown in help and reference
-  ParameterKind kind = ParameterKind::number;
-  Range range;                       ///< for number, integer and numbers
-  std::vector<std::string> choices;  ///< for choice
-  std::size_t count = 0;             ///< for numbers: how many; for list and map: at most this many, 0 means any count
-  bool required = false;             ///< a file without this key is refused
-  bool zero_is_none = false;         ///< 0 is allowed even below the range and means no limit
-  bool came_later = false;           ///< an identity made of the values leaves this one out where it is at its default
-  std::string source = "";  ///< for text and map, what the value names: "anatomy", "material", "landmark", "file"
-  /// For numbers, integers, flags, choices and texts.
-  std::function<ParameterValue(const void* params)> get;
-  std::function<void(void* params, const ParameterValue&)> set;  ///< the value must have passed parse_parameter
-  /// For groups, lists, maps and steps: the declaration of an item (for steps: the choices), the existing items, a
-  /// function that adds one item of a name (in a map an existing item of that name is returned), and one that removes
-  /// all items.
-  std::function<const ParameterSet&()> item_set;
-  std::vector<StepChoice> steps;
-  std::function<std::vector<ParameterItem>(void* params)> items;
-  std::function<void*(void* params, const std::string& name)> add;
-  std::function<void(void* params)> clear;
-
-  bool is_value() const { return kind < ParameterKind::group; }
-  const ParameterSet& set_of(const ParameterItem& item) const { return item.set ? *item.set : item_set(); }
-  const StepChoice* find_step(const std::string& step) const;
-  /// For chaining in a declaration: v.flag(...).is_required();
-  Parameter& is_required() { return required = true, *this; }
-  Parameter& none_at_zero() { return zero_is_none = true, *this; }
-  Parameter& is_later() { return came_later = true, *this; }
-  Parameter& names(const char* what) { return source = what, *this; }
-  Parameter& at_most(std::size_t n) { return count = n, *this; }
-};
-
-/// The value's text, as in a manifest or on a help page: 0.2, true, "threshold", [1, 2, 3].
-std::string to_text(const ParameterValue& value);
-
-/// Reads one value; a list is given as its items. Returns the fault ("must be a number from 0 to 5") or "".
-std::string parse_parameter(const Parameter& parameter, const std::vector<std::string>& items, ParameterValue& value);
-
-/// Describes a parameter for help and reference pages: "number, 0 to 5, default 0.2". `object` holds the defaults.
-std::string describe_parameter(const Parameter& parameter, const void* object);
-
-/// The descriptors of a struct, without the struct's type.
-struct ParameterSet {
-  std::vector<Parameter> parameters;
-  std::function<std::shared_ptr<void>()> make;           ///< an object with the defaults
-  std::function<std::string(const void* object)> fault;  ///< empty where the struct has none
-  const Parameter* find(const std::string& name) const;
-  std::vector<std::string> names() const;
-  /// The only parameter, if its name is empty; else null.
-  const Parameter* only_value() const;
-  bool has_required() const;
-};
-
-/// The parameter of a struct that is held by another one: `held` leads from the holder to it.
-Parameter parameter_of_holder(Parameter parameter, const std::function<void*(void* holder)>& held);
-
-template <class P>
-const ParameterSet& parameters_of();
-
-struct AnyParams;
-
-using Steps = Named<AnyParams>;
 
 namespace detail {
 
@@ -170,6 +71,11 @@ class Declarer {
                         const char* help);
   Parameter& choice_at(std::size_t at, std::size_t bytes, const char* name, Named<std::int64_t> choices,
                        const char* help);
+  /// Of so many bytes each.
+  Parameter& whole_numbers_at(std::vector<std::size_t> places, std::size_t bytes, bool is_signed, const char* name,
+                              Range range, const char* help);
+  Parameter& section_of(const char* name, const char* help, std::shared_ptr<const ParameterSet> set);
+  Parameter& constant_of(const char* name, const char* value, const char* help);
   Parameter& add(const char* name, const char* help, ParameterKind kind);
   void add_all(const ParameterSet& set, std::size_t at);
   static StepsOf steps_at(std::size_t at);
@@ -224,6 +130,20 @@ class Declarer {
     return p;
   }
 
+  template <class T>
+  Parameter& sorted_map_at(std::size_t at, const char* name, const char* help) {
+    Parameter& p = add_items<T>(name, help, ParameterKind::map);
+    const auto of = [at](void* q) -> std::map<std::string, T>& { return member_at<std::map<std::string, T>>(q, at); };
+    p.items = [of](void* q) {
+      std::vector<ParameterItem> all;
+      for (auto& item : of(q)) all.push_back({item.first, &item.second});
+      return all;
+    };
+    p.add = [of](void* q, const std::string& key) -> void* { return &of(q)[key]; };
+    p.clear = [of](void* q) { of(q).clear(); };
+    return p;
+  }
+
   ParameterSet& out;
 
  private:
@@ -268,6 +188,24 @@ class Collector : Declarer {
   Parameter& numbers(std::array<double, N> P::*m, const char* name, Range range, const char* help) {
     return numbers_at(place(m), N, name, range, help);
   }
+  Parameter& numbers(Vec3 P::*m, const char* name, Range range, const char* help) {
+    static_assert(sizeof(Vec3) == 3 * sizeof(double));
+    return numbers_at(place(m), 3, name, range, help);
+  }
+  /// Whole numbers.
+  template <class I, std::size_t N>
+  Parameter& integers(std::array<I, N> P::*m, const char* name, Range range, const char* help) {
+    std::vector<std::size_t> places;
+    for (std::size_t n = 0; n < N; ++n) places.push_back(place(m) + n * sizeof(I));
+    return whole_numbers_at(std::move(places), sizeof(I), std::is_signed_v<I>, name, range, help);
+  }
+  /// Two members as one value, [low, high].
+  template <class I>
+  Parameter& integers(I P::*low, I P::*high, const char* name, Range range, const char* help) {
+    return whole_numbers_at({place(low), place(high)}, sizeof(I), std::is_signed_v<I>, name, range, help);
+  }
+  /// A key that always has this text.
+  Parameter& constant(const char* name, const char* value, const char* help) { return constant_of(name, value, help); }
 
   /// Declares a member that is itself a declared struct, under a key of its own.
   template <class T>
@@ -278,6 +216,20 @@ class Collector : Declarer {
   template <class T>
   Parameter& group(std::optional<T> P::*m, const char* name, const char* help) {
     return optional_at<T>(place(m), name, help);
+  }
+  /// Some members of P itself, under a key of their own: `describe` declares them as P's would be.
+  template <class Describe>
+  Parameter& section(const char* name, const char* help, Describe describe) {
+    auto set = std::make_shared<ParameterSet>();
+    set->make = [] { return std::make_shared<P>(); };
+    Collector<P> inner(*set);
+    describe(inner);
+    return section_of(name, help, std::move(set));
+  }
+  /// A group or section that is there only where `there` says so of P.
+  template <class There>
+  Parameter& only_where(Parameter& group, There there) {
+    return group.only_where([there](const void* q) { return there(*static_cast<const P*>(q)); });
   }
   template <class T>
   Parameter& list(std::vector<T> P::*m, const char* name, const char* help) {
@@ -296,6 +248,10 @@ class Collector : Declarer {
   template <class T>
   Parameter& map(Named<T> P::*m, const char* name, const char* help) {
     return map_at<T>(place(m), name, help);
+  }
+  template <class T>
+  Parameter& map(std::map<std::string, T> P::*m, const char* name, const char* help) {
+    return sorted_map_at<T>(place(m), name, help);
   }
   /// Declares a list of steps, each of which is one of the choices. The items keep their names.
   Parameter& steps(Steps P::*m, const char* name, std::vector<StepChoice> choices, const char* help) {

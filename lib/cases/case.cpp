@@ -48,9 +48,28 @@ bool is_content_name(std::string_view name) {
          name[dot - content_digits - 1] == '-' && is_hex(name.substr(dot - content_digits, content_digits));
 }
 
-bool is_sha256(std::string_view text) { return text.size() == 64 && is_hex(text); }
+bool is_token(const std::string& text) {
+  return !text.empty() && text.size() <= 64 && is_one_of(text[0], "") &&
+         std::all_of(text.begin(), text.end(), [](char c) { return is_one_of(c, "-_"); });
+}
 
 }  // namespace detail
+
+namespace case_form {
+
+const TextForm token{"^[a-z0-9][a-z0-9_-]{0,63}$", "1 to 64 of a-z, 0-9, '-' and '_', the first a letter or digit",
+                     detail::is_token};
+const TextForm file_name{"^(?!case\\.json$)([A-Za-z0-9_-][A-Za-z0-9._-]*/)?[A-Za-z0-9_-][A-Za-z0-9._-]*$",
+                         "a name of a file of a case",
+                         [](const std::string& text) { return detail::is_case_file_name(text); }};
+const TextForm sha256{"^[0-9a-f]{64}$", "64 digits from 0 to 9 and a to f",
+                      [](const std::string& text) { return text.size() == 64 && is_hex(text); }};
+const TextForm shape_name{"^[a-z0-9_]{1,64}$", "1 to 64 of a-z, 0-9 and '_'", [](const std::string& text) {
+                            return !text.empty() && text.size() <= 64 &&
+                                   std::all_of(text.begin(), text.end(), [](char c) { return is_one_of(c, "_"); });
+                          }};
+
+}  // namespace case_form
 
 const CaseAnatomy* CaseManifest::find_anatomy(std::string_view name) const {
   for (const auto& a : anatomies)
@@ -65,12 +84,8 @@ const CaseFile* CaseManifest::find_file(std::string_view name) const {
 }
 
 void validate_case_token(const std::string& token, ExitCode code) {
-  const bool good = !token.empty() && token.size() <= 64 && is_one_of(token[0], "") &&
-                    std::all_of(token.begin(), token.end(), [](char c) { return is_one_of(c, "-_"); });
-  if (!good)
-    throw Error(code, "", "case",
-                "'" + token.substr(0, 80) +
-                    "' is no case token: 1 to 64 of a-z, 0-9, '-' and '_', the first a letter or digit");
+  if (!detail::is_token(token))
+    throw Error(code, "", "case", "'" + token.substr(0, 80) + "' is no case token: " + case_form::token.what);
 }
 
 CaseManifest read_case(const fs::path& case_folder) {

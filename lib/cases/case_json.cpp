@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/text.h"
 #include "cases/case.h"
-#include "cases/case_parts.h"
+#include "cases/case_check.h"
+#include "cases/case_names.h"
+#include "json/declared_json.h"
 
 namespace trephine {
 namespace {
@@ -29,17 +33,31 @@ void read_version(std::string_view json, CaseManifest& m) {
     refuse("format", "the version is damaged");
   if (*major != case_version_major)
     refuse("format", "version " + std::string(version) + ", this program reads version " +
-                         std::to_string(case_version_major) + "." + std::to_string(case_version_minor));
+                         std::to_string(case_version_major) + "." + std::to_string(case_version_minor()));
   m.version_major = static_cast<int>(*major);
   m.version_minor = static_cast<int>(*minor);
 }
 
+int newest_in(const ParameterSet& set) {
+  int newest = 0;
+  for (const Parameter& p : set.parameters)
+    newest = std::max({newest, p.since, p.item_set ? newest_in(p.item_set()) : 0});
+  return newest;
+}
+
 }  // namespace
 
-std::string to_json(const CaseManifest& m) {
-  validate_case_token(m.case_token, ExitCode::internal);
+int case_version_minor() {
+  static const int newest = newest_in(parameters_of<CaseManifest>());
+  return newest;
+}
+
+std::string to_json(const CaseManifest& manifest) {
+  CaseManifest m = manifest;
+  if (m.version_minor == newest_version) m.version_minor = case_version_minor();
+  std::sort(m.files.begin(), m.files.end(), [](const CaseFile& a, const CaseFile& b) { return a.name < b.name; });
   detail::check_manifest(m);
-  const std::string body = detail::manifest_text(m);
+  const std::string body = declared_json(parameters_of<CaseManifest>(), &m);
   // "{\n ...\n}": between the version before it and the checksum after it.
   std::string out = head + std::to_string(m.version_major) + "." + std::to_string(m.version_minor) + "\",";
   out += body.substr(1, body.size() - 3);
@@ -47,16 +65,17 @@ std::string to_json(const CaseManifest& m) {
 }
 
 CaseManifest parse_case_json(std::string_view json) {
-  CaseManifest version;
-  read_version(json, version);
+  CaseManifest m;
+  read_version(json, m);
   const std::size_t tail = tail_begin.size() + hex_digits + tail_end.size();
   if (json.size() < head.size() + tail) refuse("checksum", "cut short");
   const std::string_view covered = json.substr(0, json.size() - tail);
   if (std::string(json.substr(covered.size())) != tail_begin + sha256_of_bytes(covered) + tail_end)
     refuse("checksum", "is not that of the file: it is damaged or was edited");
-  CaseManifest m = detail::read_manifest(json);
-  m.version_major = version.version_major;
-  m.version_minor = version.version_minor;
+  JsonRules rules;
+  rules.version = m.version_minor;
+  rules.max_bytes = detail::most_manifest_bytes;
+  read_declared_json(json, parameters_of<CaseManifest>(), &m, rules);
   try {
     detail::check_manifest(m);
   } catch (const Error& e) {

@@ -64,6 +64,8 @@ std::string placeholder_of(const Parameter& parameter) {
       return "";
     case ParameterKind::text:
       return "TEXT";
+    case ParameterKind::any:
+      return "VALUE";
     case ParameterKind::choice:
       return "CHOICE";
     case ParameterKind::group:

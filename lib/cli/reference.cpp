@@ -24,6 +24,16 @@ std::string sentence(std::string text) {
   return text + ".";
 }
 
+// Whether a program writes the file, and the major version that its format has then: a person may leave keys out and
+// write values in more ways than one, a program does not.
+struct Written {
+  int major = 0;
+  bool by_program() const { return major > 0; }
+  std::string since(const Parameter& p) const {
+    return p.since ? " Since version " + std::to_string(major) + "." + std::to_string(p.since) + "." : "";
+  }
+};
+
 std::string code(const std::string& text) { return "`" + text + "`"; }
 
 std::string command_page(const Program& program, const Command& c) {
@@ -72,17 +82,18 @@ void add_range(Json& schema, const Range& range, bool integer) {
   if (range.max <= limit) schema["maximum"] = bound(range.max);
 }
 
-void add_properties(Json& properties, const ParameterSet& set, const void* defaults);
+void add_properties(Json& properties, const ParameterSet& set, const void* defaults, Written written = {});
 
 // The schema of an object with the set's keys, or of the value for which the struct stands.
-Json schema_of(const ParameterSet& set) {
+Json schema_of(const ParameterSet& set, Written written = {}) {
   const std::shared_ptr<void> defaults = set.make();
   Json properties = Json::object(), required = Json::array();
-  add_properties(properties, set, defaults.get());
+  add_properties(properties, set, defaults.get(), written);
   if (set.only_value()) return properties[""];
   for (const Parameter& p : set.parameters)
-    if (p.required) required.push_back(p.name);
-  Json schema = {{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
+    if (written.by_program() ? !p.left_out && p.since == 0 : p.required) required.push_back(p.name);
+  Json schema = {{"type", "object"}, {"properties", properties}};
+  if (!written.by_program()) schema["additionalProperties"] = false;
   if (!required.empty()) schema["required"] = required;
   return schema;
 }
@@ -105,9 +116,34 @@ Json step_schema(const StepChoice& step) {
   return {{"anyOf", {{{"const", step.name}}, object}}, {"description", step.help}};
 }
 
-Json parameter_schema(const Parameter& p, const void* object) {
+// Of a file that a program wrote, and a newer one may have written more.
+Json written_schema(const Parameter& p, Written written) {
   Json s = Json::object();
-  if (!p.help.empty()) s["description"] = p.help;
+  if (!p.help.empty()) s["description"] = p.help + written.since(p);
+  if (p.kind == ParameterKind::text) {
+    s["type"] = "string";
+    if (p.form) s["pattern"] = p.form->pattern;
+  } else if (p.kind == ParameterKind::any) {
+    s["anyOf"] = {{{"type", "number"}},
+                  {{"type", "boolean"}},
+                  {{"type", "string"}},
+                  {{"type", "array"}, {"items", {{"type", "number"}}}}};
+  } else if (p.kind == ParameterKind::list) {
+    s["type"] = "array";
+    s["items"] = schema_of(p.item_set(), written);
+  } else if (p.kind == ParameterKind::map) {
+    s["type"] = "object";
+    s["additionalProperties"] = schema_of(p.item_set(), written);
+  } else if (p.kind == ParameterKind::group) {
+    s.update(schema_of(p.item_set(), written));
+  }
+  return s;
+}
+
+Json parameter_schema(const Parameter& p, const void* object, Written written) {
+  Json s = written.by_program() ? written_schema(p, written) : Json::object();
+  if (s.contains("type") || s.contains("anyOf")) return s;
+  if (!written.by_program() && !p.help.empty()) s["description"] = p.help;
   switch (p.kind) {
     case ParameterKind::number:
       s["type"] = "number";
@@ -134,13 +170,15 @@ Json parameter_schema(const Parameter& p, const void* object) {
       s["enum"] = p.choices;
       break;
     case ParameterKind::numbers: {
-      Json item = {{"type", "number"}};
-      add_range(item, p.range, false);
+      Json item = {{"type", p.whole ? "integer" : "number"}};
+      add_range(item, p.range, p.whole);
       s["type"] = "array";
       s["items"] = item;
       s["minItems"] = s["maxItems"] = p.count;
       break;
     }
+    case ParameterKind::any:
+      return s;
     case ParameterKind::group:
       s.update(schema_of(p.item_set()));
       return s;
@@ -170,6 +208,7 @@ Json parameter_schema(const Parameter& p, const void* object) {
       return s;
     }
   }
+  if (written.by_program()) return s;
   if (p.zero_is_none) s["minimum"] = 0;
   const ParameterValue value = p.get(object);
   const bool none = p.kind == ParameterKind::choice && std::get<std::string>(value).empty();
@@ -177,8 +216,8 @@ Json parameter_schema(const Parameter& p, const void* object) {
   return s;
 }
 
-void add_properties(Json& properties, const ParameterSet& set, const void* defaults) {
-  for (const Parameter& p : set.parameters) properties[p.name] = parameter_schema(p, defaults);
+void add_properties(Json& properties, const ParameterSet& set, const void* defaults, Written written) {
+  for (const Parameter& p : set.parameters) properties[p.name] = parameter_schema(p, defaults, written);
 }
 
 // The schema of every command's parameters, each as an object under $defs.
@@ -202,6 +241,8 @@ std::string schema_page(const Program& program) {
 }  // namespace
 
 std::string json_schema_of(const AnyParams& defaults, int indent) { return schema_of(*defaults.set).dump(indent); }
+
+std::string json_schema_of_written(const ParameterSet& set, int major) { return schema_of(set, {major}).dump(); }
 
 std::vector<std::pair<std::string, std::string>> reference_pages(const Program& program) {
   check_declarations(program);

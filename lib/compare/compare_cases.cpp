@@ -146,43 +146,44 @@ void add_figures(std::vector<ValueChange>& out, const std::vector<T>& a, const s
     if (const T* y = find_named(b, x.name)) add_changes(out, x.figures, y->figures, x.name + ".");
 }
 
-CaseValues shape_values(const CaseShape& s) {
-  CaseValues v{{"material", s.material.name}, {"cuttable", s.cuttable}, {"displayed", s.displayed}};
-  v.emplace_back("volume_ml", s.volume_ml);
-  for (const auto& [side, face] : {std::make_pair("front.", &s.material.front), {"back.", &s.material.back}}) {
-    const std::string of = side;
-    v.emplace_back(of + "touchable", face->touchable);
-    v.emplace_back(of + "stiffness_n_per_mm", face->stiffness_n_per_mm);
-    v.emplace_back(of + "damping_n_s_per_mm", face->damping_n_s_per_mm);
-    v.emplace_back(of + "static_friction_ratio", face->static_friction_ratio);
-    v.emplace_back(of + "dynamic_friction_ratio", face->dynamic_friction_ratio);
-    v.emplace_back(of + "pop_through_n", face->pop_through_n);
-  }
-  v.emplace_back("drag_n_s_per_mm", s.material.drag_n_s_per_mm);
-  v.emplace_back("shaft_friction_n_per_mm", s.material.shaft_friction_n_per_mm);
-  v.emplace_back("removal_energy_j_per_mm3", s.material.removal_energy_j_per_mm3);
+CaseValues values_of(const AnyParams& params) {
+  CaseValues v;
+  for (const ParameterLeaf& leaf : leaves_of(params)) v.emplace_back(leaf.path, leaf.value());
   return v;
 }
 
+// A text without what it begins with.
+std::string without(const std::string& text, const std::string& begin) {
+  return text.rfind(begin, 0) == 0 ? text.substr(begin.size()) : text;
+}
+
+// Its place in the volume says nothing, and what was measured of it comes with every change of a surface.
+CaseValues shape_values(CaseShape s) {
+  s.mismatch = {};
+  CaseValues v;
+  for (auto& [path, value] : values_of(AnyParams::make(s)))
+    if (path == "material.name")
+      v.emplace_back("material", value);
+    else if (path != "name" && path != "number" && path != "window")
+      v.emplace_back(without(path, "material."), value);
+  return v;
+}
+
+// All but the lists, which are compared item by item, and the files, which are compared by their content.
 CaseValues about(const CaseManifest& m) {
-  const auto size = [](const std::array<int, 3>& n) {
-    return std::vector<double>{double(n[0]), double(n[1]), double(n[2])};
-  };
-  const auto mm = [](Vec3 p) { return std::vector<double>{p.x, p.y, p.z}; };
-  CaseValues v{{"program", m.program_version},
-               {"input_sha256", m.input_sha256},
-               {"face.policy", m.face_policy},
-               {"face.reason", m.face_reason},
-               {"center_mm", mm(m.center_mm)}};
-  if (!m.haptic.file.empty()) {
-    v.emplace_back("haptic.encoding", m.haptic.encoding);
-    v.emplace_back("haptic.size", size(m.haptic.size));
-    v.emplace_back("haptic.spacing_mm", mm(m.haptic.spacing_mm));
-  }
-  if (!m.ct.file.empty()) {
-    v.emplace_back("ct.size", size(m.ct.size));
-    v.emplace_back("ct.spacing_mm", mm(m.ct.spacing_mm));
-  }
+  CaseManifest rest = m;
+  rest.anatomies.clear();
+  rest.missing.clear();
+  rest.landmarks.clear();
+  rest.targets.clear();
+  rest.burr_holes.clear();
+  rest.haptic.shapes.clear();
+  rest.figures.clear();
+  rest.parameters.clear();
+  rest.files.clear();
+  CaseValues v;
+  for (auto& [path, value] : values_of(AnyParams::make(rest)))
+    if (path != "case" && path.find("file") == std::string::npos) v.emplace_back(without(path, "provenance."), value);
   const auto add_hash = [&](const char* name, const std::string& file) {
     if (const CaseFile* f = file.empty() ? nullptr : m.find_file(file)) v.emplace_back(name, f->sha256);
   };

@@ -38,10 +38,9 @@ struct SceneAnatomy : SceneAnatomyParams {
 };
 
 /// A shape of the scene's haptic volume, with what the voxelize stage's parameters do not say of it.
-struct SceneShape {
+struct SceneShape : ShapeParams {
   std::string name;
   CaseMaterial material;
-  bool cuttable = false;
 };
 
 struct SceneHaptic {

@@ -23,7 +23,7 @@ struct ConfigReading {
   ConfigFaults faults;
   CaseConfig out;
   ConfigValues values;
-  Named<MaterialFileParams> materials;                    ///< materials that the scene may name
+  Named<MaterialParams> materials;                        ///< materials that the scene may name
   std::map<std::string, ValueOrigin> landmark_origins;    ///< of the landmarks that are given, by name
   std::filesystem::path recipe;                           ///< empty: the recipe could not be read
   std::vector<std::pair<std::string, ValueOrigin>> said;  ///< paths that the recipe and the scene set

@@ -8,7 +8,7 @@ namespace fs = std::filesystem;
 namespace {
 
 // The materials by name, from the file that the scene names.
-Named<MaterialFileParams> read_materials(ConfigReading& r, const fs::path& file) {
+Named<MaterialParams> read_materials(ConfigReading& r, const fs::path& file) {
   MaterialsFileParams said;
   DeclaredReading reading{file, r.faults, {}, {}};
   reading.said = [&](const std::string& path, const YamlNode& at) {
@@ -155,8 +155,13 @@ void derive_scene(ConfigReading& r) {
   for (const auto& [name, shape] : said.haptic->shapes) {
     stage.shapes.emplace_back(name, shape);
     if (const DrillParams* drill = find_item(said.burr_holes, name)) stage.drill.emplace_back(name, *drill);
-    const MaterialFileParams* material = find_item(r.materials, shape.material);
-    out.haptic.shapes.push_back({name, material ? material->material(shape.material) : CaseMaterial(), shape.cuttable});
+    SceneShape& felt = out.haptic.shapes.emplace_back();
+    static_cast<ShapeParams&>(felt) = shape;
+    felt.name = name;
+    if (const MaterialParams* material = find_item(r.materials, shape.material)) {
+      static_cast<MaterialParams&>(felt.material) = *material;
+      felt.material.name = shape.material;
+    }
     // A value from --set may be any text; a value from the file was checked where it stands.
     const std::string path = "haptic.shapes." + name + ".material";
     if (const std::string what = fault_of_material(r, shape.material);

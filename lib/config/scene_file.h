@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "cases/material.h"
+#include "cases/case.h"
 #include "config/said.h"
 #include "face/deface.h"
 #include "stages/voxelize.h"
@@ -50,16 +50,15 @@ struct FacePolicyParams : FaceBeliefParams {
 };
 
 /// A shape of the haptic volume: how it is made, what it feels like, and whether a tool may remove it.
-struct SceneShapeParams : HapticShapeParams {
+struct SceneShapeParams : HapticShapeParams, ShapeParams {
   std::string material;
-  bool cuttable = false;
   template <class V>
   static void describe(V& v) {
     using P = SceneShapeParams;
     v.text(&P::material, "material", "The material that says how the shape feels, from the scene's file of materials.")
         .names("material")
         .is_required();
-    v.flag(&P::cuttable, "cuttable", "Whether a tool of the simulator may remove the shape.");
+    v.template all_of<ShapeParams>();
     v.template all_of<HapticShapeParams>();
   }
 };
@@ -123,34 +122,8 @@ struct SceneFileParams : VersionParams {
   }
 };
 
-/// A material with its two faces.
-struct MaterialFileParams : MaterialParams {
-  MaterialFaceParams front, back;
-  template <class V>
-  static void describe(V& v) {
-    using P = MaterialFileParams;
-    v.template all_of<MaterialParams>();
-    v.group(&P::front, "front", "The face that a tool meets from outside.").is_required();
-    v.group(&P::back, "back", "The face that a tool meets from inside.").is_required();
-  }
-  CaseMaterial material(const std::string& name) const { return make_material(name, *this, front, back); }
-  std::string fault() const { return fault_of(material("")); }
-};
-
-/// The material as a file of materials declares it.
-inline MaterialFileParams material_params(const CaseMaterial& material) {
-  MaterialFileParams p;
-  p.colour_rgb = material.colour_rgb;
-  p.drag_n_s_per_mm = material.drag_n_s_per_mm;
-  p.shaft_friction_n_per_mm = material.shaft_friction_n_per_mm;
-  p.removal_energy_j_per_mm3 = material.removal_energy_j_per_mm3;
-  p.front = face_params(material.front);
-  p.back = face_params(material.back);
-  return p;
-}
-
 struct MaterialsFileParams : VersionParams {
-  Named<MaterialFileParams> materials;
+  Named<MaterialParams> materials;
   template <class V>
   static void describe(V& v) {
     using P = MaterialsFileParams;

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/write_file.h"
-#include "lesson/declared_json.h"
+#include "json/declared_json.h"
 
 namespace trephine {
 namespace {

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/text.h"
-#include "lesson/declared_json.h"
+#include "json/declared_json.h"
 
 namespace trephine {
 namespace {

@@ -48,7 +48,7 @@ CaseSettings read_case_settings(const LibraryCase& one, const std::vector<fs::pa
   for (const ParameterLeaf& leaf : leaves_of(config.scene_file))
     if (leaf.path != "materials") out.values["scene." + leaf.path] = to_text(leaf.value());
   for (const SceneShape& shape : config.haptic.shapes)
-    add_leaves("materials." + shape.material.name, material_params(shape.material), out.values);
+    add_leaves("materials." + shape.material.name, static_cast<const MaterialParams&>(shape.material), out.values);
   std::string& order = out.values["recipe.order"];  // the case lists its anatomies in the recipe's order
   for (const RecipeAnatomy& anatomy : config.anatomies)
     if (config.is_shown(anatomy.name)) {

@@ -25,7 +25,7 @@ HapticContent make_haptic_content(const CaseConfig& config, const HapticVolume& 
     s.window_low = shape.window_low;
     s.window_high = shape.window_high;
     s.material = wanted.material;
-    s.cuttable = wanted.cuttable;
+    static_cast<ShapeParams&>(s) = wanted;
     s.volume_ml = result_of<ShapeVolumeResult>(made, shape.name + ".").volume_ml;
     const bool seen = std::any_of(config.scene.begin(), config.scene.end(),
                                   [&](const SceneAnatomy& a) { return a.name == shape.name; });

@@ -55,24 +55,28 @@ void print_anatomies(const LoadedCase& c) {
   }
 }
 
-std::string face_text(const CaseFace& f) {
-  if (!f.touchable) return "not touchable";
-  return fmt::format("{:g} N/mm, {:g} N s/mm, friction {:g}/{:g}, {}", f.stiffness_n_per_mm, f.damping_n_s_per_mm,
-                     f.static_friction_ratio, f.dynamic_friction_ratio,
-                     f.pop_through_n > 0 ? fmt::format("enters above {:g} N", f.pop_through_n) : "never entered");
+// "touchable yes, stiffness_n_per_mm 0.8": what the material declares below that name.
+std::string values_text(const std::vector<ParameterLeaf>& leaves, const std::string& below) {
+  std::string text;
+  for (const ParameterLeaf& leaf : leaves) {
+    const bool here = below.empty() ? leaf.path.find('.') == std::string::npos : leaf.path.rfind(below, 0) == 0;
+    const ParameterValue value = leaf.value();
+    if (here && value != ParameterValue(0.0))
+      text += (text.empty() ? "" : ", ") + leaf.parameter->name + " " + to_text(value);
+  }
+  return text.empty() ? "nothing" : text;
 }
 
 void print_shape(const CaseShape& s) {
   std::cout << fmt::format("  {} {:<14} values {} to {}, {:.1f} ml, shown from the {}{}\n", s.number, printable(s.name),
                            s.window_low, s.window_high, s.volume_ml,
                            s.displayed == "haptic" ? "haptic volume" : "surface", s.cuttable ? ", cuttable" : "");
-  const CaseMaterial& m = s.material;
-  std::cout << fmt::format("      material {}; front: {}; back: {}\n", printable(m.name), face_text(m.front),
-                           face_text(m.back));
-  std::cout << fmt::format(
-      "      inside: drag {:g} N s/mm, shaft friction {:g} N/mm, {}\n", m.drag_n_s_per_mm, m.shaft_friction_n_per_mm,
-      m.removal_energy_j_per_mm3 > 0 ? fmt::format("drilled at {:g} J/mm3", m.removal_energy_j_per_mm3)
-                                     : "cannot be drilled");
+  const AnyParams material = AnyParams::make(static_cast<const MaterialParams&>(s.material));
+  const std::vector<ParameterLeaf> values = leaves_of(material);
+  std::cout << fmt::format("      material {}: {}\n      front: {}\n      back: {}\n", printable(s.material.name),
+                           values_text(values, ""),
+                           s.material.front.touchable ? values_text(values, "front.") : "not touchable",
+                           s.material.back.touchable ? values_text(values, "back.") : "not touchable");
   const CaseMismatch& d = s.mismatch;
   if (d.samples > 0)
     std::cout << fmt::format(

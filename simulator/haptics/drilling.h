@@ -33,7 +33,8 @@ struct DrillingParams {
              "What cuts; own: what the tool's kind says, such as a ball for a burr.");
     v.choice(&P::cut_at, "cut_at", {{"tool", At::tool}, {"device", At::device}},
              "Where the cutter is. tool: where the tool is shown and felt, and a little way on towards the device, by "
-             "as much as the tool is pressed. device: ahead of the tool, as in recordings before version 5.");
+             "as much as the tool is pressed. device: ahead of the tool, as in recordings before version 5.")
+        .is_since(5);
     v.number(&P::cutter_height_mm, "cutter_height_mm", Range{0.1, 40}, "Length of a cylinder, from the tip.");
     v.number(&P::cutter_width_ratio, "cutter_width_ratio", Range{0.05, 1},
              "Smaller semi-axis of a cylinder as a share of the larger, which is half of the tool's diameter.");
@@ -49,8 +50,8 @@ struct DrillingParams {
     v.number(&P::incision_radius_mm, "incision_radius_mm", Range{0.1, 30}, "Radius of an incision.");
     v.number(&P::clearance_voxels, "clearance_voxels", Range{0, 10},
              "How much narrower than it cuts the tool is felt, in diameter and voxels. With --cut-at device 1.75 lets "
-             "it fit "
-             "into its own hole; with --cut-at tool it needs none.");
+             "it fit into its own hole; with --cut-at tool it needs none.")
+        .is_since(5);
   }
 };
 

@@ -9,20 +9,14 @@
 namespace trephine {
 
 /// How every shape of a case feels, by its number. Shapes that the case does not name cannot be touched.
-struct ShapeFeel {
-  CaseFace front, back;
-  double drag_n_s_per_mm = 0, shaft_friction_n_per_mm = 0;
-};
+using ShapeFeel = MaterialParams;
 using Feels = std::array<ShapeFeel, haptic_max_shapes + 1>;
 
 inline Feels feels_of(const CaseHaptic& haptic) {
   Feels feels;
   for (ShapeFeel& f : feels) f.front.touchable = f.back.touchable = false;
-  for (const CaseShape& s : haptic.shapes) {
-    if (s.number < 1 || s.number > haptic_max_shapes) continue;
-    feels[std::size_t(s.number)] = {s.material.front, s.material.back, s.material.drag_n_s_per_mm,
-                                    s.material.shaft_friction_n_per_mm};
-  }
+  for (const CaseShape& s : haptic.shapes)
+    if (s.number >= 1 && s.number <= haptic_max_shapes) feels[std::size_t(s.number)] = s.material;
   return feels;
 }
 
@@ -54,17 +48,22 @@ struct ForceParams {
     v.number(&P::velocity_cutoff_hz, "velocity_cutoff_hz", Range{0, 1e5},
              "Cutoff of the low-pass filter on the velocity for dampers and drag; 0: no filter.");
     v.number(&P::max_torque_n_mm, "max_torque_n_mm", Range{0, 1e5},
-             "Largest torque that a device with torques is asked for; 0: none.");
+             "Largest torque that a device with torques is asked for; 0: none.")
+        .is_since(5);
     v.number(&P::turn_stiffness_n_mm_per_rad, "turn_stiffness_n_mm_per_rad", Range{0, 1e5},
-             "Torque for each radian by which surfaces or a lock keep the tool from turning with the device.");
+             "Torque for each radian by which surfaces or a lock keep the tool from turning with the device.")
+        .is_since(5);
     v.choice(
-        &P::force_law, "force_law", {{"second", Law::second}, {"first", Law::first}},
-        "How contacts give way. second: forces change smoothly where a membrane or bone gives way, and a tool that "
-        "is drawn out of a hole is never locked. first: as in recordings before version 5.");
+         &P::force_law, "force_law", {{"second", Law::second}, {"first", Law::first}},
+         "How contacts give way. second: forces change smoothly where a membrane or bone gives way, and a tool that "
+         "is drawn out of a hole is never locked. first: as in recordings before version 5.")
+        .is_since(5);
     v.number(&P::release_s, "release_s", Range{0, 0.1},
-             "Longest time over which a force changes that would jump, as where bone gives way; 0: it jumps.");
+             "Longest time over which a force changes that would jump, as where bone gives way; 0: it jumps.")
+        .is_since(5);
     v.number(&P::max_step_s, "max_step_s", Range{0.001, 3600},
-             "A tick that stands for more time than this is a fault: the loop stood still, and the force stays zero.");
+             "A tick that stands for more time than this is a fault: the loop stood still, and the force stays zero.")
+        .is_since(5);
   }
 };
 

@@ -5,53 +5,20 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/text.h"
 #include "base/write_file.h"
-#include "cases/material.h"
+#include "json/declared_json.h"
 
 namespace trephine {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // 8 bytes, then the version and the header's length, 4 bytes each; the header's JSON, filled up with blanks.
 constexpr char magic[9] = "TREPHSRV";
 constexpr std::size_t fixed_bytes = 16, header_bytes = 8192;
-
-// Fields that were added later: recordings without them were made before there was such a thing.
-bool is_newer(const std::string& name) {
-  for (const char* newer : {"max_torque_n_mm", "turn_stiffness_n_mm_per_rad", "tool_points", "tool_points_sha256",
-                            "pierce_n", "clearance_voxels", "max_step_s", "cut_at", "force_law", "release_s"})
-    if (name == newer) return true;
-  return false;
-}
-
-template <class P>
-Json to_json(const P& params) {
-  Json out = Json::object();
-  for (const Parameter& p : parameters_of<P>().parameters)
-    if (const ParameterValue value = p.get(&params); !is_newer(p.name) || value != ParameterValue(std::string()))
-      std::visit([&](const auto& v) { out[p.name] = v; }, value);
-  return out;
-}
-
-template <class P>
-void from_json(const Json& in, P& params) {
-  for (const Parameter& p : parameters_of<P>().parameters) {
-    if (is_newer(p.name) && !in.contains(p.name)) continue;
-    const Json& v = in.at(p.name);
-    const std::string text = v.is_string() ? v.get<std::string>() : v.dump();
-    ParameterValue value;
-    const std::string fault = parse_parameter(p, {text}, value);
-    if (!fault.empty()) throw Error(ExitCode::bad_input, "", p.name, fault);
-    p.set(&params, value);
-  }
-}
 
 std::size_t frame_bytes(const RecordingHeader& h) { return h.knows_across ? sizeof(ServoFrame) : short_frame_bytes; }
 
@@ -62,38 +29,41 @@ int version_of(const RecordingHeader& h) {
   return h.knows_across ? across_version : h.tools.empty() ? single_tool_version : several_tools_version;
 }
 
+/// The header as it stands in the file.
+struct HeaderFile : RecordingHeader {
+  std::uint64_t frame_bytes = 0;
+  std::int64_t frames = -1;  ///< not known while it is recorded
+  template <class V>
+  static void describe(V& v) {
+    v.template all_of<RecordingHeader>();
+    v.integer(&HeaderFile::frame_bytes, "frame_bytes", Range{}, "Bytes of a frame.");
+    v.integer(&HeaderFile::frames, "frames", Range{}, "How many there are.").not_always();
+  }
+};
+
 std::string header_text(const RecordingHeader& h, std::optional<std::uint64_t> frames = {}) {
-  Json j = {{"case", h.case_token},          {"haptic_sha256", h.haptic_sha256},
-            {"feel_sha256", h.feel_sha256},  {"device", h.device},
-            {"rate_hz", h.rate_hz},          {"felt_shape", h.felt_shape},
-            {"frame_bytes", frame_bytes(h)}, {"contact", to_json(h.contact)},
-            {"force", to_json(h.force)},     {"shaft", to_json(h.shaft)},
-            {"tool", to_json(h.tool)}};
-  if (h.drilling.drill) {
-    j["drilling"] = to_json(h.drilling);
-    j["law"] = to_json(h.law);
-  }
-  if (!h.tools.empty()) {
-    j["lesson"] = {{"module", h.lesson}, {"participant", h.participant}, {"tools", Json::array()}};
-    if (!h.task.empty()) j["lesson"]["task"] = h.task;
-    if (h.in_open) j["lesson"]["in_open"] = true;
-    for (const BeltToolParams& t : h.tools) j["lesson"]["tools"].push_back(to_json(t));
-  }
-  if (!h.begins_sha256.empty()) j["begins_sha256"] = h.begins_sha256;
-  if (h.outcome) {
-    const RecordingHeader::Outcome& o = *h.outcome;
-    j["outcome"] = {{"volume_sha256", o.volume_sha256}, {"removed_mm3", o.removed_mm3}, {"breached", o.breached}};
-    if (o.breached) {
-      j["outcome"]["breach_time_s"] = o.breach_time_s;
-      j["outcome"]["breach_mm"] = {o.breach_mm.x, o.breach_mm.y, o.breach_mm.z};
-    }
-  }
-  if (frames) j["frames"] = *frames;
-  std::string text = j.dump(h.tools.empty() ? 1 : 0);
+  HeaderFile file{h, frame_bytes(h)};
+  if (frames) file.frames = std::int64_t(*frames);
+  std::string text = declared_json(parameters_of<HeaderFile>(), &file, h.tools.empty() ? 1 : 0);
   const std::size_t left_for_frames = frames ? 0 : 2400;  // with the outcome, known only when all is recorded
   if (text.size() + left_for_frames + 1 > header_bytes) throw Error(ExitCode::internal, "", "header", "is too long");
   text.resize(header_bytes - 1, ' ');
   return text + "\n";
+}
+
+HeaderFile read_header(std::string_view text, int version) {
+  HeaderFile h;
+  // As recordings without these were felt.
+  h.drilling.clearance_voxels = 0;
+  h.drilling.cut_at = DrillingParams::At::device;
+  h.force.force_law = ForceParams::Law::first;
+  JsonRules rules;
+  rules.version = version;
+  read_declared_json(text, parameters_of<HeaderFile>(), &h, rules);
+  if (!h.drilling.drill) h.drilling = {};
+  h.knows_across =
+      version == across_version || (version > across_version && h.frame_bytes == sizeof(ServoFrame));
+  return h;
 }
 
 void put_u32(std::uint32_t v, char* out) {
@@ -106,19 +76,6 @@ std::uint32_t get_u32(const char* in) {
 }
 
 Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
-
-RecordingHeader::Outcome read_outcome(const Json& j) {
-  RecordingHeader::Outcome o;
-  o.volume_sha256 = j.at("volume_sha256").get<std::string>();
-  o.removed_mm3 = j.at("removed_mm3").get<std::map<std::string, double>>();
-  o.breached = j.at("breached").get<bool>();
-  if (o.breached) {
-    o.breach_time_s = j.at("breach_time_s").get<double>();
-    const auto at = j.at("breach_mm").get<std::array<double, 3>>();
-    o.breach_mm = {at[0], at[1], at[2]};
-  }
-  return o;
-}
 
 }  // namespace
 
@@ -167,51 +124,16 @@ Recording read_recording(const std::filesystem::path& file) {
       refuse("version", std::to_string(version) + ", this program reads " + std::to_string(oldest_recording_version) +
                             " to " + std::to_string(recording_version));
     if (length > bytes.size() - fixed_bytes || length > (1u << 20)) refuse("header", "is cut short");
+    const HeaderFile header = read_header({bytes.data() + fixed_bytes, length}, int(version));
+    if (!(header.rate_hz > 0)) refuse("rate_hz", to_text(header.rate_hz) + ", must be above 0");
+    if (header.frame_bytes != frame_bytes(header)) refuse("frame_bytes", "are not this version's");
     Recording r;
-    std::optional<std::uint64_t> frames;
-    try {
-      const Json j = Json::parse(bytes.begin() + fixed_bytes, bytes.begin() + fixed_bytes + length);
-      RecordingHeader& h = r.header;
-      h.case_token = j.at("case").get<std::string>();
-      h.haptic_sha256 = j.at("haptic_sha256").get<std::string>();
-      h.feel_sha256 = j.value("feel_sha256", "");
-      h.device = j.at("device").get<std::string>();
-      h.rate_hz = j.at("rate_hz").get<double>();
-      if (!(h.rate_hz > 0)) refuse("rate_hz", to_text(h.rate_hz) + ", must be above 0");
-      h.felt_shape = j.at("felt_shape").get<std::string>();
-      h.knows_across = version == across_version ||
-                       (version > across_version && j.at("frame_bytes").get<std::size_t>() == sizeof(ServoFrame));
-      if (j.at("frame_bytes").get<std::size_t>() != frame_bytes(h)) refuse("frame_bytes", "are not this version's");
-      from_json(j.at("contact"), h.contact);
-      h.force.force_law = ForceParams::Law::first;  // as recordings without one were felt
-      from_json(j.at("force"), h.force);
-      from_json(j.at("shaft"), h.shaft);
-      if (j.contains("tool")) from_json(j.at("tool"), h.tool);
-      if (j.contains("drilling")) {
-        h.drilling.clearance_voxels = 0;  // as recordings without it were felt
-        h.drilling.cut_at = DrillingParams::At::device;
-        from_json(j.at("drilling"), h.drilling);
-        from_json(j.at("law"), h.law);
-      }
-      if (j.contains("lesson")) {
-        h.lesson = j.at("lesson").at("module").get<std::string>();
-        h.participant = j.at("lesson").at("participant").get<std::string>();
-        h.task = j.at("lesson").value("task", "");
-        h.in_open = j.at("lesson").value("in_open", false);
-        for (const Json& tool : j.at("lesson").at("tools")) from_json(tool, h.tools.emplace_back());
-      }
-      h.begins_sha256 = j.value("begins_sha256", "");
-      if (j.contains("outcome")) h.outcome = read_outcome(j.at("outcome"));
-      if (j.contains("frames")) frames = j.at("frames").get<std::uint64_t>();
-    } catch (const Json::parse_error&) {
-      refuse("header", "is no JSON");
-    } catch (const Json::exception&) {
-      refuse("header", "lacks a field, or one is of another kind");
-    }
+    r.header = header;
     const std::size_t rest = bytes.size() - fixed_bytes - length;
     const std::size_t each = frame_bytes(r.header), count = rest / each;
     if (rest % each != 0) refuse("frames", "end within one");
-    if (frames && *frames != count) refuse("frames", std::to_string(count) + ", were " + std::to_string(*frames));
+    if (header.frames >= 0 && std::uint64_t(header.frames) != count)
+      refuse("frames", std::to_string(count) + ", were " + std::to_string(header.frames));
     r.frames.resize(count);
     for (std::size_t n = 0; n < count; ++n)
       std::memcpy(&r.frames[n], bytes.data() + fixed_bytes + length + n * each, each);
@@ -235,17 +157,17 @@ std::uint64_t missing_frames(const std::vector<ServoFrame>& frames) {
 
 std::string feel_digest(const Feels& feels) {
   std::string text;
-  const auto add = [&](double v) { text += to_text(v) + " "; };
   for (const ShapeFeel& f : feels) {
-    for (const CaseFace* face : {&f.front, &f.back}) {
-      const MaterialFaceParams params = face_params(*face);
-      for (const Parameter& p : parameters_of<MaterialFaceParams>().parameters) {
-        const ParameterValue v = p.get(&params);
-        add(p.kind == ParameterKind::flag ? std::get<bool>(v) : std::get<double>(v));
-      }
+    const AnyParams params = AnyParams::make(f), defaults = AnyParams::make(ShapeFeel());
+    const std::vector<ParameterLeaf> leaves = leaves_of(params), fresh = leaves_of(defaults);
+    for (std::size_t n = 0; n < leaves.size(); ++n) {
+      const ParameterValue v = leaves[n].value();
+      // What is seen of a material, and what a drill makes of it, which the recording's outcome tells.
+      if (leaves[n].path == "colour_rgb" || leaves[n].path == "removal_energy_j_per_mm3") continue;
+      if (leaves[n].parameter->since > 0 && v == fresh[n].value()) continue;  // as before there was such a value
+      const bool* flag = std::get_if<bool>(&v);
+      text += (flag ? to_text(double(*flag)) : to_text(v)) + " ";
     }
-    add(f.drag_n_s_per_mm);
-    add(f.shaft_friction_n_per_mm);
   }
   return sha256_of_bytes(text);
 }

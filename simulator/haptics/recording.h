@@ -18,6 +18,8 @@ namespace trephine {
 /// cuts at the tool. Its frames are those of version 4 where the device knows `across`, else of 2. Version 4 is written
 /// where the device knows how the tool is turned about its axis, else 3 where a session has several tools, else 2: a
 /// program that knows only 2 can replay all that it can read.
+/// A member that comes to the header, or to a struct in it, is declared with is_since() and the version after this one:
+/// recordings of the versions so far may be without it.
 constexpr int recording_version = 5, across_version = 4, several_tools_version = 3, single_tool_version = 2,
               oldest_recording_version = 1;
 
@@ -48,8 +50,45 @@ struct RecordingHeader {
     bool breached = false;
     double breach_time_s = 0;
     Vec3 breach_mm;
+    template <class V>
+    static void describe(V& v) {
+      using P = Outcome;
+      v.text(&P::volume_sha256, "volume_sha256", "SHA-256 of the voxels at the end.");
+      v.map(&P::removed_mm3, "removed_mm3", "What was removed, by shape.");
+      v.flag(&P::breached, "breached", "Whether the tip left drilled bone on the other side than it came in.");
+      v.number(&P::breach_time_s, "breach_time_s", Range{}, "When.").not_always();
+      v.numbers(&P::breach_mm, "breach_mm", Range{}, "Where.").not_always();
+    }
   };
   std::optional<Outcome> outcome;
+  template <class V>
+  static void describe(V& v) {
+    using P = RecordingHeader;
+    v.text(&P::case_token, "case", "The case.");
+    v.text(&P::haptic_sha256, "haptic_sha256", "SHA-256 of the file of its haptic volume.");
+    v.text(&P::feel_sha256, "feel_sha256", "Digest of its materials.").not_always();
+    v.text(&P::device, "device", "Who held the tool.");
+    v.number(&P::rate_hz, "rate_hz", Range{}, "Ticks in each second, as they were asked for.");
+    v.text(&P::felt_shape, "felt_shape", "The only shape that could be touched; empty: all.");
+    v.group(&P::contact, "contact", "How contact is found.");
+    v.group(&P::force, "force", "The limits on forces.");
+    v.group(&P::shaft, "shaft", "The shaft behind the tip.");
+    v.group(&P::tool, "tool", "The tool.").is_since(2);
+    const auto drills = [](const P& h) { return h.drilling.drill; };
+    v.only_where(v.group(&P::drilling, "drilling", "How the session cuts."), drills);
+    v.only_where(v.group(&P::law, "law", "How material is removed."), drills);
+    v.only_where(v.section("lesson", "The lesson, where it is one.",
+                           [](auto& in) {
+                             in.text(&P::lesson, "module", "Its module.");
+                             in.text(&P::participant, "participant", "An anonymous token.");
+                             in.text(&P::task, "task", "What was asked for.").not_always();
+                             in.flag(&P::in_open, "in_open", "Tools are changed in the open alone.").not_always();
+                             in.list(&P::tools, "tools", "Its tools.");
+                           }),
+                 [](const P& h) { return !h.tools.empty(); });
+    v.text(&P::begins_sha256, "begins_sha256", "SHA-256 of the voxels at the begin.").not_always();
+    v.group(&P::outcome, "outcome", "What was cut.").not_always();
+  }
 };
 
 /// SHA-256 of a volume's raw voxels, little endian.

@@ -47,9 +47,11 @@ struct ToolParams {
              "A tool that is turned while points further apart than this collide keeps its orientation; 0: never.");
     v.text(&P::tool_points, "tool_points",
            "File with the points of --tool points: x y z in mm on each line, the tip at 0, the tail towards +z.")
+        .not_always()
         .names("file");
     v.text(&P::tool_points_sha256, "tool_points_sha256",
-           "What that file's SHA-256 must be; empty: any. A recording holds it, so that a replay has the same tool.");
+           "What that file's SHA-256 must be; empty: any. A recording holds it, so that a replay has the same tool.")
+        .not_always();
   }
 };
 

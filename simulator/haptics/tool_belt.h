@@ -46,7 +46,8 @@ struct BeltToolParams : ToolParams {
     v.flag(&P::marks, "marks", "While the pedal is down it draws on what it touches, and its last point is kept.");
     v.flag(&P::cuts, "cuts", "While the pedal is down it drills.");
     v.number(&P::pierce_n, "pierce_n", Range{0, 100},
-             "Force at which it enters and leaves what else nothing enters, such as bone; 0: it does not.");
+             "Force at which it enters and leaves what else nothing enters, such as bone; 0: it does not.")
+        .is_since(5);
     v.number(&P::cuts_wider_mm, "cuts_wider_mm", Range{0, 5},
              "How much wider than the tool is felt its drill cuts, in diameter, so that it fits into what it cut.");
   }

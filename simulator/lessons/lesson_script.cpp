@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/write_file.h"
-#include "lesson/declared_json.h"
+#include "json/declared_json.h"
 #include "lessons/lesson_type.h"
 
 namespace trephine {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "fluoro/fluoro_thread.h"
-#include "modules/lesson_module.h"
+#include "lessons/lesson_type.h"
 #include "session/playback.h"
 #include "window/case_view.h"
 

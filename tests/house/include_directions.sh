@@ -44,7 +44,7 @@ while IFS='|' read -r file included; do
   to=${included%%/*}
   if [[ $from == simulator ]]; then
     case $to in
-      base | cli | grid | surface | voxel | contact | cases | lesson) ;;
+      base | json | cli | grid | surface | voxel | contact | cases | lesson) ;;
       *) [[ -n ${rank[$to]+x} && $included == */* && -e lib/$included ]] && fault "$file: the simulator may not include $included" ;;
     esac
   elif [[ $file == lib/* && -z ${rank[$from]+x} ]]; then

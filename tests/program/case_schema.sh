@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# docs/case-package.md, docs/case.schema.json and the loader agree on what case.json holds.
+# docs/reference/case.schema.json and the loader agree on what case.json holds.
 . "$(dirname "$0")/common.sh"
 "$WRITE_CASE" "$work/sample"
-python3 "$SOURCE/tests/program/case_schema.py" "$SOURCE/docs/case-package.md" "$SOURCE/docs/case.schema.json" "$work/sample" "$TREPHINE"
+python3 "$SOURCE/tests/program/case_schema.py" "$SOURCE/docs/reference/case.schema.json" "$work/sample" "$TREPHINE"

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "grid/grid.h"
-#include "voxel/cutter.h"
+#include "drill/cutter.h"
 
 namespace trephine {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "voxel/cutter_body.h"
+#include "drill/cutter_body.h"
 
 #include <algorithm>
 #include <cmath>

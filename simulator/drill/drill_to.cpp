@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "voxel/cutter_body.h"
-#include "voxel/drill.h"
+#include "drill/cutter_body.h"
+#include "drill/drill.h"
 #include "voxel/raw_voxel.h"
 
 namespace trephine {
